@@ -1,0 +1,55 @@
+"""The errors a user can cause, and how they are told: one line that names the key, file, line or block."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+class InputError(ValueError):
+    """Something the user gave is wrong. The message is one line; the command line prints it and exits with 2."""
+
+
+def suggest(word: str, known: Iterable[str]) -> str:
+    """Return ' (did you mean "x"?)' when a known word is close to the given one, else an empty string."""
+    close = difflib.get_close_matches(word, list(known), n=1)
+    return f' (did you mean "{close[0]}"?)' if close else ""
+
+
+def parse_table(model: type[Model], table: Mapping[str, Any], where: str) -> Model:
+    """Validate one table of a scene file.
+
+    Args:
+        model: the pydantic model of the table, with ``extra="forbid"``.
+        table: the table as read from TOML.
+        where: the table's name in the file, as the user writes it, e.g. ``structure`` or ``loads[0]``.
+
+    Raises:
+        InputError: one line that names the first offending key as ``where.key``.
+    """
+    try:
+        return model.model_validate(dict(table))
+    except ValidationError as failure:
+        raise InputError(_first_line(failure, model, where)) from None
+
+
+def _first_line(failure: ValidationError, model: type[BaseModel], where: str) -> str:
+    """Turn pydantic's report into one line; misspelt keys come first, since they explain missing ones."""
+    errors = sorted(failure.errors(), key=lambda e: e["type"] != "extra_forbidden")
+    first = errors[0]
+    key = ".".join([where, *(str(part) for part in first["loc"])]) if where else ".".join(map(str, first["loc"]))
+    if first["type"] == "extra_forbidden":
+        known = [field.alias or name for name, field in model.model_fields.items()]
+        hint = suggest(str(first["loc"][-1]), known)
+        return f"{key}: unknown key{hint or '; known keys: ' + ', '.join(known)}"
+    if first["type"] == "missing":
+        return f"{key}: missing"
+    message = first["msg"].removeprefix("Value error, ")
+    given = first.get("input")
+    shown = f", got {given!r}" if isinstance(given, (str, int, float, bool)) else ""
+    return f"{key}: {message[0].lower()}{message[1:]}{shown}"

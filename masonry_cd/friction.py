@@ -1,0 +1,184 @@
+r"""The friction problem of one time step, its solution, and the error measures, outside any solver.
+
+Find velocities v and contact impulses p such that
+
+    M v = M v_free + H^T p,      u = H v + b,      K* contains u + mu |u_t| n,  K contains p,  the two orthogonal,
+
+with K the product of Coulomb's cones |p_t| <= mu p_n, K* its dual |u_t| <= u_n / mu (De Saxce & Feng, Math. Comput.
+Modelling 28, 1998). b holds the velocity of the supports and, on the normal, the gap over the time step. In the impulses
+alone, with the Delassus operator W = H M^-1 H^T and q = H v_free + b:
+
+    u = W p + q.
+
+**Natural map error.** With d_c = trace(W_cc) / m per contact (m = 3, planar 2) and r = p sqrt(d), w = u / sqrt(d):
+
+    error = | r - P_K( r - (w + mu |w_t| n) ) | / | q / sqrt(d) |
+
+It has no unit, does not change when masses or lengths are rescaled, and is zero exactly at a solution. Norms over all
+contacts; if q = 0 the numerator alone is the error. The measure of the literature, without the scaling (d_c = 1), stands
+beside it (Acary, Bremond & Huber, "On solving contact problems with Coulomb friction", 2018).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import sparse
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionProblem:
+    """A friction problem over rigid bodies: C contacts with m rows each, B free bodies with n unknowns each.
+
+    In space m = 3 (normal, two tangents) and n = 6; in a plane m = 2 and n = 3.
+    """
+
+    inverse_mass: np.ndarray  # (B, n, n) blocks of M^-1, symmetric positive definite
+    v_free: np.ndarray  # (B, n) velocities without contact [m/s, rad/s]
+    bodies: np.ndarray  # (C, 2) candidate and antagonist body; -1: a support, its velocity is in the offset
+    jacobian: np.ndarray  # (C, 2, m, n) H by contact and body
+    offset: np.ndarray  # (C, m) b [m/s]
+    mu: np.ndarray  # (C,) coefficients of friction
+
+    @property
+    def contacts(self) -> int:
+        """Number of contacts C."""
+        return len(self.mu)
+
+    @property
+    def dimension(self) -> int:
+        """Rows per contact m."""
+        return int(self.offset.shape[1])
+
+    def relative_velocity(self, v: np.ndarray) -> np.ndarray:
+        """u = H v + b, (C, m), for body velocities (B, n)."""
+        u = self.offset.copy()
+        for side in range(2):
+            on = self.bodies[:, side] >= 0
+            u[on] += np.einsum("cij,cj->ci", self.jacobian[on, side], v[self.bodies[on, side]])
+        return u
+
+    def body_velocity(self, impulse: np.ndarray) -> np.ndarray:
+        """v = v_free + M^-1 H^T p, (B, n), for impulses (C, m)."""
+        push = np.zeros_like(self.v_free)
+        for side in range(2):
+            on = self.bodies[:, side] >= 0
+            np.add.at(push, self.bodies[on, side], np.einsum("cij,ci->cj", self.jacobian[on, side], impulse[on]))
+        return self.v_free + np.einsum("bij,bj->bi", self.inverse_mass, push)
+
+    def free_relative_velocity(self) -> np.ndarray:
+        """q = H v_free + b, (C, m)."""
+        return self.relative_velocity(self.v_free)
+
+    def apply(self, impulse: np.ndarray) -> np.ndarray:
+        """u = W p + q, (C, m)."""
+        return self.relative_velocity(self.body_velocity(impulse))
+
+    def delassus_diagonal(self) -> np.ndarray:
+        """W_cc, (C, m, m)."""
+        out = np.zeros((self.contacts, self.dimension, self.dimension))
+        for side in range(2):
+            on = self.bodies[:, side] >= 0
+            h = self.jacobian[on, side]
+            out[on] += np.einsum("cik,ckl,cjl->cij", h, self.inverse_mass[self.bodies[on, side]], h)
+        return out
+
+    def to_local(self) -> LocalProblem:
+        """The same problem with W assembled as a sparse matrix."""
+        rows, cols, data = [], [], []
+        m, n = self.dimension, self.v_free.shape[1]
+        for side in range(2):
+            on = np.flatnonzero(self.bodies[:, side] >= 0)
+            row = (on[:, None, None] * m + np.arange(m)[None, :, None]) + np.zeros((1, 1, n), dtype=np.int64)
+            col = (self.bodies[on, side][:, None, None] * n + np.arange(n)[None, None, :]) + np.zeros((1, m, 1), dtype=np.int64)
+            rows.append(row.ravel())
+            cols.append(col.ravel())
+            data.append(self.jacobian[on, side].ravel())
+        size = (self.contacts * m, self.v_free.size)
+        h = sparse.csr_matrix((np.concatenate(data), (np.concatenate(rows), np.concatenate(cols))), size)
+        blocks = len(self.inverse_mass)
+        inverse = sparse.bsr_matrix((self.inverse_mass, np.arange(blocks), np.arange(blocks + 1)), (blocks * n, blocks * n))
+        w = (h @ inverse @ h.T).tocsr()
+        return LocalProblem(w, self.free_relative_velocity(), self.mu)
+
+
+@dataclass(frozen=True, eq=False)
+class LocalProblem:
+    """A friction problem in the impulses alone: u = W p + q. W may be slightly unsymmetric, as published ones are."""
+
+    w: sparse.csr_matrix  # (C m, C m)
+    q: np.ndarray  # (C, m)
+    mu: np.ndarray  # (C,)
+
+    @property
+    def contacts(self) -> int:
+        """Number of contacts C."""
+        return len(self.mu)
+
+    @property
+    def dimension(self) -> int:
+        """Rows per contact m."""
+        return int(self.q.shape[1])
+
+    def free_relative_velocity(self) -> np.ndarray:
+        """q, (C, m)."""
+        return self.q
+
+    def apply(self, impulse: np.ndarray) -> np.ndarray:
+        """u = W p + q, (C, m)."""
+        return (self.w @ impulse.ravel()).reshape(self.q.shape) + self.q
+
+    def delassus_diagonal(self) -> np.ndarray:
+        """W_cc, (C, m, m)."""
+        m = self.dimension
+        blocks = self.w.tobsr((m, m))
+        blocks.sort_indices()
+        row = np.repeat(np.arange(self.contacts), np.diff(blocks.indptr))
+        out = np.zeros((self.contacts, m, m))
+        on = blocks.indices == row
+        out[row[on]] = blocks.data[on]
+        return out
+
+
+Problem = FrictionProblem | LocalProblem
+
+
+@dataclass(eq=False)
+class Solution:
+    """What a solver returns. Its own opinion on convergence is not asked: judge it by :func:`natural_map_error`."""
+
+    impulse: np.ndarray  # (C, m) p [N s]
+    velocity: np.ndarray | None  # (B, n) v; None for a local problem
+    iterations: int
+    reason: str = ""  # why it stopped or which solver was picked, for the results
+    memory: dict[str, np.ndarray] = field(default_factory=dict)  # what the same solver may start from next time
+
+
+def project_cone(vector: np.ndarray, mu: np.ndarray) -> np.ndarray:
+    """Project (C, m) vectors onto Coulomb's cones |x_t| <= mu x_n."""
+    normal, tangent = vector[:, 0], vector[:, 1:]
+    length = np.linalg.norm(tangent, axis=1)
+    inside = length <= mu * normal
+    polar = mu * length <= -normal
+    height = np.where(polar, 0.0, (normal + mu * length) / (1.0 + mu * mu))
+    scale = np.divide(mu * height, length, out=np.zeros_like(length), where=length > 0)
+    onto = np.concatenate([height[:, None], scale[:, None] * tangent], axis=1)
+    return np.where(inside[:, None], vector, onto)
+
+
+def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True) -> float:
+    """The natural map error of impulses (C, m), see the head of this file.
+
+    u is computed from the impulses, u = W p + q, so the equation of motion holds by construction.
+    """
+    if problem.contacts == 0:
+        return 0.0
+    scale = np.sqrt(np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / problem.dimension) if scaled else np.ones(problem.contacts)
+    r = impulse * scale[:, None]
+    w = problem.apply(impulse) / scale[:, None]
+    shifted = w.copy()
+    shifted[:, 0] += problem.mu * np.linalg.norm(w[:, 1:], axis=1)
+    residual = float(np.linalg.norm(r - project_cone(r - shifted, problem.mu)))
+    size = float(np.linalg.norm(problem.free_relative_velocity() / scale[:, None]))
+    return residual / size if size > 0 else residual

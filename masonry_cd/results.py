@@ -1,0 +1,238 @@
+"""The result file of a run: HDF5, written as the run goes, read by the reports and by whoever likes.
+
+Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
+
+    /time (F,)  /position (F, B, 3)  /orientation (F, B, 4) w first  /velocity (F, B, 6) linear, angular
+    /joints/{block_a, block_b, area, normal, polygon_start, polygon}          what the joints are
+    /joints/{opening, sliding, rotation, contact_area, normal_force, shear_force} (F, J)
+    /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
+    /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]   /step_time (N,) [s]
+    /blocks/*   the blocks as they were built: a report needs no scene
+    attributes: scene (the text of the scene file), title, versions (JSON)
+
+The file is in HDF5's single-writer mode (SWMR), so it stays readable while it grows and after a kill at any moment. Memory does
+not grow with the run: frames and steps wait in small buffers only.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import platform
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from importlib.metadata import version
+from pathlib import Path
+from types import TracebackType
+
+import h5py
+import numpy as np
+
+from masonry_cd.blocks import Assembly, Block
+from masonry_cd.errors import InputError
+from masonry_cd.joints import Joints
+
+FRAME_FIELDS = ("time", "position", "orientation", "velocity")
+JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_force", "shear_force")
+JOINT_PEAKS = ("opening", "sliding", "rotation", "contact_area_loss", "first_opening_time")
+BUFFER_BYTES = 1 << 20
+
+
+class ResultWriter:
+    """Writes result.h5 as the run goes. Use it as a context manager; leaving it closes the file readable."""
+
+    def __init__(self, path: Path, assembly: Assembly, joints: Joints, scene: str = "", title: str = "") -> None:
+        self.path = path
+        self._file = h5py.File(path, "w", libver="latest")
+        self._file.attrs.update(scene=scene, title=title, versions=json.dumps(versions()))
+        _write_blocks(self._file.create_group("blocks"), assembly.blocks)
+        group = self._file.create_group("joints")
+        for name in Joints.__dataclass_fields__:
+            group[name] = getattr(joints, name)
+        for name in JOINT_PEAKS:
+            group.create_dataset(f"peak/{name}", data=np.full(joints.count, np.nan))
+        self._pending: dict[str, list[np.ndarray]] = {}
+        self._pending_bytes = 0
+        self._started = False
+
+    def __enter__(self) -> ResultWriter:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def append(self, rows: Mapping[str, np.ndarray | float]) -> None:
+        """Append one row to each named dataset, e.g. ``{"time": 0.1, "position": (B, 3)}``."""
+        self._extend({name: np.asarray(row)[None] for name, row in rows.items()})
+
+    def extend(self, rows: Mapping[str, np.ndarray]) -> None:
+        """Append many rows, the first axis of each array, to each named dataset."""
+        self._extend(rows)
+
+    def _extend(self, rows: Mapping[str, np.ndarray]) -> None:
+        for name, array in rows.items():
+            if name not in self._file:
+                self._create(name, array)
+            self._pending.setdefault(name, []).append(np.array(array))
+            self._pending_bytes += array.nbytes
+        if self._pending_bytes > BUFFER_BYTES:
+            self.flush()
+
+    def _create(self, name: str, array: np.ndarray) -> None:
+        """A dataset that grows along its first axis, in chunks of about 64 kB."""
+        row_bytes = max(1, array[:1].nbytes)
+        chunk = int(np.clip(65536 // row_bytes, 1, 4096))
+        self._file.create_dataset(
+            name, shape=(0, *array.shape[1:]), maxshape=(None, *array.shape[1:]), chunks=(chunk, *array.shape[1:]), dtype=array.dtype
+        )
+
+    def flush(self) -> None:
+        """Write what waits in the buffers; from here on it survives a kill."""
+        if not self._started and self._pending:
+            self._file.swmr_mode = True  # no dataset may be created from here on
+            self._started = True
+        for name, parts in self._pending.items():
+            dataset, rows = self._file[name], np.concatenate(parts)
+            dataset.resize(len(dataset) + len(rows), axis=0)
+            dataset[-len(rows) :] = rows
+            dataset.flush()
+        self._pending.clear()
+        self._pending_bytes = 0
+
+    def write_peaks(self, peaks: Mapping[str, np.ndarray]) -> None:
+        """Write the largest joint measures so far, (J,) each."""
+        for name, values in peaks.items():
+            self._file[f"joints/peak/{name}"][...] = values
+            self._file[f"joints/peak/{name}"].flush()
+
+    def close(self) -> None:
+        """Write what is left and close the file."""
+        if self._file:
+            self.flush()
+            self._file.close()
+
+
+class Results:
+    """A result file, read lazily. Use ``Results.open(path)`` or the class as a context manager."""
+
+    def __init__(self, file: h5py.File) -> None:
+        self.file = file
+
+    @classmethod
+    def open(cls, path: Path) -> Results:
+        """Open a result file, also one whose run was killed.
+
+        Raises:
+            InputError: no such file, no HDF5 file, or no result of a run.
+        """
+        if not Path(path).exists():
+            raise InputError(f"{path}: no such result file")
+        try:
+            file = h5py.File(path, "r")
+        except OSError:
+            file = _open_unfinished(path)
+        if "time" not in file or "joints" not in file:
+            raise InputError(f"{path}: not the result of a run, or one that ended before its first frame")
+        return cls(file)
+
+    def __enter__(self) -> Results:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.file.close()
+
+    @property
+    def frames(self) -> int:
+        """Number of frames whose positions, orientations and joints are all written."""
+        names = [*FRAME_FIELDS, *(f"joints/{name}" for name in JOINT_HISTORIES)]
+        return min(len(self.file[name]) for name in names if name in self.file)
+
+    @property
+    def time(self) -> np.ndarray:
+        """(F,) [s]."""
+        return self.file["time"][: self.frames]
+
+    @property
+    def position(self) -> h5py.Dataset:
+        """(F, B, 3) [m], read on indexing."""
+        return self.file["position"]
+
+    @property
+    def orientation(self) -> h5py.Dataset:
+        """(F, B, 4), read on indexing."""
+        return self.file["orientation"]
+
+    @cached_property
+    def blocks(self) -> tuple[Block, ...]:
+        """The blocks as they were built."""
+        return tuple(_read_blocks(self.file["blocks"]))
+
+    @cached_property
+    def joints(self) -> Joints:
+        """The joints at rest."""
+        return Joints(**{name: self.file["joints"][name][...] for name in Joints.__dataclass_fields__})
+
+    def joint_history(self, name: str) -> np.ndarray:
+        """(F, J) history of opening, sliding, rotation, contact_area, normal_force or shear_force."""
+        return self.file[f"joints/{name}"][: self.frames]
+
+    @property
+    def peaks(self) -> dict[str, np.ndarray]:
+        """Largest joint measures over all steps, (J,) each; NaN where a run was killed before its first flush."""
+        return {name: self.file[f"joints/peak/{name}"][...] for name in JOINT_PEAKS}
+
+    def per_step(self, name: str) -> np.ndarray:
+        """(N,) a value per step, e.g. ``solver/error``, ``energy/kinetic``, ``penetration``."""
+        return self.file[name][...]
+
+    @property
+    def title(self) -> str:
+        """The title of the case."""
+        return str(self.file.attrs["title"])
+
+    @property
+    def scene(self) -> str:
+        """The text of the scene file that made this run."""
+        return str(self.file.attrs["scene"])
+
+
+def versions() -> dict[str, str]:
+    """Versions of this program and of what decides its numbers."""
+    out = {"python": platform.python_version()}
+    for name in ("masonry-cd", "numpy", "scipy", "numba", "h5py", "cvxopt"):
+        with contextlib.suppress(Exception):
+            out[name] = version(name)
+    return out
+
+
+def _open_unfinished(path: Path) -> h5py.File:
+    """Open a file whose writer was killed: SWMR readers ignore the mark that it left."""
+    try:
+        return h5py.File(path, "r", libver="latest", swmr=True)
+    except OSError:
+        raise InputError(f"{path}: not a readable HDF5 file, or cut off before its first frame") from None
+
+
+def _write_blocks(group: h5py.Group, blocks: tuple[Block, ...]) -> None:
+    """Write the blocks in flat arrays."""
+    text = h5py.string_dtype()
+    group.create_dataset("name", data=[b.name for b in blocks], dtype=text)
+    group.create_dataset("group", data=[b.group for b in blocks], dtype=text)
+    group["fixed"] = np.array([b.fixed for b in blocks])
+    group["density"] = np.array([b.density for b in blocks])
+    group["vertex_start"] = np.cumsum([0, *(len(b.vertices) for b in blocks)])
+    group["vertices"] = np.concatenate([b.vertices for b in blocks])
+    group["face_start"] = np.cumsum([0, *(len(b.faces) for b in blocks)])
+    group["loop_start"] = np.cumsum([0, *(len(face) for b in blocks for face in b.faces)])
+    group["loops"] = np.array([i for b in blocks for face in b.faces for i in face])
+
+
+def _read_blocks(group: h5py.Group) -> Iterator[Block]:
+    """Read back what :func:`_write_blocks` wrote."""
+    names, groups = group["name"].asstr()[...], group["group"].asstr()[...]
+    arrays = {name: group[name][...] for name in ("fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")}
+    for i, name in enumerate(names):
+        vertices = arrays["vertices"][arrays["vertex_start"][i] : arrays["vertex_start"][i + 1]]
+        loops = range(arrays["face_start"][i], arrays["face_start"][i + 1])
+        faces = tuple(tuple(arrays["loops"][arrays["loop_start"][f] : arrays["loop_start"][f + 1]].tolist()) for f in loops)
+        yield Block(name, vertices, faces, float(arrays["density"][i]), groups[i], bool(arrays["fixed"][i]))

@@ -1,0 +1,48 @@
+"""The state of a run: where the blocks are and how they move, at one time and without history."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from masonry_cd.blocks import Assembly
+
+
+@dataclass(eq=False)
+class State:
+    """Positions and velocities of B blocks, in the world frame.
+
+    Attributes:
+        time: [s].
+        position: (B, 3) centres of mass [m].
+        orientation: (B, 4) unit quaternions (w, x, y, z), body to world.
+        velocity: (B, 6) linear [m/s] and angular [rad/s] velocity.
+    """
+
+    time: float
+    position: np.ndarray
+    orientation: np.ndarray
+    velocity: np.ndarray
+
+    @classmethod
+    def at_rest(cls, assembly: Assembly) -> State:
+        """The assembly where it was built, not moving."""
+        orientation = np.zeros((assembly.count, 4))
+        orientation[:, 0] = 1.0
+        return cls(0.0, assembly.centre.copy(), orientation, np.zeros((assembly.count, 6)))
+
+    def copy(self) -> State:
+        """An independent copy."""
+        return State(self.time, self.position.copy(), self.orientation.copy(), self.velocity.copy())
+
+
+def rotation_matrices(orientation: np.ndarray) -> np.ndarray:
+    """Rotation matrices (..., 3, 3), body to world, of unit quaternions (..., 4), w first."""
+    w, x, y, z = np.moveaxis(orientation, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
