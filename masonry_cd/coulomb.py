@@ -1,0 +1,474 @@
+r"""Coulomb's law at a contact, and the compiled loops that sweep over contacts.
+
+One contact, all others held, sees u = W p + q with its own 3 x 3 block W of the Delassus operator. Signorini's condition and
+Coulomb's law then have one of three answers (Jean, Comput. Methods Appl. Mech. Engrg. 177, 1999):
+
+    separation   p = 0                              if q_n >= 0
+    stick        p = -W^-1 q                        if that lies in the cone |p_t| <= mu p_n
+    slip         u_n = 0,  u_t = -s p_t,  |p_t| = mu p_n   with s > 0
+
+In slip the normal row is eliminated, p_n = -(q_n + w.p_t) / W_nn, which leaves (A + s I) p_t = -a with the Schur complement
+A = W_tt - w w^T / W_nn and a = q_t - w q_n / W_nn. The one unknown s solves
+
+    h(s) = mu p_n(s) / |p_t(s)| - 1 = 0,     h(0) < 0,  h(infinity) > 0,
+
+which is exactly linear when W is diagonal and isotropic, and nearly so otherwise: Newton inside a shrinking bracket ends after two
+or three steps (the idea of the secular equation of trust regions, More & Sorensen, SIAM J. Sci. Stat. Comput. 4, 1983).
+
+Planar contacts (one tangent) use the same step with a second tangent that carries nothing.
+
+All kernels that call each other live in this one file: numba's cache does not notice a changed callee in another file.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+LAW_SIZE = 10  # numbers per contact in the table of local laws, see _law_row
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _length(x: float, y: float) -> float:
+    """Length of a tangential vector."""
+    return np.sqrt(x * x + y * y)
+
+
+@njit(cache=True, nogil=True)
+def _slip(mu: float, qn: float, a1: float, a2: float, winv: float, c1: float, c2: float, s11: float, s12: float, s22: float):
+    """Solve the slip equation; a = (a1, a2), A = [[s11, s12], [s12, s22]], c = w / W_nn. Returns p (n, t1, t2)."""
+    low, high, s = 0.0, np.inf, 0.0
+    size = s11 + s22
+    p1 = p2 = 0.0
+    for _ in range(100):
+        d1, d2 = s11 + s, s22 + s
+        inverse = 1.0 / (d1 * d2 - s12 * s12)
+        p1 = (s12 * a2 - d2 * a1) * inverse
+        p2 = (s12 * a1 - d1 * a2) * inverse
+        e1 = (s12 * p2 - d2 * p1) * inverse  # dp_t / ds
+        e2 = (s12 * p1 - d1 * p2) * inverse
+        tangent2 = p1 * p1 + p2 * p2
+        tangent = np.sqrt(tangent2)
+        pn = -qn * winv - c1 * p1 - c2 * p2
+        ratio = mu * pn / tangent
+        h = ratio - 1.0
+        if abs(h) <= 4e-16:
+            break
+        if h < 0.0:
+            low = s
+        else:
+            high = s
+        slope = -mu * (c1 * e1 + c2 * e2) / tangent - ratio * (p1 * e1 + p2 * e2) / tangent2
+        new = s - h / slope
+        if not (low < new < high):  # also when the slope is zero or not a number
+            new = 0.5 * (low + high) if high < np.inf else 2.0 * s + size
+        if abs(new - s) <= 4e-16 * (s + size):
+            break
+        s = new
+    # the cone exactly, with the direction of slip found and u_n = 0: p_n (1 + mu c.e) = -q_n / W_nn
+    tangent = _length(p1, p2)
+    if tangent > 0.0:
+        p1 /= tangent
+        p2 /= tangent
+    pn = -qn * winv / (1.0 + mu * (c1 * p1 + c2 * p2))
+    if not (pn >= 0.0 and pn < np.inf):  # never a NaN, never outside the cone
+        return -qn * winv, 0.0, 0.0
+    return pn, mu * pn * p1, mu * pn * p2
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _local_step(mu: float, qn: float, q1: float, q2: float, law: np.ndarray, c: int):
+    """The exact answer of one contact to the velocity (qn, q1, q2) that it sees without its own impulse."""
+    if qn >= 0.0:
+        return 0.0, 0.0, 0.0
+    winv, c1, c2 = law[c, 0], law[c, 1], law[c, 2]
+    a1 = q1 - c1 * qn
+    a2 = q2 - c2 * qn
+    p1 = -(law[c, 6] * a1 + law[c, 7] * a2)
+    p2 = -(law[c, 7] * a1 + law[c, 8] * a2)
+    pn = -qn * winv - c1 * p1 - c2 * p2
+    if pn >= 0.0 and p1 * p1 + p2 * p2 <= mu * mu * pn * pn:
+        return pn, p1, p2
+    if mu < 1e-300:
+        return -qn * winv, 0.0, 0.0
+    return _slip(mu, qn, a1, a2, winv, c1, c2, law[c, 3], law[c, 4], law[c, 5])
+
+
+@njit(cache=True, nogil=True)
+def _law_row(w: np.ndarray, m: int, law: np.ndarray, c: int) -> None:
+    """Prepare the local law of contact c from W (3, 3): 1/W_nn, w/W_nn (2), A (3), A^-1 (3), d = trace/m."""
+    wnn = w[0, 0]
+    w1, w2 = 0.5 * (w[0, 1] + w[1, 0]), 0.5 * (w[0, 2] + w[2, 0])
+    tiny = 1e-14 * (w[0, 0] + w[1, 1] + w[2, 2])
+    wnn = max(wnn, tiny)
+    c1, c2 = w1 / wnn, w2 / wnn
+    s11 = max(w[1, 1] - w1 * c1, tiny)
+    s22 = max(w[2, 2] - w2 * c2, tiny) if m == 3 else s11
+    s12 = 0.5 * (w[1, 2] + w[2, 1]) - w1 * c2 if m == 3 else 0.0
+    bound = np.sqrt(s11 * s22) * (1.0 - 1e-14)
+    s12 = min(max(s12, -bound), bound)
+    det = s11 * s22 - s12 * s12
+    law[c, 0], law[c, 1], law[c, 2] = 1.0 / wnn, c1, c2
+    law[c, 3], law[c, 4], law[c, 5] = s11, s12, s22
+    law[c, 6], law[c, 7], law[c, 8] = s22 / det, -s12 / det, s11 / det
+    law[c, 9] = (w[0, 0] + w[1, 1] + (w[2, 2] if m == 3 else 0.0)) / m
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _own_velocity(pn: float, p1: float, p2: float, law: np.ndarray, c: int):
+    """W p of a contact from its law row: with w = c W_nn and W_tt = A + w w^T / W_nn."""
+    wnn = 1.0 / law[c, 0]
+    c1, c2 = law[c, 1], law[c, 2]
+    un = wnn * (pn + c1 * p1 + c2 * p2)
+    return un, c1 * un + law[c, 3] * p1 + law[c, 4] * p2, c2 * un + law[c, 4] * p1 + law[c, 5] * p2
+
+
+@njit(cache=True, nogil=True)
+def local_solve(w: np.ndarray, q: np.ndarray, mu: float) -> np.ndarray:
+    """The impulse (m,) of one contact with u = W p + q, for W (m, m) and q (m,): the local step as a function, for tests."""
+    m = len(q)
+    law = np.empty((1, LAW_SIZE))
+    padded = np.zeros((3, 3))
+    padded[:m, :m] = w
+    _law_row(padded, m, law, 0)
+    pn, p1, p2 = _local_step(mu, q[0], q[1], q[2] if m == 3 else 0.0, law, 0)
+    p = np.empty(m)
+    p[0], p[1] = pn, p1
+    if m == 3:
+        p[2] = p2
+    return p
+
+
+# --- the natural map -------------------------------------------------------------------------------------------------------
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _project(xn: float, x1: float, x2: float, mu: float):
+    """Project (xn, x1, x2) onto Coulomb's cone |x_t| <= mu x_n."""
+    tangent = _length(x1, x2)
+    if tangent <= mu * xn:
+        return xn, x1, x2
+    if mu * tangent <= -xn:
+        return 0.0, 0.0, 0.0
+    height = (xn + mu * tangent) / (1.0 + mu * mu)
+    scale = mu * height / tangent
+    return height, scale * x1, scale * x2
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _natural_map2(pn: float, p1: float, p2: float, un: float, u1: float, u2: float, mu: float, d: float) -> float:
+    """Squared natural map residual of a contact in the scaled variables r = p sqrt(d), w = u / sqrt(d)."""
+    xn, x1, x2 = _project(d * pn - un - mu * _length(u1, u2), d * p1 - u1, d * p2 - u2, mu)
+    en, e1, e2 = d * pn - xn, d * p1 - x1, d * p2 - x2
+    return (en * en + e1 * e1 + e2 * e2) / d
+
+
+@njit(cache=True, nogil=True)
+def natural_map_norms(p: np.ndarray, u: np.ndarray, q: np.ndarray, mu: np.ndarray, d: np.ndarray) -> tuple[float, float]:
+    """Norms of the natural map residual and of q / sqrt(d), for impulses p, velocities u, q (C, m) and scales d (C,)."""
+    residual, size = 0.0, 0.0
+    contacts, m = p.shape
+    for c in range(contacts):
+        p2 = p[c, 2] if m == 3 else 0.0
+        u2 = u[c, 2] if m == 3 else 0.0
+        residual += _natural_map2(p[c, 0], p[c, 1], p2, u[c, 0], u[c, 1], u2, mu[c], d[c])
+        for i in range(m):
+            size += q[c, i] * q[c, i] / d[c]
+    return np.sqrt(residual), np.sqrt(size)
+
+
+# --- random order ----------------------------------------------------------------------------------------------------------
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _random(state: np.ndarray) -> np.uint64:
+    """Next number of a xorshift64* generator (Marsaglia, J. Stat. Softw. 8, 2003; Vigna, ACM Trans. Math. Softw. 42, 2016)."""
+    x = state[0]
+    x ^= x >> np.uint64(12)
+    x ^= x << np.uint64(25)
+    x ^= x >> np.uint64(27)
+    state[0] = x
+    return x * np.uint64(2685821657736338717)
+
+
+@njit(cache=True, nogil=True)
+def _seeded(seed: int) -> np.ndarray:
+    """Generator state for a seed, scrambled so that small seeds differ at once; never zero."""
+    state = np.empty(1, dtype=np.uint64)
+    state[0] = (np.uint64(seed) + np.uint64(1)) * np.uint64(11400714819323198485) | np.uint64(1)
+    for _ in range(4):
+        _random(state)
+    return state
+
+
+@njit(cache=True, nogil=True)
+def _shuffle(order: np.ndarray, state: np.ndarray) -> None:
+    """Fisher-Yates shuffle; the 32 high bits times the range replace a division."""
+    for i in range(len(order) - 1, 0, -1):
+        j = np.int64(((_random(state) >> np.uint64(32)) * np.uint64(i + 1)) >> np.uint64(32))
+        order[i], order[j] = order[j], order[i]
+
+
+# --- a problem over bodies, prepared for sweeping -----------------------------------------------------------------------------
+
+
+@njit(cache=True, nogil=True)
+def _cholesky_small(a: np.ndarray, factor: np.ndarray, n: int) -> None:
+    """Lower Cholesky factor of a symmetric (n, n) block, written into factor."""
+    for i in range(n):
+        for j in range(i + 1):
+            total = 0.5 * (a[i, j] + a[j, i])
+            for k in range(j):
+                total -= factor[i, k] * factor[j, k]
+            if i == j:
+                factor[i, i] = np.sqrt(max(total, 0.0))
+            else:
+                factor[i, j] = total / factor[j, j] if factor[j, j] > 0.0 else 0.0
+        for j in range(i + 1, n):
+            factor[i, j] = 0.0
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _scale_rows(jacobian, factor, side, c, body, m, n, scaled):  # type: ignore[no-untyped-def]
+    """scaled = H L for one contact and side, L lower triangular."""
+    for i in range(m):
+        for j in range(n):
+            total = 0.0
+            for k in range(j, n):
+                total += jacobian[c, side, i, k] * factor[body, k, j]
+            scaled[c, side, i, j] = total
+
+
+@njit(cache=True, nogil=True)
+def _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset):  # type: ignore[no-untyped-def]
+    """Scale by mass: M^-1 = L L^T, G = H L, so that u = q + G y and y = G^T p, and one array of rows serves both ways.
+
+    Supports become a last, dummy body whose rows are zero.
+    """
+    contacts, m = offset.shape
+    free, n = v_free.shape
+    factor = np.empty((free, n, n))
+    for b in range(free):
+        _cholesky_small(inverse_mass[b], factor[b], n)
+    g = np.zeros(jacobian.shape)
+    q = offset.copy()
+    index = np.empty((contacts, 2), dtype=np.int64)
+    for c in range(contacts):
+        for side in range(2):
+            body = bodies[c, side]
+            index[c, side] = body if body >= 0 else free
+            if body < 0:
+                continue
+            if m == 3 and n == 6:
+                _scale_rows(jacobian, factor, side, c, body, 3, 6, g)
+            else:
+                _scale_rows(jacobian, factor, side, c, body, m, n, g)
+            for i in range(m):
+                for k in range(n):
+                    q[c, i] += jacobian[c, side, i, k] * v_free[body, k]
+    return factor, g, q, index
+
+
+@njit(cache=True, nogil=True)
+def _laws(g: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """The local laws of all contacts, from W_cc = sum over sides of G G^T (both sides on one body add up)."""
+    contacts, _, m, n = g.shape
+    law = np.empty((contacts, LAW_SIZE))
+    w = np.zeros((3, 3))
+    for c in range(contacts):
+        cross = index[c, 0] == index[c, 1]
+        for i in range(m):
+            for j in range(m):
+                total = 0.0
+                for k in range(n):
+                    total += g[c, 0, i, k] * g[c, 0, j, k] + g[c, 1, i, k] * g[c, 1, j, k]
+                    if cross:
+                        total += g[c, 0, i, k] * g[c, 1, j, k] + g[c, 1, i, k] * g[c, 0, j, k]
+                w[i, j] = total
+        _law_row(w, m, law, c)
+    return law
+
+
+@njit(cache=True, nogil=True)
+def _groups(index: np.ndarray) -> np.ndarray:
+    """Starts of the runs of consecutive contacts between the same two bodies (a joint), with the end appended."""
+    contacts = len(index)
+    starts = np.empty(contacts + 1, dtype=np.int64)
+    count = 0
+    for c in range(contacts):
+        if c == 0 or index[c, 0] != index[c - 1, 0] or index[c, 1] != index[c - 1, 1]:
+            starts[count] = c
+            count += 1
+    starts[count] = contacts
+    return starts[: count + 1]
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _relative(g, q, y, c, a, b, i, n):  # type: ignore[no-untyped-def]
+    """One component of u = q + G y."""
+    total = q[c, i]
+    for k in range(n):
+        total += g[c, 0, i, k] * y[a, k] + g[c, 1, i, k] * y[b, k]
+    return total
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _visit(g, q, y, index, law, mu, p, c, m, n):  # type: ignore[no-untyped-def]
+    """One contact of a Gauss-Seidel sweep: what it sees, its exact answer, and the push on its two bodies."""
+    a, b = index[c, 0], index[c, 1]
+    pn, p1 = p[c, 0], p[c, 1]
+    p2 = p[c, 2] if m == 3 else 0.0
+    own_n, own_1, own_2 = _own_velocity(pn, p1, p2, law, c)
+    qn = _relative(g, q, y, c, a, b, 0, n) - own_n
+    q1 = _relative(g, q, y, c, a, b, 1, n) - own_1
+    q2 = _relative(g, q, y, c, a, b, 2, n) - own_2 if m == 3 else 0.0
+    new_n, new_1, new_2 = _local_step(mu[c], qn, q1, q2, law, c)
+    dn, d1, d2 = new_n - pn, new_1 - p1, new_2 - p2
+    p[c, 0], p[c, 1] = new_n, new_1
+    if m == 3:
+        p[c, 2] = new_2
+        for k in range(n):
+            y[a, k] += g[c, 0, 0, k] * dn + g[c, 0, 1, k] * d1 + g[c, 0, 2, k] * d2
+        for k in range(n):
+            y[b, k] += g[c, 1, 0, k] * dn + g[c, 1, 1, k] * d1 + g[c, 1, 2, k] * d2
+    else:
+        for k in range(n):
+            y[a, k] += g[c, 0, 0, k] * dn + g[c, 0, 1, k] * d1
+        for k in range(n):
+            y[b, k] += g[c, 1, 0, k] * dn + g[c, 1, 1, k] * d1
+
+
+@njit(cache=True, nogil=True)
+def _sweep(g, q, y, index, law, mu, p, starts, order):  # type: ignore[no-untyped-def]
+    """One Gauss-Seidel sweep, joint after joint in the given order. The sizes written out let the compiler unroll."""
+    m, n = g.shape[2], g.shape[3]
+    for place in range(len(order)):
+        joint = order[place]
+        for c in range(starts[joint], starts[joint + 1]):
+            if m == 3 and n == 6:
+                _visit(g, q, y, index, law, mu, p, c, 3, 6)
+            elif m == 2 and n == 3:
+                _visit(g, q, y, index, law, mu, p, c, 2, 3)
+            else:
+                _visit(g, q, y, index, law, mu, p, c, m, n)
+
+
+@njit(cache=True, nogil=True)
+def _collect(g: np.ndarray, index: np.ndarray, p: np.ndarray, y: np.ndarray) -> None:
+    """y = G^T p from scratch, which also clears the rounding of many sweeps."""
+    contacts, _, m, n = g.shape
+    y[:] = 0.0
+    for c in range(contacts):
+        for side in range(2):
+            body = index[c, side]
+            for i in range(m):
+                for k in range(n):
+                    y[body, k] += g[c, side, i, k] * p[c, i]
+
+
+@njit(cache=True, nogil=True)
+def _residual(g, q, y, index, law, mu, p):  # type: ignore[no-untyped-def]
+    """Natural map error of p, whose y = G^T p is given."""
+    contacts, m = p.shape
+    n = g.shape[3]
+    residual, size = 0.0, 0.0
+    for c in range(contacts):
+        a, b = index[c, 0], index[c, 1]
+        un = _relative(g, q, y, c, a, b, 0, n)
+        u1 = _relative(g, q, y, c, a, b, 1, n)
+        u2 = _relative(g, q, y, c, a, b, 2, n) if m == 3 else 0.0
+        residual += _natural_map2(p[c, 0], p[c, 1], p[c, 2] if m == 3 else 0.0, un, u1, u2, mu[c], law[c, 9])
+        for i in range(m):
+            size += q[c, i] * q[c, i] / law[c, 9]
+    return np.sqrt(residual / size) if size > 0.0 else np.sqrt(residual)
+
+
+@njit(cache=True, nogil=True)
+def nlgs_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, v, tolerance, limit, seed, every):  # type: ignore[no-untyped-def]
+    """Gauss-Seidel over a FrictionProblem. p (C, m) holds the start and then the answer, v (B, n) the velocities.
+
+    Returns the sweeps made and the natural map error measured last.
+    """
+    factor, g, q, index = _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset)
+    law = _laws(g, index)
+    starts = _groups(index)
+    order = np.arange(len(starts) - 1)
+    state = _seeded(seed)
+    y = np.empty((v_free.shape[0] + 1, v_free.shape[1]))
+    _collect(g, index, p, y)
+    error = _residual(g, q, y, index, law, mu, p)
+    sweeps = 0
+    while error > tolerance and sweeps < limit:
+        for _ in range(min(every, limit - sweeps)):
+            _shuffle(order, state)
+            _sweep(g, q, y, index, law, mu, p, starts, order)
+            sweeps += 1
+        _collect(g, index, p, y)
+        error = _residual(g, q, y, index, law, mu, p)
+    for body in range(v.shape[0]):
+        for i in range(v.shape[1]):
+            total = v_free[body, i]
+            for k in range(i + 1):
+                total += factor[body, i, k] * y[body, k]
+            v[body, i] = total
+    return sweeps, error
+
+
+# --- a local problem, W as sparse blocks ---------------------------------------------------------------------------------------
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _row_velocity(data, indices, indptr, q, p, c, i):  # type: ignore[no-untyped-def]
+    """One component of u = W p + q."""
+    total = q[c, i]
+    for k in range(indptr[c], indptr[c + 1]):
+        j = indices[k]
+        for l in range(p.shape[1]):  # noqa: E741
+            total += data[k, i, l] * p[j, l]
+    return total
+
+
+@njit(cache=True, nogil=True)
+def _local_residual(data, indices, indptr, q, mu, p, law):  # type: ignore[no-untyped-def]
+    """Natural map error of p for a local problem."""
+    contacts, m = p.shape
+    residual, size = 0.0, 0.0
+    for c in range(contacts):
+        un = _row_velocity(data, indices, indptr, q, p, c, 0)
+        u1 = _row_velocity(data, indices, indptr, q, p, c, 1)
+        u2 = _row_velocity(data, indices, indptr, q, p, c, 2) if m == 3 else 0.0
+        residual += _natural_map2(p[c, 0], p[c, 1], p[c, 2] if m == 3 else 0.0, un, u1, u2, mu[c], law[c, 9])
+        for i in range(m):
+            size += q[c, i] * q[c, i] / law[c, 9]
+    return np.sqrt(residual / size) if size > 0.0 else np.sqrt(residual)
+
+
+@njit(cache=True, nogil=True)
+def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed, every):  # type: ignore[no-untyped-def]
+    """Gauss-Seidel over a LocalProblem with W in blocks (nnz, m, m). p holds the start and then the answer."""
+    contacts, m = p.shape
+    law = np.empty((contacts, LAW_SIZE))
+    w = np.zeros((3, 3))
+    for c in range(contacts):
+        w[:m, :m] = diagonal[c]
+        _law_row(w, m, law, c)
+    order = np.arange(contacts)
+    state = _seeded(seed)
+    error = _local_residual(data, indices, indptr, q, mu, p, law)
+    sweeps = 0
+    while error > tolerance and sweeps < limit:
+        for _ in range(min(every, limit - sweeps)):
+            _shuffle(order, state)
+            sweeps += 1
+            for c in order:
+                p2 = p[c, 2] if m == 3 else 0.0
+                own_n, own_1, own_2 = _own_velocity(p[c, 0], p[c, 1], p2, law, c)
+                qn = _row_velocity(data, indices, indptr, q, p, c, 0) - own_n
+                q1 = _row_velocity(data, indices, indptr, q, p, c, 1) - own_1
+                q2 = _row_velocity(data, indices, indptr, q, p, c, 2) - own_2 if m == 3 else 0.0
+                pn, p1, p2 = _local_step(mu[c], qn, q1, q2, law, c)
+                p[c, 0], p[c, 1] = pn, p1
+                if m == 3:
+                    p[c, 2] = p2
+        error = _local_residual(data, indices, indptr, q, mu, p, law)
+    return sweeps, error

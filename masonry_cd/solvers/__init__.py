@@ -1,0 +1,17 @@
+"""Solvers of the friction problem, exchangeable by name: ``SOLVERS[name](problem, options, start) -> Solution``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from masonry_cd.friction import Problem, Solution
+from masonry_cd.solvers import nlgs
+from masonry_cd.solvers.options import Options
+
+Solver = Callable[[Problem, Options, Solution | None], Solution]
+
+SOLVERS: dict[str, Solver] = {
+    "nlgs": nlgs.solve,
+}
+
+__all__ = ["SOLVERS", "Options", "Solver"]

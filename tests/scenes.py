@@ -1,0 +1,118 @@
+"""Friction problems of simple scenes, from analytic contacts, for the tests of the solvers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.friction import FrictionProblem
+
+GRAVITY = 9.81
+
+
+def box_inverse_mass(size: np.ndarray, density: float) -> np.ndarray:
+    """M^-1 (6, 6) of a box of edge lengths size (3,) [m]."""
+    mass = density * float(np.prod(size))
+    inertia = mass / 12.0 * (np.sum(size**2) - size**2)
+    return np.diag(np.concatenate([np.full(3, 1.0 / mass), 1.0 / inertia]))
+
+
+def assemble(
+    centres: np.ndarray,
+    inverse_mass: np.ndarray,
+    points: np.ndarray,
+    normals: np.ndarray,
+    bodies: np.ndarray,
+    mu: float | np.ndarray,
+    v_free: np.ndarray,
+    gap: np.ndarray | None = None,
+    step: float = 1e-3,
+) -> FrictionProblem:
+    """A spatial problem from contact points (C, 3) with normals (C, 3) from the antagonist to the candidate body."""
+    n = normals
+    helper = np.where(np.abs(n[:, [0]]) < 0.6, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    t1 = np.cross(helper, n)
+    t1 /= np.linalg.norm(t1, axis=1)[:, None]
+    frame = np.stack([n, t1, np.cross(n, t1)], axis=1)  # (C, 3 rows, 3)
+    jacobian = np.zeros((len(n), 2, 3, 6))
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        on = bodies[:, side] >= 0
+        arm = points[on] - centres[bodies[on, side]]
+        jacobian[on, side, :, :3] = sign * frame[on]
+        jacobian[on, side, :, 3:] = sign * np.cross(arm[:, None, :], frame[on])  # frame . (omega x arm)
+    offset = np.zeros((len(n), 3))
+    if gap is not None:
+        offset[:, 0] = np.maximum(gap, 0.0) / step
+    return FrictionProblem(inverse_mass, v_free, bodies, jacobian, offset, np.broadcast_to(mu, (len(n),)).astype(float).copy())
+
+
+def _corners(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """The four corners of an axis-parallel rectangle (one of the three extents is zero)."""
+    flat = int(np.argmin(high - low))
+    a, b = (i for i in range(3) if i != flat)
+    out = np.repeat(low[None], 4, axis=0)
+    out[1, a] = out[2, a] = high[a]
+    out[2, b] = out[3, b] = high[b]
+    return out
+
+
+def boxes(low: np.ndarray, high: np.ndarray, mu: float = 0.6, density: float | np.ndarray = 2000.0, step: float = 1e-3) -> FrictionProblem:
+    """Axis-parallel boxes on the ground z = 0, free to fall for one step: every touching pair of faces has its corners.
+
+    Args:
+        low, high: (B, 3) opposite corners of the boxes [m].
+    """
+    count = len(low)
+    centres, size = 0.5 * (low + high), high - low
+    near = 1e-9 * size.max()
+    points, normals, bodies = [], [], []
+    for b in np.flatnonzero(low[:, 2] < near):
+        points.append(_corners(low[b], np.array([high[b, 0], high[b, 1], low[b, 2]])))
+        normals.append([0.0, 0.0, 1.0])
+        bodies.append((b, -1))
+    for axis in range(3):
+        others = [i for i in range(3) if i != axis]
+        by_top: dict[int, list[int]] = {}
+        for b in range(count):
+            by_top.setdefault(round(high[b, axis] / near / 10), []).append(b)
+        for upper in range(count):
+            for lower in by_top.get(round(low[upper, axis] / near / 10), []):
+                a, b = np.maximum(low[upper], low[lower]), np.minimum(high[upper], high[lower])
+                if (b[others] - a[others] > near).all():
+                    a[axis] = b[axis] = low[upper, axis]
+                    points.append(_corners(a, b))
+                    normals.append(np.eye(3)[axis])
+                    bodies.append((upper, lower))
+    densities = np.broadcast_to(density, (count,))
+    inverse_mass = np.array([box_inverse_mass(s, d) for s, d in zip(size, densities, strict=True)])
+    v_free = np.zeros((count, 6))
+    v_free[:, 2] = -GRAVITY * step
+    four = np.ones(4, dtype=np.int64)
+    return assemble(
+        centres,
+        inverse_mass,
+        np.concatenate(points),
+        np.kron(np.array(normals), four[:, None]),
+        np.kron(np.array(bodies), four[:, None]),
+        mu,
+        v_free,
+    )
+
+
+def tower(blocks: int, **kwargs: float) -> FrictionProblem:
+    """Boxes of 1 x 1 x 0.5 m one on the other."""
+    low = np.zeros((blocks, 3))
+    low[:, 2] = 0.5 * np.arange(blocks)
+    return boxes(low, low + [1.0, 1.0, 0.5], **kwargs)
+
+
+def wall(columns: int, courses: int, **kwargs: float) -> FrictionProblem:
+    """A wall in running bond of blocks 1 x 0.5 x 0.5 m, every second course with two half blocks at its ends."""
+    low, high = [], []
+    for course in range(courses):
+        edges = np.arange(columns + 1.0)
+        if course % 2:
+            edges = np.concatenate([[0.0], np.arange(columns) + 0.5, [float(columns)]])
+        for a, b in zip(edges[:-1], edges[1:], strict=True):
+            low.append([a, 0.0, 0.5 * course])
+            high.append([b, 0.5, 0.5 * course + 0.5])
+    return boxes(np.array(low), np.array(high), **kwargs)
