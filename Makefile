@@ -1,0 +1,55 @@
+# make setup   everything that the program needs, into .venv (and the system libraries of gmsh and VTK)
+# make demo    set-up, then the main job: an aqueduct under a sinusoidal load, to out/demo/crack_map.png
+# make test    set-up, then the tests
+# A second run skips what is done. Another Python: make setup PYTHON=python3.13
+
+PYTHON ?= python3
+VENV   := .venv
+STAMP  := $(VENV)/.installed
+DEMO   := out/demo/crack_map.png
+CODE   := $(wildcard masonry_cd/*.py masonry_cd/*/*.py structures/*.py loads/*.py loads/*/*.py reports/*.py)
+
+# Debian package and the library that it brings, for gmsh (first five, OpenMP) and off-screen VTK (EGL)
+LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.so.1 libxft2:libXft.so.2 \
+             libxinerama1:libXinerama.so.1 libgomp1:libgomp.so.1 libegl1:libEGL.so.1
+
+.PHONY: setup demo test libraries
+.DELETE_ON_ERROR:
+
+setup: libraries $(STAMP)
+	@echo "Set up: $(VENV)/bin/masonry-cd"
+
+demo: setup
+	@$(MAKE) --no-print-directory $(DEMO)
+	@echo "Demo: see $(DEMO) and out/demo/summary.json"
+
+test: setup
+	$(VENV)/bin/python -m pytest
+
+$(DEMO): examples/aqueduct_sinusoidal.toml $(STAMP) $(CODE)
+	$(VENV)/bin/masonry-cd run examples/aqueduct_sinusoidal.toml -o out/demo --force
+
+$(STAMP): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "masonry-cd needs Python 3.11 or newer as $(PYTHON); name another one: make setup PYTHON=python3.12" >&2; exit 1; }
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || \
+	  { echo "Python's venv module is missing. Type this, then make again:" >&2; echo "    sudo apt-get install -y $(notdir $(PYTHON))-venv" >&2; exit 1; }
+	@$(VENV)/bin/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear $(VENV)
+	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+# Installed by apt-get where root or a sudo without password allows; otherwise the line to type is printed.
+libraries:
+	@found=$$(PATH="$$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null); missing=; \
+	for pair in $(LIBRARIES); do \
+	  case "$$found" in *"$${pair#*:}"*) ;; *) missing="$$missing $${pair%%:*}" ;; esac; \
+	done; \
+	[ -n "$$missing" ] || exit 0; \
+	as_root=; [ "$$(id -u)" = 0 ] || as_root="sudo -n"; \
+	if command -v apt-get >/dev/null && { [ -z "$$as_root" ] || sudo -n true 2>/dev/null; }; then \
+	  echo "Installing system libraries:$$missing"; \
+	  $$as_root apt-get update -qq && $$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $$missing && exit 0; \
+	fi; \
+	echo "System libraries of gmsh and VTK are missing. Type this, then make again:" >&2; \
+	echo "    sudo apt-get install -y$$missing" >&2; \
+	exit 1
