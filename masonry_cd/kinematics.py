@@ -1,0 +1,228 @@
+"""Kernels of the Moreau-Jean step: drift, free velocity, the contact rows of the friction problem, and the energy balance.
+
+The method is told in ``stepping``. One kernel for each part of the step, so that a small scene is not ruled by call overhead.
+
+``columns`` picks the unknowns of a body among (vx, vy, vz, wx, wy, wz): all six in space, three in a plane. A contact has the rows
+normal, first tangent, second tangent; in a plane the first two, and the first tangent lies in the plane.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def drift(position, orientation, velocity, time):
+    """Move all bodies with constant velocity; orientations by the exponential map, q <- exp(w t / 2) q."""
+    for b in range(position.shape[0]):
+        for d in range(3):
+            position[b, d] += time * velocity[b, d]
+        wx, wy, wz = velocity[b, 3], velocity[b, 4], velocity[b, 5]
+        speed = np.sqrt(wx * wx + wy * wy + wz * wz)
+        if speed == 0.0:
+            continue
+        half = 0.5 * time * speed
+        c, s = np.cos(half), np.sin(half) / speed
+        x, y, z = s * wx, s * wy, s * wz
+        qw, qx, qy, qz = orientation[b]
+        pw = c * qw - x * qx - y * qy - z * qz
+        px = c * qx + x * qw + y * qz - z * qy
+        py = c * qy + y * qw + z * qx - x * qz
+        pz = c * qz + z * qw + x * qy - y * qx
+        scale = 1.0 / np.sqrt(pw * pw + px * px + py * py + pz * pz)
+        orientation[b, 0], orientation[b, 1], orientation[b, 2], orientation[b, 3] = pw * scale, px * scale, py * scale, pz * scale
+
+
+@njit(cache=True, nogil=True)
+def free_motion(orientation, velocity, spin, mass, inverse_inertia, free_index, columns, acceleration, step, rotation, inverse_mass, v_free):
+    """Rotation matrices (B, 3, 3), and for free bodies M^-1 (n, n) and the velocity without contact (n,).
+
+    The free rotation keeps the angular momentum ``spin``: w_free = I(q_m)^-1 L. A tumbling block so gains no energy beyond
+    L^2 / (2 I_min), however coarse the step.
+    """
+    full = np.zeros((6, 6))
+    free = np.empty(6)
+    for b in range(orientation.shape[0]):
+        r = rotation[b]
+        _matrix(orientation[b], r)
+        i = free_index[b]
+        if i < 0:
+            continue
+        for d in range(3):
+            full[d, d] = 1.0 / mass[b]
+            free[d] = velocity[b, d] + step * acceleration[d]
+        _turn_tensor(r, inverse_inertia[b], full[3:, 3:])
+        for d in range(3):
+            free[3 + d] = full[3 + d, 3] * spin[b, 0] + full[3 + d, 4] * spin[b, 1] + full[3 + d, 5] * spin[b, 2]
+        for j in range(columns.shape[0]):
+            v_free[i, j] = free[columns[j]]
+            for k in range(columns.shape[0]):
+                inverse_mass[i, j, k] = full[columns[j], columns[k]]
+
+
+@njit(cache=True, nogil=True)
+def contact_rows(
+    blocks, point, normal, gap, previous, last_impulse, plane_axis, plane_at, position, support_velocity, support_of, free_index,
+    group_of, friction, columns, step, chosen, bodies, jacobian, offset, mu, impulse,
+):  # fmt: skip
+    """Fill the friction problem, and the impulses to start from; return the number of its contacts.
+
+    In a plane only the contacts on one side of the middle plane count, moved into it: the others are their mirror images.
+    """
+    m, n = jacobian.shape[2], jacobian.shape[3]
+    frame = np.empty((3, 3))
+    arm = np.empty(3)
+    row = np.empty(6)
+    count = 0
+    for c in range(gap.shape[0]):
+        if plane_axis >= 0 and point[c, plane_axis] > plane_at:
+            continue
+        chosen[count] = c
+        _frame(normal[c], frame)
+        for i in range(m):
+            offset[count, i] = 0.0
+            impulse[count, i] = last_impulse[previous[c], i] if previous[c] >= 0 else 0.0
+        offset[count, 0] = max(gap[c], 0.0) / step
+        for side in range(2):
+            block, sign = blocks[c, side], 1.0 - 2.0 * side
+            for d in range(3):
+                arm[d] = point[c, d] - position[block, d]
+            if plane_axis >= 0:
+                arm[plane_axis] = 0.0
+            bodies[count, side] = free_index[block]
+            for i in range(m):
+                t = frame[i]
+                for d in range(3):
+                    row[d] = sign * t[d]
+                row[3] = sign * (arm[1] * t[2] - arm[2] * t[1])
+                row[4] = sign * (arm[2] * t[0] - arm[0] * t[2])
+                row[5] = sign * (arm[0] * t[1] - arm[1] * t[0])
+                for j in range(n):
+                    jacobian[count, side, i, j] = row[columns[j]]
+                if free_index[block] < 0:
+                    v = support_velocity[support_of[block]]
+                    offset[count, i] += sign * (t[0] * v[0] + t[1] * v[1] + t[2] * v[2])
+        mu[count] = friction[group_of[blocks[c, 0]], group_of[blocks[c, 1]]]
+        count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def new_velocity(impulse, bodies, jacobian, inverse_mass, v_free, v):
+    """v = v_free + M^-1 H^T p, (B, n)."""
+    contacts, m, n = impulse.shape[0], jacobian.shape[2], jacobian.shape[3]
+    push = np.zeros_like(v_free)
+    for c in range(contacts):
+        for side in range(2):
+            b = bodies[c, side]
+            if b >= 0:
+                for i in range(m):
+                    for j in range(n):
+                        push[b, j] += jacobian[c, side, i, j] * impulse[c, i]
+    for b in range(v_free.shape[0]):
+        for j in range(n):
+            value = v_free[b, j]
+            for k in range(n):
+                value += inverse_mass[b, j, k] * push[b, k]
+            v[b, j] = value
+
+
+@njit(cache=True, nogil=True)
+def dissipation(impulse, chosen, blocks, normal, bodies, jacobian, v_old, v_new, support_old, support_new, support_of, work):
+    """Add to ``work`` the energy lost in friction and in impacts, and the work done by the supports, over the step [J].
+
+    With mean velocities over the step the balance is exact: the kinetic energy changes by p . H (v_old + v_new) / 2, which is the
+    relative motion of the contact (lost) less the part of the support's own motion (work of the base).
+    """
+    m, n = jacobian.shape[2], jacobian.shape[3]
+    frame = np.empty((3, 3))
+    for c in range(impulse.shape[0]):
+        _frame(normal[chosen[c]], frame)
+        for i in range(m):
+            motion, base = 0.0, 0.0
+            for side in range(2):
+                b = bodies[c, side]
+                if b >= 0:
+                    for j in range(n):
+                        motion += 0.5 * jacobian[c, side, i, j] * (v_old[b, j] + v_new[b, j])
+                else:
+                    s, sign = support_of[blocks[chosen[c], side]], 1.0 - 2.0 * side
+                    for d in range(3):
+                        base += 0.5 * sign * frame[i, d] * (support_old[s, d] + support_new[s, d])
+            work[0 if i > 0 else 1] -= impulse[c, i] * (motion + base)
+            work[2] -= impulse[c, i] * base
+
+
+@njit(cache=True, nogil=True)
+def finish(v, columns, free_index, support_of, support_velocity, rotation, mass, inertia, velocity, spin):
+    """Write the new velocities into the state, and the angular momentum (B, 3); return the kinetic energy of the free bodies [J]."""
+    kinetic = 0.0
+    world = np.empty((3, 3))
+    for b in range(velocity.shape[0]):
+        i = free_index[b]
+        if i < 0:
+            for d in range(3):
+                velocity[b, d] = support_velocity[support_of[b], d]
+            continue
+        for j in range(columns.shape[0]):
+            velocity[b, columns[j]] = v[i, j]
+        _turn_tensor(rotation[b], inertia[b], world)
+        for d in range(3):
+            spin[b, d] = world[d, 0] * velocity[b, 3] + world[d, 1] * velocity[b, 4] + world[d, 2] * velocity[b, 5]
+            kinetic += 0.5 * (mass[b] * velocity[b, d] ** 2 + spin[b, d] * velocity[b, 3 + d])
+    return kinetic
+
+
+@njit(cache=True, nogil=True)
+def joint_forces(impulse, chosen, normal, pair, pair_joint, step, total, out):
+    """Normal force and shear force [N] of each joint, (2, J): the contact impulses of its two blocks over the step."""
+    out[:] = 0.0
+    total[:] = 0.0
+    frame = np.empty((3, 3))
+    for c in range(impulse.shape[0]):
+        joint = pair_joint[pair[chosen[c]]]
+        if joint < 0:
+            continue
+        _frame(normal[chosen[c]], frame)
+        out[0, joint] += impulse[c, 0] / step
+        for i in range(1, impulse.shape[1]):
+            for d in range(3):
+                total[joint, d] += impulse[c, i] * frame[i, d] / step
+    for j in range(total.shape[0]):
+        out[1, j] = np.sqrt(total[j, 0] ** 2 + total[j, 1] ** 2 + total[j, 2] ** 2)
+
+
+@njit(cache=True, nogil=True)
+def _matrix(q, r):
+    """Rotation matrix of a unit quaternion."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    r[0, 0], r[0, 1], r[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
+    r[1, 0], r[1, 1], r[1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
+    r[2, 0], r[2, 1], r[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+
+
+@njit(cache=True, nogil=True)
+def _turn_tensor(r, tensor, out):
+    """R T R^T."""
+    for i in range(3):
+        a0 = r[i, 0] * tensor[0, 0] + r[i, 1] * tensor[1, 0] + r[i, 2] * tensor[2, 0]
+        a1 = r[i, 0] * tensor[0, 1] + r[i, 1] * tensor[1, 1] + r[i, 2] * tensor[2, 1]
+        a2 = r[i, 0] * tensor[0, 2] + r[i, 1] * tensor[1, 2] + r[i, 2] * tensor[2, 2]
+        for j in range(3):
+            out[i, j] = a0 * r[j, 0] + a1 * r[j, 1] + a2 * r[j, 2]
+
+
+@njit(cache=True, nogil=True)
+def _frame(n, frame):
+    """Rows n, t1, t2. t1 is horizontal where n is not vertical-ish along y: for normals in the x-z plane it lies in that plane."""
+    frame[0, 0], frame[0, 1], frame[0, 2] = n[0], n[1], n[2]
+    if abs(n[1]) < 0.9:  # t1 = y x n
+        x, y, z = n[2], 0.0, -n[0]
+    else:  # t1 = x x n
+        x, y, z = 0.0, -n[2], n[1]
+    scale = 1.0 / np.sqrt(x * x + y * y + z * z)
+    frame[1, 0], frame[1, 1], frame[1, 2] = scale * x, scale * y, scale * z
+    frame[2, 0] = n[1] * frame[1, 2] - n[2] * frame[1, 1]
+    frame[2, 1] = n[2] * frame[1, 0] - n[0] * frame[1, 2]
+    frame[2, 2] = n[0] * frame[1, 1] - n[1] * frame[1, 0]

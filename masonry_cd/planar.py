@@ -1,0 +1,63 @@
+"""Planar scenes: prismatic blocks along one axis, symmetric about a common middle plane, moved within it.
+
+Such a scene moves in its plane only (its mirror image is the same scene), so half the contacts and three unknowns per block
+give the same answer as the full problem.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from masonry_cd.blocks import Assembly
+
+FLAT = 1e-9  # relative to the size of the structure
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """The middle plane: coordinate ``axis`` equals ``at`` [m]; ``columns`` are the unknowns left of (vx, vy, vz, wx, wy, wz)."""
+
+    axis: int
+    at: float
+
+    @property
+    def columns(self) -> np.ndarray:
+        """Two velocities in the plane and the rotation about its normal."""
+        return np.array([d for d in range(3) if d != self.axis] + [3 + self.axis])
+
+
+def find_plane(assembly: Assembly, support_velocity: np.ndarray, acceleration: np.ndarray) -> Plane | None:
+    """The plane in which the scene moves, or None if it needs all three dimensions.
+
+    Args:
+        assembly: the blocks, all of their motion starting from rest.
+        support_velocity: (N + 1, S, 3) [m/s].
+        acceleration: (N + 1, 3) [m/s2].
+    """
+    for axis in range(3):
+        if np.any(support_velocity[..., axis]) or np.any(acceleration[..., axis]):
+            continue
+        at = _middle(assembly, axis)
+        if at is not None:
+            return Plane(axis, at)
+    return None
+
+
+def _middle(assembly: Assembly, axis: int) -> float | None:
+    """The common middle plane of prisms along ``axis``, or None."""
+    shapes = assembly.shapes
+    tolerance = FLAT * float(np.ptp(np.concatenate([block.vertices for block in assembly.blocks]), axis=0).max())
+    slanted = np.abs(shapes.face_normals[:, axis])
+    if np.any((slanted > FLAT) & (slanted < 1.0 - FLAT)):
+        return None
+    middles = []
+    for block in assembly.blocks:
+        along = block.vertices[:, axis]
+        middle = 0.5 * (along.min() + along.max())
+        if np.any(np.abs(np.abs(along - middle) - 0.5 * np.ptp(along)) > tolerance):
+            return None  # a corner between the two end faces
+        middles.append(middle)
+    middles = np.array(middles)
+    return float(middles[0]) if np.ptp(middles) <= tolerance else None

@@ -1,0 +1,189 @@
+r"""The Moreau-Jean step and the run loop.
+
+One step of length h from (q, v) to (q+, v+), theta in [1/2, 1] (Jean, Comput. Methods Appl. Mech. Engrg. 177, 1999):
+
+    q_m    = q + h (1 - theta) v                                 contacts are found at q_m, supports moved as prescribed
+    v_free = v + h M^-1 f                                        gravity; the free rotation keeps the angular momentum
+    M v+   = M v_free + H^T p,   0 <= u_n + max(g, 0)/h  _|_  p_n >= 0,   |p_t| <= mu p_n, opposed to the slip
+    q+     = q_m + h theta v+
+
+The gap enters the law over the step, so a block that lands stops where it lands, with perfectly plastic impact. A penetration g < 0
+is not pushed out through the velocity: that would feed energy.
+
+**Energy balance**, closed each step with mean velocities (exact for theta = 1/2 up to the turning of the inertia):
+
+    kinetic + friction + impact  =  work of the supports + work of gravity  (+ balance, what is left over)
+"""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from masonry_cd import kinematics
+from masonry_cd.blocks import Assembly
+from masonry_cd.detection import ContactSet, Detector
+from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
+from masonry_cd.planar import find_plane
+from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.state import State
+
+if TYPE_CHECKING:
+    from masonry_cd.scene import Run
+
+ENERGIES = ("kinetic", "friction", "impact", "base_work", "gravity_work", "balance")
+
+
+class RunStopped(RuntimeError):
+    """The run cannot go on; what was computed is kept. The message names the step and the block."""
+
+
+@dataclass(frozen=True)
+class StepReport:
+    """What one step cost and how well it was solved."""
+
+    iterations: int
+    error: float  # natural map error, measured outside the solver
+    seconds: float  # of the whole step
+    contacts: int
+    penetration: float  # largest overlap at q_m [m]
+    reason: str  # the solver's word on it
+
+
+class Stepper:
+    """Advances a state step by step.
+
+    Args:
+        assembly: the blocks.
+        support_velocity: (N + 1, S, 3) velocity of support motion s at t_k = k h [m/s].
+        acceleration: (N + 1, 3) body acceleration at t_k, gravity included [m/s2].
+        settings: time step, theta, solver, tolerance, seed.
+    """
+
+    def __init__(self, assembly: Assembly, support_velocity: np.ndarray, acceleration: np.ndarray, settings: Run) -> None:
+        self.assembly, self.settings = assembly, settings
+        self.state = State.at_rest(assembly)
+        self.steps = 0
+        self.detector = Detector(assembly)
+        self.plane = find_plane(assembly, support_velocity, acceleration) if settings.planar else None
+        self.energy = dict.fromkeys(ENERGIES, 0.0)
+        self._support_velocity, self._acceleration = support_velocity, acceleration
+        self._columns = np.arange(6) if self.plane is None else self.plane.columns
+        self._free_index = np.where(assembly.fixed, -1, np.cumsum(~assembly.fixed) - 1)
+        self._support_block = int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1
+        self._inverse_inertia = np.linalg.inv(assembly.inertia)
+        self._spin = np.zeros((assembly.count, 3))  # angular momentum [kg m2/s]
+        self._solve = SOLVERS[settings.solver]
+        bodies, n = int((~assembly.fixed).sum()), len(self._columns)
+        self._rotation = np.empty((assembly.count, 3, 3))
+        self._inverse_mass, self._v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
+        self._v, self._v_old = np.zeros((bodies, n)), np.zeros((bodies, n))
+        self.contacts = ContactSet.none()
+        self.chosen = np.empty(0, dtype=np.int64)  # contacts of the friction problem; all, but half of them in a plane
+        self.solution = Solution(np.zeros((0, self.rows)), None, 0)
+        self._impulse = np.zeros((1, self.rows))  # of all contacts of the last step
+
+    @property
+    def rows(self) -> int:
+        """Rows per contact: 3 in space, 2 in a plane."""
+        return 3 if self.plane is None else 2
+
+    def step(self) -> StepReport:
+        """Advance by one time step.
+
+        Raises:
+            RunStopped: a velocity is not finite.
+        """
+        begin = clock.perf_counter()
+        h, theta, state = self.settings.dt, self.settings.theta, self.state
+        before = state.position.copy()
+        kinematics.drift(state.position, state.orientation, state.velocity, h * (1.0 - theta))
+        problem, start = self.friction_problem()
+        self.solution = self._solve(problem, self._options(), start)
+        error = natural_map_error(problem, self.solution.impulse)
+        self._new_velocities(problem)
+        kinematics.drift(state.position, state.orientation, state.velocity, h * theta)
+        self._balance(problem, state.position - before)
+        self.steps += 1
+        state.time = self.steps * h
+        penetration = max(0.0, -float(self.contacts.gap.min(initial=0.0)))
+        return StepReport(self.solution.iterations, error, clock.perf_counter() - begin, problem.contacts, penetration, self.solution.reason)
+
+    def _options(self) -> Options:
+        """The order of the sweeps is drawn anew each step."""
+        s = self.settings
+        return Options(tolerance=s.tolerance, max_iterations=s.max_iterations, seed=s.seed + self.steps, threads=s.threads)
+
+    def friction_problem(self) -> tuple[FrictionProblem, Solution]:
+        """The friction problem of the state, which stands at q_m, and the solution of the last step to start from."""
+        a, state, h = self.assembly, self.state, self.settings.dt
+        gravity = self._acceleration[self.steps + 1]
+        kinematics.free_motion(
+            state.orientation, state.velocity, self._spin, a.mass, self._inverse_inertia, self._free_index, self._columns, gravity, h,
+            self._rotation, self._inverse_mass, self._v_free,
+        )  # fmt: skip
+        slack = 4.0 * h * h * float(np.sqrt(gravity @ gravity))
+        found = self.detector.detect(state.position, self._rotation, state.velocity, h, slack, self._support_displacement())
+        self.contacts = found
+        c, m, n = found.count, self.rows, len(self._columns)
+        chosen, bodies, mu = np.empty(c, dtype=np.int64), np.empty((c, 2), dtype=np.int64), np.empty(c)
+        jacobian, offset, impulse = np.empty((c, 2, m, n)), np.empty((c, m)), np.empty((c, m))
+        axis, at = (-1, 0.0) if self.plane is None else (self.plane.axis, self.plane.at)
+        count = kinematics.contact_rows(
+            found.bodies, found.point, found.normal, found.gap, found.previous, self._impulse, axis, at, state.position,
+            self._support_velocity[self.steps + 1], a.support_of, self._free_index, a.group_of, a.friction, self._columns, h,
+            chosen, bodies, jacobian, offset, mu, impulse,
+        )  # fmt: skip
+        self.chosen = chosen[:count]
+        problem = FrictionProblem(self._inverse_mass, self._v_free, bodies[:count], jacobian[:count], offset[:count], mu[:count])
+        return problem, Solution(impulse[:count], None, 0, memory=self.solution.memory)
+
+    def _support_displacement(self) -> np.ndarray:
+        """How far the supports have moved, (3,) [m]: what moves with them has not moved for the broad phase."""
+        b = self._support_block
+        return self.state.position[b] - self.assembly.centre[b] if b >= 0 else np.zeros(3)
+
+    def _new_velocities(self, problem: FrictionProblem) -> None:
+        """Take the impulses into the state.
+
+        Raises:
+            RunStopped: a velocity is not finite.
+        """
+        impulse, a = self.solution.impulse, self.assembly
+        self._impulse = np.zeros((max(1, self.contacts.count), self.rows))
+        self._impulse[self.chosen] = impulse
+        self._v_old, self._v = self._v, self._v_old
+        kinematics.new_velocity(impulse, problem.bodies, problem.jacobian, problem.inverse_mass, problem.v_free, self._v)
+        self.energy["kinetic"] = kinematics.finish(
+            self._v, self._columns, self._free_index, a.support_of, self._support_velocity[self.steps + 1], self._rotation, a.mass,
+            a.inertia, self.state.velocity, self._spin,
+        )  # fmt: skip
+        if not np.isfinite(self.energy["kinetic"]):
+            block = int(np.argmin(np.isfinite(self.state.velocity).all(axis=1)))
+            raise RunStopped(f'step {self.steps + 1}: the velocity of block "{a.names[block]}" is not finite')
+
+    def _balance(self, problem: FrictionProblem, moved: np.ndarray) -> None:
+        """Add the step's work and losses to the energy account."""
+        a, energy, work = self.assembly, self.energy, np.zeros(3)
+        kinematics.dissipation(
+            self.solution.impulse, self.chosen, self.contacts.bodies, self.contacts.normal, problem.bodies, problem.jacobian, self._v_old,
+            self._v, self._support_velocity[self.steps], self._support_velocity[self.steps + 1], a.support_of, work,
+        )  # fmt: skip
+        free = ~a.fixed
+        energy["friction"] += work[0]
+        energy["impact"] += work[1]
+        energy["base_work"] += work[2]
+        energy["gravity_work"] += float(a.mass[free] @ (moved[free] @ self._acceleration[self.steps + 1]))
+        energy["balance"] = energy["base_work"] + energy["gravity_work"] - energy["kinetic"] - energy["friction"] - energy["impact"]
+
+    def joint_forces(self, pair_joint: np.ndarray, joints: int) -> np.ndarray:
+        """Normal and shear force of each joint over the last step, (2, J) [N]; ``pair_joint`` names the joint of each pair or -1."""
+        out = np.zeros((2, joints))
+        kinematics.joint_forces(
+            self.solution.impulse, self.chosen, self.contacts.normal, self.contacts.pair, pair_joint, self.settings.dt,
+            np.zeros((joints, 3)), out,
+        )  # fmt: skip
+        return out
