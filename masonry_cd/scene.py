@@ -1,0 +1,311 @@
+"""The scene file: a TOML text that says what stands, what shakes it, how it is computed and what is reported.
+
+    title = "Arch under a sine"       # optional
+    [structure]  kind = "arch" ...    # checked by the room structures
+    [material]   density, friction
+    [[loads]]    kind = "sinusoidal"  # checked by the room loads
+    [run]        dt, duration ...
+    [report]     crack_map
+
+A run is a pure function of its scene, so the text of the scene, with what ``--set`` changed in it, goes into the results.
+All quantities are in SI units.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, field_validator, model_validator
+
+from masonry_cd.errors import InputError, parse_table
+
+Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Count = Annotated[int, Strict()]
+SolverName = Literal["auto", "nlgs", "admm", "newton"]
+
+
+def _three_numbers(value: object) -> object:
+    """Say what is expected of a vector before pydantic speaks of tuples."""
+    if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 3:
+        return tuple(value)
+    raise ValueError(f"should be three numbers [x, y, z], got {value!r}")
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Material(_Table):
+    """The table ``[material]``."""
+
+    density: Number
+    """Of every block that brings none of its own [kg/m3]."""
+    friction: Number | dict[str, Number]
+    """Coefficient of friction: one value, or values by pair of block groups, ``friction.arch-base = 0.7``, with ``default`` for the rest."""
+
+    @field_validator("density")
+    @classmethod
+    def _density_in_kg_per_m3(cls, value: float) -> float:
+        if not 30 <= value <= 30000:
+            raise ValueError("should be between 30 and 30000 kg/m3")
+        return value
+
+    @field_validator("friction", mode="before")
+    @classmethod
+    def _coefficients(cls, value: object) -> object:
+        pairs = value if isinstance(value, Mapping) else {"": value}
+        if not pairs:
+            raise ValueError("gives no value")
+        for pair, mu in pairs.items():
+            name = f'"{pair}": ' if pair else ""
+            if isinstance(mu, bool) or not isinstance(mu, (int, float)):
+                raise ValueError(f"{name}should be a number")
+            if not 0 <= mu <= 20:
+                raise ValueError(
+                    f"{name}a coefficient of friction (no angle) should be between 0 and 20" + (f", got {mu:g}" if pair else "")
+                )
+        return {pair: float(mu) for pair, mu in pairs.items()} if isinstance(value, Mapping) else float(pairs[""])
+
+
+class Run(_Table):
+    """The table ``[run]``: time, solver and output."""
+
+    dt: Annotated[Number, Field(gt=0, le=0.1)]
+    """Time step [s]."""
+    duration: Annotated[Number, Field(gt=0)]
+    """How long to compute [s]."""
+    theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.5
+    """Of the Moreau-Jean step: 0.5 keeps the energy of a free motion, 1 damps it."""
+    solver: SolverName = "auto"
+    """Of the friction problem of each step."""
+    tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-8
+    """Natural map error that each step has to reach."""
+    max_iterations: Annotated[Count, Field(ge=1)] | None = None
+    """Iterations after which a step counts as missed; the solver's own limit when not given."""
+    seed: Annotated[Count, Field(ge=0)] = 0
+    """Of the order in which contacts are swept."""
+    threads: Annotated[Count, Field(ge=1)] = 1
+    """Cores to use."""
+    frames_per_second: Annotated[Number, Field(gt=0)] = 50.0
+    """Frames written per second of the simulated time [1/s]."""
+    gravity: Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)] = (0.0, 0.0, -9.81)
+    """[m/s2]."""
+
+    @model_validator(mode="after")
+    def _at_least_a_step(self) -> Run:
+        if self.duration < self.dt:
+            raise ValueError(f"duration {self.duration:g} s is shorter than one step dt {self.dt:g} s")
+        return self
+
+    @property
+    def steps(self) -> int:
+        """Steps N that cover the duration."""
+        return math.ceil(self.duration / self.dt - 1e-6)
+
+    @property
+    def frame_every(self) -> int:
+        """Steps between two frames."""
+        return max(1, round(1.0 / (self.frames_per_second * self.dt)))
+
+
+class Report(_Table):
+    """The table ``[report]``: what is drawn after the run."""
+
+    crack_map: bool = False
+    """Draw crack_map.png."""
+
+
+class _Tables(_Table):
+    """The top level of the file."""
+
+    title: str | None = None
+    structure: dict[str, Any]
+    material: dict[str, Any]
+    loads: list[dict[str, Any]] = []
+    run: dict[str, Any]
+    report: dict[str, Any] = {}
+
+    @field_validator("structure", "material", "run", "report", mode="before")
+    @classmethod
+    def _is_table(cls, value: object) -> object:
+        if not isinstance(value, Mapping):
+            raise ValueError("should be a table of its own")
+        return value
+
+    @field_validator("loads", mode="before")
+    @classmethod
+    def _is_list_of_tables(cls, value: object) -> object:
+        if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
+            raise ValueError("every load is a table of its own, headed [[loads]]")
+        return value
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene file whose own tables are checked; ``structure`` and ``loads`` are checked by their rooms."""
+
+    title: str
+    structure: dict[str, Any]
+    material: Material
+    loads: tuple[dict[str, Any], ...]
+    run: Run
+    report: Report
+    text: str  # what the results keep: the file's text, or that of the changed tables when --set was used
+    path: Path
+
+    @property
+    def folder(self) -> Path:
+        """Folder from which relative paths in the scene are read."""
+        return self.path.parent
+
+    def at_fault(self, error: InputError) -> InputError:
+        """The same error with file and line before it, where it begins with a key of this scene."""
+        message = str(error)
+        key = re.match(r"((?:structure|material|loads|run|report|title)[^\s:]*)(?::| )", message)
+        return InputError(f"{_place(self.text, key.group(1), self.path)}: {message}") if key else error
+
+
+def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
+    """Read and check a scene file.
+
+    Args:
+        path: the TOML file.
+        overrides: changes as ``key=value``, e.g. ``run.dt=1e-3`` or ``loads[0].amplitude=0.3``; values are TOML, or else text.
+
+    Raises:
+        InputError: no such file, no TOML, an unknown or missing key, a value out of range; names file, line and key.
+    """
+    path = Path(path)
+    text = _read_text(path)
+    tables = _parse_toml(text, path)
+    for override in overrides:
+        _override(tables, override)
+    if overrides:
+        text = f"# {path.name} with {' '.join(f'--set {change}' for change in overrides)}\n" + dump_toml(tables)
+    try:
+        top = parse_table(_Tables, tables, "")
+        return Scene(
+            title=top.title or path.stem,
+            structure=top.structure,
+            material=parse_table(Material, top.material, "material"),
+            loads=tuple(top.loads),
+            run=parse_table(Run, top.run, "run"),
+            report=parse_table(Report, top.report, "report"),
+            text=text,
+            path=path,
+        )
+    except InputError as error:
+        key = str(error).partition(":")[0]
+        raise InputError(f"{path}: {error}" if overrides else f"{_place(text, key, path)}: {error}") from None
+
+
+def _read_text(path: Path) -> str:
+    """The text of a file, or one line on why there is none."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such scene file") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: is a folder, not a scene file") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file in UTF-8") from None
+    except OSError as failure:
+        raise InputError(f"{path}: {failure.strerror}") from None
+
+
+def _parse_toml(text: str, path: Path) -> dict[str, Any]:
+    """Parse TOML; a syntax error names file and line."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as failure:
+        message = re.match(r"(.*?) \(at (?:line (\d+), column \d+|end of document)\)", str(failure))
+        what, line = (message.group(1), message.group(2)) if message else (str(failure), None)
+        raise InputError(f"{path}:{line or text.count(chr(10)) + 1}: not valid TOML: {what[0].lower()}{what[1:]}") from None
+
+
+def _override(tables: dict[str, Any], override: str) -> None:
+    """Apply one ``key=value`` to the tables, in place."""
+    key, equals, value = (part.strip() for part in override.partition("="))
+    parts: list[str | int] = [
+        int(index) if index else (quoted or bare) for index, quoted, bare in re.findall(r'\[(\d+)\]|"([^"]+)"|([^.\[\]"]+)', key)
+    ]
+    if not equals or not parts or isinstance(parts[-1], int):
+        raise InputError(f"--set {override}: write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3")
+    place: Any = tables
+    for part, following in zip(parts[:-1], parts[1:], strict=True):
+        if isinstance(part, str) and isinstance(place, dict):
+            place = place.setdefault(part, [] if isinstance(following, int) else {})
+        elif isinstance(part, int) and isinstance(place, list) and part < len(place):
+            place = place[part]
+        else:
+            raise InputError(f"--set {override}: there is no {key[: key.rfind('.')]} in the scene")
+    if not isinstance(place, dict):
+        raise InputError(f"--set {override}: {key[: key.rfind('.')]} is no table; a list is addressed as loads[0].amplitude")
+    place[str(parts[-1])] = _toml_value(value)
+
+
+def _toml_value(value: str) -> Any:
+    """A TOML value, or the bare text where it is none."""
+    try:
+        parsed = tomllib.loads(f"value = {value}")
+    except tomllib.TOMLDecodeError:
+        return value
+    return parsed["value"] if len(parsed) == 1 else value
+
+
+def dump_toml(tables: Mapping[str, Any]) -> str:
+    """Write tables as TOML: plain values first, then ``[table]`` and ``[[table]]`` sections; deeper tables inline."""
+    lines = [f"{_toml_key(key)} = {_toml_text(value)}" for key, value in tables.items() if not _is_section(value)]
+    for key, value in tables.items():
+        if _is_section(value):
+            for section in [value] if isinstance(value, Mapping) else value:
+                head = _toml_key(key)
+                lines += ["", f"[{head}]" if isinstance(value, Mapping) else f"[[{head}]]"]
+                lines += [f"{_toml_key(name)} = {_toml_text(item)}" for name, item in section.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _is_section(value: object) -> bool:
+    return isinstance(value, Mapping) or (isinstance(value, list) and bool(value) and all(isinstance(item, Mapping) for item in value))
+
+
+def _toml_key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
+
+
+def _toml_text(value: object) -> str:
+    """One value in TOML's notation."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_toml_key(key)} = {_toml_text(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_toml_text, value)) + "]"
+    if isinstance(value, (str, bool)):
+        return json.dumps(value, ensure_ascii=False)
+    return str(value)  # numbers, inf and nan; dates print as TOML writes them
+
+
+def _place(text: str, key: str, path: Path) -> str:
+    """``file:line`` of a key such as ``loads[0].amplitude``; of its table where the key itself is missing; else the file."""
+    parts = re.match(r"([\w-]+)(?:\[(\d+)\])?(?:\.([\w-]+))?", key)
+    if not parts:
+        return str(path)
+    table, index, name = parts.group(1), int(parts.group(2) or 0), parts.group(3)
+    at, here, seen = None, "", -1
+    for number, line in enumerate(text.splitlines(), start=1):
+        head = re.match(r"\s*\[{1,2}\s*([^\]]+?)\s*\]", line)
+        if head:
+            here = head.group(1).strip('"')
+            seen += here == table
+            if here == table and max(seen, 0) == index:
+                at = number
+        word = re.match(r'\s*"?([\w-]+)"?\s*(?:\.|=)', line)
+        if word and ((here == table and seen == index and word.group(1) == name) or (not here and word.group(1) == table)):
+            return f"{path}:{number}"
+    return f"{path}:{at}" if at else str(path)

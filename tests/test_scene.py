@@ -1,0 +1,182 @@
+"""The scene file: what it means, and that every slip of the pen is told in one line that names it."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from masonry_cd.errors import InputError
+from masonry_cd.scene import Run, SolverName, dump_toml, read_scene
+from masonry_cd.solvers import SOLVERS
+
+GOOD = """\
+title = "A test"
+[structure]
+kind = "arch"
+radius = 10.0
+
+[material]
+density = 2200
+friction = 0.6
+
+[[loads]]
+kind = "gravity"
+
+[[loads]]
+kind = "sinusoidal"
+amplitude = 0.2
+
+[run]
+dt = 1e-3
+duration = 8.0
+
+[report]
+crack_map = true
+"""
+
+
+@pytest.fixture
+def write(tmp_path: Path):
+    def _write(text: str) -> Path:
+        path = tmp_path / "scene.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return _write
+
+
+def test_reads_every_table_and_keeps_the_text(write):
+    scene = read_scene(write(GOOD))
+    assert scene.title == "A test"
+    assert scene.structure == {"kind": "arch", "radius": 10.0}
+    assert (scene.material.density, scene.material.friction) == (2200.0, 0.6)
+    assert [load["kind"] for load in scene.loads] == ["gravity", "sinusoidal"]
+    assert scene.run == Run(dt=1e-3, duration=8.0)
+    assert scene.run.gravity == (0.0, 0.0, -9.81)
+    assert scene.report.crack_map
+    assert scene.text == GOOD
+
+
+def test_the_title_falls_back_on_the_file_name(write):
+    assert read_scene(write(GOOD.partition("\n")[2])).title == "scene"
+
+
+def test_friction_by_pairs_of_groups(write):
+    scene = read_scene(write(GOOD.replace("friction = 0.6", "friction.arch-base = 0.9\nfriction.default = 0.5")))
+    assert scene.material.friction == {"arch-base": 0.9, "default": 0.5}
+
+
+@pytest.mark.parametrize(("duration", "dt", "steps"), [(8.0, 1e-3, 8000), (0.3, 0.1, 3), (1.0, 0.03, 34), (0.7, 0.007, 100)])
+def test_steps_cover_the_duration_in_spite_of_rounding(duration, dt, steps):
+    assert Run(dt=dt, duration=duration).steps == steps
+
+
+def test_frames_are_a_whole_number_of_steps_apart():
+    assert Run(dt=1e-3, duration=1.0, frames_per_second=100).frame_every == 10
+    assert Run(dt=0.05, duration=1.0, frames_per_second=100).frame_every == 1
+
+
+def test_overrides_are_toml_values_and_else_text(write):
+    changes = ["run.dt=2e-3", "loads[1].amplitude=0.5", "run.solver=nlgs", "run.gravity=[0, 0, -1.62]", "material.friction.arch-base=0.4"]
+    scene = read_scene(write(GOOD.replace("friction = 0.6", "friction.default = 0.6")), changes)
+    assert scene.run.dt == 2e-3
+    assert scene.loads[1]["amplitude"] == 0.5
+    assert scene.run.solver == "nlgs"
+    assert scene.run.gravity == (0, 0, -1.62)
+    assert scene.material.friction == {"default": 0.6, "arch-base": 0.4}
+
+
+def test_the_text_kept_in_the_results_is_that_of_the_changed_scene(write, tmp_path):
+    changed = read_scene(write(GOOD), ["run.dt=2e-3", 'structure.note=a "quoted" word'])
+    again = tmp_path / "again.toml"
+    again.write_text(changed.text)
+    repeat = read_scene(again)
+    assert (repeat.run, repeat.structure, repeat.loads) == (changed.run, changed.structure, changed.loads)
+    assert "--set run.dt=2e-3" in changed.text.splitlines()[0]
+
+
+def test_toml_written_reads_back_the_same():
+    tables = {
+        "title": 'a "b" \\ é',
+        "structure": {"kind": "file", "on": True, "size": [1, 2.5, -3e-9], "at": {"x y": 1, "deep": {"z": "1"}}, "none": []},
+        "loads": [{"kind": "a"}, {"kind": "b", "direction": [1.0, 0.0, 0.0]}],
+    }
+    assert tomllib.loads(dump_toml(tables)) == tables
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("dt = 1e-3", "dt = 1e-3\ndurration = 3"), 'scene.toml:19: run.durration: unknown key (did you mean "duration"?)'),
+        (("duration = 8.0\n", ""), "scene.toml:17: run.duration: missing"),
+        (("[run]", "[rnu]"), 'rnu: unknown key (did you mean "run"?)'),
+        (("dt = 1e-3", "dt = -1e-3"), "scene.toml:18: run.dt: input should be greater than 0, got -0.001"),
+        (("dt = 1e-3", "dt = 1"), "run.dt: input should be less than or equal to 0.1"),
+        (("dt = 1e-3", 'dt = "1 ms"'), "run.dt: input should be a valid number, got '1 ms'"),
+        (("dt = 1e-3", "dt = nan"), "run.dt: input should be"),
+        (("dt = 1e-3", "dt = true"), "run.dt: input should be a valid number"),
+        (("duration = 8.0", "duration = 1e-4"), "shorter than one step"),
+        (("density = 2200", "density = 2.2"), "scene.toml:7: material.density: should be between 30 and 30000 kg/m3, got 2.2"),
+        (("friction = 0.6", "friction = 35"), "material.friction: a coefficient of friction (no angle) should be between 0 and 20, got 35"),
+        (("friction = 0.6", "friction.arch-base = -1"), 'material.friction: "arch-base": a coefficient'),
+        (("friction = 0.6", "friction = 'high'"), "material.friction: should be a number"),
+        (("density = 2200\n", ""), "material.density: missing"),
+        (('[[loads]]\nkind = "gravity"\n\n[[loads]]', "[loads]"), "loads: every load is a table of its own, headed [[loads]]"),
+        (("crack_map = true", "crack_map = 3"), "report.crack_map: input should be a valid boolean"),
+        (("[run]\ndt", "[run]\nsolver = 'nlgz'\ndt"), "run.solver: input should be 'auto', 'nlgs', 'admm' or 'newton', got 'nlgz'"),
+        (("[run]\ndt", "[run]\ngravity = -9.81\ndt"), "run.gravity: should be three numbers [x, y, z], got -9.81"),
+        (("radius = 10.0", "radius = 10.0 m"), "scene.toml:4: not valid TOML"),
+        (("radius = 10.0", "radius = 10.0\nradius = 11.0"), "scene.toml:5: not valid TOML"),
+    ],
+)
+def test_bad_scenes_are_named_in_one_line(write, change, message):
+    with pytest.raises(InputError) as caught:
+        read_scene(write(GOOD.replace(*change)))
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("run.dtt=1e-3", "run.dtt: unknown key"),
+        ("rnu.dt=1e-3", 'rnu: unknown key (did you mean "run"?)'),
+        ("run.dt", "--set run.dt: write key=value"),
+        ("=3", "write key=value"),
+        ("loads[7].amplitude=1", "there is no loads[7] in the scene"),
+        ("loads.amplitude=1", "a list is addressed as loads[0].amplitude"),
+        ("run.dt=fast", "run.dt: input should be a valid number, got 'fast'"),
+    ],
+)
+def test_bad_overrides_are_named_in_one_line(write, override, message):
+    with pytest.raises(InputError) as caught:
+        read_scene(write(GOOD), [override])
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_a_folder_and_a_binary_file(tmp_path):
+    with pytest.raises(InputError, match="no such scene file"):
+        read_scene(tmp_path / "none.toml")
+    with pytest.raises(InputError, match="is a folder"):
+        read_scene(tmp_path)
+    (tmp_path / "b.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="not a text file"):
+        read_scene(tmp_path / "b.toml")
+
+
+def test_errors_of_other_rooms_get_file_and_line(write):
+    scene = read_scene(write(GOOD))
+    second = scene.at_fault(InputError("loads[1].amplitude: must be positive"))
+    assert str(second).endswith("scene.toml:15: loads[1].amplitude: must be positive")
+    missing = scene.at_fault(InputError("loads[1].frequency: missing"))
+    assert str(missing).endswith("scene.toml:13: loads[1].frequency: missing")
+    other = InputError("record.csv:7: not a number")
+    assert scene.at_fault(other) is other
+
+
+def test_the_solvers_named_in_scenes_exist():
+    assert set(get_args(SolverName)) == set(SOLVERS)
