@@ -19,6 +19,7 @@ import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -48,7 +49,7 @@ class Material(_Table):
     density: Number
     """Of every block that brings none of its own [kg/m3]."""
     friction: Number | dict[str, Number]
-    """Coefficient of friction: one value, or values by pair of block groups, ``friction.arch-base = 0.7``, with ``default`` for the rest."""
+    """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
 
     @field_validator("density")
     @classmethod
@@ -93,8 +94,12 @@ class Run(_Table):
     """Of the order in which contacts are swept."""
     threads: Annotated[Count, Field(ge=1)] = 1
     """Cores to use."""
+    planar: bool = True
+    """Solve a scene that lives in a plane in that plane, with half the contacts; False keeps it in space."""
     frames_per_second: Annotated[Number, Field(gt=0)] = 50.0
     """Frames written per second of the simulated time [1/s]."""
+    planar: bool = True
+    """Solve a scene that moves in its plane with half the contacts and three unknowns per block; the answer is the same."""
     gravity: Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)] = (0.0, 0.0, -9.81)
     """[m/s2]."""
 
@@ -239,7 +244,7 @@ def _override(tables: dict[str, Any], override: str) -> None:
     if not equals or not parts or isinstance(parts[-1], int):
         raise InputError(f"--set {override}: write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3")
     place: Any = tables
-    for part, following in zip(parts[:-1], parts[1:], strict=True):
+    for part, following in pairwise(parts):
         if isinstance(part, str) and isinstance(place, dict):
             place = place.setdefault(part, [] if isinstance(following, int) else {})
         elif isinstance(part, int) and isinstance(place, list) and part < len(place):
