@@ -60,7 +60,7 @@ class Material(_Table):
 
     @field_validator("friction", mode="before")
     @classmethod
-    def _coefficients(cls, value: object) -> object:
+    def _coefficients(cls, value: Any) -> Any:
         pairs = value if isinstance(value, Mapping) else {"": value}
         if not pairs:
             raise ValueError("gives no value")
@@ -94,8 +94,6 @@ class Run(_Table):
     """Of the order in which contacts are swept."""
     threads: Annotated[Count, Field(ge=1)] = 1
     """Cores to use."""
-    planar: bool = True
-    """Solve a scene that lives in a plane in that plane, with half the contacts; False keeps it in space."""
     frames_per_second: Annotated[Number, Field(gt=0)] = 50.0
     """Frames written per second of the simulated time [1/s]."""
     planar: bool = True
