@@ -18,9 +18,11 @@ import numpy as np
 from numba import njit
 
 from masonry_cd.blocks import Assembly
+from masonry_cd.detection import Detector
 from masonry_cd.state import State, rotation_matrices
 
 CONTACT_WIDTH = 1e-4  # [m] surfaces farther apart than this count as no longer in contact
+OPENED = 1e-4  # [m] a joint that opens this far is said to open for the first time
 TOUCHING = 1e-3  # share of the joint's size within which a corner counts as touching, next to the least open one
 
 
@@ -46,6 +48,31 @@ class Joints:
         return sums / np.diff(self.polygon_start)[:, None]
 
 
+def find_joints(assembly: Assembly) -> Joints:
+    """The joints of an assembly as built: every pair of parts whose contact points at rest span an area."""
+    state = State.at_rest(assembly)
+    still = np.zeros((assembly.count, 6))
+    contacts = Detector(assembly).detect(state.position, rotation_matrices(state.orientation), still, 0.0, 0.0, np.zeros(3))
+    starts = np.flatnonzero(np.diff(contacts.pair, prepend=-1))
+    pieces = np.split(np.arange(contacts.count), starts[1:]) if contacts.count else []
+    pieces = [piece for piece in pieces if len(piece) >= 3]
+    corners = [contacts.point[piece] for piece in pieces]
+    first = np.array([piece[0] for piece in pieces], dtype=np.int64)
+    return Joints(
+        block_a=contacts.bodies[first, 1].copy(),  # the normal points from the antagonist to the candidate
+        block_b=contacts.bodies[first, 0].copy(),
+        area=np.array([polygon_area(loop) for loop in corners]),
+        normal=contacts.normal[first].copy(),
+        polygon_start=np.cumsum([0, *(len(piece) for piece in pieces)]),
+        polygon=np.concatenate(corners) if corners else np.zeros((0, 3)),
+    )
+
+
+def polygon_area(loop: np.ndarray) -> float:
+    """Area of a planar loop (n, 3) [m2]."""
+    return float(0.5 * np.linalg.norm(np.cross(loop[1:-1] - loop[0], loop[2:] - loop[0]).sum(axis=0)))
+
+
 @dataclass(frozen=True, eq=False)
 class JointMeasures:
     """Opening [m], sliding [m], rotation [rad] and contact area [m2] of all joints at one time, (J,) each."""
@@ -54,6 +81,25 @@ class JointMeasures:
     sliding: np.ndarray
     rotation: np.ndarray
     contact_area: np.ndarray
+
+
+class JointPeaks:
+    """The largest measures of each joint so far, over all steps and not only the frames."""
+
+    def __init__(self, joints: Joints) -> None:
+        self._area = joints.area
+        self.opening = np.zeros(joints.count)
+        self.sliding = np.zeros(joints.count)
+        self.rotation = np.zeros(joints.count)
+        self.contact_area_loss = np.zeros(joints.count)
+        self.first_opening_time = np.full(joints.count, np.nan)
+
+    def update(self, now: JointMeasures, time: float) -> None:
+        """Take in the measures of one step."""
+        for name in ("opening", "sliding", "rotation"):
+            np.maximum(getattr(self, name), getattr(now, name), out=getattr(self, name))
+        np.maximum(self.contact_area_loss, 1.0 - now.contact_area / self._area, out=self.contact_area_loss)
+        self.first_opening_time[np.isnan(self.first_opening_time) & (now.opening >= OPENED)] = time
 
 
 def measure_joints(joints: Joints, assembly: Assembly, state: State) -> JointMeasures:
@@ -67,86 +113,94 @@ def measure_joints(joints: Joints, assembly: Assembly, state: State) -> JointMea
 
 
 @njit(cache=True, nogil=True)
-def _measure(block_a, block_b, normal, start, polygon, centre, position, rotation, out):  # noqa: PLR0913
-    """Fill out (4, J) with opening, sliding, rotation and contact area."""
+def _measure(block_a, block_b, normal, start, polygon, centre, position, rotation, out):
+    """Fill out (4, J) with opening, sliding, rotation and contact area.
+
+    All vectors are taken into the body frame of a, where the joint's normal and polygon stay what they were at rest.
+    """
     most = 0
     for j in range(block_a.shape[0]):
         most = max(most, start[j + 1] - start[j])
     apart = np.empty(most)  # d_k . n
-    shift = np.empty((most, 3))  # tangential part of d_k
+    shift = np.empty((most, 2))  # tangential part of d_k, along the axes of the joint's plane
     flat = np.empty((most, 2))  # polygon in the plane of the joint
     work = np.empty((2, 4 * most + 8, 3))
+    axes = np.empty((2, 3))
+    turn, move = np.empty((3, 3)), np.empty(3)
     for j in range(block_a.shape[0]):
         a, b, first, corners = block_a[j], block_b[j], start[j], start[j + 1] - start[j]
-        n_world = rotation[a] @ normal[j]
+        out[2, j] = _relative_pose(rotation[a], rotation[b], position[a], position[b], turn, move)
+        _axes(polygon, first, normal[j], axes)
+        size = 0.0
         for k in range(corners):
-            x = polygon[first + k]
-            d = (rotation[b] @ (x - centre[b]) + position[b]) - (rotation[a] @ (x - centre[a]) + position[a])
-            apart[k] = np.dot(d, n_world)
-            shift[k] = d - apart[k] * n_world
-        size = _flatten(polygon, first, corners, normal[j], flat)
+            flat[k, 0], flat[k, 1] = 0.0, 0.0
+            apart[k], shift[k, 0], shift[k, 1] = 0.0, 0.0, 0.0
+            for i in range(3):
+                d = move[i] - (polygon[first + k, i] - centre[a, i])
+                for l in range(3):
+                    d += turn[i, l] * (polygon[first + k, l] - centre[b, l])
+                apart[k] += d * normal[j, i]
+                edge = polygon[first + k, i] - polygon[first, i]
+                for axis in range(2):
+                    shift[k, axis] += d * axes[axis, i]
+                    flat[k, axis] += edge * axes[axis, i]
+            size = max(size, np.sqrt(flat[k, 0] ** 2 + flat[k, 1] ** 2))
         out[0, j] = max(0.0, apart[:corners].max())
         out[1, j] = _largest_shift(apart, shift, corners, TOUCHING * size)
-        out[2, j] = _relative_angle(rotation[a], rotation[b])
-        out[3, j] = _contact_area(flat, apart, shift, corners, rotation[a].T, polygon, first, normal[j], work)
+        out[3, j] = _contact_area(flat, apart, shift, corners, work)
+
+
+@njit(cache=True, nogil=True)
+def _relative_pose(ra, rb, xa, xb, turn, move):
+    """Rotation ra^T rb and position ra^T (xb - xa) of b in the frame of a; returns the angle, exact near zero."""
+    for i in range(3):
+        move[i] = 0.0
+        for d in range(3):
+            move[i] += ra[d, i] * (xb[d] - xa[d])
+        for j in range(3):
+            turn[i, j] = ra[0, i] * rb[0, j] + ra[1, i] * rb[1, j] + ra[2, i] * rb[2, j]
+    sine = 0.5 * np.sqrt((turn[2, 1] - turn[1, 2]) ** 2 + (turn[0, 2] - turn[2, 0]) ** 2 + (turn[1, 0] - turn[0, 1]) ** 2)
+    return np.arctan2(sine, 0.5 * (turn[0, 0] + turn[1, 1] + turn[2, 2] - 1.0))
+
+
+@njit(cache=True, nogil=True)
+def _axes(polygon, first, n, axes):
+    """Two unit vectors in the plane of the joint: along its first edge, and n x that."""
+    length = 0.0
+    for d in range(3):
+        axes[0, d] = polygon[first + 1, d] - polygon[first, d]
+        length += axes[0, d] ** 2
+    for d in range(3):
+        axes[0, d] /= np.sqrt(length)
+    axes[1, 0] = n[1] * axes[0, 2] - n[2] * axes[0, 1]
+    axes[1, 1] = n[2] * axes[0, 0] - n[0] * axes[0, 2]
+    axes[1, 2] = n[0] * axes[0, 1] - n[1] * axes[0, 0]
 
 
 @njit(cache=True, nogil=True)
 def _largest_shift(apart, shift, corners, tolerance):
     """Largest tangential displacement among the corners that touch."""
-    limit = apart[:corners].min() + tolerance
-    largest = 0.0
+    limit, largest = apart[:corners].min() + tolerance, 0.0
     for k in range(corners):
         if apart[k] <= limit:
-            largest = max(largest, np.sqrt(np.dot(shift[k], shift[k])))
+            largest = max(largest, np.sqrt(shift[k, 0] ** 2 + shift[k, 1] ** 2))
     return largest
 
 
 @njit(cache=True, nogil=True)
-def _relative_angle(ra, rb):
-    """Angle of ra^T rb, exact near zero: |skew part| = sin, (trace - 1) / 2 = cos."""
-    r = ra.T @ rb
-    sine = 0.5 * np.sqrt((r[2, 1] - r[1, 2]) ** 2 + (r[0, 2] - r[2, 0]) ** 2 + (r[1, 0] - r[0, 1]) ** 2)
-    return np.arctan2(sine, 0.5 * (r[0, 0] + r[1, 1] + r[2, 2] - 1.0))
-
-
-@njit(cache=True, nogil=True)
-def _axes(polygon, first, corners, n):
-    """Two axes in the plane of the joint: along its first edge, and across."""
-    along = polygon[first + 1] - polygon[first]
-    along = along / np.sqrt(np.dot(along, along))
-    return along, np.cross(n, along)
-
-
-@njit(cache=True, nogil=True)
-def _flatten(polygon, first, corners, n, flat):
-    """Write the polygon in plane coordinates; return its largest extent [m]."""
-    along, across = _axes(polygon, first, corners, n)
-    size = 0.0
-    for k in range(corners):
-        d = polygon[first + k] - polygon[first]
-        flat[k, 0], flat[k, 1] = np.dot(d, along), np.dot(d, across)
-        size = max(size, np.sqrt(np.dot(d, d)))
-    return size
-
-
-@njit(cache=True, nogil=True)
-def _contact_area(flat, apart, shift, corners, world_to_a, polygon, first, n, work):
+def _contact_area(flat, apart, shift, corners, work):
     """Area of a's polygon inside b's moved polygon, where the joint is open by no more than CONTACT_WIDTH.
 
     work[.., :, 2] carries d . n, which is linear over the polygon because both blocks are rigid.
     """
-    along, across = _axes(polygon, first, corners, n)
     count, source = corners, 0
     for k in range(corners):
         work[0, k, 0], work[0, k, 1], work[0, k, 2] = flat[k, 0], flat[k, 1], apart[k]
-    turn = _signed_area(flat, corners)
+    sign = 1.0 if _signed_area(flat, corners) > 0 else -1.0
     for k in range(corners):  # cut by every side of b's polygon
         nxt = (k + 1) % corners
-        move, move_next = world_to_a @ shift[k], world_to_a @ shift[nxt]
-        x0, y0 = flat[k, 0] + np.dot(move, along), flat[k, 1] + np.dot(move, across)
-        x1, y1 = flat[nxt, 0] + np.dot(move_next, along), flat[nxt, 1] + np.dot(move_next, across)
-        sign = 1.0 if turn > 0 else -1.0
+        x0, y0 = flat[k, 0] + shift[k, 0], flat[k, 1] + shift[k, 1]
+        x1, y1 = flat[nxt, 0] + shift[nxt, 0], flat[nxt, 1] + shift[nxt, 1]
         count = _cut(work[source], count, -sign * (y1 - y0), sign * (x1 - x0), 0.0, x0, y0, 0.0, work[1 - source])
         source = 1 - source
     count = _cut(work[source], count, 0.0, 0.0, -1.0, 0.0, 0.0, CONTACT_WIDTH, work[1 - source])

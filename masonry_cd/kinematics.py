@@ -35,24 +35,22 @@ def drift(position, orientation, velocity, time):
 
 
 @njit(cache=True, nogil=True)
-def free_motion(orientation, velocity, spin, mass, inverse_inertia, free_index, columns, acceleration, step, rotation, inverse_mass, v_free):
-    """Rotation matrices (B, 3, 3), and for free bodies M^-1 (n, n) and the velocity without contact (n,).
+def free_motion(rotation, velocity, spin, mass, inverse_inertia, free_index, columns, acceleration, step, inverse_mass, v_free):
+    """For free bodies, M^-1 (n, n) and the velocity without contact (n,).
 
     The free rotation keeps the angular momentum ``spin``: w_free = I(q_m)^-1 L. A tumbling block so gains no energy beyond
     L^2 / (2 I_min), however coarse the step.
     """
     full = np.zeros((6, 6))
     free = np.empty(6)
-    for b in range(orientation.shape[0]):
-        r = rotation[b]
-        _matrix(orientation[b], r)
+    for b in range(rotation.shape[0]):
         i = free_index[b]
         if i < 0:
             continue
         for d in range(3):
             full[d, d] = 1.0 / mass[b]
             free[d] = velocity[b, d] + step * acceleration[d]
-        _turn_tensor(r, inverse_inertia[b], full[3:, 3:])
+        _turn_tensor(rotation[b], inverse_inertia[b], full[3:, 3:])
         for d in range(3):
             free[3 + d] = full[3 + d, 3] * spin[b, 0] + full[3 + d, 4] * spin[b, 1] + full[3 + d, 5] * spin[b, 2]
         for j in range(columns.shape[0]):
@@ -191,15 +189,6 @@ def joint_forces(impulse, chosen, normal, pair, pair_joint, step, total, out):
                 total[joint, d] += impulse[c, i] * frame[i, d] / step
     for j in range(total.shape[0]):
         out[1, j] = np.sqrt(total[j, 0] ** 2 + total[j, 1] ** 2 + total[j, 2] ** 2)
-
-
-@njit(cache=True, nogil=True)
-def _matrix(q, r):
-    """Rotation matrix of a unit quaternion."""
-    w, x, y, z = q[0], q[1], q[2], q[3]
-    r[0, 0], r[0, 1], r[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
-    r[1, 0], r[1, 1], r[1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
-    r[2, 0], r[2, 1], r[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
 
 
 @njit(cache=True, nogil=True)

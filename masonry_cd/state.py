@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from masonry_cd.blocks import Assembly
 
@@ -38,11 +39,17 @@ class State:
 
 
 def rotation_matrices(orientation: np.ndarray) -> np.ndarray:
-    """Rotation matrices (..., 3, 3), body to world, of unit quaternions (..., 4), w first."""
-    w, x, y, z = np.moveaxis(orientation, -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+    """Rotation matrices (B, 3, 3), body to world, of unit quaternions (B, 4), w first."""
+    out = np.empty((len(orientation), 3, 3))
+    _matrices(orientation, out)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _matrices(orientation, out):
+    for b in range(orientation.shape[0]):
+        w, x, y, z = orientation[b, 0], orientation[b, 1], orientation[b, 2], orientation[b, 3]
+        r = out[b]
+        r[0, 0], r[0, 1], r[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
+        r[1, 0], r[1, 1], r[1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
+        r[2, 0], r[2, 1], r[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
