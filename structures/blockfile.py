@@ -1,0 +1,133 @@
+"""Block files: the blocks of a structure as JSON.
+
+    {"units": "m", "blocks": [{"name": "v1", "vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...],
+                               "density": 2200, "fixed": false, "group": "arch"}, ...]}
+
+Faces are zero-based loops of vertices, counter-clockwise seen from outside. Name, density, group and units have defaults:
+b0, b1 ...; the material's density; ``base`` for fixed blocks and ``block`` for the others; metres. Other keys at the top
+level are left alone, so that a program may keep its own notes in the same file.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from masonry_cd.blocks import Block
+from masonry_cd.errors import InputError, parse_table, suggest
+from structures.checks import check
+from structures.tidy import tidy
+
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class FileTable(BaseModel):
+    """The [structure] table of a block file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    path: str = Field(description="of the block file, relative to the scene file")
+
+
+class Entry(BaseModel):
+    """One block of a block file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    name: str | None = Field(None, min_length=1)
+    vertices: list[Annotated[list[Finite], Field(min_length=3, max_length=3)]] = Field(min_length=4)
+    faces: list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=3)]] = Field(min_length=4)
+    density: float | None = Field(None, gt=0, allow_inf_nan=False)
+    fixed: bool = False
+    group: str | None = Field(None, min_length=1)
+
+
+def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
+    """Read the block file that a [structure] table names."""
+    path = Path(parse_table(FileTable, table, "structure").path)
+    if not (folder / path).is_file():
+        raise InputError(f'structure.path: no file "{path}" in {folder}' if not path.is_absolute() else f'structure.path: no file "{path}"')
+    return read(folder / path, density)
+
+
+def read(path: Path, density: float) -> list[Block]:
+    """Read and check a block file.
+
+    Args:
+        path: a JSON file as described above.
+        density: for the blocks that state none [kg/m3].
+
+    Raises:
+        InputError: one line that names the file and the block, key or line.
+    """
+    content = _load(path)
+    scale = _scale(content, path)
+    entries = content.get("blocks")
+    if not isinstance(entries, list) or not entries:
+        raise InputError(f'{path.name}: "blocks" must be a list of one block or more')
+    blocks = [_block(entry, i, density, scale, path) for i, entry in enumerate(entries)]
+    check(blocks, path.name)
+    return tidy(blocks)
+
+
+def write(path: Path, blocks: Sequence[Block]) -> None:
+    """Write a block file in metres, one block per line; reading it gives the same blocks to the bit."""
+    lines = []
+    for block in blocks:
+        entry = {
+            "name": block.name,
+            "vertices": block.vertices.tolist(),
+            "faces": [list(face) for face in block.faces],
+            "density": block.density,
+            "fixed": block.fixed,
+            "group": block.group,
+        }
+        lines.append(json.dumps(entry))
+    path.write_text('{"units": "m", "blocks": [\n' + ",\n".join(lines) + "\n]}\n", encoding="utf-8")
+
+
+def _load(path: Path) -> dict[str, Any]:
+    """Parse the JSON text."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as failure:
+        raise InputError(f"{path.name}: cannot be read, {failure.strerror}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path.name}: no JSON text") from None
+    except json.JSONDecodeError as failure:
+        raise InputError(f"{path.name}: line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
+    if not isinstance(content, dict):
+        raise InputError(f'{path.name}: must be an object with the key "blocks"')
+    return content
+
+
+def _scale(content: Mapping[str, Any], path: Path) -> float:
+    """Metres per unit of the file."""
+    units = content.get("units", "m")
+    if units not in METRES:
+        raise InputError(f'{path.name}: unknown units "{units}"{suggest(str(units), METRES)}; known: {", ".join(METRES)}')
+    return METRES[units]
+
+
+def _block(entry: Any, index: int, density: float, scale: float, path: Path) -> Block:
+    """Turn one entry into a block."""
+    given = entry.get("name") if isinstance(entry, dict) else None
+    where = f'{path.name}: block "{given}"' if isinstance(given, str) else f"{path.name}: blocks[{index}]"
+    if not isinstance(entry, dict):
+        raise InputError(f"{where}: must be an object with vertices and faces")
+    parsed = parse_table(Entry, entry, where)
+    vertices = np.array(parsed.vertices) * scale if scale != 1.0 else np.array(parsed.vertices)
+    return Block(
+        name=parsed.name or f"b{index}",
+        vertices=vertices,
+        faces=tuple(tuple(face) for face in parsed.faces),
+        density=density if parsed.density is None else parsed.density,
+        group=parsed.group or ("base" if parsed.fixed else "block"),
+        fixed=parsed.fixed,
+    )
