@@ -1,0 +1,263 @@
+"""A run as a function of its scene: scene -> assembly and loading -> results -> damage, summary and pictures.
+
+This is the command line's work without the command line. It alone, with :mod:`masonry_cd.cli`, calls the other rooms, and imports
+them inside its functions: a run whose scene asks for no picture never loads VTK.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from masonry_cd import __version__
+from masonry_cd.blocks import Assembly, Block
+from masonry_cd.errors import InputError
+from masonry_cd.joints import Joints, find_joints
+from masonry_cd.progress import Interrupt, Progress, in_words, said_if_slow
+from masonry_cd.results import Results, ResultWriter
+from masonry_cd.scene import Run, Scene
+from masonry_cd.stepping import RunReport, Stepper
+from masonry_cd.stepping import run as run_steps
+
+if TYPE_CHECKING:
+    from loads import Loading
+
+OUTPUTS = ("result.h5", "joints.csv", "summary.json", "crack_map.png")
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A scene whose every part is checked and built; nothing is written yet."""
+
+    scene: Scene
+    assembly: Assembly
+    joints: Joints
+    loading: Loading
+    seconds: float  # to build it
+
+
+def build_blocks(scene: Scene) -> list[Block]:
+    """The blocks of a scene's structure.
+
+    Raises:
+        InputError: with file and line of the scene where a key is at fault.
+    """
+    import structures
+
+    try:
+        return structures.build(scene.structure, scene.material.density, scene.folder)
+    except InputError as error:
+        raise scene.at_fault(error) from None
+
+
+def prepare(scene: Scene) -> Case:
+    """Build and check all that a run needs.
+
+    Raises:
+        InputError: anything wrong with the structure, the material or the loads.
+    """
+    import loads
+
+    begin = time.perf_counter()
+    blocks = build_blocks(scene)
+    try:
+        assembly = Assembly.from_blocks(blocks, scene.material.friction)
+        loading = loads.build(scene.loads, scene.run.dt, scene.run.steps, scene.run.gravity, scene.folder)
+    except InputError as error:
+        raise scene.at_fault(error) from None
+    if loading.support_velocity.any() and not assembly.fixed.any():
+        raise InputError(f"{scene.path}: loads: the base is shaken, but no block of the structure is fixed")
+    with said_if_slow("compiling the kernels, once: this takes about a minute and is kept for later runs"):
+        joints = find_joints(assembly)
+        _compile(scene.run)
+    return Case(scene, assembly, joints, loading, time.perf_counter() - begin)
+
+
+def _compile(settings: Run) -> None:
+    """Take a step of two cubes, so that what numba compiles on first use is not counted as time of the run."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+    faces = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+    cubes = [Block("base", corners, faces, 2000.0, fixed=True), Block("cube", corners + [0.1, 0.0, 1.0], faces, 2000.0)]
+    gravity = np.tile([0.0, 0.0, -9.81], (2, 1))
+    Stepper(Assembly.from_blocks(cubes, 0.5), np.zeros((2, 1, 3)), gravity, settings.model_copy(update={"dt": 1e-3})).step()
+
+
+def run_case(case: Case, folder: Path, quiet: bool = True) -> dict[str, Any]:
+    """Run a case and write everything into a folder, which is made if need be.
+
+    Returns:
+        the summary, as in summary.json; its ``stopped`` says why the run ended early, empty when it did not.
+    """
+    begin = time.perf_counter()
+    scene, settings = case.scene, case.scene.run
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in OUTPUTS:
+        (folder / name).unlink(missing_ok=True)
+    stepper = Stepper(case.assembly, case.loading.support_velocity, case.loading.acceleration, settings)
+    interrupt, show = Interrupt(), Progress(settings.steps, quiet)
+
+    def progress(done: int) -> None:
+        show(done)
+        interrupt.check()
+
+    file = folder / "result.h5"
+    with interrupt, ResultWriter(file, case.assembly, case.joints, scene.text, scene.title) as writer, show:
+        report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress)
+    summary = _summary(case, report)
+    with Results.open(file) as results:
+        summary |= write_damage(results, folder)
+        if scene.report.crack_map and not report.stopped:
+            draw_crack_map(results, folder)
+    summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
+    write_json(summary, folder / "summary.json")
+    return summary
+
+
+def write_damage(results: Results, folder: Path) -> dict[str, Any]:
+    """Write joints.csv and return the numbers of damage for the summary."""
+    from reports import damage
+
+    table = damage.joint_damage(results)
+    damage.write_joints_csv(table, folder / "joints.csv")
+    fallen = damage.collapsed_blocks(results)
+    numbers: dict[str, Any] = damage.summary(table)
+    return numbers | {
+        "blocks": len(results.blocks),
+        "joints": results.joints.count,
+        "collapsed_blocks": len(fallen),
+        "collapsed_block_names": list(fallen),
+        "displacement_max": damage.displacement_max(results),
+        "opening_max": float(table.max_opening.max(initial=0.0)),
+        "sliding_max": float(table.max_sliding.max(initial=0.0)),
+    }
+
+
+def draw_crack_map(results: Results, folder: Path) -> None:
+    """Draw crack_map.png."""
+    from reports import crack_map
+
+    crack_map.crack_map(results, folder / "crack_map.png")
+
+
+def _summary(case: Case, report: RunReport) -> dict[str, Any]:
+    """What the run itself yields for summary.json."""
+    settings = case.scene.run
+    energy = {("kinetic_end" if name == "kinetic" else name): value for name, value in report.energy.items()}
+    return {
+        "title": case.scene.title,
+        "version": __version__,
+        "stopped": report.stopped,
+        "steps": report.steps,
+        "steps_asked": settings.steps,
+        "dt": settings.dt,
+        "wall_seconds": 0.0,
+        "stepping_seconds": report.stepping_seconds,
+        "contacts_mean": report.contacts_mean,
+        "contacts_max": report.contacts_max,
+        "planar": report.planar,
+        "solver": {
+            "name": settings.solver,
+            "tolerance": settings.tolerance,
+            "seed": settings.seed,
+            "iterations_mean": report.iterations_mean,
+            "iterations_max": report.iterations_max,
+            "error_max": report.error_max,
+            "error_mean": report.error_mean,
+            "steps_missed": report.steps_missed,
+            "reasons": _reasons(report.solver_reasons),
+        },
+        "penetration_max": report.penetration_max,
+        "energy": energy | {"balance_error": report.balance_error},
+        "loads": case.loading.summary,
+    }
+
+
+def _reasons(counts: dict[str, int]) -> dict[str, int]:
+    """The solver's reasons without their numbers, so that like counts with like."""
+    out: dict[str, int] = {}
+    for reason, count in counts.items():
+        kind = re.sub(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", "#", reason)
+        out[kind] = out.get(kind, 0) + count
+    return out
+
+
+def write_json(summary: dict[str, Any], path: Path) -> None:
+    """Write a summary; what is not finite becomes null, since JSON knows no NaN."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {str(key): plain(item) for key, item in value.items()}
+        if isinstance(value, (list, tuple, np.ndarray)):
+            return [plain(item) for item in value]
+        if isinstance(value, np.generic):
+            value = value.item()
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    path.write_text(json.dumps(plain(summary), indent=2) + "\n", encoding="utf-8")
+
+
+def closing_lines(summary: dict[str, Any]) -> list[str]:
+    """What happened, in words."""
+    s, solver, energy = summary, summary["solver"], summary["energy"]
+    per_step = s["stepping_seconds"] / max(1, s["steps"])
+    return [
+        f"{s['title']}: {s['steps']} steps of {length(s['dt'], 's')} in {in_words(s['wall_seconds'])}, {length(per_step, 's')} per step",
+        damage_line(s),
+        f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
+        f"largest penetration {length(s['penetration_max'])}",
+        f"solver {solver['name']}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
+        f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
+        f"energy: balance closed to {energy['balance_error']:.1e} of the largest work done",
+    ]
+
+
+def damage_line(s: dict[str, Any]) -> str:
+    """The damage in one line."""
+    fallen = f"{s['collapsed_blocks'] or 'none'} of {s['blocks']} blocks fell"
+    return (
+        f"joints: {s['joints']}, of which {s['joints_opened']} opened (at most {length(s['opening_max'])}), {s['joints_slid']} slid "
+        f"(at most {length(s['sliding_max'])}), {s['joints_separated']} separated; {fallen}; "
+        f"largest displacement relative to the base {length(s['displacement_max'])}"
+    )
+
+
+def describe(blocks: list[Block]) -> str:
+    """What was built, in one line."""
+    assembly = Assembly.from_blocks(blocks, 0.0)
+    groups = ", ".join(f"{name} {int((assembly.group_of == i).sum())}" for i, name in enumerate(assembly.groups))
+    free = ~assembly.fixed
+    return (
+        f"{assembly.count} blocks ({groups}), {find_joints(assembly).count} joints, {int(assembly.fixed.sum())} fixed; "
+        f"the free ones weigh {assembly.mass[free].sum() / 1000:.4g} t, volumes {assembly.volume[free].min():.3g} to "
+        f"{assembly.volume[free].max():.3g} m3"
+    )
+
+
+def warnings(summary: dict[str, Any]) -> list[str]:
+    """What must not pass in silence."""
+    solver, lines = summary["solver"], []
+    if solver["steps_missed"]:
+        lines.append(
+            f"{solver['steps_missed']} of {summary['steps']} steps missed the tolerance {solver['tolerance']:g}; "
+            f"the largest error is {solver['error_max']:.1e} (each step's: solver/error in result.h5)"
+        )
+    if summary["stopped"]:
+        lines.append(f"the run ended early, {summary['stopped']}; the results hold all frames up to there")
+    return lines
+
+
+def length(value: float, unit: str = "m") -> str:
+    """A number with the prefix that reads best: ``1.2 mm``, ``0.5 m``, ``30 us``."""
+    if not math.isfinite(value):
+        return f"{value} {unit}"
+    for factor, prefix in ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")):
+        if abs(value) >= factor * 0.9995:
+            return f"{value / factor:.3g} {prefix}{unit}"
+    return f"{value:.3g} {unit}"

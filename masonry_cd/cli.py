@@ -1,0 +1,197 @@
+"""The command line ``masonry-cd``. Its own imports are light; each command imports what it needs.
+
+Exit codes: 0 done, 1 the run could not go on, 2 bad input (one line says what and where), 130 stopped by Ctrl-C.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from masonry_cd import __version__
+
+if TYPE_CHECKING:
+    from masonry_cd.case import Case
+
+app = typer.Typer(
+    name="masonry-cd",
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+)
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).", show_default=False)]
+Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results; made if need be.", show_default=False)]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change the scene: run.dt=1e-3, loads[0].amplitude=0.3. As often as needed."),
+]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite what DIR already holds.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but warnings and errors.")]
+
+
+def main() -> None:
+    """The entry point of the installed command."""
+    app()
+
+
+@app.callback()
+def _root(version: Annotated[bool, typer.Option("--version", help="Print the version and exit.", is_eager=True)] = False) -> None:
+    """Seismic analysis of block masonry by non-smooth contact dynamics: which joints open, what falls, at which shaking.
+
+    \b
+    A first run:
+      masonry-cd run examples/arch.toml -o out/arch
+      masonry-cd report out/arch
+    """
+    if version:
+        typer.echo(f"masonry-cd {__version__}")
+        raise typer.Exit
+
+
+@app.command()
+def run(
+    scene: SceneFile,
+    output: Output,
+    set_: Changes = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compute a scene and write its results.
+
+    DIR gets result.h5, joints.csv, summary.json, and the pictures that the scene asks for. The whole scene is checked first; bad input is told in one line, with exit code 2, and nothing is written. Ctrl-C ends a run
+    after the current step: the results stay readable up to there.
+
+    \b
+    Examples:
+      masonry-cd run aqueduct.toml -o out/aqueduct
+      masonry-cd run aqueduct.toml -o out/strong --set loads[0].amplitude=0.4 --set run.duration=5
+      masonry-cd run aqueduct.toml -o out/aqueduct --force --set run.solver=nlgs --set run.tolerance=1e-6
+    """
+    with _told():
+        _free_folder(output, ("result.h5", "summary.json"), force)
+        from masonry_cd.scene import read_scene
+
+        asked = read_scene(scene, set_ or ())
+        from masonry_cd import case  # numba and the kernels come with it, after the cheap checks
+
+        prepared = case.prepare(asked)
+        if not quiet:
+            _announce(prepared)
+        summary = case.run_case(prepared, output, quiet)
+        if not quiet:
+            typer.echo("\n".join(case.closing_lines(summary)))
+            typer.echo(f"results: {', '.join(str(output / name) for name in case.OUTPUTS if (output / name).exists())}")
+        for line in case.warnings(summary):
+            typer.echo(f"masonry-cd: warning: {line}", err=True)
+    if summary["stopped"]:
+        raise typer.Exit(130 if summary["stopped"].startswith("interrupted") else 1)
+
+
+@app.command()
+def build(
+    scene: SceneFile,
+    output: Output,
+    set_: Changes = None,
+    picture: Annotated[bool, typer.Option(help="Draw structure.png.")] = True,
+    force: Force = False,
+) -> None:
+    """Build the structure of a scene alone.
+
+    DIR gets blocks.json, which kind = "file" reads back, and structure.png.
+
+    \b
+    Examples:
+      masonry-cd build aqueduct.toml -o out/aqueduct
+      masonry-cd build aqueduct.toml -o out/five --set structure.spans=5 --no-picture
+    """
+    with _told():
+        _free_folder(output, ("blocks.json",), force)
+        from masonry_cd.scene import read_scene
+
+        asked = read_scene(scene, set_ or ())
+        from masonry_cd import case
+        from structures import blockfile
+
+        blocks = case.build_blocks(asked)
+        typer.echo(case.describe(blocks))
+        output.mkdir(parents=True, exist_ok=True)
+        blockfile.write(output / "blocks.json", blocks)
+        if picture:
+            from reports.picture import structure_picture
+
+            structure_picture(blocks, output / "structure.png", asked.title)
+        typer.echo(f"written: {', '.join(str(output / name) for name in ('blocks.json', 'structure.png') if (output / name).exists())}")
+
+
+@app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.", show_default=False)],
+    crack_map: Annotated[bool, typer.Option(help="Draw crack_map.png.")] = True,
+) -> None:
+    """Redo the reports of a run.
+
+    Writes joints.csv and crack_map.png anew from result.h5, also for a run that was stopped or killed.
+
+    \b
+    Example:
+      masonry-cd report out/aqueduct
+    """
+    with _told():
+        from masonry_cd import case
+        from masonry_cd.results import Results
+
+        with Results.open(folder / "result.h5") as results:
+            typer.echo(case.damage_line(case.write_damage(results, folder)))
+            if crack_map:
+                case.draw_crack_map(results, folder)
+        typer.echo(
+            f"written: {', '.join(str(folder / name) for name in ('joints.csv', 'crack_map.png') if name == 'joints.csv' or crack_map)}"
+        )
+
+
+def _announce(prepared: Case) -> None:
+    """What is about to be computed."""
+    settings = prepared.scene.run
+    joints = f"{prepared.assembly.count} blocks, {prepared.joints.count} joints"
+    typer.echo(f"{prepared.scene.title}: {joints}, {settings.steps} steps of {settings.dt:g} s, solver {settings.solver}")
+    for line in prepared.loading.lines:
+        typer.echo(line)
+
+
+def _free_folder(folder: Path, marks: tuple[str, ...], force: bool) -> None:
+    """Refuse a folder that holds results, or is none."""
+    from masonry_cd.errors import InputError
+
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file; -o names a folder")
+    if not force and any((folder / mark).exists() for mark in marks):
+        raise InputError(f"{folder}: holds results already; choose another folder, or --force to overwrite them")
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """Tell errors in one line and set the exit code."""
+    from masonry_cd.errors import InputError
+
+    try:
+        yield
+    except InputError as error:
+        typer.echo(f"masonry-cd: error: {error}", err=True)
+        raise typer.Exit(2) from None
+    except OSError as error:
+        typer.echo(f"masonry-cd: error: {error}", err=True)
+        raise typer.Exit(1) from None
+    except KeyboardInterrupt:
+        typer.echo("masonry-cd: interrupted", err=True)
+        raise typer.Exit(130) from None
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,139 @@
+"""How far a run is: a bar with the time left on a terminal, a plain line every ten seconds elsewhere; Ctrl-C between steps.
+
+A step may take microseconds, so a call costs no more than a look at the clock until there is something to draw.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType, TracebackType
+from typing import TYPE_CHECKING, Any, TextIO
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+
+BAR_SECONDS, LINE_SECONDS = 0.2, 10.0
+
+
+class Progress:
+    """Call it with the number of steps done; use it as a context manager.
+
+    Args:
+        total: steps of the run.
+        quiet: say nothing.
+        stream: where to; standard error when not given.
+    """
+
+    def __init__(self, total: int, quiet: bool = False, stream: TextIO | None = None) -> None:
+        self.total, self.done = total, 0
+        self._stream = stream or sys.stderr
+        self._bar = _bar(self._stream) if self._stream.isatty() and not quiet else None
+        self._every = float("inf") if quiet else BAR_SECONDS if self._bar else LINE_SECONDS
+
+    def __enter__(self) -> Progress:
+        self._begin = self._last = time.perf_counter()
+        if self._bar:
+            self._bar.start()
+            self._task = self._bar.add_task("steps", total=self.total)
+            self._bar.refresh()
+        return self
+
+    def __call__(self, done: int) -> None:
+        self.done = done
+        now = time.perf_counter()
+        if now - self._last >= self._every:
+            self._last = now
+            self._show(now - self._begin)
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self._bar:
+            self._show(time.perf_counter() - self._begin)
+            self._bar.stop()
+
+    def _show(self, elapsed: float) -> None:
+        if self._bar:
+            self._bar.update(self._task, completed=self.done, refresh=True)
+            return
+        left = elapsed / self.done * (self.total - self.done)
+        line = f"step {self.done} of {self.total} ({100 * self.done / self.total:.0f} %), {in_words(elapsed)} so far, {in_words(left)} left"
+        print(line, file=self._stream, flush=True)
+
+
+def _bar(stream: TextIO) -> Bar:
+    """A bar that is drawn only when told, so that no thread of its own takes time from the run."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    columns: tuple[Any, ...] = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    return Progress(*columns, console=Console(file=stream), auto_refresh=False, speed_estimate_period=60)
+
+
+def in_words(seconds: float) -> str:
+    """A time span for people: ``0.24 s``, ``12.3 s``, ``4 min 5 s``, ``2 h 10 min``."""
+    if seconds < 1:
+        return f"{seconds:.2g} s"
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+@contextmanager
+def said_if_slow(message: str, seconds: float = 3.0, stream: TextIO | None = None) -> Iterator[None]:
+    """Print a message when the body takes longer than so many seconds."""
+    timer = threading.Timer(seconds, lambda: print(message, file=stream or sys.stderr, flush=True))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
+class Interrupt:
+    """Holds Ctrl-C back until :meth:`check` is called, so that no write of the results is torn; a second one acts at once."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        self._former: Any = None
+        self._main = threading.current_thread() is threading.main_thread()  # elsewhere signals cannot be handled
+
+    def __enter__(self) -> Interrupt:
+        if self._main:
+            self._former = signal.signal(signal.SIGINT, self._handle)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._main:
+            signal.signal(signal.SIGINT, self._former)
+
+    def check(self) -> None:
+        """Raise KeyboardInterrupt if Ctrl-C was pressed since."""
+        if self.asked:
+            raise KeyboardInterrupt
+
+    def _handle(self, number: int, frame: FrameType | None) -> None:
+        if self.asked:
+            raise KeyboardInterrupt
+        self.asked = True
