@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.blocks import Assembly
+from masonry_cd.state import State
 
 FLAT = 1e-9  # relative to the size of the structure
 
@@ -28,21 +29,32 @@ class Plane:
         return np.array([d for d in range(3) if d != self.axis] + [3 + self.axis])
 
 
-def find_plane(assembly: Assembly, support_velocity: np.ndarray, acceleration: np.ndarray) -> Plane | None:
+def find_plane(assembly: Assembly, state: State, support_velocity: np.ndarray, acceleration: np.ndarray) -> Plane | None:
     """The plane in which the scene moves, or None if it needs all three dimensions.
 
     Args:
-        assembly: the blocks, all of their motion starting from rest.
+        assembly: the blocks.
+        state: at the start.
         support_velocity: (N + 1, S, 3) [m/s].
         acceleration: (N + 1, 3) [m/s2].
     """
     for axis in range(3):
         if np.any(support_velocity[..., axis]) or np.any(acceleration[..., axis]):
             continue
+        if not _moves_in_plane(assembly, state, axis):
+            continue
         at = _middle(assembly, axis)
         if at is not None:
             return Plane(axis, at)
     return None
+
+
+def _moves_in_plane(assembly: Assembly, state: State, axis: int) -> bool:
+    """Whether a state keeps to the plane: no velocity across it, no shift along its normal, rotations about its normal only."""
+    across = [axis, *(3 + d for d in range(3) if d != axis)]
+    turned = [1 + d for d in range(3) if d != axis]
+    shifted = state.position[:, axis] != assembly.centre[:, axis]
+    return not (shifted.any() or state.velocity[:, across].any() or state.orientation[:, turned].any())
 
 
 def _middle(assembly: Assembly, axis: int) -> float | None:

@@ -61,26 +61,31 @@ class Stepper:
         support_velocity: (N + 1, S, 3) velocity of support motion s at t_k = k h [m/s].
         acceleration: (N + 1, 3) body acceleration at t_k, gravity included [m/s2].
         settings: time step, theta, solver, tolerance, seed.
+        start: where the run begins; None: at rest, as built.
     """
 
-    def __init__(self, assembly: Assembly, support_velocity: np.ndarray, acceleration: np.ndarray, settings: Run) -> None:
+    def __init__(
+        self, assembly: Assembly, support_velocity: np.ndarray, acceleration: np.ndarray, settings: Run, start: State | None = None
+    ) -> None:
         self.assembly, self.settings = assembly, settings
-        self.state = State.at_rest(assembly)
+        self.state = State.at_rest(assembly) if start is None else start.copy()
         self.steps = 0
         self.detector = Detector(assembly)
-        self.plane = find_plane(assembly, support_velocity, acceleration) if settings.planar else None
+        self.plane = find_plane(assembly, self.state, support_velocity, acceleration) if settings.planar else None
         self.energy = dict.fromkeys(ENERGIES, 0.0)
         self._support_velocity, self._acceleration = support_velocity, acceleration
         self._columns = np.arange(6) if self.plane is None else self.plane.columns
         self._free_index = np.where(assembly.fixed, -1, np.cumsum(~assembly.fixed) - 1)
         self._support_block = int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1
         self._inverse_inertia = np.linalg.inv(assembly.inertia)
-        self._spin = np.zeros((assembly.count, 3))  # angular momentum [kg m2/s]
+        self._rotation = rotation_matrices(self.state.orientation)  # at q_m of the last step
+        inertia = self._rotation @ assembly.inertia @ self._rotation.transpose(0, 2, 1)
+        self._spin = np.einsum("bij,bj->bi", inertia, self.state.velocity[:, 3:])  # angular momentum [kg m2/s]
         self._solve = SOLVERS[settings.solver]
         bodies, n = int((~assembly.fixed).sum()), len(self._columns)
-        self._rotation = rotation_matrices(self.state.orientation)  # at q_m of the last step
         self._inverse_mass, self._v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
-        self._v, self._v_old = np.zeros((bodies, n)), np.zeros((bodies, n))
+        self._v = self.state.velocity[~assembly.fixed][:, self._columns]
+        self._v_old = np.zeros_like(self._v)
         self.contacts = ContactSet.none()
         self.chosen = np.empty(0, dtype=np.int64)  # contacts of the friction problem; all, but half of them in a plane
         self.solution = Solution(np.zeros((0, self.rows)), None, 0)
