@@ -1,0 +1,102 @@
+"""The shaking and the forces: every [[loads]] table of a scene, summed into arrays over the time steps.
+
+A kind of load is a pydantic model of its keys and a function ``(table, grid, where) -> Part``, listed by name in ``KINDS``. Gravity
+acts in full from the start unless a table of kind "gravity" ramps it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from loads.gravity import GravityTable, gravity
+from loads.motion import LoadTable, Part, RunGrid
+from loads.record import RecordTable, record
+from loads.sinusoidal import SinusoidalTable, sinusoidal
+from masonry_cd.errors import InputError, parse_table, suggest
+
+__all__ = ["KINDS", "Loading", "build"]
+
+KINDS: dict[str, tuple[type[LoadTable], Callable[[Any, RunGrid, str], Part]]] = {
+    "gravity": (GravityTable, gravity),
+    "sinusoidal": (SinusoidalTable, sinusoidal),
+    "record": (RecordTable, record),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Loading:
+    """All loads of a run at its times t_k = k dt, k = 0 .. N.
+
+    Attributes:
+        support_velocity: (N + 1, S, 3) velocity of each support motion [m/s]; S = 1: all supports move together.
+        acceleration: (N + 1, 3) of every free block [m/s2]: gravity times its ramp.
+        lines: what to tell the user, one line each.
+        summary: the same numbers, ready for JSON.
+    """
+
+    support_velocity: np.ndarray
+    acceleration: np.ndarray
+    lines: tuple[str, ...]
+    summary: dict[str, Any]
+
+
+def build(tables: Sequence[Mapping[str, Any]], dt: float, steps: int, gravity: Sequence[float], folder: Path) -> Loading:
+    """Sum all [[loads]] tables.
+
+    Args:
+        tables: as read from the scene file.
+        dt: time step [s].
+        steps: number of steps N.
+        gravity: (3,) [m/s2].
+        folder: the scene file's folder, to which paths are relative.
+
+    Raises:
+        InputError: an unknown kind, a bad key, or a bad record file.
+    """
+    grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder))
+    asked = [_parse(table, f"loads[{i}]") for i, table in enumerate(tables)]
+    falls = [i for i, table in enumerate(asked) if isinstance(table, GravityTable)]
+    if len(falls) > 1:
+        raise InputError(f"loads[{falls[1]}]: gravity is given twice, first in loads[{falls[0]}]")
+    parts = [KINDS[table.kind][1](table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
+    if not falls:
+        parts.append(KINDS["gravity"][1](GravityTable(), grid, "gravity"))
+    velocity, acceleration = np.zeros((grid.steps + 1, 3)), np.zeros((grid.steps + 1, 3))
+    for part in parts:
+        if part.velocity is not None:
+            velocity += part.velocity
+        if part.acceleration is not None:
+            acceleration += part.acceleration
+    base = _base(velocity, grid.dt)
+    lines = [line for part in parts for line in part.lines]
+    if base["end_speed"] > 1e-3 * base["peak_speed"]:
+        lines.append(f"base: still moving at {base['end_speed']:.3g} m/s when the run ends at {grid.end:g} s")
+    summary = {"tables": [part.summary for part in parts], "base": base}
+    return Loading(velocity[:, None, :], acceleration, tuple(lines), summary)
+
+
+def _parse(table: Mapping[str, Any], where: str) -> LoadTable:
+    """Validate one table by the model of its kind."""
+    kind = table.get("kind")
+    if kind is None:
+        raise InputError(f"{where}.kind: missing; kinds: {', '.join(KINDS)}")
+    if kind not in KINDS:
+        raise InputError(f'{where}.kind: unknown kind "{kind}"{suggest(str(kind), KINDS)}; kinds: {", ".join(KINDS)}')
+    return parse_table(KINDS[kind][0], table, where)
+
+
+def _base(velocity: np.ndarray, dt: float) -> dict[str, Any]:
+    """Numbers of the summed base motion on the run's own steps, where positions follow the trapezoidal rule (theta 0.5)."""
+    moved = np.concatenate([np.zeros((1, 3)), np.cumsum(0.5 * dt * (velocity[1:] + velocity[:-1]), axis=0)])
+    speed = np.linalg.norm(velocity, axis=1)
+    return {
+        "peak_speed": float(speed.max()),
+        "end_speed": float(speed[-1]),
+        "peak_displacement": [float(d) for d in np.abs(moved).max(axis=0)],
+        "end_displacement": [float(d) for d in moved[-1]],
+    }

@@ -1,0 +1,29 @@
+"""Gravity, at once or ramped: a(t) = s(t / ramp) g with the smooth step s(x) = 3 x^2 - 2 x^3.
+
+Rigid blocks on rigid joints stand at rest under full gravity from the first step, so nothing is ramped by default. A ramp helps
+where joints are elastic (a load applied at once doubles their compression for a moment).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from loads.motion import LoadTable, Part, RunGrid, smooth_step
+
+
+class GravityTable(LoadTable):
+    """Keys of ``kind = "gravity"``."""
+
+    kind: Literal["gravity"] = "gravity"
+    ramp: Annotated[float, Field(ge=0.0)] = 0.0  # [s]
+
+
+def gravity(table: GravityTable, grid: RunGrid, where: str) -> Part:
+    """The acceleration of gravity at the run's times, (N + 1, 3) [m/s2]."""
+    factor = smooth_step(grid.times / table.ramp) if table.ramp > 0.0 else np.ones(grid.steps + 1)
+    summary = {"kind": "gravity", "ramp": table.ramp, "gravity": [float(g) for g in grid.gravity]}
+    lines = (f"{where} gravity: ramped smoothly from 0 to 1 over {table.ramp:g} s",) if table.ramp > 0.0 else ()
+    return Part(acceleration=np.outer(factor, grid.gravity), lines=lines, summary=summary)

@@ -1,0 +1,59 @@
+"""PEER AT2: four lines of heading, then the accelerations, several to a line.
+
+The third line names the unit (``... IN UNITS OF G``), the fourth the number of values and the step, either as
+``NPTS= 1560, DT= .02000 SEC`` or, in older files, as ``1560 .02000 NPTS, DT``.
+"""
+
+from __future__ import annotations
+
+import re
+
+from loads.readers.source import RawRecord, Request, Source, check_count, refuse_keys
+
+COUNT_LINES = (
+    re.compile(r"NPTS\s*=\s*([^\s,]+)\s*,?\s*DT\s*=\s*([^\s,]+?)(?:SEC)?(?=[\s,]|$)", re.IGNORECASE),
+    re.compile(r"^\s*(\S+)\s+(\S+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
+)
+HEADING = 10  # lines in which the count is looked for
+
+
+def recognises(source: Source) -> bool:
+    """True when one of the first lines gives NPTS and DT."""
+    return _count_line(source) is not None
+
+
+def read(source: Source, request: Request) -> RawRecord:
+    """Read the record.
+
+    Raises:
+        InputError: no NPTS and DT, a step that is not positive, a file of velocities, text among the numbers, a wrong count.
+    """
+    refuse_keys(source, request, "AT2")
+    found = _count_line(source)
+    if found is None:
+        raise source.error("no line with NPTS and DT in the heading of an AT2 file")
+    index, count, step = found
+    heading = " ".join(source.lines[:index])
+    wrong = re.search(r"\b(VELOCITY|DISPLACEMENT)\s+TIME", heading, re.IGNORECASE)
+    if wrong:
+        raise source.error(f"a record of {wrong[1].lower()}, where one of acceleration is needed")
+    points = source.number(count, index)
+    h = source.number(step, index)
+    if h <= 0.0:
+        raise source.error(f"the time step DT must be above zero, got {h:g}", index)
+    if points < 2 or points != int(points):
+        raise source.error(f"NPTS must be a whole number above one, got {count}", index)
+    values = source.stream(index + 1)
+    check_count(source, values, int(points), index)
+    unit = re.search(r"UNITS\s+(?:OF|ARE)\s+(\S+)", heading, re.IGNORECASE)
+    return RawRecord(values, h, 0.0, unit[1].strip(".,;") if unit else None)
+
+
+def _count_line(source: Source) -> tuple[int, str, str] | None:
+    """Index, NPTS and DT of the line that gives them."""
+    for index, line in enumerate(source.lines[:HEADING]):
+        for pattern in COUNT_LINES:
+            match = pattern.search(line)
+            if match:
+                return index, match[1], match[2]
+    return None

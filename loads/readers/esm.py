@@ -1,0 +1,55 @@
+"""ESM and ITACA ASCII (DYNA 1.2): a heading of ``KEY: value`` lines, then one acceleration per line.
+
+Needed of the heading: SAMPLING_INTERVAL_S, NDATA, UNITS, and DATA_TYPE where it is given.
+"""
+
+from __future__ import annotations
+
+import re
+
+from loads.readers.source import RawRecord, Request, Source, check_count, refuse_keys
+
+KEY = re.compile(r"^([A-Z][A-Z0-9_/^]*):(.*)$")
+HEADING = 100  # lines in which the keys are looked for
+
+
+def recognises(source: Source) -> bool:
+    """True when the heading has the keys of step and count."""
+    heading = _heading(source)
+    return "SAMPLING_INTERVAL_S" in heading and "NDATA" in heading
+
+
+def read(source: Source, request: Request) -> RawRecord:
+    """Read the record.
+
+    Raises:
+        InputError: a missing key, another quantity than acceleration, text among the numbers, a wrong count.
+    """
+    refuse_keys(source, request, "ESM")
+    heading = _heading(source)
+    for key in ("SAMPLING_INTERVAL_S", "NDATA"):
+        if key not in heading:
+            raise source.error(f"no line {key} in the heading of an ESM file")
+    line, text = heading["SAMPLING_INTERVAL_S"]
+    step = source.number(text, line)
+    if step <= 0.0:
+        raise source.error(f"the time step SAMPLING_INTERVAL_S must be above zero, got {step:g}", line)
+    line, quantity = heading.get("DATA_TYPE", (0, "ACCELERATION"))
+    if quantity.upper() not in ("ACCELERATION", ""):
+        raise source.error(f"a record of {quantity.lower()}, where one of acceleration is needed", line)
+    values = source.stream(max(index for index, _ in heading.values()) + 1)
+    line, text = heading["NDATA"]
+    check_count(source, values, int(source.number(text, line)), line)
+    unit = heading.get("UNITS", (0, ""))[1]
+    return RawRecord(values, step, 0.0, unit or None, heading.get("STREAM", (0, ""))[1])
+
+
+def _heading(source: Source) -> dict[str, tuple[int, str]]:
+    """Key -> (index of its line, value), up to the first line that is none of it."""
+    found: dict[str, tuple[int, str]] = {}
+    for index, line in enumerate(source.lines[:HEADING]):
+        match = KEY.match(line)
+        if match is None:
+            break
+        found[match[1]] = (index, match[2].strip())
+    return found

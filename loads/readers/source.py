@@ -1,0 +1,104 @@
+"""What the readers of record files share: the lines of a text file, numbers with the line they stand on, and what a reader returns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from masonry_cd.errors import InputError, suggest
+
+COMMENTS = ("#", "%", "//")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A text file as lines, and how to call it in a message (``loads[0].path: quake.csv``)."""
+
+    label: str
+    lines: tuple[str, ...]
+
+    @classmethod
+    def open(cls, path: Path, label: str) -> Source:
+        """Read a file.
+
+        Raises:
+            InputError: no such file, not readable, or not a text.
+        """
+        if not path.is_file():
+            near = suggest(path.name, (p.name for p in path.parent.iterdir())) if path.parent.is_dir() else ""
+            raise InputError(f"{label}: {'is a folder' if path.is_dir() else 'no such file' + near}")
+        try:
+            data = path.read_bytes()
+        except OSError as failure:
+            raise InputError(f"{label}: cannot be read ({failure.strerror})") from None
+        if b"\0" in data[:65536]:
+            raise InputError(f"{label}: not a text file")
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            text = data.decode("latin-1")  # old headers hold accents in this encoding; numbers read the same
+        lines = tuple(text.splitlines())
+        if not any(line.strip() for line in lines):
+            raise InputError(f"{label}: the file is empty")
+        return cls(label, lines)
+
+    def error(self, message: str, index: int | None = None) -> InputError:
+        """The error to raise; it names the file and, given the index of a line, its number counted from 1."""
+        return InputError(f"{self.label}, line {index + 1}: {message}" if index is not None else f"{self.label}: {message}")
+
+    def number(self, word: str, index: int) -> float:
+        """The finite number that a word on a line stands for."""
+        try:
+            value = float(word.replace("_", "?"))  # Python would read 1_000
+        except ValueError:
+            raise self.error(f'"{word.strip()[:40]}" where a number belongs', index) from None
+        if not math.isfinite(value):
+            raise self.error(f"{word.strip()} is not a finite number", index)
+        return value
+
+    def stream(self, first: int) -> np.ndarray:
+        """All numbers from a line on, separated by blanks."""
+        return np.array([self.number(word, i) for i in range(first, len(self.lines)) for word in self.lines[i].split()], dtype=float)
+
+    def content(self) -> Iterable[tuple[int, str]]:
+        """Index and text of the lines that are neither blank nor comments."""
+        return ((i, line) for i, line in enumerate(self.lines) if line.strip() and not line.lstrip().startswith(COMMENTS))
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the user says about the file."""
+
+    column: str | int | None = None
+    time_step: float | None = None  # [s]
+
+
+@dataclass(frozen=True, eq=False)
+class RawRecord:
+    """What stands in the file, in its own unit."""
+
+    values: np.ndarray  # (n,)
+    step: float  # [s]
+    origin: float  # time of the first value [s]
+    unit: str | None  # as written in the file
+    name: str = ""  # of the column or component
+    column: int | None = None  # its place in a table, counted from 0
+
+
+def check_count(source: Source, values: np.ndarray, announced: int, index: int) -> None:
+    """Raise unless the file holds as many values as its header announces."""
+    if len(values) != announced:
+        what = "cut short" if len(values) < announced else "longer than it says"
+        raise source.error(f"the header announces {announced} values, the file holds {len(values)}: {what}", index)
+
+
+def refuse_keys(source: Source, request: Request, kind: str) -> None:
+    """Raise where the user picks a column or gives a time step that the format itself fixes."""
+    if request.column is not None:
+        raise source.error(f"the key column does not apply to {kind} files, which hold one component")
+    if request.time_step is not None:
+        raise source.error(f"the key time_step does not apply to {kind} files, whose header gives it")

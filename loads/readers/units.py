@@ -1,0 +1,44 @@
+"""Units of acceleration as record files write them, and their size in m/s2. A record in an unknown unit is refused, never guessed."""
+
+from __future__ import annotations
+
+import re
+
+from loads.motion import STANDARD_GRAVITY
+
+ACCELERATION = {
+    "m/s2": 1.0,
+    "cm/s2": 0.01,
+    "mm/s2": 0.001,
+    "gal": 0.01,
+    "g": STANDARD_GRAVITY,
+}
+TIME = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3}
+
+
+def plain(unit: str) -> str:
+    """Write a unit the one way it is keyed here: ``cm/s^2``, ``cm/sec2``, ``cm/s/s``, ``cm_s2``, ``cm s-2`` all become ``cm/s2``."""
+    word = re.sub(r"\s+", " ", unit.strip().lower()).replace("²", "2").replace("⁻", "-")
+    word = re.sub(r"\bsec\b|(?<=/)sec(?=\d|\^|\*|/|$)", "s", word)
+    word = word.replace("**", "^").replace("^", "")
+    match = re.fullmatch(r"(m|cm|mm)(?:/s/s|/s2|_s2|[ .*]?s-2|/\(s2\))", word)
+    if match:
+        return f"{match[1]}/s2"
+    return {"gals": "gal", "g's": "g", "gn": "g"}.get(word, word)
+
+
+def acceleration_unit(unit: str) -> float | None:
+    """Size of a unit of acceleration in m/s2, None where it is not known."""
+    return ACCELERATION.get(plain(unit))
+
+
+def split_heading(heading: str) -> tuple[str, str | None]:
+    """Split a column's heading into its name and its unit: ``ns_m_s2``, ``acc [g]``, ``NS (cm/s2)``, ``time_s``."""
+    heading = heading.strip().strip("\"'")
+    bracket = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\])]+)\s*[\])]", heading)
+    if bracket:
+        return bracket[1].strip(), bracket[2].strip()
+    suffix = re.fullmatch(r"(.+?)_(m_s2|cm_s2|mm_s2|m/s2|cm/s2|mm/s2|gal|g|s|sec|ms)", heading, re.IGNORECASE)
+    if suffix:
+        return suffix[1], suffix[2]
+    return heading, None

@@ -1,0 +1,120 @@
+"""Sinusoidal base motion, v(t) = C e(t) sin(2 pi f (t - start)).
+
+The load of parametric studies on masonry churches (Clementi et al. 2018). The velocity, not the acceleration, is a sine, so it starts from
+zero without a jump and every whole cycle brings the base back to where it was. The acceleration starts at 2 pi f C at once; the
+envelope e, when a ramp is asked for, rises from 0 to 1 and falls again by the smooth step 3 x^2 - 2 x^3 over the ramp at either end,
+inside the duration.
+
+A duration that ends inside a half cycle would leave the base moving. Without a ramp the motion then goes on to the next zero of the
+sine, and says so.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from loads.motion import DirectionKey, LoadTable, Part, RunGrid, describe, smooth_step
+from masonry_cd.errors import InputError
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+FINE = 400  # samples per cycle from which the peaks in the printed line are taken
+COARSE = 20  # a run with fewer steps per cycle than this is warned about
+
+
+class SinusoidalTable(LoadTable):
+    """Keys of ``kind = "sinusoidal"``."""
+
+    kind: Literal["sinusoidal"] = "sinusoidal"
+    direction: DirectionKey
+    amplitude: float  # C [m/s]
+    frequency: Positive  # f [Hz]
+    cycles: Positive | None = None
+    duration: Positive | None = None  # [s]
+    start: NotNegative = 0.0  # [s]
+    ramp: NotNegative = 0.0  # [s]
+
+    @model_validator(mode="after")
+    def _one_length(self) -> Self:
+        if (self.cycles is None) == (self.duration is None):
+            raise ValueError("give exactly one of cycles and duration")
+        if 2.0 * self.ramp > self.asked * (1.0 + 1e-12):
+            raise ValueError(f"ramp: {self.ramp:g} s in and out do not fit into the {self.asked:g} s of motion")
+        return self
+
+    @property
+    def asked(self) -> float:
+        """How long the user wants the motion [s]."""
+        return self.duration if self.duration is not None else (self.cycles or 0.0) / self.frequency
+
+    @property
+    def length(self) -> float:
+        """How long the motion lasts: up to the next zero of the sine, unless a ramp ends it [s]."""
+        if self.ramp > 0.0:
+            return self.asked
+        half_cycles = math.ceil(2.0 * self.frequency * self.asked - 1e-9)
+        return half_cycles / (2.0 * self.frequency)
+
+    def velocity(self, since: np.ndarray) -> np.ndarray:
+        """v at times since the start of the motion (n,) [m/s]."""
+        wave = self.amplitude * np.sin(2.0 * np.pi * self.frequency * since)
+        if self.ramp > 0.0:
+            wave = wave * smooth_step(since / self.ramp) * smooth_step((self.length - since) / self.ramp)
+        return np.where((since > 0.0) & (since < self.length), wave, 0.0)
+
+
+def sinusoidal(table: SinusoidalTable, grid: RunGrid, where: str) -> Part:
+    """The base velocity at the run's times.
+
+    Raises:
+        InputError: a frequency that steps of dt cannot follow.
+    """
+    if table.frequency * grid.dt >= 0.5:
+        limit = 0.5 / grid.dt
+        raise InputError(f"{where}.frequency: {table.frequency:g} Hz is beyond run.dt {grid.dt:g} s, which follows less than {limit:g} Hz")
+    numbers = _numbers(table)
+    return Part(
+        velocity=table.direction.along(table.velocity(grid.times - table.start)),
+        lines=_lines(table, grid, where, numbers),
+        summary={"kind": "sinusoidal", "direction": list(table.direction.vector), "after": numbers},
+    )
+
+
+def _numbers(table: SinusoidalTable) -> dict[str, float]:
+    """Peaks and end values of the motion itself, on a grid of its own."""
+    cycles = table.length * table.frequency
+    points = int(min(max(FINE * math.ceil(cycles), 10 * FINE), 4_000_000)) + 1
+    since = np.linspace(0.0, table.length, points)
+    h = since[1] - since[0]
+    velocity = table.velocity(since)
+    displacement = np.concatenate([[0.0], np.cumsum(0.5 * h * (velocity[1:] + velocity[:-1]))])
+    peak = np.abs(np.diff(velocity)).max() / h if table.ramp > 0.0 else 2.0 * np.pi * table.frequency * abs(table.amplitude)
+    end = float(displacement[-1])
+    return {
+        "pga": float(peak),
+        "pgv": float(np.abs(velocity).max()),
+        "pgd": float(np.abs(displacement).max()),
+        "end_velocity": float(velocity[-1]),
+        "end_displacement": end,
+    }
+
+
+def _lines(table: SinusoidalTable, grid: RunGrid, where: str, n: dict[str, Any]) -> tuple[str, ...]:
+    """What to tell the user."""
+    end = table.start + table.length
+    lines = [f"{where} sinusoidal along {table.direction.label}, {table.start:g} to {end:g} s: {describe(n)}"]
+    if table.ramp > 0.0:
+        lines.append(f"{where} the amplitude is tapered smoothly over {table.ramp:g} s at either end")
+    elif table.length > table.asked * (1.0 + 1e-9):
+        on = f"the motion goes on to the next zero of the sine, {table.length:g} s"
+        lines.append(f"{where} {table.asked:g} s ends inside a half cycle: {on}")
+    if table.frequency * grid.dt * COARSE > 1.0:
+        lines.append(f"{where} run.dt {grid.dt:g} s gives only {1.0 / (table.frequency * grid.dt):.3g} steps per cycle")
+    if end > grid.end * (1.0 + 1e-9):
+        lines.append(f"{where} the run ends at {grid.end:g} s, before the motion does")
+    return tuple(lines)
