@@ -1,0 +1,196 @@
+r"""Joint damage: what each joint suffered over the run and what is left of it at the end.
+
+The measures are those of :mod:`masonry_cd.joints`: opening (the widest corner gap), sliding (of the corners that touch), relative
+rotation, contact area. ``max_*`` is the largest value over all time steps, ``residual_*`` that of the last frame.
+
+**State of a joint.** One word per joint, by the first rule that holds:
+
+1. *separated*: at the end the whole contact area is lost and the blocks cannot find back: either every corner of the interface
+   is open by at least ``apart * sqrt(area)``, or the blocks have slid off each other by at least that much. A hinge, which touches
+   along an edge, is not separated, however wide it gapes.
+2. *opened* or *slid*: the largest opening or sliding reached its threshold at any time. Where both did, the one that went
+   further beyond its threshold names the joint: a hinge that slipped a little has opened, a bed joint that slid while rocking has slid.
+3. *intact*.
+
+**Fallen blocks.** A free block has fallen when, at the end and relative to the base, its centre of mass has dropped by more than
+half of its height, or it is turned by more than 45 degrees, or all of its joints are separated.
+"""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from masonry_cd.results import Results
+from reports.deformed import Pose, base_shift, joint_frame, smallest_gap, solids_of
+
+STATES = ("intact", "opened", "slid", "separated")
+INTACT, OPENED, SLID, SEPARATED = range(4)
+CHUNK_BYTES = 1 << 24  # frames are read in chunks of this size, so that a long run needs no memory
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Where damage begins. The defaults suit buildings; set them for models at another scale.
+
+    Attributes:
+        opened: smallest opening of an opened joint [m]. 0.1 mm is a hairline crack, the smallest seen by eye (Burland, Broms & de
+            Mello, Behaviour of foundations and structures, 1977), and a hundred times what a converged run leaves as gap.
+        slid: smallest sliding of a slid joint [m]. 0.1 mm likewise: dry joints without stiffness do not slip elastically.
+        apart: distance of a separated joint as a share of the square root of its area.
+        lost: share of the area below which a contact counts as wholly lost.
+        drop: drop of a fallen block's centre as a share of its height.
+        tilt: turn of a fallen block [degrees].
+    """
+
+    opened: float = 1e-4
+    slid: float = 1e-4
+    apart: float = 0.1
+    lost: float = 0.01
+    drop: float = 0.5
+    tilt: float = 45.0
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not (np.isfinite(value) and value > 0):
+                raise InputError(f"thresholds.{item.name}: must be positive, got {value!r}")
+
+
+@dataclass(frozen=True, eq=False)
+class JointDamage:
+    """Damage of J joints, one row each, in the order of the result file."""
+
+    joint: np.ndarray  # (J,) number of the joint, from zero
+    block_a: np.ndarray  # (J,) names
+    block_b: np.ndarray  # (J,) names
+    area: np.ndarray  # (J,) [m2] at rest
+    max_opening: np.ndarray  # (J,) [m]
+    residual_opening: np.ndarray  # (J,) [m]
+    max_sliding: np.ndarray  # (J,) [m]
+    residual_sliding: np.ndarray  # (J,) [m]
+    max_rotation: np.ndarray  # (J,) [rad]
+    contact_area_loss: np.ndarray  # (J,) largest over the run, as a share of the area
+    first_opening_time: np.ndarray  # (J,) [s], NaN where the joint never opened
+    state: np.ndarray  # (J,) one of STATES
+
+
+def joint_damage(results: Results, thresholds: Thresholds | None = None) -> JointDamage:
+    """The damage of all joints of a run.
+
+    A run that was killed before it wrote its peaks is judged by its frames.
+    """
+    thresholds = thresholds or Thresholds()
+    joints = results.joints
+    names = np.array([block.name for block in results.blocks], dtype=object)
+    peaks = _peaks(results, thresholds)
+    opening, sliding = (joint_frame(results, name) for name in ("opening", "sliding"))
+    # a peak is over the steps and a residual over the frames: never let the one fall below the other
+    largest_opening, largest_sliding = np.maximum(peaks["opening"], opening), np.maximum(peaks["sliding"], sliding)
+    codes = classify(largest_opening, largest_sliding, separated_joints(results, -1, thresholds), thresholds)
+    return JointDamage(
+        joint=np.arange(joints.count),
+        block_a=names[joints.block_a],
+        block_b=names[joints.block_b],
+        area=joints.area,
+        max_opening=largest_opening,
+        residual_opening=opening,
+        max_sliding=largest_sliding,
+        residual_sliding=sliding,
+        max_rotation=peaks["rotation"],
+        contact_area_loss=peaks["contact_area_loss"],
+        first_opening_time=peaks["first_opening_time"],
+        state=np.array(STATES, dtype=object)[codes],
+    )
+
+
+def classify(opening: np.ndarray, sliding: np.ndarray, separated: np.ndarray, thresholds: Thresholds) -> np.ndarray:
+    """Index into STATES of each joint, (J,), by the rules at the head of this file."""
+    opened, slid = opening / thresholds.opened, sliding / thresholds.slid
+    codes = np.where(opened >= slid, OPENED, SLID)
+    codes[np.maximum(opened, slid) < 1.0] = INTACT
+    codes[separated] = SEPARATED
+    return codes
+
+
+def separated_joints(results: Results, frame: int = -1, thresholds: Thresholds | None = None) -> np.ndarray:
+    """(J,) True where a joint is separated at a frame, see the head of this file."""
+    thresholds = thresholds or Thresholds()
+    joints = results.joints
+    solids = solids_of(results.blocks)
+    limit = thresholds.apart * np.sqrt(joints.area)
+    apart = smallest_gap(joints, solids, Pose.of(results, solids, frame)) >= limit
+    lost = joint_frame(results, "contact_area", frame) <= thresholds.lost * joints.area
+    return np.asarray(lost & (apart | (joint_frame(results, "sliding", frame) >= limit)))
+
+
+def collapsed_blocks(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> tuple[str, ...]:
+    """Names of the blocks that have fallen, by the rule at the head of this file."""
+    return tuple(results.blocks[i].name for i in np.flatnonzero(fallen(results, thresholds, frame)))
+
+
+def fallen(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> np.ndarray:
+    """(B,) True where a free block has fallen at a frame."""
+    thresholds = thresholds or Thresholds()
+    joints, solids = results.joints, solids_of(results.blocks)
+    pose = Pose.of(results, solids, frame)
+    dropped = -pose.displacement(solids)[:, 2] > thresholds.drop * solids.sizes[:, 2]
+    turn = np.degrees(np.arccos(np.clip((np.trace(pose.rotation, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0)))
+    ends = np.concatenate([joints.block_a, joints.block_b]).astype(np.int64)
+    separated = np.tile(separated_joints(results, frame, thresholds), 2).astype(float)
+    owned = np.bincount(ends, minlength=len(solids.centre))
+    loose = (owned > 0) & (np.bincount(ends, separated, minlength=len(solids.centre)) == owned)
+    return np.asarray(~solids.fixed & (dropped | (turn > thresholds.tilt) | loose))
+
+
+def displacement_max(results: Results) -> float:
+    """Largest displacement of a block's centre of mass relative to the base, over all frames [m]."""
+    solids = solids_of(results.blocks)
+    if solids.fixed.all():
+        return 0.0
+    step = max(1, CHUNK_BYTES // (24 * len(solids.centre)))
+    largest = 0.0
+    for first in range(0, results.frames, step):
+        position = np.asarray(results.position[first : min(first + step, results.frames)], dtype=float)
+        relative = position - base_shift(solids, position)[:, None] - solids.centre
+        largest = max(largest, float(np.linalg.norm(relative[:, ~solids.fixed], axis=2).max()))
+    return largest
+
+
+def summary(table: JointDamage) -> dict[str, int]:
+    """Numbers of joints by state: joints_opened, joints_slid, joints_separated. Each joint counts once, by the word in its row."""
+    return {f"joints_{state}": int(np.count_nonzero(table.state == state)) for state in STATES[1:]}
+
+
+def write_joints_csv(table: JointDamage, path: Path) -> None:
+    """Write one row per joint; the columns are the fields of :class:`JointDamage`, an unknown time is left empty."""
+    columns = [item.name for item in fields(table)]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*(map(_text, getattr(table, name).tolist()) for name in columns), strict=True))
+
+
+def _text(value: Any) -> str:
+    """A cell: numbers with nine digits, NaN as nothing."""
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.9g}"
+    return str(value)
+
+
+def _peaks(results: Results, thresholds: Thresholds) -> dict[str, np.ndarray]:
+    """Peaks over all steps; over the frames where the run was killed before it wrote them."""
+    peaks = {name: np.array(values, dtype=float) for name, values in results.peaks.items()}
+    if not np.isnan(peaks["opening"]).any():
+        return peaks
+    for name in ("opening", "sliding", "rotation"):
+        peaks[name] = results.joint_history(name).max(axis=0)
+    peaks["contact_area_loss"] = 1.0 - results.joint_history("contact_area").min(axis=0) / results.joints.area
+    opened = results.joint_history("opening") >= thresholds.opened
+    peaks["first_opening_time"] = np.where(opened.any(axis=0), results.time[opened.argmax(axis=0)], np.nan)
+    return peaks

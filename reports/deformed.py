@@ -1,0 +1,164 @@
+r"""Where the blocks and the joints' corners are at a frame, seen from the base.
+
+A point X of block b, built at rest, moves rigidly to
+
+    x(X) = R_b (X - c_b) + x_b,
+
+c_b the centre of mass at rest, x_b and R_b the position and rotation of the frame. Seen from the base, which itself rides on the
+ground, x is reduced by the mean translation s of the supports. A picture of a displacement too small to see shows instead
+
+    X + f (x(X) - s - X),      f the amplification; f = 1 is the true shape.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from masonry_cd.blocks import Block, mass_properties
+from masonry_cd.errors import InputError
+from masonry_cd.joints import Joints
+from masonry_cd.results import Results
+from masonry_cd.state import rotation_matrices
+
+
+@dataclass(frozen=True, eq=False)
+class Solids:
+    """The blocks of a structure at rest in flat arrays: V vertices, F faces, L loop entries."""
+
+    vertices: np.ndarray  # (V, 3) [m]
+    vertex_block: np.ndarray  # (V,) block of each vertex
+    loops: np.ndarray  # (L,) vertex indices, counted over all blocks
+    loop_start: np.ndarray  # (F + 1,)
+    face_block: np.ndarray  # (F,) block of each face
+    centre: np.ndarray  # (B, 3) centres of mass [m]
+    fixed: np.ndarray  # (B,) supports
+
+    @classmethod
+    def from_blocks(cls, blocks: Sequence[Block]) -> Solids:
+        """Flatten blocks."""
+        start = np.cumsum([0, *(len(b.vertices) for b in blocks)])
+        loops = [np.asarray(face) + start[i] for i, b in enumerate(blocks) for face in b.faces]
+        return cls(
+            vertices=np.concatenate([b.vertices for b in blocks]).astype(float),
+            vertex_block=np.repeat(np.arange(len(blocks)), np.diff(start)),
+            loops=np.concatenate(loops),
+            loop_start=np.cumsum([0, *map(len, loops)]),
+            face_block=np.repeat(np.arange(len(blocks)), [len(b.faces) for b in blocks]),
+            centre=np.array([mass_properties(b.vertices, b.faces).centre for b in blocks]),
+            fixed=np.array([b.fixed for b in blocks]),
+        )
+
+    @cached_property
+    def sizes(self) -> np.ndarray:
+        """(B, 3) extents of each block along x, y, z at rest [m]."""
+        low, high = np.full((len(self.centre), 3), np.inf), np.full((len(self.centre), 3), -np.inf)
+        np.minimum.at(low, self.vertex_block, self.vertices)
+        np.maximum.at(high, self.vertex_block, self.vertices)
+        return high - low
+
+    @cached_property
+    def face_normals(self) -> np.ndarray:
+        """(F, 3) outward unit normals at rest, by Newell's sum."""
+        corner = self.vertices[self.loops]
+        following = np.arange(1, len(self.loops) + 1)
+        following[self.loop_start[1:] - 1] = self.loop_start[:-1]
+        anchor = np.repeat(corner[self.loop_start[:-1]], np.diff(self.loop_start), axis=0)
+        area = np.add.reduceat(np.cross(corner - anchor, corner[following] - anchor), self.loop_start[:-1])
+        length = np.linalg.norm(area, axis=1, keepdims=True)
+        return area / np.where(length > 0, length, 1.0)
+
+    def edges(self, smallest_angle: float = 10.0) -> np.ndarray:
+        """(E, 2) vertex pairs of the edges where faces meet at more than an angle [degrees]; the seams of flat faces are left out."""
+        following = np.arange(1, len(self.loops) + 1)
+        following[self.loop_start[1:] - 1] = self.loop_start[:-1]
+        a, b = self.loops, self.loops[following]
+        face = np.repeat(np.arange(len(self.face_block)), np.diff(self.loop_start))
+        order = np.lexsort((np.maximum(a, b), np.minimum(a, b)))
+        low, high, face = np.minimum(a, b)[order], np.maximum(a, b)[order], face[order]
+        first = np.flatnonzero((low[:-1] == low[1:]) & (high[:-1] == high[1:]))  # a closed shell lists each edge twice, in turn
+        cosine = (self.face_normals[face[first]] * self.face_normals[face[first + 1]]).sum(axis=1)
+        sharp = first[cosine < np.cos(np.radians(smallest_angle))]
+        return np.stack([low[sharp], high[sharp]], axis=1)
+
+
+@lru_cache(maxsize=2)
+def solids_of(blocks: tuple[Block, ...]) -> Solids:
+    """The flat arrays of the blocks of a result, made once for all reports on it."""
+    return Solids.from_blocks(blocks)
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Positions relative to the base (B, 3) [m] and rotations (B, 3, 3) of all blocks at one time."""
+
+    time: float
+    position: np.ndarray
+    rotation: np.ndarray
+
+    @classmethod
+    def of(cls, results: Results, solids: Solids, frame: int = -1) -> Pose:
+        """The pose of a frame; negative frames count from the end.
+
+        Raises:
+            InputError: no such frame.
+        """
+        frame = frame_index(results, frame)
+        position = np.asarray(results.position[frame], dtype=float)
+        rotation = rotation_matrices(np.asarray(results.orientation[frame], dtype=float))
+        return cls(float(results.time[frame]), position - base_shift(solids, position), rotation)
+
+    def displacement(self, solids: Solids) -> np.ndarray:
+        """(B, 3) of the centres of mass, relative to the base [m]."""
+        return self.position - solids.centre
+
+    def moved(self, solids: Solids, points: np.ndarray, block: np.ndarray, factor: float = 1.0) -> np.ndarray:
+        """Points (N, 3) given at rest, carried by their blocks (N,), displacements amplified by a factor [m]."""
+        arm = points - solids.centre[block]
+        return points + factor * (np.einsum("nij,nj->ni", self.rotation[block], arm) + self.position[block] - points)
+
+
+def base_shift(solids: Solids, position: np.ndarray) -> np.ndarray:
+    """Mean translation of the supports, (..., 3) [m], for positions (..., B, 3); zero where there is no support."""
+    if not solids.fixed.any():
+        return np.zeros((*position.shape[:-2], 3))
+    return np.asarray((position[..., solids.fixed, :] - solids.centre[solids.fixed]).mean(axis=-2))
+
+
+def frame_index(results: Results, frame: int) -> int:
+    """A frame as an index from the start.
+
+    Raises:
+        InputError: no such frame.
+    """
+    if not -results.frames <= frame < results.frames:
+        raise InputError(f"frame {frame}: the result has frames 0 to {results.frames - 1}")
+    return frame % results.frames
+
+
+def joint_frame(results: Results, name: str, frame: int = -1) -> np.ndarray:
+    """(J,) a joint measure at one frame; only that row is read."""
+    return np.asarray(results.file[f"joints/{name}"][frame_index(results, frame)], dtype=float)
+
+
+def joint_corners(joints: Joints, solids: Solids, pose: Pose, factor: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of all interface polygons as block a and as block b carry them, (N, 3) each [m]."""
+    sides = np.diff(joints.polygon_start)
+    on_a, on_b = np.repeat(joints.block_a, sides), np.repeat(joints.block_b, sides)
+    return pose.moved(solids, joints.polygon, on_a, factor), pose.moved(solids, joints.polygon, on_b, factor)
+
+
+def smallest_gap(joints: Joints, solids: Solids, pose: Pose) -> np.ndarray:
+    """(J,) smallest gap over the corners of each joint, along its normal as block a carries it [m].
+
+    Near zero in a hinge, which still touches along an edge; positive only where the blocks have come apart everywhere.
+    """
+    if joints.count == 0:
+        return np.zeros(0)
+    on_a, on_b = joint_corners(joints, solids, pose)
+    normal = np.einsum("jik,jk->ji", pose.rotation[joints.block_a], joints.normal)
+    gap = ((on_b - on_a) * np.repeat(normal, np.diff(joints.polygon_start), axis=0)).sum(axis=1)
+    return np.asarray(np.minimum.reduceat(gap, joints.polygon_start[:-1]))

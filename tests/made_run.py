@@ -1,0 +1,62 @@
+"""Result files made by hand: blocks put where a test wants them, measured and written as a run does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from masonry_cd.blocks import Assembly, Block
+from masonry_cd.joints import JointPeaks, find_joints, measure_joints
+from masonry_cd.results import JOINT_PEAKS, ResultWriter
+from masonry_cd.state import State
+
+BOX_FACES = ((3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+
+
+def box(name: str, low: Sequence[float], high: Sequence[float], group: str = "block", fixed: bool = False) -> Block:
+    """A box between two opposite corners [m]."""
+    (x0, y0, z0), (x1, y1, z1) = low, high
+    plan = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+    return Block(name, np.array([(x, y, z) for z in (z0, z1) for x, y in plan], dtype=float), BOX_FACES, 2000.0, group, fixed)
+
+
+def turned(state: State, index: int, pivot: Sequence[float], degrees: float, axis: Sequence[float] = (0.0, 1.0, 0.0)) -> State:
+    """The state with one block turned about an axis through a point; about y, a positive angle tips +z over to +x."""
+    half, unit = np.radians(degrees) / 2.0, np.asarray(axis) / np.linalg.norm(axis)
+    out = state.copy()
+    out.orientation[index] = [np.cos(half), *(np.sin(half) * unit)]
+    arm = state.position[index] - np.asarray(pivot)
+    across = np.cross(unit, arm)
+    out.position[index] = np.asarray(pivot) + arm + np.sin(2 * half) * across + (1 - np.cos(2 * half)) * np.cross(unit, across)
+    return out
+
+
+def shifted(state: State, indices: int | Sequence[int] | slice, by: Sequence[float]) -> State:
+    """The state with some blocks moved."""
+    out = state.copy()
+    out.position[indices] += np.asarray(by)
+    return out
+
+
+def write_run(path: Path, blocks: Sequence[Block], states: Sequence[State], title: str = "a case", peaks: bool = True) -> Path:
+    """Write a result with one frame per state, 0.1 s apart; without peaks it is the file of a run that was killed."""
+    assembly = Assembly.from_blocks(blocks, 0.6)
+    joints = find_joints(assembly)
+    largest = JointPeaks(joints)
+    with ResultWriter(path, assembly, joints, title=title) as writer:
+        for k, state in enumerate(states):
+            now = measure_joints(joints, assembly, state)
+            largest.update(now, 0.1 * k)
+            writer.append({"time": 0.1 * k, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
+            writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
+        writer.flush()
+        if peaks:
+            writer.write_peaks({name: getattr(largest, name) for name in JOINT_PEAKS})
+    return path
+
+
+def at_rest(blocks: Sequence[Block]) -> State:
+    """The blocks where they were built."""
+    return State.at_rest(Assembly.from_blocks(blocks, 0.6))

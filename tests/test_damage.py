@@ -1,0 +1,180 @@
+"""Joint damage against motions whose slip, opening and rotation are known by construction."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_run import at_rest, box, shifted, turned, write_run
+
+from masonry_cd.errors import InputError
+from masonry_cd.results import Results
+from reports import damage
+from reports.deformed import Pose, Solids
+
+BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
+PIER = [BASE, box("lower", (-0.5, -0.5, 0), (0.5, 0.5, 1)), box("upper", (-0.5, -0.5, 1), (0.5, 0.5, 2))]
+
+
+def table_of(path: Path, thresholds: damage.Thresholds | None = None) -> dict[tuple[str, str], dict[str, object]]:
+    """The rows of the damage table by the (sorted) names of the two blocks."""
+    with Results.open(path) as results:
+        table = damage.joint_damage(results, thresholds)
+    rows = {}
+    for j in range(len(table.joint)):
+        rows[tuple(sorted((table.block_a[j], table.block_b[j])))] = {name: getattr(table, name)[j] for name in table.__dataclass_fields__}
+    return rows
+
+
+def test_structure_at_rest_is_intact(tmp_path: Path) -> None:
+    rest = at_rest(PIER)
+    rows = table_of(write_run(tmp_path / "result.h5", PIER, [rest, rest]))
+    assert len(rows) == 2
+    assert all(row["state"] == "intact" and np.isnan(row["first_opening_time"]) for row in rows.values())
+
+
+def test_known_slip_comes_back(tmp_path: Path) -> None:
+    """The upper block slips by 30 mm and back to 12 mm while the base rides on the ground: the base motion must not count."""
+    rest = at_rest(PIER)
+    far = shifted(shifted(rest, 2, (0.030, 0, 0)), slice(None), (0.5, 0.2, 0.0))
+    end = shifted(shifted(rest, 2, (0.012, 0, 0)), slice(None), (0.9, 0.1, 0.0))
+    path = write_run(tmp_path / "result.h5", PIER, [rest, far, end])
+    row = table_of(path)["lower", "upper"]
+    assert row["max_sliding"] == pytest.approx(0.030, abs=1e-9)
+    assert row["residual_sliding"] == pytest.approx(0.012, abs=1e-9)
+    assert row["max_opening"] == pytest.approx(0.0, abs=1e-9)
+    assert row["contact_area_loss"] == pytest.approx(0.030, abs=1e-9)  # of 1 m x 1 m
+    assert row["state"] == "slid"
+    with Results.open(path) as results:
+        assert damage.displacement_max(results) == pytest.approx(0.030, abs=1e-9)
+        assert damage.collapsed_blocks(results) == ()
+
+
+def test_known_hinge_comes_back(tmp_path: Path) -> None:
+    """The upper block turns about its right lower edge by 2 degrees at 0.2 s and closes again to 0.5 degrees."""
+    rest, edge = at_rest(PIER), (0.5, 0.0, 1.0)
+    states = [rest, turned(rest, 2, edge, 0.001), turned(rest, 2, edge, 2.0), turned(rest, 2, edge, 0.5)]
+    row = table_of(write_run(tmp_path / "result.h5", PIER, states))["lower", "upper"]
+    assert row["max_rotation"] == pytest.approx(np.radians(2.0), abs=1e-9)
+    assert row["max_opening"] == pytest.approx(np.sin(np.radians(2.0)), abs=1e-9)
+    assert row["residual_opening"] == pytest.approx(np.sin(np.radians(0.5)), abs=1e-9)
+    assert row["first_opening_time"] == pytest.approx(0.2)
+    assert row["state"] == "opened"
+
+
+def test_wide_hinge_still_touches_and_is_not_separated(tmp_path: Path) -> None:
+    rest = at_rest(PIER)
+    path = write_run(tmp_path / "result.h5", PIER, [rest, turned(rest, 2, (0.5, 0.0, 1.0), 25.0)])
+    assert table_of(path)["lower", "upper"]["state"] == "opened"
+    with Results.open(path) as results:
+        assert damage.collapsed_blocks(results) == ()
+
+
+@pytest.mark.parametrize("by", [(0.0, 0.0, 0.2), (1.1, 0.0, 0.0)], ids=["lifted off", "slid off"])
+def test_separated(tmp_path: Path, by: tuple[float, float, float]) -> None:
+    rest = at_rest(PIER)
+    path = write_run(tmp_path / "result.h5", PIER, [rest, shifted(rest, 2, by)])
+    assert table_of(path)["lower", "upper"]["state"] == "separated"
+    with Results.open(path) as results:
+        assert damage.collapsed_blocks(results) == ("upper",)
+        assert damage.summary(damage.joint_damage(results)) == {"joints_opened": 0, "joints_slid": 0, "joints_separated": 1}
+
+
+def test_a_hop_that_lands_again_has_opened_but_is_not_separated(tmp_path: Path) -> None:
+    rest = at_rest(PIER)
+    row = table_of(write_run(tmp_path / "result.h5", PIER, [rest, shifted(rest, 2, (0, 0, 0.3)), rest]))["lower", "upper"]
+    assert (row["state"], row["contact_area_loss"]) == ("opened", pytest.approx(1.0))
+    assert row["residual_opening"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_measure_further_beyond_its_threshold_names_the_joint() -> None:
+    opening = np.array([0.0, 2e-4, 2e-4, 9e-5, 1.0])
+    sliding = np.array([0.0, 1e-4, 5e-4, 9e-5, 0.0])
+    separated = np.array([False, False, False, False, True])
+    codes = damage.classify(opening, sliding, separated, damage.Thresholds())
+    assert [damage.STATES[c] for c in codes] == ["intact", "opened", "slid", "intact", "separated"]
+
+
+def test_thresholds_are_the_users(tmp_path: Path) -> None:
+    rest = at_rest(PIER)
+    path = write_run(tmp_path / "result.h5", PIER, [rest, shifted(rest, 2, (0.001, 0, 0))])
+    assert table_of(path)["lower", "upper"]["state"] == "slid"
+    assert table_of(path, damage.Thresholds(slid=0.002))["lower", "upper"]["state"] == "intact"
+    with pytest.raises(InputError, match=r"thresholds\.slid: must be positive"):
+        damage.Thresholds(slid=0.0)
+
+
+def test_fallen_blocks_are_judged_relative_to_the_base(tmp_path: Path) -> None:
+    """The ground settles by 3 m under all of it: nothing fell. One block overturns, another drops by two thirds of its height."""
+    blocks = [*PIER, box("drum", (2, -0.2, 0), (2.4, 0.2, 1))]
+    rest = at_rest(blocks)
+    settled = shifted(rest, slice(None), (0, 0, -3.0))
+    with Results.open(write_run(tmp_path / "settled.h5", blocks, [rest, settled])) as results:
+        assert damage.collapsed_blocks(results) == ()
+        assert damage.displacement_max(results) == pytest.approx(0.0, abs=1e-12)
+    thrown = turned(shifted(settled, 2, (1.0, 0, -0.67)), 3, (2.4, 0, -3.0), 90.0)
+    with Results.open(write_run(tmp_path / "thrown.h5", blocks, [rest, thrown])) as results:
+        assert damage.collapsed_blocks(results) == ("upper", "drum")
+        assert damage.collapsed_blocks(results, frame=0) == ()
+
+
+def test_csv_holds_the_table(tmp_path: Path) -> None:
+    rest = at_rest(PIER)
+    path = write_run(tmp_path / "result.h5", PIER, [rest, turned(rest, 2, (0.5, 0.0, 1.0), 2.0)])
+    with Results.open(path) as results:
+        table = damage.joint_damage(results)
+    damage.write_joints_csv(table, tmp_path / "joints.csv")
+    with (tmp_path / "joints.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == [
+        "joint",
+        "block_a",
+        "block_b",
+        "area",
+        "max_opening",
+        "residual_opening",
+        "max_sliding",
+        "residual_sliding",
+        "max_rotation",
+        "contact_area_loss",
+        "first_opening_time",
+        "state",
+    ]
+    assert [row["state"] for row in rows] == list(table.state)
+    np.testing.assert_allclose([float(row["max_opening"]) for row in rows], table.max_opening, atol=1e-9, rtol=1e-8)
+    assert [row["first_opening_time"] for row in rows] == ["" if np.isnan(t) else f"{t:.9g}" for t in table.first_opening_time]
+
+
+def test_killed_run_is_judged_by_its_frames(tmp_path: Path) -> None:
+    rest = at_rest(PIER)
+    states = [rest, turned(rest, 2, (0.5, 0.0, 1.0), 2.0), shifted(rest, 2, (0.03, 0, 0))]
+    whole = table_of(write_run(tmp_path / "whole.h5", PIER, states))
+    killed = table_of(write_run(tmp_path / "killed.h5", PIER, states, peaks=False))
+    for pair, row in whole.items():
+        for name in ("max_opening", "max_sliding", "max_rotation", "contact_area_loss", "first_opening_time", "state"):
+            assert killed[pair][name] == row[name] or np.isnan(row[name]), name
+
+
+def test_seams_of_flat_faces_are_no_edges() -> None:
+    """A cube whose faces are triangles has the twelve edges of a cube."""
+    cube = box("cube", (0, 0, 0), (1, 1, 1))
+    split = tuple(t for a, b, c, d in cube.faces for t in ((a, b, c), (a, c, d)))
+    solids = Solids.from_blocks([type(cube)("cube", cube.vertices, split, 2000.0), cube])
+    assert len(solids.edges()) == 24
+    np.testing.assert_allclose(solids.sizes, 1.0)
+
+
+def test_amplified_shape_keeps_the_base(tmp_path: Path) -> None:
+    rest = at_rest(PIER)
+    moved = shifted(shifted(rest, 2, (0.001, 0, 0)), slice(None), (5.0, 0, 0))
+    with Results.open(write_run(tmp_path / "result.h5", PIER, [rest, moved])) as results:
+        solids = Solids.from_blocks(results.blocks)
+        pose = Pose.of(results, solids)
+        drawn = pose.moved(solids, solids.vertices, solids.vertex_block, factor=100.0)
+        with pytest.raises(InputError, match="frames 0 to 1"):
+            Pose.of(results, solids, 2)
+    shift = drawn - solids.vertices
+    np.testing.assert_allclose(shift[solids.vertex_block == 2], [[0.1, 0, 0]] * 8, atol=1e-9)
+    np.testing.assert_allclose(shift[solids.vertex_block < 2], 0.0, atol=1e-9)
