@@ -1,0 +1,71 @@
+"""Fixtures that several test modules use."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def shared() -> Path:
+    """The folder of reference data beside the checkout; tests that need it skip where it is absent."""
+    folder = Path(__file__).parents[1].parent / "shared"
+    if not folder.is_dir():
+        pytest.skip("the reference data are not beside this checkout")
+    return folder
+
+
+def cuboid(low: tuple[float, float, float], high: tuple[float, float, float]) -> dict[str, list]:
+    """Vertices and faces of a cuboid, as a block file has them."""
+    vertices = [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+    faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    return {"vertices": vertices, "faces": faces}
+
+
+@pytest.fixture
+def block_on_plate(tmp_path: Path) -> Callable[..., Path]:
+    """Writes a scene of one block on a plate shaken along x, C = 0.2 m/s at 2 Hz for one cycle; keys are replaced by name."""
+
+    def write(**lines: str) -> Path:
+        plate = cuboid((-2.0, -1.0, -0.5), (2.0, 1.0, 0.0)) | {"name": "plate", "fixed": True, "group": "base"}
+        block = cuboid((-0.5, -0.25, 0.0), (0.5, 0.25, 0.4)) | {"name": "block", "group": "block"}
+        (tmp_path / "blocks.json").write_text(json.dumps({"units": "m", "blocks": [plate, block]}))
+        keys = {
+            "title": 'title = "Block on a plate"',
+            "path": 'path = "blocks.json"',
+            "density": "density = 2000.0",
+            "friction": "friction = 0.0",
+            "amplitude": "amplitude = 0.2",
+            "dt": "dt = 1e-3",
+            "duration": "duration = 0.5",
+            "solver": 'solver = "nlgs"',
+            "report": "",
+        } | lines
+        text = """\
+{title}
+[structure]
+kind = "file"
+{path}
+[material]
+{density}
+{friction}
+[[loads]]
+kind = "sinusoidal"
+direction = "x"
+{amplitude}
+frequency = 2.0
+cycles = 1
+[run]
+{dt}
+{duration}
+{solver}
+{report}
+"""
+        scene = tmp_path / "scene.toml"
+        scene.write_text(text.format(**keys))
+        return scene
+
+    return write

@@ -1,0 +1,213 @@
+"""The command line: what a user types, what comes back, and that nothing is left half made."""
+
+from __future__ import annotations
+
+import json
+import math
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from masonry_cd.cli import app
+from masonry_cd.results import Results
+
+SUMMARY_KEYS = {
+    "blocks", "joints", "steps", "wall_seconds", "stepping_seconds", "contacts_mean", "contacts_max", "penetration_max",
+    "displacement_max", "collapsed_blocks", "joints_opened", "joints_slid", "joints_separated",
+}  # fmt: skip
+SOLVER_KEYS = {"name", "iterations_mean", "iterations_max", "error_max", "error_mean", "steps_missed"}
+
+
+def masonry_cd(*words: object):
+    return CliRunner().invoke(app, [str(word) for word in words])
+
+
+def test_help_names_every_command_and_an_example():
+    text = masonry_cd("--help").output
+    for command in ("run", "build", "report"):
+        assert f"  {command} " in text
+        assert f"masonry-cd {command} " in masonry_cd(command, "--help").output
+
+
+def modules_loaded_by(folder: Path, *words: object) -> tuple[set[str], str]:
+    """Modules loaded by a command in an interpreter of its own, and what it said on standard error."""
+    words = ("masonry-cd", *map(str, words))
+    code = f"""
+import sys
+from masonry_cd.cli import main
+sys.argv = {words!r}
+try:
+    main()
+except SystemExit:
+    pass
+print("modules", *sys.modules)
+"""
+    out = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=True)
+    return set(out.stdout.splitlines()[-1].split()), out.stderr
+
+
+def test_help_and_bad_scenes_need_no_heavy_import(tmp_path):
+    modules, errors = modules_loaded_by(tmp_path, "run", "no.toml", "-o", "out")
+    assert "masonry_cd.scene" in modules
+    assert not {"numba", "scipy", "h5py", "matplotlib", "vtk", "pyvista", "gmsh", "pandas"} & modules
+    assert errors == "masonry-cd: error: no.toml: no such scene file\n"
+
+
+def test_a_run_without_a_picture_imports_neither_vtk_nor_matplotlib(block_on_plate, tmp_path):
+    modules, errors = modules_loaded_by(tmp_path, "run", block_on_plate(duration="duration = 0.01"), "-o", "out")
+    assert (tmp_path / "out" / "summary.json").exists(), errors
+    assert not {"matplotlib", "vtk", "vtkmodules", "pyvista", "gmsh", "pandas", "trimesh", "meshio", "skfem"} & modules
+
+
+def test_a_frictionless_block_stays_while_the_plate_moves_under_it(block_on_plate, tmp_path):
+    result = masonry_cd("run", block_on_plate(), "-o", tmp_path / "out", "--set", "run.frames_per_second=200")
+    assert result.exit_code == 0, result.output
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary.keys() >= SUMMARY_KEYS
+    assert summary["solver"].keys() >= SOLVER_KEYS
+    assert {"kinetic_end", "balance_error"} <= summary["energy"].keys()
+    assert summary["steps"] == 500
+    assert summary["displacement_max"] == pytest.approx(0.2 / (math.pi * 2.0), rel=1e-4)  # the plate's own, C / (pi f)
+    assert summary["joints_slid"] == 1
+    assert (tmp_path / "out" / "joints.csv").read_text().startswith("joint,block_a,block_b,area,max_opening")
+    assert "1 slid (at most 31.8 mm)" in result.stdout
+    assert not (tmp_path / "out" / "crack_map.png").exists()
+
+
+def test_the_results_keep_the_scene_that_was_run(block_on_plate, tmp_path):
+    masonry_cd("run", block_on_plate(), "-o", tmp_path / "out", "--set", "run.duration=0.02", "-q")
+    with Results.open(tmp_path / "out" / "result.h5") as results:
+        assert "duration = 0.02" in results.scene
+        assert results.title == "Block on a plate"
+        assert results.time[-1] == pytest.approx(0.02)
+
+
+def test_the_same_scene_gives_the_same_bits(block_on_plate, tmp_path):
+    scene = block_on_plate(friction="friction = 0.3", amplitude="amplitude = 0.6")
+    positions = []
+    for name in ("one", "two"):
+        masonry_cd("run", scene, "-o", tmp_path / name, "-q")
+        with Results.open(tmp_path / name / "result.h5") as results:
+            positions.append(results.position[...])
+    assert np.array_equal(*positions)
+
+
+def test_quiet_says_nothing(block_on_plate, tmp_path):
+    result = masonry_cd("run", block_on_plate(duration="duration = 0.01"), "-o", tmp_path / "out", "--quiet")
+    assert (result.exit_code, result.output) == (0, "")
+
+
+def test_missed_tolerances_are_said_and_written_down(block_on_plate, tmp_path):
+    scene = block_on_plate(friction="friction = 0.3", duration="duration = 0.01", amplitude="amplitude = 0.6")
+    result = masonry_cd("run", scene, "-o", tmp_path / "out", "--set", "run.max_iterations=1", "--set", "run.tolerance=1e-15", "-q")
+    missed = json.loads((tmp_path / "out" / "summary.json").read_text())["solver"]["steps_missed"]
+    assert missed > 0
+    assert f"{missed} of 10 steps missed the tolerance 1e-15" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ({"dt": "dtt = 1e-3"}, 'scene.toml:15: run.dtt: unknown key (did you mean "dt"?)'),
+        ({"path": ""}, "structure.path: missing"),
+        ({"path": 'path = "none.json"'}, "none.json"),
+        ({"amplitude": "amplitud = 0.2"}, 'scene.toml:11: loads[0].amplitud: unknown key (did you mean "amplitude"?)'),
+        ({"friction": "friction.block-bse = 0.5"}, 'material.friction.block-bse: "bse" is no group of blocks (did you mean "base"?)'),
+        ({"solver": 'solver = "gauss"'}, "run.solver: input should be"),
+        ({"report": "[report]\ncrack_maps = true"}, 'report.crack_maps: unknown key (did you mean "crack_map"?)'),
+    ],
+)
+def test_bad_input_is_one_line_exit_code_2_and_no_folder(block_on_plate, tmp_path, lines, message):
+    result = masonry_cd("run", block_on_plate(**lines), "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert result.stderr.startswith("masonry-cd: error: ")
+    assert not (tmp_path / "out").exists()
+
+
+def test_shaking_a_structure_without_supports_is_an_error(block_on_plate, tmp_path):
+    scene = block_on_plate()
+    blocks = tmp_path / "blocks.json"
+    blocks.write_text(blocks.read_text().replace("true", "false"))
+    result = masonry_cd("run", scene, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "no block of the structure is fixed" in result.stderr
+
+
+def test_a_folder_with_a_run_is_kept_unless_forced(block_on_plate, tmp_path):
+    scene, out = block_on_plate(duration="duration = 0.01"), tmp_path / "out"
+    assert masonry_cd("run", scene, "-o", out).exit_code == 0
+    before = (out / "result.h5").read_bytes()
+    (out / "crack_map.png").write_bytes(b"of the former run")
+    refused = masonry_cd("run", scene, "-o", out, "--set", "run.duration=0.02")
+    assert refused.exit_code == 2
+    assert "--force" in refused.stderr
+    assert (out / "result.h5").read_bytes() == before
+    assert masonry_cd("run", scene, "-o", out, "--force", "--set", "run.duration=0.02").exit_code == 0
+    assert json.loads((out / "summary.json").read_text())["steps"] == 20
+    assert not (out / "crack_map.png").exists()
+
+
+def test_the_output_must_be_a_folder(block_on_plate, tmp_path):
+    (tmp_path / "out").write_text("a file")
+    result = masonry_cd("run", block_on_plate(), "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "is a file" in result.stderr
+
+
+def test_ctrl_c_leaves_readable_results(block_on_plate, tmp_path):
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "masonry_cd.cli", "run", str(block_on_plate(duration="duration = 3000.0")), "-o", str(out)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 120
+    while not (out / "result.h5").exists() and process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert "interrupted after step" in errors
+    steps = json.loads((out / "summary.json").read_text())["steps"]
+    with Results.open(out / "result.h5") as results:
+        assert 0 < steps < 3_000_000
+        assert results.frames == 1 + steps // 20
+        assert len(results.per_step("solver/error")) == steps
+        assert np.isfinite(results.position[results.frames - 1]).all()
+
+
+def test_reports_are_redone_from_the_results_alone(block_on_plate, tmp_path):
+    out = tmp_path / "out"
+    masonry_cd("run", block_on_plate(duration="duration = 0.1"), "-o", out, "-q")
+    before = (out / "joints.csv").read_bytes()
+    (out / "joints.csv").unlink()
+    result = masonry_cd("report", out, "--no-crack-map")
+    assert result.exit_code == 0, result.output
+    assert (out / "joints.csv").read_bytes() == before
+    assert "joints: 1, of which" in result.stdout
+
+
+def test_a_folder_without_a_run_has_nothing_to_report(tmp_path):
+    result = masonry_cd("report", tmp_path)
+    assert result.exit_code == 2
+    assert "result.h5: no such result file" in result.stderr
+
+
+def test_build_writes_blocks_that_a_scene_reads_back(tmp_path):
+    arch = Path(__file__).parents[1] / "examples" / "arch.toml"
+    result = masonry_cd("build", arch, "-o", tmp_path, "--no-picture", "--set", "structure.voussoirs=9")
+    assert result.exit_code == 0, result.output
+    assert "11 blocks (arch 9, base 2), 10 joints, 2 fixed" in result.stdout
+    text = arch.read_text()
+    head, tail = text[: text.index("[structure]")], text[text.index("[material]") :]
+    (tmp_path / "again.toml").write_text(head + '[structure]\nkind = "file"\npath = "blocks.json"\n' + tail)
+    again = masonry_cd("build", tmp_path / "again.toml", "-o", tmp_path / "again", "--no-picture")
+    assert again.stdout.splitlines()[0] == result.stdout.splitlines()[0]
+    one, two = (json.loads((folder / "blocks.json").read_text()) for folder in (tmp_path, tmp_path / "again"))
+    assert one == two

@@ -1,0 +1,76 @@
+"""Progress: plain lines where there is no terminal, and Ctrl-C held back to the end of a step."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import time
+
+import pytest
+
+from masonry_cd import progress
+from masonry_cd.progress import Interrupt, Progress, in_words, said_if_slow
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(0.0123, "0.012 s"), (12.34, "12.3 s"), (59.99, "60.0 s"), (245, "4 min 5 s"), (7800, "2 h 10 min")]
+)
+def test_times_in_words(seconds, words):
+    assert in_words(seconds) == words
+
+
+def test_plain_lines_tell_steps_and_time_left(monkeypatch):
+    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
+    stream = io.StringIO()
+    with Progress(200, stream=stream) as show:
+        show(50)
+    assert stream.getvalue().startswith("step 50 of 200 (25 %), ")
+    assert stream.getvalue().endswith(" left\n")
+
+
+def test_lines_come_no_more_often_than_asked_and_not_at_all_when_quiet(monkeypatch):
+    stream = io.StringIO()
+    with Progress(1000, stream=stream) as show:
+        for done in range(1, 1001):
+            show(done)
+    assert stream.getvalue() == ""
+    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
+    with Progress(10, quiet=True, stream=stream) as show:
+        show(1)
+    assert stream.getvalue() == ""
+
+
+def test_a_terminal_gets_a_bar_with_the_time_left():
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    stream = Terminal()
+    with Progress(10, stream=stream) as show:
+        show(10)
+    assert "10/10" in stream.getvalue()
+    assert "100%" in stream.getvalue()
+    assert "left" in stream.getvalue()
+
+
+def test_a_slow_body_is_explained_and_a_quick_one_is_not():
+    stream = io.StringIO()
+    with said_if_slow("compiling", 0.01, stream):
+        time.sleep(0.1)
+    with said_if_slow("never said", 10.0, stream):
+        pass
+    assert stream.getvalue() == "compiling\n"
+
+
+def test_the_first_interrupt_waits_for_the_check_and_the_second_does_not():
+    former = signal.getsignal(signal.SIGINT)
+    with Interrupt() as interrupt:
+        interrupt.check()
+        os.kill(os.getpid(), signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            interrupt.check()
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(1.0)
+    assert signal.getsignal(signal.SIGINT) is former
