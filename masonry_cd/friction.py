@@ -26,6 +26,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy import sparse
 
+from masonry_cd import coulomb
+
 
 @dataclass(frozen=True, eq=False)
 class FrictionProblem:
@@ -50,6 +52,17 @@ class FrictionProblem:
     def dimension(self) -> int:
         """Rows per contact m."""
         return int(self.offset.shape[1])
+
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """The arrays in the order and layout of the compiled kernels: contiguous, so that each kernel is compiled once."""
+        return (
+            np.ascontiguousarray(self.inverse_mass, dtype=np.float64),
+            np.ascontiguousarray(self.v_free, dtype=np.float64),
+            np.ascontiguousarray(self.bodies, dtype=np.int64),
+            np.ascontiguousarray(self.jacobian, dtype=np.float64),
+            np.ascontiguousarray(self.offset, dtype=np.float64),
+            np.ascontiguousarray(self.mu, dtype=np.float64),
+        )
 
     def relative_velocity(self, v: np.ndarray) -> np.ndarray:
         """u = H v + b, (C, m), for body velocities (B, n)."""
@@ -155,30 +168,18 @@ class Solution:
     memory: dict[str, np.ndarray] = field(default_factory=dict)  # what the same solver may start from next time
 
 
-def project_cone(vector: np.ndarray, mu: np.ndarray) -> np.ndarray:
-    """Project (C, m) vectors onto Coulomb's cones |x_t| <= mu x_n."""
-    normal, tangent = vector[:, 0], vector[:, 1:]
-    length = np.linalg.norm(tangent, axis=1)
-    inside = length <= mu * normal
-    polar = mu * length <= -normal
-    height = np.where(polar, 0.0, (normal + mu * length) / (1.0 + mu * mu))
-    scale = np.divide(mu * height, length, out=np.zeros_like(length), where=length > 0)
-    onto = np.concatenate([height[:, None], scale[:, None] * tangent], axis=1)
-    return np.where(inside[:, None], vector, onto)
-
-
 def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True) -> float:
     """The natural map error of impulses (C, m), see the head of this file.
 
-    u is computed from the impulses, u = W p + q, so the equation of motion holds by construction.
+    u is computed from the impulses, u = W p + q, so the equation of motion holds by construction. Compiled, since it is asked once
+    per time step.
     """
     if problem.contacts == 0:
         return 0.0
-    scale = np.sqrt(np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / problem.dimension) if scaled else np.ones(problem.contacts)
-    r = impulse * scale[:, None]
-    w = problem.apply(impulse) / scale[:, None]
-    shifted = w.copy()
-    shifted[:, 0] += problem.mu * np.linalg.norm(w[:, 1:], axis=1)
-    residual = float(np.linalg.norm(r - project_cone(r - shifted, problem.mu)))
-    size = float(np.linalg.norm(problem.free_relative_velocity() / scale[:, None]))
-    return residual / size if size > 0 else residual
+    impulse = np.ascontiguousarray(impulse, dtype=np.float64)
+    if isinstance(problem, FrictionProblem):
+        residual, size = coulomb.error_bodies(*problem.arrays(), impulse, scaled)
+    else:
+        scale = np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / problem.dimension if scaled else np.ones(problem.contacts)
+        residual, size = coulomb.natural_map_norms(impulse, problem.apply(impulse), problem.q, problem.mu, scale)
+    return float(residual / size if size > 0.0 else residual)

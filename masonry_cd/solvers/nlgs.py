@@ -36,24 +36,12 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     limit = LIMIT if options.max_iterations is None else options.max_iterations
     if isinstance(problem, FrictionProblem):
         velocity = np.empty(problem.v_free.shape)
-        sweeps, error = coulomb.nlgs_bodies(*body_arrays(problem), impulse, velocity, options.tolerance, limit, options.seed, EVERY)
+        sweeps, error = coulomb.nlgs_bodies(*problem.arrays(), impulse, velocity, options.tolerance, limit, options.seed, EVERY)
         return Solution(impulse, velocity, sweeps, _reason(error, options))
     sweeps, error = coulomb.nlgs_local(
         *block_arrays(problem), problem.q, problem.mu, impulse, options.tolerance, limit, options.seed, EVERY
     )
     return Solution(impulse, None, sweeps, _reason(error, options))
-
-
-def body_arrays(problem: FrictionProblem) -> tuple[np.ndarray, ...]:
-    """The arrays of a problem over bodies as the kernels expect them: contiguous, so that they are compiled once."""
-    return (
-        np.ascontiguousarray(problem.inverse_mass, dtype=np.float64),
-        np.ascontiguousarray(problem.v_free, dtype=np.float64),
-        np.ascontiguousarray(problem.bodies, dtype=np.int64),
-        np.ascontiguousarray(problem.jacobian, dtype=np.float64),
-        np.ascontiguousarray(problem.offset, dtype=np.float64),
-        np.ascontiguousarray(problem.mu, dtype=np.float64),
-    )
 
 
 def block_arrays(problem: LocalProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -1,0 +1,72 @@
+"""The friction problem and its error measures, against plain numpy formulas."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scenes
+
+from masonry_cd.friction import FrictionProblem, LocalProblem, natural_map_error
+
+
+def project(x: np.ndarray, mu: float) -> np.ndarray:
+    """Project one vector onto Coulomb's cone, by the definition: inside, polar, or onto the nearest generator."""
+    normal, tangent = x[0], np.linalg.norm(x[1:])
+    if tangent <= mu * normal:
+        return x
+    if mu * tangent <= -normal:
+        return np.zeros_like(x)
+    generator = np.concatenate([[1.0], mu * x[1:] / tangent]) / np.hypot(1.0, mu)
+    return generator * (x @ generator)
+
+
+def plain_error(problem: FrictionProblem | LocalProblem, impulse: np.ndarray, scaled: bool) -> float:
+    """The natural map error contact by contact."""
+    u, q = problem.apply(impulse), problem.free_relative_velocity()
+    d = np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / problem.dimension
+    root = np.sqrt(d) if scaled else np.ones_like(d)
+    residual = []
+    for c in range(problem.contacts):
+        r, w = impulse[c] * root[c], u[c] / root[c]
+        shifted = w.copy()
+        shifted[0] += problem.mu[c] * np.linalg.norm(w[1:])
+        residual.append(r - project(r - shifted, problem.mu[c]))
+    return float(np.linalg.norm(residual) / np.linalg.norm(q / root[:, None]))
+
+
+@pytest.mark.parametrize("scaled", [True, False])
+@pytest.mark.parametrize("local", [True, False])
+def test_error_agrees_with_its_definition(local: bool, scaled: bool) -> None:
+    """The compiled measure equals the formula at random impulses inside and outside the cones."""
+    problem = scenes.wall(3, 4)
+    impulse = np.random.default_rng(1).normal(size=(problem.contacts, 3))
+    checked = problem.to_local() if local else problem
+    assert natural_map_error(checked, impulse, scaled) == pytest.approx(plain_error(problem, impulse, scaled), rel=1e-12)
+
+
+def test_error_has_no_unit() -> None:
+    """Lengths in millimetres and masses in grams leave the scaled error as it is; the unscaled one changes."""
+    problem = scenes.wall(2, 3)
+    impulse = np.random.default_rng(2).normal(size=(problem.contacts, 3))
+    length, mass = 1e3, 1e3
+    turn = np.array([1.0] * 3 + [1.0 / length] * 3)  # angular velocity keeps its unit when lengths grow
+    other = FrictionProblem(
+        problem.inverse_mass / mass * np.outer(turn, turn),
+        problem.v_free * length * turn,
+        problem.bodies,
+        problem.jacobian / turn,
+        problem.offset * length,
+        problem.mu,
+    )
+    scaled_impulse = impulse * mass * length
+    assert natural_map_error(other, scaled_impulse) == pytest.approx(natural_map_error(problem, impulse), rel=1e-12)
+    assert natural_map_error(other, scaled_impulse, False) != pytest.approx(natural_map_error(problem, impulse, False), rel=1e-2)
+
+
+def test_local_and_body_form_agree() -> None:
+    """u = W p + q with W assembled equals the matrix-free product, and the diagonal blocks agree."""
+    problem = scenes.wall(3, 3)
+    local = problem.to_local()
+    impulse = np.random.default_rng(3).normal(size=(problem.contacts, 3))
+    np.testing.assert_allclose(local.apply(impulse), problem.apply(impulse), atol=1e-12)
+    np.testing.assert_allclose(local.delassus_diagonal(), problem.delassus_diagonal(), atol=1e-15)
