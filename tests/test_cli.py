@@ -37,11 +37,11 @@ def test_help_names_every_command_and_an_example():
 
 def modules_loaded_by(folder: Path, *words: object) -> tuple[set[str], str]:
     """Modules loaded by a command in an interpreter of its own, and what it said on standard error."""
-    words = ("masonry-cd", *map(str, words))
+    argv = ["masonry-cd", *map(str, words)]
     code = f"""
 import sys
 from masonry_cd.cli import main
-sys.argv = {words!r}
+sys.argv = {argv!r}
 try:
     main()
 except SystemExit:
