@@ -116,14 +116,14 @@ def _heading_in_comment(source: Source, first: int, delimiter: str | None, width
         if not text.startswith(COMMENTS):
             continue
         fields = _split(text.lstrip("#%/ \t"), delimiter)
-        named = width == 1 or any(split_heading(field)[0].lower() in ("t", "time") for field in fields)
+        named = width == 1 or any(_names_time(field) for field in fields)
         return tuple(fields) if len(fields) == width and named else ()
     return ()
 
 
 def _time_column(source: Source, layout: Layout, request: Request) -> int | None:
     """Index of the time column; None when the step is given by key."""
-    named = [c for c in range(layout.width) if layout.headings and layout.name(c).lower() in ("t", "time")]
+    named = [c for c, heading in enumerate(layout.headings) if _names_time(heading)]
     if request.time_step is not None:
         if named:
             raise source.error(f'the key time_step is given, but the file has a column "{layout.headings[named[0]]}"')
@@ -160,12 +160,20 @@ def _value_column(source: Source, layout: Layout, time: int | None, request: Req
 
 def _time_factor(source: Source, layout: Layout, time: int) -> float:
     """Seconds in the unit of the time column."""
-    unit = split_heading(layout.headings[time])[1] if layout.headings else None
-    if unit is None:
+    if not layout.headings:
         return 1.0
-    if unit.lower() not in TIME:
-        raise source.error(f'the time column is in "{unit}", which is not known; known: {", ".join(TIME)}')
+    name, unit = split_heading(layout.headings[time])
+    if unit is None and "_" not in name:
+        return 1.0
+    if unit is None or unit.lower() not in TIME:
+        raise source.error(f'the time column "{layout.headings[time]}" is in no known unit; known: {", ".join(TIME)}')
     return TIME[unit.lower()]
+
+
+def _names_time(heading: str) -> bool:
+    """True for ``t``, ``time``, ``Time (s)``, ``time_ms``."""
+    name = split_heading(heading)[0].lower()
+    return name in ("t", "time") or name.startswith("time_")
 
 
 def _even_step(source: Source, times: np.ndarray, places: list[int]) -> float:

@@ -1,0 +1,168 @@
+"""loads.record: a record becomes a base velocity that starts and ends at rest, in true units, on the run's times."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import loads
+from loads.baseline import integrate
+from loads.motion import STANDARD_GRAVITY
+from masonry_cd.errors import InputError
+
+RECORDS = Path(__file__).parents[1].parent / "shared" / "records"
+STEP = 0.01
+TIME = STEP * np.arange(1001)
+WAVE = 2.0 * np.sin(np.pi * TIME / 10.0) ** 2 * np.sin(2 * np.pi * 1.3 * TIME) + 0.03  # [m/s2], with an offset that drifts
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "quake.txt").write_text("# t [s]  a [m/s2]\n" + "".join(f"{t:.2f} {a:.12g}\n" for t, a in zip(TIME, WAVE, strict=True)))
+    return tmp_path
+
+
+def build(folder: Path, dt: float = 1e-3, seconds: float = 12.0, **keys: object) -> loads.Loading:
+    table = {"kind": "record", "path": "quake.txt", "direction": "x", **keys}
+    return loads.build([table], dt, round(seconds / dt), (0.0, 0.0, -9.81), folder)
+
+
+def velocity(folder: Path, **keys: object) -> np.ndarray:
+    return build(folder, **keys).support_velocity[:, 0, 0]
+
+
+def numbers(loading: loads.Loading, when: str = "after") -> dict[str, float]:
+    return loading.summary["tables"][0][when]
+
+
+@pytest.mark.parametrize("correction", ["linear", "quadratic", "cubic"])
+def test_a_corrected_record_starts_and_ends_at_rest_where_it_began(folder: Path, correction: str) -> None:
+    loading = build(folder, correction=correction)
+    v = loading.support_velocity[:, 0, 0]
+    assert v[0] == 0.0
+    assert abs(v[10001:]).max() < 1e-12
+    assert abs(np.trapezoid(v, dx=1e-3)) < 1e-6
+    assert abs(numbers(loading, "before")["end_displacement"]) > 1.0
+    assert abs(numbers(loading)["end_displacement"]) < 1e-10
+    assert "before correction" in loading.lines[1]
+    assert f"{correction} correction:" in loading.lines[2]
+
+
+def test_uncorrected_velocity_is_the_exact_integral_and_fades_out_without_a_jump(folder: Path) -> None:
+    loading = build(folder, correction="none")
+    v = loading.support_velocity[:, 0, 0]
+    assert v[:10001:10] == pytest.approx(integrate(WAVE, STEP).velocity, abs=1e-9)
+    assert abs(v[10000]) > 0.2
+    assert abs(np.diff(v)).max() < 1.05 * abs(WAVE).max() * 1e-3
+    assert (v[11000:] == 0.0).all()
+    said = next(line for line in loading.lines if "fades to zero" in line)
+    assert float(said.rsplit("ends at", 1)[1].split()[0]) == pytest.approx(np.trapezoid(v, dx=1e-3), rel=1e-3)
+
+
+def test_steps_coarser_or_odd_sample_the_same_motion(folder: Path) -> None:
+    fine = velocity(folder, dt=1e-3)
+    assert velocity(folder, dt=4e-3) == pytest.approx(fine[::4], abs=1e-12)
+    coarse = build(folder, dt=0.02)
+    assert coarse.support_velocity[:, 0, 0] == pytest.approx(fine[::20], abs=1e-12)
+    assert any("run.dt 0.02 s is coarser than the record's 0.01 s: what it holds above 25 Hz is lost" in line for line in coarse.lines)
+    assert not any("coarser" in line for line in build(folder).lines)
+
+
+def test_scale_and_target_pga(folder: Path) -> None:
+    once = velocity(folder)
+    assert velocity(folder, scale=-2.5) == pytest.approx(-2.5 * once, abs=1e-12)
+    loading = build(folder, target_pga=1.5)
+    assert numbers(loading)["pga"] == pytest.approx(1.5)
+    assert numbers(build(folder))["pga"] / numbers(build(folder))["pgv"] == pytest.approx(1.5 / numbers(loading)["pgv"])
+
+
+def test_start_shifts_the_record_in_the_run(folder: Path) -> None:
+    late = velocity(folder, start=1.5)
+    assert not late[:1501].any()
+    assert late[1500:] == pytest.approx(velocity(folder)[:10501], abs=1e-12)
+
+
+def test_window_is_in_the_record_s_own_time(folder: Path) -> None:
+    loading = build(folder, window=[2.0, 6.0], correction="none")
+    v = loading.support_velocity[:, 0, 0]
+    assert v[:4001:10] == pytest.approx(integrate(WAVE[200:601], STEP).velocity, abs=1e-9)
+    assert loading.summary["tables"][0]["window"] == pytest.approx([2.0, 6.0])
+
+
+def test_taper_brings_the_cut_in_smoothly(folder: Path) -> None:
+    sharp, soft = (np.diff(velocity(folder, window=[2.1, 6.3], taper=taper))[:20] / 1e-3 for taper in (0.0, 0.5))
+    assert abs(sharp[0]) > 0.5
+    assert abs(soft[0]) < 0.1
+
+
+def test_units_of_header_and_key_mean_the_same_motion(folder: Path) -> None:
+    rows = "".join(f"{t:.2f} {a / STANDARD_GRAVITY:.12g}\n" for t, a in zip(TIME, WAVE, strict=True))
+    (folder / "bare.txt").write_text(rows)
+    (folder / "headed.txt").write_text("t a_g\n" + rows)
+    wanted = velocity(folder)
+    assert velocity(folder, path="bare.txt", units="g") == pytest.approx(wanted, abs=1e-8)
+    assert velocity(folder, path="headed.txt") == pytest.approx(wanted, abs=1e-8)
+    assert velocity(folder, path="headed.txt", units="G") == pytest.approx(wanted, abs=1e-8)
+    with pytest.raises(InputError, match=r"loads\[0\].units: missing, and bare.txt does not name its unit; give one of m/s2, cm/s2"):
+        build(folder, path="bare.txt")
+    with pytest.raises(InputError, match=r'loads\[0\].units: "m/s2", but headed.txt says "g"'):
+        build(folder, path="headed.txt", units="m/s2")
+    with pytest.raises(InputError, match=r'loads\[0\].units: unknown unit "furlong"'):
+        build(folder, path="headed.txt", units="furlong")
+    (folder / "counts.txt").write_text("t a[counts]\n" + rows)
+    with pytest.raises(InputError, match=r'counts.txt says "counts", which is no known unit'):
+        build(folder, path="counts.txt")
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"scale": 2.0, "target_pga": 1.0}, "loads[0]: give scale or target_pga, not both"),
+        ({"scale": 0.0}, "loads[0]: scale: must not be zero"),
+        ({"target_pga": -1.0}, "loads[0].target_pga: "),
+        ({"window": [5.0, 2.0]}, "loads[0]: window: must be [from, to] with from < to, got [5, 2]"),
+        ({"window": [5.0]}, "loads[0].window"),
+        ({"window": [5.0, 20.0]}, "loads[0].window: [5.0, 20.0] reaches outside the record, 0 to 10 s"),
+        ({"window": [5.0, 5.02]}, "loads[0]: 3 samples of quake.txt are too few"),
+        ({"taper": 6.0}, "loads[0].taper: 6 s at both ends do not fit into the 10 s of the record"),
+        ({"path": "quack.txt"}, 'loads[0].path: quack.txt: no such file (did you mean "quake.txt"?)'),
+        ({"correction": "quadratc"}, "loads[0].correction: "),
+        ({"format": "xls"}, "loads[0].format: "),
+        ({"start": -1.0}, "loads[0].start: "),
+    ],
+)
+def test_bad_keys_are_named(folder: Path, keys: dict, message: str) -> None:
+    with pytest.raises(InputError) as failure:
+        build(folder, **keys)
+    assert str(failure.value).startswith(message)
+    assert "\n" not in str(failure.value)
+
+
+def test_a_silent_record_is_refused(folder: Path) -> None:
+    (folder / "silent.txt").write_text("t a_g\n" + "".join(f"{t:.2f} 0\n" for t in TIME))
+    with pytest.raises(InputError, match=r"silent.txt: the record is zero throughout"):
+        build(folder, path="silent.txt")
+
+
+def recorded(tables: list[dict], seconds: float, dt: float = 1e-3) -> loads.Loading:
+    if not RECORDS.is_dir():
+        pytest.skip("no recorded accelerograms beside the checkout")
+    return loads.build([{"kind": "record", **table} for table in tables], dt, round(seconds / dt), (0.0, 0.0, -9.81), RECORDS)
+
+
+def test_el_centro_has_its_known_peak() -> None:
+    loading = recorded([{"path": "elcentro_1940_NS.AT2", "direction": "x"}], 40.0)
+    assert loading.summary["tables"][0]["format"] == "at2"
+    assert numbers(loading, "before")["pga"] == pytest.approx(0.319 * STANDARD_GRAVITY, rel=1e-3)
+    assert abs(loading.support_velocity[-1]).max() < 1e-12
+
+
+def test_l_aquila_reads_alike_from_both_formats_and_in_three_components() -> None:
+    three = [{"path": "laquila_2009_AQV.csv", "column": c, "direction": d} for c, d in (("ns", "x"), ("we", "y"), ("up", "z"))]
+    csv = recorded(three, 46.0)
+    ascii_ = recorded([{"path": f"laquila_2009_AQV_{c}.asc", "direction": d} for c, d in (("NS", "x"), ("WE", "y"), ("UP", "z"))], 46.0)
+    assert numbers(csv, "before")["pga"] == pytest.approx(5.366, abs=1e-3)
+    assert csv.support_velocity == pytest.approx(ascii_.support_velocity, abs=1e-6)
+    assert np.ptp(csv.support_velocity, axis=0).min() > 0.2  # all three components shake
