@@ -26,7 +26,25 @@ FEWEST = 8  # samples
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
-Window = Annotated[tuple[float, float], BeforeValidator(lambda value: tuple(value) if isinstance(value, list) else value)]
+
+
+def _window(value: object) -> tuple[float, float]:
+    """Two times, the first before the second."""
+    numbers = list(value) if isinstance(value, (list, tuple)) else []
+    if len(numbers) != 2 or any(isinstance(n, bool) or not isinstance(n, (int, float)) for n in numbers) or not numbers[0] < numbers[1]:
+        raise ValueError("must be [from, to] in seconds of the record, from < to" + (f"; given: {numbers}" if numbers else ""))
+    return float(numbers[0]), float(numbers[1])
+
+
+def _column(value: object) -> str | int | None:
+    """A heading or a place."""
+    if isinstance(value, bool) or not (value is None or isinstance(value, (str, int))):
+        raise ValueError("must be the heading of a column, or its place counted from 0")
+    return value
+
+
+Window = Annotated[tuple[float, float], BeforeValidator(_window)]
+Column = Annotated[str | int | None, BeforeValidator(_column)]
 
 
 class RecordTable(LoadTable):
@@ -36,7 +54,7 @@ class RecordTable(LoadTable):
     path: str
     format: Literal["auto", "at2", "esm", "csv", "columns"] = "auto"
     direction: DirectionKey
-    column: str | int | None = None  # heading, or place counted from 0
+    column: Column = None  # heading, or place counted from 0
     units: str | None = None  # of the accelerations
     time_step: Positive | None = None  # [s], where the file has no time column
     scale: float | None = None
@@ -52,8 +70,6 @@ class RecordTable(LoadTable):
             raise ValueError("give scale or target_pga, not both")
         if self.scale == 0.0:
             raise ValueError("scale: must not be zero")
-        if self.window is not None and not self.window[0] < self.window[1]:
-            raise ValueError(f"window: must be [from, to] with from < to, got [{self.window[0]:g}, {self.window[1]:g}]")
         return self
 
 
@@ -118,8 +134,8 @@ def _cut(acceleration: np.ndarray, raw: RawRecord, table: RecordTable, where: st
     first, last = 0, len(acceleration) - 1
     end = raw.origin + last * raw.step
     if table.window is not None:
-        slack = 1e-6 * raw.step
-        if table.window[0] < raw.origin - slack or table.window[1] > end + 0.5 * raw.step:
+        slack = 1e-6 * raw.step  # n samples of step h are often called n h long: one step more is let pass
+        if table.window[0] < raw.origin - slack or table.window[1] > end + raw.step + slack:
             raise InputError(f"{where}.window: {list(table.window)} reaches outside the record, {raw.origin:g} to {end:g} s")
         first = int(np.ceil((table.window[0] - raw.origin) / raw.step - 1e-6))
         last = min(last, int(np.floor((table.window[1] - raw.origin) / raw.step + 1e-6)))

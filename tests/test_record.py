@@ -89,6 +89,7 @@ def test_window_is_in_the_record_s_own_time(folder: Path) -> None:
     v = loading.support_velocity[:, 0, 0]
     assert v[:4001:10] == pytest.approx(integrate(WAVE[200:601], STEP).velocity, abs=1e-9)
     assert loading.summary["tables"][0]["window"] == pytest.approx([2.0, 6.0])
+    assert (velocity(folder, window=[0.0, 10.01]) == velocity(folder)).all()  # 1001 samples may be called 10.01 s long
 
 
 def test_taper_brings_the_cut_in_smoothly(folder: Path) -> None:
@@ -122,8 +123,10 @@ def test_units_of_header_and_key_mean_the_same_motion(folder: Path) -> None:
         ({"scale": 2.0, "target_pga": 1.0}, "loads[0]: give scale or target_pga, not both"),
         ({"scale": 0.0}, "loads[0]: scale: must not be zero"),
         ({"target_pga": -1.0}, "loads[0].target_pga: "),
-        ({"window": [5.0, 2.0]}, "loads[0]: window: must be [from, to] with from < to, got [5, 2]"),
-        ({"window": [5.0]}, "loads[0].window"),
+        ({"window": [5.0, 2.0]}, "loads[0].window: must be [from, to] in seconds of the record, from < to; given: [5.0, 2.0]"),
+        ({"window": [5.0]}, "loads[0].window: must be [from, to]"),
+        ({"window": ["a", 5]}, "loads[0].window: must be [from, to]"),
+        ({"column": 1.5}, "loads[0].column: must be the heading of a column, or its place counted from 0"),
         ({"window": [5.0, 20.0]}, "loads[0].window: [5.0, 20.0] reaches outside the record, 0 to 10 s"),
         ({"window": [5.0, 5.02]}, "loads[0]: 3 samples of quake.txt are too few"),
         ({"taper": 6.0}, "loads[0].taper: 6 s at both ends do not fit into the 10 s of the record"),

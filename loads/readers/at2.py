@@ -28,10 +28,10 @@ def read(source: Source, request: Request) -> RawRecord:
     Raises:
         InputError: no NPTS and DT, a step that is not positive, a file of velocities, text among the numbers, a wrong count.
     """
-    refuse_keys(source, request, "AT2")
     found = _count_line(source)
     if found is None:
         raise source.error("no line with NPTS and DT in the heading of an AT2 file")
+    refuse_keys(source, request, "AT2")
     index, count, step = found
     heading = " ".join(source.lines[:index])
     wrong = re.search(r"\b(VELOCITY|DISPLACEMENT)\s+TIME", heading, re.IGNORECASE)

@@ -25,11 +25,11 @@ def read(source: Source, request: Request) -> RawRecord:
     Raises:
         InputError: a missing key, another quantity than acceleration, text among the numbers, a wrong count.
     """
-    refuse_keys(source, request, "ESM")
     heading = _heading(source)
     for key in ("SAMPLING_INTERVAL_S", "NDATA"):
         if key not in heading:
             raise source.error(f"no line {key} in the heading of an ESM file")
+    refuse_keys(source, request, "ESM")
     line, text = heading["SAMPLING_INTERVAL_S"]
     step = source.number(text, line)
     if step <= 0.0:

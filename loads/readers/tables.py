@@ -58,6 +58,8 @@ def read_csv(source: Source, request: Request) -> RawRecord:
 
 def read_columns(source: Source, request: Request) -> RawRecord:
     """Read columns separated by blanks, see :func:`_read`."""
+    if _delimiter(source) in (";", ","):
+        raise source.error("commas or semicolons between the numbers: this is CSV")
     return _read(source, request, None)
 
 
@@ -70,15 +72,15 @@ def _read(source: Source, request: Request, delimiter: str | None) -> RawRecord:
     layout = _layout(source, delimiter)
     time = _time_column(source, layout, request)
     column = _value_column(source, layout, time, request)
-    wanted = [column] if time is None else [column, time]
+    wanted = [column] if time is None else [column, time]  # the others may hold anything
     rows, places = [], []
     for index, line in source.content():
         if index < layout.first:
             continue
         fields = layout.split(line)
+        rows.append([source.number(_decimal(fields[c], delimiter), index) for c in wanted if c < len(fields)])
         if len(fields) != layout.width:
-            raise source.error(f"{len(fields)} values in a table of {layout.width} columns", index)
-        rows.append([source.number(_decimal(fields[c], delimiter), index) for c in wanted])
+            raise source.error(f"{len(fields)} columns, where the table has {layout.width}", index)
         places.append(index)
     table = np.array(rows, dtype=float)
     if len(table) < 2:
@@ -104,7 +106,7 @@ def _layout(source: Source, delimiter: str | None) -> Layout:
             raise source.error("no line of numbers below the heading")
         width = len(_split(content[1][1], delimiter))
         if width != len(fields):
-            raise source.error(f"{width} values below a heading of {len(fields)} columns", content[1][0])
+            raise source.error(f"{width} columns below a heading of {len(fields)}", content[1][0])
         return Layout(delimiter, content[1][0], tuple(fields), width)
     return Layout(delimiter, index, _heading_in_comment(source, index, delimiter, len(fields)), len(fields))
 
@@ -152,9 +154,10 @@ def _value_column(source: Source, layout: Layout, time: int | None, request: Req
     word = asked.strip().lower()
     whole = [c for c, name in zip(choices, named, strict=True) if name.lower() == word]
     bare = [c for c in choices if layout.name(c).lower() == word]
-    for match in (whole, bare):
-        if len(match) == 1:
-            return match[0]
+    if len(whole) == 1 or len(bare) == 1:
+        return whole[0] if len(whole) == 1 else bare[0]
+    if whole or bare:
+        raise source.error(f'several columns are called "{asked}"; give the place of one, counted from 0; {listed}')
     raise source.error(f'no column "{asked}"{suggest(asked, named)}; {listed}')
 
 
