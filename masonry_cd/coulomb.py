@@ -63,7 +63,7 @@ def _slip(mu: float, qn: float, a1: float, a2: float, winv: float, c1: float, c2
         s += move
         if not (low < s < high):  # also when the slope is zero or not a number
             s = 0.5 * (low + high) if high < np.inf else 2.0 * low + size
-        if high - low <= 4e-16 * high:
+        if high < np.inf and high - low <= 4e-16 * high:
             break
     # the cone exactly, with the direction of slip found and u_n = 0: p_n (1 + mu c.e) = -q_n / W_nn
     tangent = _length(p1, p2)
