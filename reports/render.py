@@ -1,0 +1,212 @@
+r"""Draws polygons and lines off-screen with VTK, in parallel projection, and returns an image.
+
+A picture is a few layers, each one mesh whatever the number of blocks: the faces of all blocks, their edges, the bands of all
+joints. Parallel projection keeps lengths in the plane of the picture, so that one scale bar holds everywhere in it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+
+SAMPLES = 2  # each pixel is the mean of SAMPLES x SAMPLES rendered ones
+LIGHTS = (((-0.5, 0.6, 0.9), 0.50), ((0.9, 0.1, 0.5), 0.16), ((0.0, 0.0, 1.0), 0.12))  # towards the light (right, up, viewer), strength
+AMBIENT = 0.45
+NO_CONTEXT = (
+    "pictures: no off-screen OpenGL here; on Debian and Ubuntu: apt-get install libegl1 libgl1 (or go without: report.crack_map = false)"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A direction to look in: unit vectors to the right, up, and towards the viewer, (3,) each."""
+
+    name: str
+    right: np.ndarray
+    up: np.ndarray
+    towards: np.ndarray
+
+    def plane(self, points: np.ndarray) -> np.ndarray:
+        """Points (N, 3) in the plane of the picture, (N, 2): right and up [m]."""
+        return np.stack([points @ self.right, points @ self.up], axis=1)
+
+
+@dataclass(frozen=True)
+class Window:
+    """The part of a view's plane that the picture shows [m]."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+    @property
+    def width(self) -> float:
+        """[m]"""
+        return self.right - self.left
+
+    @property
+    def height(self) -> float:
+        """[m]"""
+        return self.top - self.bottom
+
+    def fitted(self, pixels: tuple[int, int]) -> Window:
+        """The smallest window around this one that has the shape of an image (width, height)."""
+        width = max(self.width, self.height * pixels[0] / pixels[1])
+        height = width * pixels[1] / pixels[0]
+        x, y = (self.left + self.right) / 2, (self.bottom + self.top) / 2
+        return Window(x - width / 2, x + width / 2, y - height / 2, y + height / 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Polygons F with colours (F, 3) uint8; lit ones are shaded, others keep their colour exactly."""
+
+    points: np.ndarray
+    loops: np.ndarray
+    loop_start: np.ndarray
+    colours: np.ndarray
+    lit: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Straight lines between pairs (E, 2) of points."""
+
+    points: np.ndarray
+    pairs: np.ndarray
+    colour: str
+    width: float  # pixels
+
+
+Layer = Surface | Lines
+
+
+def view_named(name: str) -> View:
+    """A view by name: front (along y), back, side (from +x), top, isometric.
+
+    Raises:
+        InputError: an unknown name.
+    """
+    turn, tilt = np.radians(32.0), np.radians(24.0)
+    towards = {
+        "front": (0.0, -1.0, 0.0),
+        "back": (0.0, 1.0, 0.0),
+        "side": (1.0, 0.0, 0.0),
+        "top": (0.0, 0.0, 1.0),
+        "isometric": (np.sin(turn) * np.cos(tilt), -np.cos(turn) * np.cos(tilt), np.sin(tilt)),
+    }
+    if name not in towards:
+        raise InputError(f'view: "{name}" is none; views: auto, {", ".join(towards)}')
+    viewer = np.array(towards[name])
+    upward = np.array([0.0, 1.0, 0.0]) if name == "top" else np.array([0.0, 0.0, 1.0])
+    right = np.cross(upward, viewer)
+    right /= np.linalg.norm(right)
+    return View(name, right, np.cross(viewer, right), viewer)
+
+
+def render(layers: Sequence[Layer], view: View, window: Window, pixels: tuple[int, int]) -> np.ndarray:
+    """Draw layers into an image (height, width, 3) uint8 on white.
+
+    Raises:
+        InputError: no off-screen OpenGL; names the packages that bring it.
+    """
+    require_context()
+    import pyvista
+
+    size = [SAMPLES * n for n in pixels]
+    plotter = pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
+    try:
+        plotter.set_background("white")  # type: ignore[arg-type]  # a wrapper hides its signature
+        _light(plotter, view)
+        for layer in layers:
+            _add(plotter, layer)
+        _aim(plotter.camera, layers, view, window)
+        image = plotter.screenshot(None, return_img=True)
+    finally:
+        plotter.close()
+    if image is None or image.shape[:2] != (size[1], size[0]):
+        raise InputError(NO_CONTEXT)
+    fine = image[..., :3].reshape(pixels[1], SAMPLES, pixels[0], SAMPLES, 3)
+    return np.asarray(fine.mean(axis=(1, 3)).round().astype(np.uint8))
+
+
+def require_context() -> None:
+    """Check that VTK can draw without a display; where it cannot, it would end the process.
+
+    Raises:
+        InputError: it cannot; names the packages that bring it.
+    """
+    if not sys.platform.startswith("linux"):
+        return
+    try:
+        import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (registers the kinds of render window)
+        from vtkmodules.vtkCommonCore import vtkLogger
+        from vtkmodules.vtkRenderingCore import vtkRenderWindow
+    except ImportError:
+        raise InputError(NO_CONTEXT) from None
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # it warns of each kind of window that it tries in vain
+    kind = vtkRenderWindow().GetClassName()
+    if kind == "vtkRenderWindow" or (
+        kind == "vtkOSOpenGLRenderWindow" and not _loadable("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
+    ):
+        raise InputError(NO_CONTEXT)
+
+
+def _loadable(*names: str) -> bool:
+    """True where one of these shared libraries is installed."""
+    for name in names:
+        try:
+            ctypes.CDLL(name)
+        except OSError:
+            continue
+        return True
+    return False
+
+
+def _light(plotter: Any, view: View) -> None:
+    """Lights that keep their place beside the viewer, so that every view is lit alike."""
+    import pyvista
+
+    for (right, up, towards), strength in LIGHTS:
+        direction = right * view.right + up * view.up + towards * view.towards
+        plotter.add_light(pyvista.Light(position=direction, focal_point=(0, 0, 0), light_type="scene light", intensity=strength))
+
+
+def _add(plotter: Any, layer: Layer) -> None:
+    """Add one layer as one mesh."""
+    import pyvista
+
+    if isinstance(layer, Lines):
+        if len(layer.pairs):
+            cells = np.insert(layer.pairs, 0, 2, axis=1).ravel()
+            mesh = pyvista.PolyData(layer.points, lines=cells)
+            plotter.add_mesh(mesh, color=layer.colour, line_width=SAMPLES * layer.width, lighting=False)
+        return
+    if len(layer.loop_start) < 2:
+        return
+    cells = np.insert(layer.loops, layer.loop_start[:-1], np.diff(layer.loop_start))
+    mesh = pyvista.PolyData(layer.points, faces=cells)
+    mesh.cell_data["colour"] = layer.colours
+    look = {"ambient": AMBIENT, "diffuse": 1.0, "specular": 0.0} if layer.lit else {}
+    plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=layer.lit, show_edges=False, **look)
+
+
+def _aim(camera: Any, layers: Sequence[Layer], view: View, window: Window) -> None:
+    """Point a parallel camera at the window, far enough away to see everything."""
+    middle = (window.left + window.right) / 2 * view.right + (window.bottom + window.top) / 2 * view.up
+    depth = np.concatenate([layer.points @ view.towards for layer in layers if len(layer.points)])
+    span = float(np.ptp(depth)) + window.height
+    camera.parallel_projection = True
+    camera.focal_point = middle + view.towards * depth.mean()
+    camera.position = middle + view.towards * (float(depth.max()) + span)
+    camera.up = view.up
+    camera.parallel_scale = window.height / 2
+    camera.clipping_range = (0.5 * span, 2.5 * span)

@@ -1,0 +1,139 @@
+"""The sheet around a rendered model: title, facts, scale bar and keys, all outside the model's own area.
+
+Sizes are in pixels and one figure pixel is one image pixel, so that the scale bar is exact. Wide models have their keys below,
+tall ones beside them.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+
+WIDTH = 1800  # of the sheet
+MARGIN = 40
+TITLE = 118  # height of title and facts
+STRIP = 220  # height of the keys below, with their margins
+COLUMN = 430  # width of the keys beside
+INK = "#23272b"
+FAINT = "#5f666d"
+
+Box = tuple[float, float, float, float]  # left, bottom, width, height
+Paint = Callable[[Any, Box], None]  # paints the sign of a key's row into a box of some axes
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the model goes: (left, bottom, width, height) of its area on a sheet of a size."""
+
+    size: tuple[int, int]
+    model: tuple[int, int, int, int]
+    beside: bool
+
+    @property
+    def pixels(self) -> tuple[int, int]:
+        """Width and height of the model's image."""
+        return self.model[2], self.model[3]
+
+    def keys(self, count: int) -> list[Box]:
+        """Boxes (left, bottom, width, height) for the keys, in reading order."""
+        left, bottom, width, height = self.model
+        if self.beside:
+            each = height / count
+            return [(left + width + MARGIN, bottom + height - (k + 1) * each, COLUMN - MARGIN, each) for k in range(count)]
+        each = (self.size[0] - 2 * MARGIN) / count
+        return [(MARGIN + k * each, MARGIN / 2, each - MARGIN, STRIP - MARGIN) for k in range(count)]
+
+
+def layout(aspect: float) -> Layout:
+    """The layout for a model of a given width over height."""
+    if aspect >= 1.15:
+        width = WIDTH - 2 * MARGIN
+        height = int(np.clip(width / aspect, 640, 900))
+        return Layout((WIDTH, TITLE + height + STRIP), (MARGIN, STRIP, width, height), beside=False)
+    width, height = WIDTH - 2 * MARGIN - COLUMN, 1180
+    return Layout((WIDTH, TITLE + height + MARGIN), (MARGIN, MARGIN, width, height), beside=True)
+
+
+def nice(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that does not exceed a value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-9)) * power)
+
+
+def in_metres(value: float) -> str:
+    """A length as people say it: ``2 m``, ``50 cm``, ``0.4 mm``."""
+    if value >= 1.0:
+        return f"{value:.3g} m"
+    return f"{value * 100:.3g} cm" if value >= 0.1 else f"{value * 1000:.3g} mm"
+
+
+class Sheet:
+    """A figure whose coordinates are pixels from the lower left corner."""
+
+    def __init__(self, plan: Layout) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        self.plan = plan
+        self.figure: Any = Figure(figsize=(plan.size[0] / 100, plan.size[1] / 100), dpi=100, facecolor="white")
+        FigureCanvasAgg(self.figure)
+
+    def axes(self, left: float, bottom: float, width: float, height: float) -> Any:
+        """Axes in a box of pixels, whose own coordinates are pixels from the box's lower left corner."""
+        total = self.plan.size
+        axes = self.figure.add_axes((left / total[0], bottom / total[1], width / total[0], height / total[1]))
+        axes.set_xlim(0, width)
+        axes.set_ylim(0, height)
+        axes.set_axis_off()
+        return axes
+
+    def model(self, image: np.ndarray) -> None:
+        """Place the image of the model."""
+        left, bottom, width, height = self.plan.model
+        axes = self.axes(left, bottom, width, height)
+        axes.imshow(image, extent=(0, width, 0, height), interpolation="none", aspect="auto")
+
+    def head(self, title: str, facts: str) -> None:
+        """Title and facts at the top."""
+        axes = self.axes(MARGIN, self.plan.size[1] - TITLE, self.plan.size[0] - 2 * MARGIN, TITLE)
+        axes.text(
+            0, 72, textwrap.shorten(title, 95, placeholder=" …"), fontsize=23, weight="bold", color=INK, va="center", parse_math=False
+        )
+        axes.text(0, 30, facts, fontsize=14, color=FAINT, va="center", parse_math=False)
+
+    def scale_bar(self, axes: Any, metres_per_pixel: float, left: float, bottom: float, longest: float = 300.0) -> None:
+        """A bar of a round length, in two halves."""
+        from matplotlib.patches import Rectangle
+
+        length = nice(longest * metres_per_pixel)
+        width = length / metres_per_pixel
+        for k, colour in enumerate((INK, "white")):
+            axes.add_patch(Rectangle((left + k * width / 2, bottom), width / 2, 9, facecolor=colour, edgecolor=INK, linewidth=1.0))
+        axes.text(left, bottom + 16, "0", fontsize=12, color=INK, ha="center")
+        axes.text(left + width, bottom + 16, in_metres(length), fontsize=12, color=INK, ha="center")
+        axes.text(left, bottom - 22, "in the plane of the picture", fontsize=11, color=FAINT)
+
+    def swatches(self, axes: Any, rows: Sequence[tuple[Paint, str]], left: float, top: float, pitch: float = 32.0) -> None:
+        """A key: per row a function that paints into a box (left, bottom, width, height), and a text."""
+        for k, (paint, text) in enumerate(rows):
+            bottom = top - (k + 1) * pitch
+            paint(axes, (left, bottom + 6, 46.0, 16.0))
+            axes.text(left + 60, bottom + 13, text, fontsize=13, color=INK, va="center", parse_math=False)
+
+    def save(self, path: Path) -> None:
+        """Write the PNG.
+
+        Raises:
+            InputError: the file cannot be written.
+        """
+        try:
+            self.figure.savefig(path, dpi=100, facecolor="white")
+        except OSError as error:
+            raise InputError(f"{path}: cannot be written: {error.strerror}") from None
