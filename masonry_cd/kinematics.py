@@ -38,8 +38,8 @@ def drift(position, orientation, velocity, time):
 def free_motion(rotation, velocity, spin, mass, inverse_inertia, free_index, columns, acceleration, step, inverse_mass, v_free):
     """For free bodies, M^-1 (n, n) and the velocity without contact (n,).
 
-    The free rotation keeps the angular momentum ``spin``: w_free = I(q_m)^-1 L. A tumbling block so gains no energy beyond
-    L^2 / (2 I_min), however coarse the step.
+    The free rotation keeps the angular momentum L (``spin``) and takes the inertia of the middle of the motion from q_m to the next
+    q_m, w = I(exp(h w / 2) q_m)^-1 L: the implicit midpoint rule, reversible, so that a tumbling block does not gain energy.
     """
     full = np.zeros((6, 6))
     free = np.empty(6)
@@ -51,12 +51,46 @@ def free_motion(rotation, velocity, spin, mass, inverse_inertia, free_index, col
             full[d, d] = 1.0 / mass[b]
             free[d] = velocity[b, d] + step * acceleration[d]
         _turn_tensor(rotation[b], inverse_inertia[b], full[3:, 3:])
-        for d in range(3):
-            free[3 + d] = full[3 + d, 3] * spin[b, 0] + full[3 + d, 4] * spin[b, 1] + full[3 + d, 5] * spin[b, 2]
+        _midpoint_spin(full[3:, 3:], spin[b], step, columns.shape[0] == 3, free[3:])
         for j in range(columns.shape[0]):
             v_free[i, j] = free[columns[j]]
             for k in range(columns.shape[0]):
                 inverse_mass[i, j, k] = full[columns[j], columns[k]]
+
+
+@njit(cache=True, nogil=True)
+def _midpoint_spin(inverse_inertia, spin, step, planar, w):
+    """Solve w = I(exp(h w / 2) q_m)^-1 L by fixed point; about a fixed axis, as in a plane, I does not change."""
+    for d in range(3):
+        w[d] = inverse_inertia[d, 0] * spin[0] + inverse_inertia[d, 1] * spin[1] + inverse_inertia[d, 2] * spin[2]
+    if planar:
+        return
+    for _ in range(50):
+        speed = np.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+        if step * speed < 1e-14:
+            return
+        ax, ay, az = w[0] / speed, w[1] / speed, w[2] / speed
+        c, s = np.cos(0.5 * step * speed), np.sin(0.5 * step * speed)
+        lx, ly, lz = _turn(spin[0], spin[1], spin[2], ax, ay, az, c, -s)  # L seen by the body as it is at q_m
+        bx = inverse_inertia[0, 0] * lx + inverse_inertia[0, 1] * ly + inverse_inertia[0, 2] * lz
+        by = inverse_inertia[1, 0] * lx + inverse_inertia[1, 1] * ly + inverse_inertia[1, 2] * lz
+        bz = inverse_inertia[2, 0] * lx + inverse_inertia[2, 1] * ly + inverse_inertia[2, 2] * lz
+        x, y, z = _turn(bx, by, bz, ax, ay, az, c, s)
+        change = abs(x - w[0]) + abs(y - w[1]) + abs(z - w[2])
+        w[0], w[1], w[2] = x, y, z
+        if change <= 1e-14 * speed:
+            return
+
+
+@njit(cache=True, nogil=True)
+def _turn(x, y, z, ax, ay, az, c, s):
+    """Rodrigues' rotation of (x, y, z) about the unit axis a by the angle with cosine c and sine s."""
+    along = (1.0 - c) * (ax * x + ay * y + az * z)
+    return (
+        c * x + s * (ay * z - az * y) + along * ax,
+        c * y + s * (az * x - ax * z) + along * ay,
+        c * z + s * (ax * y - ay * x) + along * az,
+    )
 
 
 @njit(cache=True, nogil=True)
@@ -153,10 +187,14 @@ def dissipation(impulse, chosen, blocks, normal, bodies, jacobian, v_old, v_new,
 
 
 @njit(cache=True, nogil=True)
-def finish(v, columns, free_index, support_of, support_velocity, rotation, mass, inertia, velocity, spin):
-    """Write the new velocities into the state, and the angular momentum (B, 3); return the kinetic energy of the free bodies [J]."""
+def finish(v, v_free, columns, free_index, support_of, support_velocity, rotation, mass, inertia, velocity, spin):
+    """Write the new velocities into the state; add to the angular momentum (B, 3) what the impulses changed, I (w - w_free).
+
+    Returns the kinetic energy of the free bodies [J].
+    """
     kinetic = 0.0
     world = np.empty((3, 3))
+    change = np.zeros(6)
     for b in range(velocity.shape[0]):
         i = free_index[b]
         if i < 0:
@@ -165,9 +203,10 @@ def finish(v, columns, free_index, support_of, support_velocity, rotation, mass,
             continue
         for j in range(columns.shape[0]):
             velocity[b, columns[j]] = v[i, j]
+            change[columns[j]] = v[i, j] - v_free[i, j]
         _turn_tensor(rotation[b], inertia[b], world)
         for d in range(3):
-            spin[b, d] = world[d, 0] * velocity[b, 3] + world[d, 1] * velocity[b, 4] + world[d, 2] * velocity[b, 5]
+            spin[b, d] += world[d, 0] * change[3] + world[d, 1] * change[4] + world[d, 2] * change[5]
             kinetic += 0.5 * (mass[b] * velocity[b, d] ** 2 + spin[b, d] * velocity[b, 3 + d])
     return kinetic
 

@@ -1,0 +1,70 @@
+"""Exact mass properties, the friction table, and the flat arrays that detection reads."""
+
+import numpy as np
+import pytest
+from models import box, ground, tower
+
+from masonry_cd.blocks import Assembly, friction_table, mass_properties
+from masonry_cd.errors import InputError
+from masonry_cd.state import rotation_matrices
+
+
+def test_box_has_its_textbook_inertia_wherever_it_stands():
+    block = box("b", (100.0, -50.0, 3.0), (102.0, -49.0, 6.0))
+    p = mass_properties(block.vertices, block.faces)
+    assert p.volume == pytest.approx(6.0, rel=1e-13)
+    assert p.centre == pytest.approx([101.0, -49.5, 4.5], rel=1e-13)
+    assert np.diag(p.unit_inertia) == pytest.approx([6 / 12 * (1 + 9), 6 / 12 * (4 + 9), 6 / 12 * (4 + 1)], rel=1e-12)
+    assert np.abs(p.unit_inertia - np.diag(np.diag(p.unit_inertia))).max() < 1e-11
+
+
+def test_tetrahedron_has_the_inertia_of_its_closed_form():
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    p = mass_properties(vertices, ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)))
+    assert p.volume == pytest.approx(1 / 6, rel=1e-14)
+    assert p.centre == pytest.approx([0.25] * 3, rel=1e-14)
+    second = 1 / 60 - (1 / 6) / 16  # of x x about the centre
+    mixed = 1 / 120 - (1 / 6) / 16
+    assert p.unit_inertia == pytest.approx(2 * second * np.eye(3) - mixed * (np.ones((3, 3)) - np.eye(3)), rel=1e-12)
+
+
+def test_inertia_turns_with_the_block():
+    block = box("b", (0, 0, 0), (2.0, 1.0, 3.0))
+    turn = rotation_matrices(np.array([[0.8, 0.36, 0.48, 0.0]]))[0]
+    straight = mass_properties(block.vertices, block.faces).unit_inertia
+    turned = mass_properties(block.vertices @ turn.T, block.faces).unit_inertia
+    assert turned == pytest.approx(turn @ straight @ turn.T, abs=1e-12)
+
+
+def test_a_reversed_shell_has_a_negative_volume():
+    block = box("b", (0, 0, 0), (1, 1, 1))
+    assert mass_properties(block.vertices, tuple(face[::-1] for face in block.faces)).volume == pytest.approx(-1.0)
+
+
+def test_every_edge_of_a_box_is_listed_once_with_its_two_faces():
+    shapes = Assembly.from_blocks(tower(1), 0.6).shapes
+    assert np.diff(shapes.edge_start).tolist() == [12, 12]
+    assert len({tuple(sorted(edge[:2])) for edge in shapes.edges.tolist()}) == 24
+    direction = shapes.vertices[shapes.edges[:, 1]] - shapes.vertices[shapes.edges[:, 0]]
+    across = np.cross(shapes.face_normals[shapes.edges[:, 2]], shapes.face_normals[shapes.edges[:, 3]])
+    assert np.abs(np.cross(direction, across)).max() < 1e-12  # an edge runs along both of its faces
+
+
+def test_friction_by_pair_of_groups():
+    table = friction_table({"default": 0.6, "arch-base": 0.9}, ("base", "arch", "pier"))
+    assert table[0, 1] == table[1, 0] == 0.9
+    assert table[1, 1] == table[0, 2] == 0.6
+
+
+def test_bad_friction_names_the_pair():
+    with pytest.raises(InputError, match=r"friction\.arhc-base.*did you mean \"arch\""):
+        friction_table({"default": 0.6, "arhc-base": 0.9}, ("base", "arch"))
+    with pytest.raises(InputError, match="no value for base-base"):
+        friction_table({"arch-base": 0.9}, ("base", "arch"))
+
+
+def test_two_blocks_of_one_name_are_refused():
+    with pytest.raises(InputError, match='block "b"'):
+        Assembly.from_blocks([box("b", (0, 0, 0), (1, 1, 1)), box("b", (2, 0, 0), (3, 1, 1))], 0.6)
+    with pytest.raises(InputError, match="no free block"):
+        Assembly.from_blocks([ground()], 0.6)

@@ -1,0 +1,156 @@
+"""Where blocks touch: faces, edges and corners, and where they must not."""
+
+import numpy as np
+import pytest
+from models import box, ground, tower, turned, wall
+from scipy.optimize import linprog
+
+from masonry_cd.blocks import Assembly, Block
+from masonry_cd.detection import ContactSet, Detector
+from masonry_cd.state import State, rotation_matrices
+
+
+def detect(blocks: list[Block], state: State | None = None, slack: float = 0.0) -> ContactSet:
+    assembly = Assembly.from_blocks(blocks, 0.6)
+    state = State.at_rest(assembly) if state is None else state
+    still = np.zeros((assembly.count, 6))
+    return Detector(assembly).detect(state.position, rotation_matrices(state.orientation), still, 1e-3, slack, np.zeros(3))
+
+
+def rows(points: np.ndarray) -> set[tuple[float, ...]]:
+    return {tuple(row) for row in np.round(points + 0.0, 9).tolist()}
+
+
+def test_a_face_on_a_face_touches_at_the_corners_of_the_overlap():
+    contacts = detect([ground(), box("b", (0.0, 0.0, 0.0), (1.0, 0.5, 0.3))])
+    assert rows(contacts.point) == {(0, 0, 0), (1, 0, 0), (1, 0.5, 0), (0, 0.5, 0)}
+    assert contacts.normal == pytest.approx(np.tile([0, 0, 1.0], (4, 1)))  # from the ground, the antagonist, to the block
+    assert np.abs(contacts.gap).max() < 1e-15
+
+
+def test_a_staggered_block_touches_each_of_the_two_below_over_its_half():
+    blocks = [ground(), box("l", (0, 0, 0), (1, 1, 1)), box("r", (1, 0, 0), (2, 1, 1)), box("top", (0.5, 0, 1), (1.5, 1, 2))]
+    contacts = detect(blocks)
+    above = contacts.bodies[:, 0] == 3
+    assert rows(contacts.point[above & (contacts.bodies[:, 1] == 1)]) == {(0.5, 0, 1), (1, 0, 1), (1, 1, 1), (0.5, 1, 1)}
+    assert rows(contacts.point[above & (contacts.bodies[:, 1] == 2)]) == {(1, 0, 1), (1.5, 0, 1), (1.5, 1, 1), (1, 1, 1)}
+    assert (contacts.pair[1:] >= contacts.pair[:-1]).all()
+    assert contacts.count == 4 * 5
+
+
+def test_diagonal_neighbours_share_an_edge_but_no_joint():
+    blocks = [ground(), box("a", (0, 0, 0), (1, 1, 1)), box("c", (1, 0, 1), (2, 1, 2))]
+    assert detect(blocks).count == 4  # a on the ground
+    for shift in (1e-9, -1e-9, 1e-6):  # nor when they have moved a little into or off each other
+        assembly = Assembly.from_blocks(blocks, 0.6)
+        state = State.at_rest(assembly)
+        state.position[2] -= [shift, 0.0, 2 * shift]
+        assert detect(blocks, state).count == 4
+
+
+def test_neighbours_in_a_wall_touch_face_to_face_only():
+    contacts = detect(wall(4, 4))
+    assert set(np.abs(contacts.normal).max(axis=1).round(12)) == {1.0}
+    head = np.abs(contacts.normal[:, 0]) > 0.5
+    assert head.sum() == 4 * (2 * 3 + 2 * 4)  # four corners at each head joint
+
+
+def test_crossing_edges_touch_at_one_point_with_the_normal_across_both():
+    roof = [Block("low", *prism_along_x(), 2000.0, fixed=True), box("high", (-0.5, -0.5, 0.0), (0.5, 0.5, 1.0))]
+    assembly = Assembly.from_blocks(roof, 0.6)
+    state = turned(assembly, 1, (1.0, 0.0, 0.0), np.pi / 4, (0.0, 0.0, 0.5))  # an edge along x points down ...
+    spin = np.array([np.cos(np.pi / 4), 0.0, 0.0, np.sin(np.pi / 4)])  # ... and now along y
+    w, x, y, z = spin
+    a, b, c, d = state.orientation[1]
+    state.orientation[1] = [w * a - z * d, w * b - z * c, w * c + z * b, w * d + z * a]
+    state.position[1] = [0.0, 0.0, np.sqrt(0.5) + 1e-5]
+    contacts = detect(roof, state)
+    assert contacts.count == 1
+    assert contacts.point[0] == pytest.approx([0, 0, 5e-6], abs=1e-9)
+    assert contacts.normal[0] == pytest.approx([0, 0, 1.0])
+    assert contacts.gap[0] == pytest.approx(1e-5)
+
+
+def prism_along_x() -> tuple[np.ndarray, tuple[tuple[int, ...], ...]]:
+    """A ridge along x at z = 0."""
+    vertices = np.array([[x, y, z] for x in (-1.0, 1.0) for y, z in ((-1.0, -1.0), (1.0, -1.0), (0.0, 0.0))])
+    return vertices, ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
+
+
+def test_a_corner_on_a_face():
+    blocks = [ground(), box("b", (-0.5, -0.5, 0.0), (0.5, 0.5, 1.0))]
+    assembly = Assembly.from_blocks(blocks, 0.6)
+    tilt = np.arctan(np.sqrt(2.0))  # a space diagonal upright
+    axis = (np.sqrt(0.5), -np.sqrt(0.5), 0.0)
+    state = turned(assembly, 1, axis, tilt, (0.0, 0.0, 0.5))
+    state.position[1] = [0.0, 0.0, np.sqrt(0.75)]
+    contacts = detect(blocks, state)
+    assert contacts.count == 1
+    assert contacts.point[0] == pytest.approx([0, 0, 0], abs=1e-9)
+    assert contacts.normal[0] == pytest.approx([0, 0, 1.0])
+
+
+@pytest.mark.parametrize("angle", [0.01, 0.2, 0.7])
+def test_a_rocking_block_stands_on_its_edge(angle):
+    blocks = tower(1, side=0.4, height=1.0)
+    assembly = Assembly.from_blocks(blocks, 0.6)
+    contacts = detect(blocks, turned(assembly, 1, (0.0, 1.0, 0.0), angle, (0.2, 0.0, 0.0)))
+    assert rows(contacts.point) == {(0.2, -0.2, 0), (0.2, 0.2, 0)}
+    assert contacts.normal == pytest.approx(np.tile([0, 0, 1.0], (2, 1)))
+
+
+def test_separation_agrees_with_a_linear_programme_on_random_boxes():
+    rng = np.random.default_rng(3)
+    blocks = [box("a", (-0.5, -0.3, -0.2), (0.5, 0.3, 0.2)), box("b", (-0.4, -0.4, -0.1), (0.4, 0.4, 0.1))]
+    assembly = Assembly.from_blocks(blocks, 0.6)
+    seen = {True: 0, False: 0}
+    for _ in range(150):
+        state = State.at_rest(assembly)
+        state.position[1] = rng.uniform(-0.7, 0.7, 3)
+        q = rng.normal(size=(2, 4))
+        state.orientation[:] = q / np.linalg.norm(q, axis=1)[:, None]
+        turn = rotation_matrices(state.orientation)
+        hulls = [b.vertices @ turn[i].T + state.position[i] for i, b in enumerate(blocks)]
+        meet = hulls_meet(*hulls)
+        contacts = Detector(assembly).detect(state.position, turn, np.zeros((2, 6)), 1e-3, 0.0, np.zeros(3))
+        overlapping = contacts.count > 0 and contacts.gap.min() < 0
+        assert overlapping == meet
+        seen[meet] += 1
+    assert min(seen.values()) > 30
+
+
+def hulls_meet(a: np.ndarray, b: np.ndarray) -> bool:
+    """Whether two convex hulls share a point: a linear programme in the weights of the vertices."""
+    equal = np.block([[a.T, -b.T], [np.ones((1, len(a))), np.zeros((1, len(b)))], [np.zeros((1, len(a))), np.ones((1, len(b)))]])
+    return linprog(np.zeros(len(a) + len(b)), A_eq=equal, b_eq=[0, 0, 0, 1, 1]).status == 0
+
+
+def test_shaking_alone_rebuilds_nothing_and_keeps_every_contact():
+    assembly = Assembly.from_blocks(wall(4, 4), 0.6)
+    detector, state = Detector(assembly), State.at_rest(assembly)
+    turn, still = rotation_matrices(state.orientation), np.zeros((assembly.count, 6))
+    first = detector.detect(state.position, turn, still, 1e-3, 0.0, np.zeros(3))
+    count, pairs = first.count, first.pair.copy()
+    for k in range(1, 20):
+        shift = np.array([0.3 * np.sin(k), 0.2 * k, 0.0])
+        now = detector.detect(state.position + shift, turn, still, 1e-3, 0.0, shift)
+        assert now.previous.tolist() == list(range(count))
+        assert now.pair.tolist() == pairs.tolist()
+    assert detector.rebuilds == 1
+
+
+def test_a_sliding_block_keeps_its_contacts_and_meets_new_neighbours():
+    blocks = [ground(), box("a", (0, 0, 0), (1, 1, 1)), box("b", (1.5, 0, 0), (2.5, 1, 1))]
+    assembly = Assembly.from_blocks(blocks, 0.6)
+    detector, state = Detector(assembly), State.at_rest(assembly)
+    turn = rotation_matrices(state.orientation)
+    velocity = np.zeros((3, 6))
+    velocity[1, 0] = 10.0
+    for k in range(50):
+        state.position[1, 0] = 0.5 + 0.01 * k
+        now = detector.detect(state.position, turn, velocity, 1e-3, 0.0, np.zeros(3))
+        side = now.bodies[:, 1] == 1
+        gap = 0.5 - 0.01 * k
+        assert side.sum() == (4 if gap < 0.021 else 0)  # two steps at this speed, and a thousandth of the width
+        assert np.all(now.gap[side] == pytest.approx(gap))
+        assert k == 0 or (now.previous[~side] >= 0).all()
