@@ -35,9 +35,9 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     kinds = ", ".join(KINDS)
     if "kind" not in table:
         raise InputError(f"structure.kind: missing; one of {kinds}")
-    kind = table["kind"]
+    kind = str(table["kind"])
     if kind not in KINDS:
-        hint = suggest(str(kind), KINDS)
+        hint = suggest(kind, KINDS)
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
     rest = {key: value for key, value in table.items() if key != "kind"}
     blocks: list[Block] = import_module(KINDS[kind]).build(rest, density, folder)

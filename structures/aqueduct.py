@@ -25,7 +25,7 @@ from masonry_cd.errors import InputError, parse_table
 from structures.checks import check
 from structures.prism import polygon_centroid, prism_xz, rectangle
 from structures.solid import cut
-from structures.tier import LEAST_BED, Tier, joints, outline
+from structures.tier import LEAST_BED, Tier, feet, joints, outline
 
 LEAST_GAP = 0.4  # between two rings at the springing, in courses
 LEAST_CHORD = 0.35  # of a voussoir on the extrados, in courses
@@ -82,8 +82,9 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     blocks = _base(aqueduct, tiers, density)
     if aqueduct.ends == "abutment":
         blocks += _abutments(tiers, density)
-    for tier in tiers:
-        blocks += _masonry(tier, density, prefix=f"tier{tier.number}_" if len(tiers) > 1 else "")
+    for tier, over in zip(tiers, [*tiers[1:], None], strict=True):
+        pieces = cut(outline(tier), joints(tier, feet(over) if over else ()))
+        blocks += _named(tier, pieces, density, prefix=f"tier{tier.number}_" if len(tiers) > 1 else "")
     check(blocks)
     return blocks
 
@@ -179,18 +180,17 @@ class _Place:
     rank: tuple[float, ...]
 
 
-def _masonry(tier: Tier, density: float, prefix: str) -> list[Block]:
-    """Cut a tier into blocks and name them by their place: ``pier1.3``, ``arch1.v5``, ``spandrel2.7``, ``top.4``."""
+def _named(tier: Tier, pieces: list[np.ndarray], density: float, prefix: str) -> list[Block]:
+    """Draw out the pieces of a tier and name them by their place: ``pier1.3``, ``arch1.v5``, ``spandrel2.7``, ``top.4``."""
     groups: dict[str, list[tuple[tuple[float, ...], np.ndarray]]] = {}
-    for piece in cut(outline(tier), joints(tier)):
+    for piece in pieces:
         place = _place(tier, piece)
         groups.setdefault(place.group, []).append((place.rank, piece))
     blocks = []
     order = {"pier": 0, "arch": 1, "spandrel": 2, "top": 3}
     for group in sorted(groups, key=lambda g: (order[g.rstrip("0123456789")], len(g), g)):
-        pieces = sorted(groups[group], key=lambda item: item[0])
         letter = "v" if group.startswith("arch") else ""
-        for number, (_, piece) in enumerate(pieces, start=1):
+        for number, (_, piece) in enumerate(sorted(groups[group], key=lambda item: item[0]), start=1):
             name = f"{prefix}{group}.{letter}{number}"
             vertices, faces = prism_xz(piece, -0.5 * tier.width, 0.5 * tier.width)
             blocks.append(Block(name, vertices, faces, density, prefix + group))

@@ -38,7 +38,7 @@ class FileTable(BaseModel):
 class Entry(BaseModel):
     """One block of a block file."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     name: str | None = Field(None, min_length=1)
     vertices: list[Annotated[list[Finite], Field(min_length=3, max_length=3)]] = Field(min_length=4)
@@ -109,9 +109,9 @@ def _load(path: Path) -> dict[str, Any]:
 
 def _scale(content: Mapping[str, Any], path: Path) -> float:
     """Metres per unit of the file."""
-    units = content.get("units", "m")
+    units = str(content.get("units", "m"))
     if units not in METRES:
-        raise InputError(f'{path.name}: unknown units "{units}"{suggest(str(units), METRES)}; known: {", ".join(METRES)}')
+        raise InputError(f'{path.name}: unknown units "{units}"{suggest(units, METRES)}; known: {", ".join(METRES)}')
     return METRES[units]
 
 

@@ -202,6 +202,6 @@ def _check_overlap(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) -
     if not len(depths):
         return
     deepest = int(np.argmax(depths))
-    a, b = (blocks[owner[s]].name for s in pairs[deepest])
+    a, b = (blocks[i].name for i in sorted(owner[pairs[deepest]]))
     more = f"; {len(depths) - 1} more pairs overlap" if len(depths) > 1 else ""
-    raise InputError(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.3g} mm{more}')
+    raise InputError(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.4g} mm{more}')

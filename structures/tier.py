@@ -16,6 +16,7 @@ absolute; offsets count from the axis of an arch, which is symmetric.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -27,6 +28,7 @@ from structures.solid import Segment
 
 LEAST_BED = 0.5  # between a bed and the ring below it, in courses
 LEAST_UNIT = 0.35  # between a head joint and the end of its course, in units
+LEAST_BOND = 0.1  # between head joints of successive courses, in units: a shorter overlap is no bond, only a bad contact
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,14 +166,24 @@ def outline(tier: Tier) -> np.ndarray:
     return np.array(points)
 
 
-def joints(tier: Tier) -> list[Segment]:
-    """All joints of a tier, absolute."""
+def joints(tier: Tier, above: Sequence[float] = ()) -> list[Segment]:
+    """All joints of a tier, absolute.
+
+    Args:
+        above: x of what stands on the level top, for its head joints to keep clear of (:func:`feet` of the next tier).
+    """
     found = _pier_joints(tier) + _ring_joints(tier)
     for pier in range(tier.spans + 1):
         found += _spandrel_joints(tier, pier)
     for axis in tier.axes:
-        found += _crown_joints(tier, float(axis))
-    return found + _bond_over_crowns(tier)
+        found += [_upright(x, tier.springing + low, tier.springing + high) for x, low, high in _risers(tier, float(axis))]
+    return found + _bond_over_crowns(tier, above)
+
+
+def feet(tier: Tier) -> list[float]:
+    """x of the faces of the piers and of the head joints in their first course."""
+    heads = [x for pier in range(tier.spans + 1) for x in _pier_heads(tier, pier, 0)]
+    return [*(float(x) for x in tier.left), *(float(x) for x in tier.right), *heads]
 
 
 def _level(x0: float, x1: float, z: float) -> Segment:
@@ -182,17 +194,40 @@ def _upright(x: float, z0: float, z1: float) -> Segment:
     return (float(x), float(z0)), (float(x), float(z1))
 
 
+def _cleared(heads: Sequence[float], taken: Sequence[float], least: float) -> list[float]:
+    """Move head joints that nearly meet one of the next course to the least distance from it."""
+    out = []
+    for x in heads:
+        near = [t for t in taken if abs(t - x) < least]
+        if near:
+            moved = [t + side * least for t in near for side in (-1.0, 1.0)]
+            x = max(moved, key=lambda m: (round(min(least, *(abs(m - t) for t in taken)), 9), -abs(m - x)))
+        out.append(x)
+    return out
+
+
 def _pier_joints(tier: Tier) -> list[Segment]:
-    """Beds of the piers up to the springing and, with two blocks to a course, head joints at thirds in turn."""
+    """Beds of the piers up to the springing, and head joints where a course has two blocks."""
     found = []
-    for left, right in zip(tier.left, tier.right, strict=True):
+    for pier in range(tier.spans + 1):
         for course in range(tier.pier_courses):
             low, high = tier.foot + course * tier.course, tier.foot + (course + 1) * tier.course
-            found.append(_level(left, right, high))
-            if tier.pier_blocks == 2:
-                third = (1 if course % 2 else 2) / 3.0
-                found.append(_upright(left + third * (right - left), low, high))
+            found.append(_level(tier.left[pier], tier.right[pier], high))
+            found += [_upright(x, low, high) for x in _pier_heads(tier, pier, course)]
     return found
+
+
+def _pier_heads(tier: Tier, pier: int, course: int) -> list[float]:
+    """x of the head joint of a course of a pier: at one third and two thirds in turn."""
+    if tier.pier_blocks == 1:
+        return []
+    heads = [float(tier.left[pier] + tier.pier_width * (1 if course % 2 else 2) / 3.0)]
+    if course < tier.pier_courses - 1:
+        return heads
+    rings = [float(tier.left[pier] + tier.ring_thickness)] * (pier > 0) + [float(tier.right[pier] - tier.ring_thickness)] * (
+        pier < tier.spans
+    )
+    return _cleared(heads, rings + _heads(tier, pier, 0), LEAST_BOND * tier.unit)
 
 
 def _ring_joints(tier: Tier) -> list[Segment]:
@@ -211,7 +246,7 @@ def _spandrel_joints(tier: Tier, pier: int) -> list[Segment]:
     for course, (low, high) in enumerate(pairwise(beds)):
         if course > 0:
             found.append(_level(*tier.zone(pier, low), tier.springing + low))
-        heads = _heads(tier, pier, course, low)
+        heads = _heads(tier, pier, course)
         found += [_upright(x, tier.springing + low, tier.springing + high) for x in heads]
         for offset, height in tier.corners[: tier.first_flat]:
             if low < height < high:
@@ -219,14 +254,17 @@ def _spandrel_joints(tier: Tier, pier: int) -> list[Segment]:
     return found
 
 
-def _heads(tier: Tier, pier: int, course: int, low: float) -> list[float]:
+def _heads(tier: Tier, pier: int, course: int) -> list[float]:
     """x of the head joints of a course over a pier: running bond about its axis, or from the end of the wall."""
+    low = tier.beds[course]
     start, end = tier.zone(pier, low)
     ends = {0: tier.left[0], tier.spans: tier.right[-1]}
     anchor = ends.get(pier, 0.5 * (tier.left[pier] + tier.right[pier])) + 0.5 * tier.unit * (course % 2)
     margin = LEAST_UNIT * tier.unit
     first, last = math.ceil((start + margin - anchor) / tier.unit), math.floor((end - margin - anchor) / tier.unit)
-    return [float(anchor + i * tier.unit) for i in range(first, last + 1)]
+    heads = [float(anchor + i * tier.unit) for i in range(first, last + 1)]
+    below = [x for axis in tier.axes for x, _, stop in _risers(tier, float(axis)) if stop == low]
+    return _cleared(heads, below, LEAST_BOND * tier.unit)
 
 
 def _short_beds(tier: Tier, pier: int, offset: float, height: float, heads: list[float]) -> list[Segment]:
@@ -241,26 +279,31 @@ def _short_beds(tier: Tier, pier: int, offset: float, height: float, heads: list
     return found
 
 
-def _crown_joints(tier: Tier, axis: float) -> list[Segment]:
-    """Head joints that rise from the corners towards the crown to the first bed that passes over them."""
+def _risers(tier: Tier, axis: float) -> list[tuple[float, float, float]]:
+    """Head joints that rise from the corners of the crown to the first bed that passes over them: x and two heights."""
     found = []
     inner = [*tier.corners[1:, 0], 0.0]
     for k in range(tier.first_flat, len(tier.corners)):
-        offset, height = tier.corners[k]
+        offset, height = (float(v) for v in tier.corners[k])
         stop = next(bed for bed in tier.beds if bed > height and tier.bed_end(bed) <= inner[k])
-        found += [_upright(axis + side * offset, tier.springing + height, tier.springing + stop) for side in (-1.0, 1.0)]
+        found += [(axis + side * offset, height, stop) for side in (-1.0, 1.0)]
     return found
 
 
-def _bond_over_crowns(tier: Tier) -> list[Segment]:
+def _bond_over_crowns(tier: Tier, above: Sequence[float]) -> list[Segment]:
     """The courses that run over the whole tier: beds, and head joints in running bond."""
     found = []
     low, high = float(tier.left[0]), float(tier.right[-1])
     count = max(1, round((high - low) / tier.unit))
-    beds = [tier.springing + bed for bed in tier.beds[tier.first_complete :]]
+    beds, last = tier.beds[tier.first_complete :], len(tier.beds) - 2
     for course, (bottom, top) in enumerate(pairwise(beds)):
-        found.append(_level(low, high, bottom))
+        found.append(_level(low, high, tier.springing + bottom))
         shift = 0.5 * (course % 2)
         heads = [low + (high - low) * (i + shift) / count for i in range(0 if shift else 1, count)]
-        found += [_upright(x, bottom, top) for x in heads]
+        taken = list(above) if tier.first_complete + course == last else []
+        if course == 0:
+            taken += [x for axis in tier.axes for x, _, stop in _risers(tier, float(axis)) if stop == bottom]
+            taken += [x for pier in range(tier.spans + 1) for x in _heads(tier, pier, tier.first_complete - 1)]
+        heads = _cleared(heads, taken, LEAST_BOND * tier.unit)
+        found += [_upright(x, tier.springing + bottom, tier.springing + top) for x in heads]
     return found

@@ -1,0 +1,157 @@
+"""Aqueducts: blocks that fill the solid without gap or overlap, and that can stand."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from statics import can_stand, section, stretches
+
+import structures
+from masonry_cd.blocks import Block, mass_properties
+from masonry_cd.errors import InputError
+from structures import aqueduct, solid
+from structures.tier import outline
+
+CASES: dict[str, dict[str, object]] = {
+    "default": {},
+    "two tiers": {"tiers": 2, "pier_courses": [8, 5], "pier_width": [2.0, 1.8]},
+    "small arches on top": {
+        "tiers": 3,
+        "spans": [2, 2, 6],
+        "clear_span": [10.0, 10.0, 2.2],
+        "pier_width": [3.0, 3.0, 2.0],
+        "pier_courses": [6, 5, 4],
+        "ring_thickness": [1.2, 1.2, 0.6],
+        "course_height": 0.6,
+    },
+    "fine voussoirs": {"voussoirs": 31, "course_height": 0.4, "ends": "abutment"},
+    "even coarse voussoirs": {"voussoirs": 8, "clear_span": 8.0, "cover": 1.9, "pier_blocks": 1},
+    "least cover": {"cover": 0.25, "spans": 1},
+}
+
+
+def build(**keys: object) -> list[Block]:
+    return structures.build({"kind": "aqueduct", **keys}, 2200.0, Path())
+
+
+def free(blocks: Sequence[Block]) -> list[Block]:
+    return [block for block in blocks if not block.fixed]
+
+
+@pytest.fixture(scope="module", params=CASES)
+def built(request: pytest.FixtureRequest) -> tuple[dict[str, object], list[Block]]:
+    keys = CASES[request.param]
+    return keys, build(**keys)
+
+
+def test_volume_of_the_blocks_is_that_of_the_solid(built: tuple[dict[str, object], list[Block]]) -> None:
+    keys, blocks = built
+    tiers = aqueduct._tiers(aqueduct.AqueductTable.model_validate(keys))
+    exact = sum(solid.area(outline(tier)) * tier.width for tier in tiers)
+    assert sum(mass_properties(block.vertices, block.faces).volume for block in free(blocks)) == pytest.approx(exact, rel=1e-9)
+
+
+def test_every_side_is_a_joint_over_its_whole_length_or_an_outer_side(built: tuple[dict[str, object], list[Block]]) -> None:
+    keys, blocks = built
+    tiers = aqueduct._tiers(aqueduct.AqueductTable.model_validate(keys))
+    perimeter = sum(length for block in free(blocks) for length in _sides(section(block)))
+    outer = sum(sum(_sides(outline(tier))) for tier in tiers)
+    outer -= 2 * sum(tier.pier_width * (tier.spans + 1) for tier in tiers[1:])  # piers on a level top are joints
+    joints = sum(np.linalg.norm(ends[1] - ends[0]) for _, _, ends, _ in stretches(free(blocks)))
+    assert perimeter == pytest.approx(outer + 2 * joints, rel=1e-9)
+
+
+def _sides(polygon: np.ndarray) -> list[float]:
+    return list(np.linalg.norm(np.roll(polygon, -1, axis=0) - polygon, axis=1))
+
+
+def test_joints_are_closed_to_rounding(built: tuple[dict[str, object], list[Block]]) -> None:
+    _, blocks = built
+    for first, second, ends, normal in stretches(blocks):
+        below, above = (section(blocks[second]) @ normal).max(), (section(blocks[first]) @ normal).min()
+        assert abs(above - below) < 1e-12
+        assert np.linalg.norm(ends[1] - ends[0]) > 0.05, (blocks[first].name, blocks[second].name)
+
+
+def test_no_slivers(built: tuple[dict[str, object], list[Block]]) -> None:
+    _, blocks = built
+    for block in free(blocks):
+        polygon = section(block)
+        sides = np.roll(polygon, -1, axis=0) - polygon
+        normals = np.stack([-sides[:, 1], sides[:, 0]], axis=1) / np.linalg.norm(sides, axis=1, keepdims=True)
+        assert np.ptp(polygon @ normals.T, axis=0).min() > 0.1, block.name
+
+
+def test_it_can_stand_at_rest(built: tuple[dict[str, object], list[Block]]) -> None:
+    _, blocks = built
+    assert can_stand(blocks, mu=0.6)
+
+
+def test_default_is_a_three_span_aqueduct_in_named_parts() -> None:
+    blocks = build()
+    assert len(free(blocks)) >= 150
+    groups = {block.group for block in blocks}
+    assert groups == {"base", "top", *(f"{p}{i}" for p, n in (("pier", 4), ("arch", 3), ("spandrel", 4)) for i in range(1, n + 1))}
+    assert {block.group for block in blocks if block.fixed} == {"base"}
+    assert len([block for block in blocks if block.group == "arch2"]) % 2 == 1  # with a keystone
+    levels = np.concatenate([block.vertices[:, 2] for block in blocks if block.group == "top"])
+    assert len(set(levels)) == 2  # one level course on top
+    crown = min(section(block)[:, 1].max() for block in blocks if block.name == "arch1.v9")
+    assert crown < levels.min()
+
+
+def test_tall_piers_without_abutments_cannot_carry_the_thrust_but_abutments_do() -> None:
+    slender: dict[str, object] = {"pier_courses": 30, "pier_width": 1.5, "ring_thickness": 0.6, "spans": 1, "clear_span": 9.0}
+    assert not can_stand(build(**slender), mu=0.6)
+    assert can_stand(build(**slender, ends="abutment"), mu=0.6)
+
+
+def test_three_hundred_blocks_are_built_in_under_two_seconds() -> None:
+    build()  # compilation apart
+    start = time.perf_counter()
+    blocks = build(spans=5)
+    assert len(blocks) > 300
+    assert time.perf_counter() - start < 2.0
+
+
+def test_same_table_gives_the_same_bits() -> None:
+    for one, other in zip(build(), build(), strict=True):
+        assert one.name == other.name
+        assert one.vertices.tobytes() == other.vertices.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"spans": 0}, "structure.spans: must be a whole number above 0, or a list with one per tier, got 0"),
+        ({"spans": 2.5}, "structure.spans: must be a whole number above 0"),
+        ({"clear_span": [5.0, 4.0]}, "structure.clear_span: one value or one per tier, 1, got 2"),
+        ({"clear_span": "5"}, "structure.clear_span: must be a number above 0 [m]"),
+        ({"pier_width": 1.3}, "structure.pier_width: must be at least 1.4 m, which seats two rings"),
+        ({"voussoirs": 101}, "structure.voussoirs: must be 3 to 55 for courses of 0.5 m, got 101"),
+        ({"cover": 0.1}, "structure.cover: must be at least half a course, 0.25 m, got 0.1"),
+        ({"unit_length": 0.1}, "structure.unit_length: must be at least half a course"),
+        ({"tiers": 4}, "structure.tiers: input should be less than or equal to 3"),
+        ({"tiers": 2, "spans": [2, 3]}, "structure.spans: tier 2 is 23 m long, longer than the 16 m below; at most 2 spans"),
+        ({"tiers": 2, "width": [2.0, 2.5]}, "structure.width: tier 2 must be at most as wide as the one below"),
+        ({"tiers": 2, "spans": [3, 2], "ends": "abutment"}, "structure.ends: abutments need tiers of one length"),
+        ({"tiers": 2, "pier_width": [2.0, 8.0]}, "structure.pier_width: must be below the pitch, 7 m, in tier 2"),
+        ({"pier_corses": 8}, 'structure.pier_corses: unknown key (did you mean "pier_courses"?)'),
+    ],
+)
+def test_wrong_keys_are_named_in_one_line(keys: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError) as failure:
+        build(**keys)
+    assert str(failure.value).startswith(message)
+    assert "\n" not in str(failure.value)
+
+
+def test_a_missing_geometry_kernel_names_the_packages_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "gmsh", None)
+    with pytest.raises(InputError, match="apt-get install libglu1-mesa libgl1"):
+        build()

@@ -1,0 +1,126 @@
+"""Arches: their geometry against closed forms, and whether they can stand at the published thickness."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from statics import can_stand, section
+
+import structures
+from masonry_cd.blocks import Block, mass_properties
+from masonry_cd.errors import InputError
+
+
+def build(**keys: object) -> list[Block]:
+    return structures.build({"kind": "arch", **keys}, 2000.0, Path())
+
+
+def ring_of(blocks: list[Block]) -> list[Block]:
+    return [block for block in blocks if block.group == "arch"]
+
+
+def volume(blocks: list[Block]) -> float:
+    return sum(mass_properties(block.vertices, block.faces).volume for block in blocks)
+
+
+@pytest.mark.parametrize(
+    ("keys", "inner", "embrace"),
+    [
+        ({"radius": 10.0, "thickness": 1.069}, 10.0 - 1.069 / 2, 180.0),
+        ({"span": 4.0, "thickness": 0.5}, 2.0, 180.0),
+        ({"span": 4.0, "thickness": 0.5, "rise": 1.0}, 2.5, math.degrees(4 * math.atan(0.5))),
+        ({"span": 4.0, "thickness": 0.5, "embrace": 120.0}, 2.0 / math.sin(math.radians(60)), 120.0),
+        ({"radius": 5.0, "thickness": 0.5, "rise": 2.0}, 4.75, math.degrees(2 * math.acos(1 - 2 / 4.75))),
+        ({"radius": 5.0, "thickness": 0.5, "span": 4.0}, 4.75, math.degrees(2 * math.asin(2 / 4.75))),
+    ],
+)
+def test_ring_has_the_volume_span_and_rise_of_its_circle(keys: dict[str, float], inner: float, embrace: float) -> None:
+    count, width = 14, 1.5
+    ring = ring_of(build(**keys, voussoirs=count, width=width))
+    outer, half = inner + keys["thickness"], math.radians(embrace / 2)
+    exact = count * 0.5 * (outer**2 - inner**2) * math.sin(2 * half / count) * width
+    assert volume(ring) == pytest.approx(exact, rel=1e-9)
+    assert [block.name for block in ring] == [f"v{i + 1}" for i in range(count)]
+    springing, crown = section(ring[0])[0], section(ring[count // 2])[0]
+    assert springing == pytest.approx([-inner * math.sin(half), 0.0], abs=1e-12)
+    assert crown == pytest.approx([0.0, inner * (1 - math.cos(half))], abs=1e-12)
+
+
+@pytest.mark.parametrize("keys", [{"radius": 10.0}, {"span": 7.0, "rise": 2.0}, {"span": 7.0, "shape": "pointed"}])
+@pytest.mark.parametrize("count", [12, 28])
+def test_neighbours_share_their_joint_to_the_bit_and_the_arch_is_its_own_mirror_image(keys: dict, count: int) -> None:
+    ring = ring_of(build(**keys, thickness=1.1, voussoirs=count))
+    corners = [{tuple(corner) for corner in block.vertices} for block in ring]
+    for here, following in pairwise(corners):
+        assert len(here & following) == 4
+    for here, opposite in zip(corners, corners[::-1], strict=True):
+        assert {(-x, y, z) for x, y, z in here} == opposite
+
+
+def test_semicircle_stands_on_level_seats_at_the_height_zero() -> None:
+    blocks = build(radius=10.0, thickness=1.0)
+    assert set(section(blocks[0])[[0, -1], 1]) == {0.0}
+    for block in blocks:
+        if block.fixed:
+            assert block.group == "base"
+            assert block.vertices[:, 2].max() == 0.0
+
+
+def test_seats_of_a_segmental_arch_lie_in_the_springing_joints() -> None:
+    blocks = build(span=4.0, rise=1.0, thickness=0.5, abutment=0.8)
+    joint = section(blocks[0])[[0, -1]]  # intrados and extrados end
+    along = (joint[1] - joint[0]) / np.linalg.norm(joint[1] - joint[0])
+    seat = section(next(block for block in blocks if block.name == "abutment1"))
+    off = (seat - joint[0]) @ np.array([along[1], -along[0]])
+    assert sorted(np.abs(off)) == pytest.approx([0.0, 0.0, 0.8, 0.8], abs=1e-12)
+    assert (seat @ along).min() < (joint @ along).min() < (joint @ along).max() < (seat @ along).max()
+
+
+def test_equilateral_pointed_arch_rises_to_its_apex() -> None:
+    ring = ring_of(build(shape="pointed", span=4.0, thickness=0.4, voussoirs=20))
+    assert section(ring[10])[0] == pytest.approx([0.0, 4.0 * math.sqrt(3) / 2], abs=1e-12)
+    assert section(ring[0])[[0, -1]] == pytest.approx(np.array([[-2.0, 0.0], [-2.4, 0.0]]), abs=1e-12)
+
+
+def test_no_abutment_when_none_is_asked_for() -> None:
+    assert not any(block.fixed for block in build(radius=2.0, thickness=0.4, abutment=False))
+
+
+def test_arch_of_27_voussoirs_can_stand_just_above_the_published_thickness_and_not_below() -> None:
+    # exact limit analysis of straight-edged voussoirs: t/R = 0.10672
+    assert can_stand(build(radius=10.0, thickness=1.0675, voussoirs=27), mu=0.5)
+    assert not can_stand(build(radius=10.0, thickness=1.0668, voussoirs=27), mu=0.5)
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"thickness": 0.5}, "structure.span: missing"),
+        ({"radius": 2.0}, "structure.thickness: missing"),
+        ({"radius": 2.0, "thicknes": 0.5}, 'structure.thicknes: unknown key (did you mean "thickness"?)'),
+        ({"radius": 2.5, "thickness": 6.0}, "structure.thickness: must be below twice the radius, 5 m, got 6"),
+        ({"radius": 2.5, "thickness": -1.0}, "structure.thickness: input should be greater than 0, got -1.0"),
+        ({"radius": "5 m", "thickness": 0.5}, "structure.radius: input should be a valid number, got '5 m'"),
+        ({"radius": 2.0, "thickness": 0.5, "span": 4.0}, "structure.span: must be at most twice the intrados radius"),
+        ({"radius": 2.0, "thickness": 0.5, "rise": 2.0}, "structure.rise: must be at most the intrados radius"),
+        ({"span": 4.0, "thickness": 0.5, "rise": 2.5}, "structure.rise: must be at most half the span, 2 m, got 2.5"),
+        ({"span": 4.0, "thickness": 0.5, "radius": 5.0, "embrace": 90.0}, "structure.span: 4 contradicts"),
+        ({"span": 4.0, "thickness": 0.5, "rise": 1.0, "embrace": 90.0}, "structure.embrace: 90 contradicts span, rise"),
+        ({"radius": 2.0, "thickness": 0.5, "embrace": 200.0}, "structure.embrace: input should be less than or equal to 180"),
+        ({"radius": 2.0, "thickness": 0.5, "voussoirs": 1}, "structure.voussoirs: input should be greater than or equal to 2"),
+        ({"radius": 2.0, "thickness": 0.5, "abutment": 0.0}, "structure.abutment: must be true, false or the depth"),
+        ({"span": 4.0, "thickness": 0.5, "shape": "pointed"}, "structure.voussoirs: a pointed arch has a joint at its apex"),
+        ({"span": 4.0, "thickness": 0.5, "shape": "pointed", "rise": 1.5}, "structure.rise: of a pointed arch must exceed half the span"),
+        ({"span": 4.0, "thickness": 0.5, "shape": "pointed", "radius": 2.0}, "structure.radius: of a pointed arch must exceed"),
+        ({"span": 4.0, "thickness": 0.5, "shape": "trefoil"}, "structure.shape: input should be 'circular' or 'pointed'"),
+    ],
+)
+def test_wrong_keys_are_named_in_one_line(keys: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError) as failure:
+        build(**keys)
+    assert str(failure.value).startswith(message)
+    assert "\n" not in str(failure.value)

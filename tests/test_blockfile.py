@@ -1,0 +1,144 @@
+"""Block files: what is written comes back, what is wrong is named, files of other programs are read."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import structures
+from masonry_cd.blocks import Block, mass_properties
+from masonry_cd.errors import InputError
+from structures import blockfile
+from structures.prism import prism_xz, rectangle
+from structures.tidy import tidy
+
+PEERS = Path(__file__).parents[1].parent / "shared" / "peers" / "scenes.py"
+
+
+def cube(**changes: Any) -> dict[str, Any]:
+    vertices, faces = prism_xz(rectangle(0, 1, 0, 1), 0, 1)
+    return {"name": "c", "vertices": vertices.tolist(), "faces": [list(face) for face in faces], **changes}
+
+
+def saved(folder: Path, content: Any) -> Path:
+    path = folder / "blocks.json"
+    path.write_text(content if isinstance(content, str) else json.dumps(content))
+    return path
+
+
+def test_blocks_come_back_to_the_bit(tmp_path: Path) -> None:
+    blocks = structures.build({"kind": "arch", "radius": 3.0, "thickness": 0.5, "voussoirs": 9}, 2100.0, tmp_path)
+    blockfile.write(tmp_path / "arch.json", blocks)
+    for here, there in zip(blocks, structures.build({"kind": "file", "path": "arch.json"}, 1.0, tmp_path), strict=True):
+        assert here.vertices.tobytes() == there.vertices.tobytes()
+        assert (here.name, here.faces, here.density, here.group, here.fixed) == (
+            there.name,
+            there.faces,
+            there.density,
+            there.group,
+            there.fixed,
+        )
+
+
+def test_what_a_file_leaves_out_has_defaults(tmp_path: Path) -> None:
+    ground = {key: value for key, value in cube(fixed=True).items() if key != "name"}
+    block = {**ground, "fixed": False, "density": 1800, "vertices": (np.array(ground["vertices"]) + [0, 0, 1]).tolist()}
+    first, second = blockfile.read(saved(tmp_path, {"blocks": [ground, block], "note": "ours"}), 2200.0)
+    assert (first.name, first.group, first.density, first.fixed) == ("b0", "base", 2200.0, True)
+    assert (second.name, second.group, second.density, second.fixed) == ("b1", "block", 1800.0, False)
+
+
+@pytest.mark.parametrize(("units", "volume"), [("m", 1.0), ("cm", 1e-6), ("mm", 1e-9)])
+def test_units_are_converted_to_metres(tmp_path: Path, units: str, volume: float) -> None:
+    (block,) = blockfile.read(saved(tmp_path, {"units": units, "blocks": [cube()]}), 2000.0)
+    assert mass_properties(block.vertices, block.faces).volume == pytest.approx(volume, rel=1e-12)
+
+
+def test_faces_in_triangles_become_the_faces_of_the_block() -> None:
+    vertices, faces = prism_xz(rectangle(0, 2, 0, 1), 0, 1)
+    middle = np.concatenate([vertices, [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]])  # in the middle of two edges of the lower face
+    loops = [loop for face in faces[:2] + faces[3:] for loop in (face[:3], (face[0], *face[2:]))]
+    loops = [tuple(loop) for loop in loops]
+    # the front and back faces and the lower one share the middle vertices
+    loops[0:4] = [(0, 8, 3), (8, 1, 2), (8, 2, 3), (7, 6, 9), (6, 5, 9), (7, 9, 4)]
+    loops += [(8, 0, 4, 9), (1, 8, 9, 5)]
+    block = Block("split", middle, tuple(loops), 2000.0)
+    structures.checks.check([block])
+    (whole,) = tidy([block])
+    assert len(whole.vertices) == 8
+    assert sorted(len(face) for face in whole.faces) == [4] * 6
+    structures.checks.check([whole])
+    assert mass_properties(whole.vertices, whole.faces).volume == pytest.approx(2.0, rel=1e-12)
+
+
+def test_a_plain_block_is_left_as_it_is() -> None:
+    block = Block("p", *prism_xz(rectangle(0, 1, 0, 1), 0, 1), 2000.0)
+    assert tidy([block])[0] is block
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ('{"blocks": [\n{"name": }]}', "blocks.json: line 2, column 10: Expecting value"),
+        ("[1, 2]", 'blocks.json: must be an object with the key "blocks"'),
+        ({"units": "m"}, 'blocks.json: "blocks" must be a list'),
+        ({"units": "ft", "blocks": [cube()]}, 'blocks.json: unknown units "ft"'),
+        ({"units": 3, "blocks": [cube()]}, 'blocks.json: unknown units "3"'),
+        ({"units": ["m"], "blocks": [cube()]}, "blocks.json: unknown units"),
+        ({"blocks": [7]}, "blocks.json: blocks[0]: must be an object"),
+        ({"blocks": [cube(), cube()]}, 'blocks.json: block "c": two blocks have this name'),
+        ({"blocks": [cube(densty=1.0)]}, 'blocks.json: block "c".densty: unknown key (did you mean "density"?)'),
+        ({"blocks": [cube(density=-1.0)]}, 'blocks.json: block "c".density: input should be greater than 0'),
+        ({"blocks": [cube(vertices=[[0, 0, "x"]] * 4)]}, 'blocks.json: block "c".vertices.0.2: input should be a valid number'),
+        ({"blocks": [cube(faces=cube()["faces"][:-1])]}, 'blocks.json: block "c": open shell'),
+        ({"blocks": [cube(faces=[face[::-1] for face in cube()["faces"]])]}, 'blocks.json: block "c": its faces are reversed'),
+        ({"blocks": [cube(), cube(name="d")]}, 'blocks.json: blocks "c" and "d" overlap by 1000 mm'),
+    ],
+)
+def test_what_is_wrong_in_a_file_is_named(tmp_path: Path, content: Any, message: str) -> None:
+    with pytest.raises(InputError) as failure:
+        structures.build({"kind": "file", "path": saved(tmp_path, content).name}, 2000.0, tmp_path)
+    assert str(failure.value).startswith(message)
+    assert "\n" not in str(failure.value)
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({}, "structure.kind: missing; one of arch, aqueduct, file"),
+        ({"kind": "aquaduct"}, 'structure.kind: unknown kind "aquaduct" (did you mean "aqueduct"?)'),
+        ({"kind": ["arch"]}, "structure.kind: unknown kind"),
+        ({"kind": "file"}, "structure.path: missing"),
+        ({"kind": "file", "path": "none.json"}, 'structure.path: no file "none.json"'),
+    ],
+)
+def test_kinds_and_paths_are_named(tmp_path: Path, table: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError) as failure:
+        structures.build(table, 2000.0, tmp_path)
+    assert str(failure.value).startswith(message)
+
+
+@pytest.mark.skipif(not PEERS.is_file(), reason="the scene generators of ../shared/peers are absent")
+@pytest.mark.parametrize(("kind", "count"), [("arcade", 69), ("wall", 106), ("tower", 11), ("arch", 22), ("rocking", 2)])
+def test_scenes_of_the_peers_are_read(tmp_path: Path, kind: str, count: int) -> None:
+    spec = importlib.util.spec_from_file_location("peer_scenes", PEERS)
+    assert spec and spec.loader
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    blocks = blockfile.read(saved(tmp_path, module.KINDS[kind]()), 2000.0)
+    assert len(blocks) == count
+    assert {block.group for block in blocks} == {"base", "block"}
+
+
+def test_a_moved_block_changes_nothing_else(tmp_path: Path) -> None:
+    blocks = structures.build({"kind": "arch", "radius": 3.0, "thickness": 0.5, "voussoirs": 9}, 2100.0, tmp_path)
+    moved = [replace(blocks[0], vertices=blocks[0].vertices + [0.0, 0.0, 0.01]), *blocks[1:]]
+    blockfile.write(tmp_path / "moved.json", moved)
+    with pytest.raises(InputError, match=r'moved\.json: blocks "v1" and "v2" overlap'):
+        blockfile.read(tmp_path / "moved.json", 2100.0)
