@@ -1,0 +1,67 @@
+"""The README speaks of the program as it is: its scene runs, its block file reads, and its tables name every key and no other."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from pydantic import BaseModel
+
+from loads.gravity import GravityTable
+from loads.record import RecordTable
+from loads.sinusoidal import SinusoidalTable
+from masonry_cd.case import prepare
+from masonry_cd.scene import Material, Report, Run, read_scene
+from structures.aqueduct import AqueductTable
+from structures.arch import ArchTable
+from structures.blockfile import read
+
+README = Path(__file__).parents[1] / "README.md"
+
+
+def fenced(language: str) -> str:
+    """The first code block of a language."""
+    found = re.search(rf"```{language}\n(.*?)```", README.read_text(), re.DOTALL)
+    assert found
+    return found.group(1)
+
+
+def keys_after(mark: str) -> set[str]:
+    """Names in the first column of the first table whose heading, or section, begins with the mark."""
+    text = README.read_text()
+    rows = text[text.index(mark) :].split("\n\n")
+    table = rows[0] if mark.startswith("|") else next(part for part in rows if part.startswith("| key"))
+    first = [line.split("|")[1] for line in table.splitlines()[2:]]
+    return set(re.findall(r"`(\w+)`", " ".join(first)))
+
+
+def test_the_scene_of_the_readme_is_sound(tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(fenced("toml"))
+    case = prepare(read_scene(scene, ["run.duration=0.01"]))
+    assert case.assembly.count >= 150
+
+
+def test_the_block_file_of_the_readme_is_sound(tmp_path):
+    (tmp_path / "blocks.json").write_text(fenced("json"))
+    (block,) = read(tmp_path / "blocks.json", 2000.0)
+    assert (block.name, block.density, block.group) == ("v1", 2200, "arch")
+
+
+@pytest.mark.parametrize(
+    ("mark", "model"),
+    [
+        ('| `kind = "arch"`', ArchTable),
+        ('| `kind = "aqueduct"`', AqueductTable),
+        ('| `kind = "sinusoidal"`', SinusoidalTable),
+        ('| `kind = "record"`', RecordTable),
+        ('| `kind = "gravity"`', GravityTable),
+        ("### [material]", Material),
+        ("### [run]", Run),
+        ("### [report]", Report),
+    ],
+)
+def test_the_tables_name_every_key_and_no_other(mark: str, model: type[BaseModel]):
+    common = {"kind"} | ({"direction"} if mark.startswith("| `kind") else set())
+    assert keys_after(mark) - common == set(model.model_fields) - common
