@@ -41,8 +41,16 @@ def main() -> None:
     app()
 
 
+def _print_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"masonry-cd {__version__}")
+        raise typer.Exit
+
+
 @app.callback()
-def _root(version: Annotated[bool, typer.Option("--version", help="Print the version and exit.", is_eager=True)] = False) -> None:
+def _root(
+    version: Annotated[bool, typer.Option("--version", help="Print the version and exit.", callback=_print_version, is_eager=True)] = False,
+) -> None:
     """Seismic analysis of block masonry by non-smooth contact dynamics: which joints open, what falls, at which shaking.
 
     \b
@@ -50,9 +58,6 @@ def _root(version: Annotated[bool, typer.Option("--version", help="Print the ver
       masonry-cd run examples/arch.toml -o out/arch
       masonry-cd report out/arch
     """
-    if version:
-        typer.echo(f"masonry-cd {__version__}")
-        raise typer.Exit
 
 
 @app.command()

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from masonry_cd import __version__
 from masonry_cd.cli import app
 from masonry_cd.results import Results
 
@@ -33,6 +34,11 @@ def test_help_names_every_command_and_an_example():
     for command in ("run", "build", "report"):
         assert f"  {command} " in text
         assert f"masonry-cd {command} " in masonry_cd(command, "--help").output
+
+
+def test_the_version_is_that_of_the_package():
+    result = masonry_cd("--version")
+    assert (result.exit_code, result.stdout) == (0, f"masonry-cd {__version__}\n")
 
 
 def modules_loaded_by(folder: Path, *words: object) -> tuple[set[str], str]:
