@@ -22,7 +22,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.joints import Joints, find_joints
 from masonry_cd.progress import Interrupt, Progress, in_words, said_if_slow
 from masonry_cd.results import Results, ResultWriter
-from masonry_cd.scene import Run, Scene
+from masonry_cd.scene import Report, Run, Scene
 from masonry_cd.stepping import RunReport, Stepper
 from masonry_cd.stepping import run as run_steps
 
@@ -112,23 +112,23 @@ def run_case(case: Case, folder: Path, quiet: bool = True) -> dict[str, Any]:
         report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress)
     summary = _summary(case, report)
     with Results.open(file) as results:
-        summary |= write_damage(results, folder)
+        summary |= write_damage(results, folder, scene.report)
         if scene.report.crack_map and not report.stopped:
-            draw_crack_map(results, folder)
+            draw_crack_map(results, folder, scene.report)
     summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
     write_json(summary, folder / "summary.json")
     return summary
 
 
-def write_damage(results: Results, folder: Path) -> dict[str, Any]:
+def write_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:
     """Write joints.csv and return the numbers of damage for the summary."""
     from reports import damage
 
-    table = damage.joint_damage(results)
+    thresholds = damage.Thresholds(opened=settings.opened, slid=settings.slid)
+    table = damage.joint_damage(results, thresholds)
     damage.write_joints_csv(table, folder / "joints.csv")
-    fallen = damage.collapsed_blocks(results)
-    numbers: dict[str, Any] = damage.summary(table)
-    return numbers | {
+    fallen = damage.collapsed_blocks(results, thresholds)
+    return damage.summary(table) | {
         "blocks": len(results.blocks),
         "joints": results.joints.count,
         "collapsed_blocks": len(fallen),
@@ -139,11 +139,14 @@ def write_damage(results: Results, folder: Path) -> dict[str, Any]:
     }
 
 
-def draw_crack_map(results: Results, folder: Path) -> None:
-    """Draw crack_map.png."""
-    from reports import crack_map
+def draw_crack_map(results: Results, folder: Path, settings: Report, time: float | None = None) -> None:
+    """Draw crack_map.png at the end, or at the frame next to a time [s]."""
+    from reports.crack_map import crack_map
+    from reports.damage import Thresholds
 
-    crack_map.crack_map(results, folder / "crack_map.png")
+    frame = -1 if time is None else int(np.argmin(np.abs(results.time - time)))
+    thresholds = Thresholds(opened=settings.opened, slid=settings.slid)
+    crack_map(results, folder / "crack_map.png", frame=frame, view=settings.view, scale=settings.scale, thresholds=thresholds)
 
 
 def _summary(case: Case, report: RunReport) -> dict[str, Any]:

@@ -70,8 +70,9 @@ def run(
 ) -> None:
     """Compute a scene and write its results.
 
-    DIR gets result.h5, joints.csv, summary.json, and the pictures that the scene asks for. The whole scene is checked first; bad input is told in one line, with exit code 2, and nothing is written. Ctrl-C ends a run
-    after the current step: the results stay readable up to there.
+    DIR gets result.h5, joints.csv, summary.json, and the pictures that the scene asks for. The whole scene is checked first; bad input
+    is told in one line, with exit code 2, and nothing is written. Ctrl-C ends a run after the current step: the results stay readable
+    up to there.
 
     \b
     Examples:
@@ -139,26 +140,32 @@ def build(
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.", show_default=False)],
     crack_map: Annotated[bool, typer.Option(help="Draw crack_map.png.")] = True,
+    time: Annotated[float | None, typer.Option(metavar="SECONDS", help="Draw the frame next to this time; the last by default.")] = None,
+    view: Annotated[str | None, typer.Option(help="front, back, side, top or isometric; the scene's by default.")] = None,
+    scale: Annotated[float | None, typer.Option(help="Amplification of displacements; the scene's by default.")] = None,
 ) -> None:
     """Redo the reports of a run.
 
     Writes joints.csv and crack_map.png anew from result.h5, also for a run that was stopped or killed.
 
     \b
-    Example:
+    Examples:
       masonry-cd report out/aqueduct
+      masonry-cd report out/aqueduct --time 3.5 --view isometric --scale 20
     """
     with _told():
-        from masonry_cd import case
         from masonry_cd.results import Results
+        from masonry_cd.scene import report_of
 
         with Results.open(folder / "result.h5") as results:
-            typer.echo(case.damage_line(case.write_damage(results, folder)))
+            from masonry_cd import case
+
+            settings = report_of(results.scene, view=view, scale=scale)
+            typer.echo(case.damage_line(case.write_damage(results, folder, settings)))
             if crack_map:
-                case.draw_crack_map(results, folder)
-        typer.echo(
-            f"written: {', '.join(str(folder / name) for name in ('joints.csv', 'crack_map.png') if name == 'joints.csv' or crack_map)}"
-        )
+                case.draw_crack_map(results, folder, settings, time)
+        written = [folder / "joints.csv", folder / "crack_map.png"][: 1 + crack_map]
+        typer.echo(f"written: {', '.join(map(str, written))}")
 
 
 def _announce(prepared: Case) -> None:

@@ -123,6 +123,14 @@ class Report(_Table):
 
     crack_map: bool = False
     """Draw crack_map.png."""
+    view: Literal["auto", "front", "back", "side", "top", "isometric"] = "auto"
+    """From where."""
+    scale: Annotated[Number, Field(gt=0)] | None = None
+    """Amplification of the displacements in it; picked so that they are visible when not given."""
+    opened: Annotated[Number, Field(gt=0)] = 1e-4
+    """Smallest opening of a joint that counts as opened [m]."""
+    slid: Annotated[Number, Field(gt=0)] = 1e-4
+    """Smallest sliding of a joint that counts as slid [m]."""
 
 
 class _Tables(_Table):
@@ -207,6 +215,12 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     except InputError as error:
         key = str(error).partition(":")[0]
         raise InputError(f"{path}: {error}" if overrides else f"{_place(text, key, path)}: {error}") from None
+
+
+def report_of(text: str, **changes: object) -> Report:
+    """The table ``[report]`` of the scene's text that results keep, with the changes that are not None."""
+    table = tomllib.loads(text).get("report", {})
+    return parse_table(Report, table | {key: value for key, value in changes.items() if value is not None}, "report")
 
 
 def _read_text(path: Path) -> str:
