@@ -217,3 +217,21 @@ def test_build_writes_blocks_that_a_scene_reads_back(tmp_path):
     assert again.stdout.splitlines()[0] == result.stdout.splitlines()[0]
     one, two = (json.loads((folder / "blocks.json").read_text()) for folder in (tmp_path, tmp_path / "again"))
     assert one == two
+
+
+def test_pictures_are_drawn_where_asked_for(block_on_plate, tmp_path):
+    scene = block_on_plate(duration="duration = 0.25", report="[report]\ncrack_map = true")
+    result = masonry_cd("run", scene, "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert "crack_map.png" in result.stdout
+    assert (tmp_path / "out" / "crack_map.png").read_bytes().startswith(b"\x89PNG")
+    assert masonry_cd("build", scene, "-o", tmp_path / "blocks").exit_code == 0
+    assert (tmp_path / "blocks" / "structure.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_reports_take_their_settings_from_the_scene_and_from_options(block_on_plate, tmp_path):
+    masonry_cd("run", block_on_plate(duration="duration = 0.1", report="[report]\nslid = 1.0"), "-o", tmp_path / "out", "-q")
+    assert "0 slid" in masonry_cd("report", tmp_path / "out", "--no-crack-map").stdout
+    refused = masonry_cd("report", tmp_path / "out", "--view", "below")
+    assert refused.exit_code == 2
+    assert "report.view: input should be" in refused.stderr
