@@ -203,9 +203,7 @@ def _split_pair(pair: str, groups: Sequence[str]) -> tuple[str, str]:
         if letter == "-" and pair[:i] in groups and pair[i + 1 :] in groups:
             return pair[:i], pair[i + 1 :]
     unknown = next((word for word in pair.split("-") if word not in groups), pair)
-    raise InputError(
-        f'material.friction.{pair}: "{unknown}" is no group of blocks{suggest(unknown, groups)}; groups: {", ".join(groups)}'
-    )
+    raise InputError(f'material.friction.{pair}: "{unknown}" is no group of blocks{suggest(unknown, groups)}; groups: {", ".join(groups)}')
 
 
 def _shapes(blocks: Sequence[Block], centre: np.ndarray) -> Shapes:
@@ -255,6 +253,4 @@ def loop_normal(loop: np.ndarray) -> np.ndarray:
 def _edges(faces: Faces, vertex_base: int, face_base: int) -> list[tuple[int, int, int, int]]:
     """List each edge once as (vertex, vertex, face to its left, face to its right), indices counted over all parts."""
     left = {(a, b): f for f, face in enumerate(faces) for a, b in zip(face, face[1:] + face[:1], strict=True)}
-    return [
-        (vertex_base + a, vertex_base + b, face_base + f, face_base + left[b, a]) for (a, b), f in left.items() if a < b
-    ]
+    return [(vertex_base + a, vertex_base + b, face_base + f, face_base + left[b, a]) for (a, b), f in left.items() if a < b]

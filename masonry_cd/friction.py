@@ -21,7 +21,7 @@ beside it (Acary, Bremond & Huber, "On solving contact problems with Coulomb fri
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import sparse
@@ -96,6 +96,10 @@ class FrictionProblem:
             h = self.jacobian[on, side]
             out[on] += np.einsum("cik,ckl,cjl->cij", h, self.inverse_mass[self.bodies[on, side]], h)
         return out
+
+    def subset(self, kept: np.ndarray) -> FrictionProblem:
+        """The problem with some of its contacts only: a mask (C,) or their indices."""
+        return replace(self, bodies=self.bodies[kept], jacobian=self.jacobian[kept], offset=self.offset[kept], mu=self.mu[kept])
 
     def to_local(self) -> LocalProblem:
         """The same problem with W assembled as a sparse matrix."""

@@ -27,6 +27,7 @@ from masonry_cd import kinematics
 from masonry_cd.blocks import Assembly
 from masonry_cd.detection import ContactSet, Detector
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
+from masonry_cd.impacts import open_contacts, solve_apart
 from masonry_cd.joints import JointMeasures, JointPeaks, Joints, measure_joints
 from masonry_cd.planar import find_plane
 from masonry_cd.results import JOINT_PEAKS, ResultWriter
@@ -81,7 +82,9 @@ class Stepper:
         self._rotation = rotation_matrices(self.state.orientation)  # at q_m of the last step
         inertia = self._rotation @ assembly.inertia @ self._rotation.transpose(0, 2, 1)
         self._spin = np.einsum("bij,bj->bi", inertia, self.state.velocity[:, 3:])  # angular momentum [kg m2/s]
-        self._solve = SOLVERS[settings.solver]
+        self._solver = SOLVERS[settings.solver]
+        self._handover: np.ndarray | None = None  # generalised impulse left over from an impact, see impacts.py
+        self._pull = float(np.linalg.norm(acceleration, axis=1).max())
         bodies, n = int((~assembly.fixed).sum()), len(self._columns)
         self._inverse_mass, self._v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
         self._v = self.state.velocity[~assembly.fixed][:, self._columns]
@@ -104,23 +107,33 @@ class Stepper:
         """
         begin = clock.perf_counter()
         h, theta, state = self.settings.dt, self.settings.theta, self.state
-        before = state.position.copy()
+        before, handover = state.position.copy(), self._handover
         kinematics.drift(state.position, state.orientation, state.velocity, h * (1.0 - theta))
         problem, start = self.friction_problem()
-        self.solution = self._solve(problem, self._options(), start)
-        error = natural_map_error(problem, self.solution.impulse)
+        error = self._solve(problem, start)
         self._new_velocities(problem)
         kinematics.drift(state.position, state.orientation, state.velocity, h * theta)
-        self._balance(problem, state.position - before)
+        self._balance(problem, state.position - before, handover)
         self.steps += 1
         state.time = self.steps * h
         penetration = max(0.0, -float(self.contacts.gap.min(initial=0.0)))
-        return StepReport(self.solution.iterations, error, clock.perf_counter() - begin, problem.contacts, penetration, self.solution.reason)
+        return StepReport(
+            self.solution.iterations, error, clock.perf_counter() - begin, problem.contacts, penetration, self.solution.reason
+        )
 
-    def _options(self) -> Options:
-        """The order of the sweeps is drawn anew each step."""
+    def _solve(self, problem: FrictionProblem, start: Solution) -> float:
+        """Find the impulses of the step, impacts apart from forces; return the natural map error."""
         s = self.settings
-        return Options(tolerance=s.tolerance, max_iterations=s.max_iterations, seed=s.seed + self.steps, threads=s.threads)
+        options = Options(tolerance=s.tolerance, max_iterations=s.max_iterations, seed=s.seed + self.steps, threads=s.threads)
+        gap = self.contacts.gap[self.chosen]
+        is_open = open_contacts(problem, gap, self.contacts.pair[self.chosen], s.dt, self._pull)
+        if is_open is None:
+            self.solution = self._solver(problem, options, start)
+            self._handover = None
+            return natural_map_error(problem, self.solution.impulse)
+        both = solve_apart(problem, is_open, gap, s.dt, start, lambda part, begin: self._solver(part, options, begin))
+        self.solution, self._handover = both.solution, both.handover
+        return both.error
 
     def friction_problem(self) -> tuple[FrictionProblem, Solution]:
         """The friction problem of the state, which stands at q_m, and the solution of the last step to start from."""
@@ -131,7 +144,8 @@ class Stepper:
             self._rotation, state.velocity, self._spin, a.mass, self._inverse_inertia, self._free_index, self._columns, gravity, h,
             self._inverse_mass, self._v_free,
         )  # fmt: skip
-        slack = 4.0 * h * h * float(np.sqrt(gravity @ gravity))
+        self._take_handover()
+        slack = 4.0 * h * h * self._pull
         found = self.detector.detect(state.position, self._rotation, state.velocity, h, slack, self._support_displacement())
         self.contacts = found
         c, m, n = found.count, self.rows, len(self._columns)
@@ -146,6 +160,13 @@ class Stepper:
         self.chosen = chosen[:count]
         problem = FrictionProblem(self._inverse_mass, self._v_free, bodies[:count], jacobian[:count], offset[:count], mu[:count])
         return problem, Solution(impulse[:count], None, 0, memory=self.solution.memory)
+
+    def _take_handover(self) -> None:
+        """Add what an impact of the last step left over to the free velocity."""
+        if self._handover is not None:
+            self._v_free += np.einsum("bij,bj->bi", self._inverse_mass, self._handover)
+            turning = self._columns >= 3
+            self._spin[np.ix_(~self.assembly.fixed, self._columns[turning] - 3)] += self._handover[:, turning]
 
     def _support_displacement(self) -> np.ndarray:
         """How far the supports have moved, (3,) [m]: what moves with them has not moved for the broad phase."""
@@ -171,13 +192,15 @@ class Stepper:
             block = int(np.argmin(np.isfinite(self.state.velocity).all(axis=1)))
             raise RunStopped(f'step {self.steps + 1}: the velocity of block "{a.names[block]}" is not finite')
 
-    def _balance(self, problem: FrictionProblem, moved: np.ndarray) -> None:
+    def _balance(self, problem: FrictionProblem, moved: np.ndarray, handover: np.ndarray | None) -> None:
         """Add the step's work and losses to the energy account."""
         a, energy, work = self.assembly, self.energy, np.zeros(3)
         kinematics.dissipation(
             self.solution.impulse, self.chosen, self.contacts.bodies, self.contacts.normal, problem.bodies, problem.jacobian, self._v_old,
             self._v, self._support_velocity[self.steps], self._support_velocity[self.steps + 1], a.support_of, work,
         )  # fmt: skip
+        if handover is not None:
+            work[1] -= 0.5 * float(np.sum(handover * (self._v_old + self._v)))
         free = ~a.fixed
         energy["friction"] += work[0]
         energy["impact"] += work[1]

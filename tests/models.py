@@ -13,7 +13,9 @@ GRAVITY = 9.81
 BOX_FACES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 
 
-def box(name: str, low: tuple[float, float, float], high: tuple[float, float, float], fixed: bool = False, density: float = 2000.0) -> Block:
+def box(
+    name: str, low: tuple[float, float, float], high: tuple[float, float, float], fixed: bool = False, density: float = 2000.0
+) -> Block:
     """An axis-parallel box between two corners [m]; a fixed one belongs to the group ``base``."""
     corners = np.array([[x, y, z] for z in (low[2], high[2]) for y in (low[1], high[1]) for x in (low[0], high[0])])
     return Block(name, corners, BOX_FACES, density, "base" if fixed else "block", fixed)
@@ -27,9 +29,7 @@ def ground(size: float = 10.0) -> Block:
 def tower(count: int, side: float = 0.5, height: float = 0.25, density: float = 2000.0) -> list[Block]:
     """Cuboids on top of each other, on the ground."""
     half = side / 2
-    return [ground(2.0)] + [
-        box(f"b{k}", (-half, -half, k * height), (half, half, (k + 1) * height), density=density) for k in range(count)
-    ]
+    return [ground(2.0)] + [box(f"b{k}", (-half, -half, k * height), (half, half, (k + 1) * height), density=density) for k in range(count)]
 
 
 def wall(columns: int, courses: int, length: float = 0.4, height: float = 0.2, width: float = 0.2) -> list[Block]:

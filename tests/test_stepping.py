@@ -58,7 +58,9 @@ def test_a_tumbling_block_keeps_its_angular_momentum_and_gains_no_energy(dt):
 # --- sliding ----------------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("pulse", "mu", "duration", "slip"), [(0.5, 0.3, 0.2, 0.0654), (1.0, 0.4, 0.1, 0.073575), (0.6, 0.5, 0.5, 0.14715)])
+@pytest.mark.parametrize(
+    ("pulse", "mu", "duration", "slip"), [(0.5, 0.3, 0.2, 0.0654), (1.0, 0.4, 0.1, 0.073575), (0.6, 0.5, 0.5, 0.14715)]
+)
 def test_slip_under_a_rectangular_pulse(pulse, mu, duration, slip, capsys):
     errors = []
     for dt in (4e-3, 2e-3, 1e-3):
@@ -114,19 +116,21 @@ def rock(base: float, height: float, dt: float, seconds: float) -> tuple[np.ndar
 
 
 @pytest.mark.parametrize(("base", "height", "impacts", "peaks"), ROCKING)
-def test_free_rocking_approaches_housner_at_first_order(base, height, impacts, peaks, capsys):
+def test_free_rocking_follows_housner(base, height, impacts, peaks, capsys):
     late, low = [], []
-    for dt in (2e-3, 5e-4, 1.25e-4):
+    for dt in (4e-3, 1e-3, 2e-4):
         got_impacts, got_peaks = rock(base, height, dt, impacts[-1] + 0.05)
         late.append(np.abs(got_impacts[: len(impacts)] - impacts).max())
         low.append(np.abs(got_peaks[: len(peaks)] / peaks - 1.0).max())
-    order = np.log(low[0] / low[2]) / np.log(16.0)
+    order = np.log(low[0] / low[2]) / np.log(20.0)
     with capsys.disabled():
-        print(f"\nrocking {base} x {height} m, dt 2, 0.5, 0.125 ms: impacts off by [ms] " + ", ".join(f"{1e3 * x:.2f}" for x in late), end="")
+        print(f"\nrocking {base} x {height} m, dt 4, 1, 0.2 ms: impacts off by [ms] " + ", ".join(f"{1e3 * x:.2f}" for x in late), end="")
         print("; peaks by [%] " + ", ".join(f"{100 * x:.2f}" for x in low) + f"; order {order:.2f}", end=" ")
     assert late[0] > late[1] > late[2]
     assert low[0] > low[1] > low[2]
-    assert order > 0.75
+    assert late[1] < 0.5e-3
+    assert low[1] < 1e-3
+    assert order > 0.9
 
 
 # --- rest, impact, energy ---------------------------------------------------------------------------------------------------------

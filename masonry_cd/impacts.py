@@ -1,0 +1,115 @@
+r"""Impacts apart from forces, so that the weight passes from contact to contact at the right moment.
+
+The gap over the step, u_n + g/h >= 0, spreads the impulse J of an impact over two steps: (1 - f) J at the q_m before the gap closes, f J
+at the next one, where f in [0, 1] is the time from q_m to the impact over h. That is exact in the motion of the gap. But solved in one go
+with the weight, the first part already lifts the contacts that carry the weight until the impact, and gravity turns the block about
+its new edge a step too soon: a rocking block loses 1 % of its speed too much at each impact. So in a step with an impact
+
+    1. forces    all contacts that are closed, with gravity                    M v' = M v_free + H^T p'
+    2. impacts   all contacts, from v' on, without further gravity             M v+ = M v'     + H^T p''
+
+This hands the weight over half a step after q_m instead of f steps after it. What is left, (f - 1/2) p' of the contacts that the impact
+opens, is added to the free velocity of the next step. Free rocking is so met to 1 % of the angle at dt = 1 ms instead of 9 %.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
+
+FAST = 3.0  # impacts faster than this many times g h count
+AT_ONCE = 1e-6  # gaps that close within this share of the step are closed
+CLOSED = 2.0  # gaps below this many times g h^2 count as closed: gravity alone closes them within about a step
+
+
+@dataclass(frozen=True, eq=False)
+class ImpactStep:
+    """The outcome of a step with impacts."""
+
+    solution: Solution  # impulses of both solves together
+    error: float  # the larger natural map error of the two
+    handover: np.ndarray  # (B, n) generalised impulse for the next step
+
+
+def open_contacts(problem: FrictionProblem, gap: np.ndarray, pair: np.ndarray, step: float, gravity: float) -> np.ndarray | None:
+    """The contacts (C,) that are open at q_m, if one of them is about to be hit; None if the step has no impact that matters.
+
+    Contacts of one pair that are hit together stay together: a block that lands flat lands on all its corners.
+
+    Args:
+        problem: of the step.
+        gap: (C,) at q_m [m].
+        pair: (C,) which pair of parts a contact belongs to.
+        step: h [s].
+        gravity: magnitude of the body acceleration [m/s2].
+    """
+    if not (gap > 0.0).any():
+        return None
+    ahead = problem.free_relative_velocity()[:, 0]  # negative when the gap closes before the next q_m
+    closing = np.maximum(gap, 0.0) / step - ahead
+    fast = (closing > FAST * gravity * step) & (ahead < 0.0)
+    hit = fast & (gap > AT_ONCE * closing * step)
+    if not hit.any():
+        return None
+    return (fast & np.isin(pair, pair[hit])) | (gap > CLOSED * gravity * step * step)
+
+
+def solve_apart(
+    problem: FrictionProblem,
+    is_open: np.ndarray,
+    gap: np.ndarray,
+    step: float,
+    start: Solution,
+    solve: Callable[[FrictionProblem, Solution], Solution],
+) -> ImpactStep:
+    """Solve the forces of the closed contacts, then the impacts on what they leave.
+
+    Args:
+        problem: of the step.
+        is_open: (C,) from :func:`open_contacts`.
+        gap: (C,) [m].
+        step: h [s].
+        start: impulses (C, m) to start from, with the solver's memory.
+        solve: the solver, its options bound.
+    """
+    closed = ~is_open
+    forces = problem.subset(closed)
+    first = solve(forces, Solution(start.impulse[closed], None, 0, memory=start.memory))
+    impacts = replace(problem, v_free=forces.body_velocity(first.impulse))
+    second = solve(impacts, Solution(np.zeros_like(start.impulse), None, 0))
+    error = max(natural_map_error(forces, first.impulse), natural_map_error(impacts, second.impulse))
+    force = np.zeros_like(start.impulse)
+    force[closed] = first.impulse
+    handover = _handover(impacts, force, second.impulse, is_open, gap, step)
+    reason = first.reason if first.reason == second.reason else f"{first.reason}; impacts: {second.reason}"
+    total = Solution(force + second.impulse, None, first.iterations + second.iterations, reason, first.memory)
+    return ImpactStep(total, error, handover)
+
+
+def _handover(
+    impacts: FrictionProblem, force: np.ndarray, blow: np.ndarray, is_open: np.ndarray, gap: np.ndarray, step: float
+) -> np.ndarray:
+    """(f - 1/2) H^T p' of the contacts that the impacts open, (B, n), with f of the hardest blow on either body of the contact."""
+    closing = gap / step - impacts.free_relative_velocity()[:, 0]  # speed at which the gap closes before the blow
+    hit = np.flatnonzero(is_open & (blow[:, 0] > 0.0) & (closing > 0.0))
+    out = np.zeros_like(impacts.v_free)
+    if not len(hit):
+        return out
+    lifted = impacts.apply(blow)[:, 0] > 0.01 * closing[hit].max()
+    opens = np.flatnonzero(~is_open & (force[:, 0] > 0.0) & lifted)
+    hardest, moment = np.zeros(len(out) + 1), np.full(len(out) + 1, 0.5)  # by body; the last entry stands for all supports
+    for c in hit[np.argsort(blow[hit, 0], kind="stable")]:
+        for body in impacts.bodies[c]:
+            if body >= 0:
+                hardest[body], moment[body] = blow[c, 0], gap[c] / (step * closing[c])
+    for c in opens:
+        pair = impacts.bodies[c]
+        f = moment[pair[np.argmax(hardest[pair])]]
+        for side in range(2):
+            if pair[side] >= 0:
+                out[pair[side]] += (f - 0.5) * force[c] @ impacts.jacobian[c, side]
+    return out
