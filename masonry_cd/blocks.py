@@ -209,7 +209,9 @@ def _split_pair(pair: str, groups: Sequence[str]) -> tuple[str, str]:
 def _shapes(blocks: Sequence[Block], centre: np.ndarray) -> Shapes:
     """Flatten the convex parts of all blocks into the arrays of :class:`Shapes`."""
     part_block, radius, size = [], [], []
-    vertices, normals, loops, edges = [], [], [], []
+    vertices, normals = [], []
+    loops: list[int] = []
+    edges: list[tuple[int, int, int, int]] = []
     starts: dict[str, list[int]] = {"vertex": [0], "face": [0], "loop": [0], "edge": [0]}
     for index, block in enumerate(blocks):
         for part in block.convex_parts:

@@ -137,8 +137,8 @@ def _measure(block_a, block_b, normal, start, polygon, centre, position, rotatio
             apart[k], shift[k, 0], shift[k, 1] = 0.0, 0.0, 0.0
             for i in range(3):
                 d = move[i] - (polygon[first + k, i] - centre[a, i])
-                for l in range(3):
-                    d += turn[i, l] * (polygon[first + k, l] - centre[b, l])
+                for e in range(3):
+                    d += turn[i, e] * (polygon[first + k, e] - centre[b, e])
                 apart[k] += d * normal[j, i]
                 edge = polygon[first + k, i] - polygon[first, i]
                 for axis in range(2):

@@ -67,9 +67,8 @@ def _middle(assembly: Assembly, axis: int) -> float | None:
     middles = []
     for block in assembly.blocks:
         along = block.vertices[:, axis]
-        middle = 0.5 * (along.min() + along.max())
+        middle = 0.5 * float(along.min() + along.max())
         if np.any(np.abs(np.abs(along - middle) - 0.5 * np.ptp(along)) > tolerance):
             return None  # a corner between the two end faces
         middles.append(middle)
-    middles = np.array(middles)
-    return float(middles[0]) if np.ptp(middles) <= tolerance else None
+    return middles[0] if max(middles) - min(middles) <= tolerance else None

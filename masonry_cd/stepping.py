@@ -185,8 +185,8 @@ class Stepper:
         self._v_old, self._v = self._v, self._v_old
         kinematics.new_velocity(impulse, problem.bodies, problem.jacobian, problem.inverse_mass, problem.v_free, self._v)
         self.energy["kinetic"] = kinematics.finish(
-            self._v, problem.v_free, self._columns, self._free_index, a.support_of, self._support_velocity[self.steps + 1], self._rotation, a.mass,
-            a.inertia, self.state.velocity, self._spin,
+            self._v, problem.v_free, self._columns, self._free_index, a.support_of, self._support_velocity[self.steps + 1],
+            self._rotation, a.mass, a.inertia, self.state.velocity, self._spin,
         )  # fmt: skip
         if not np.isfinite(self.energy["kinetic"]):
             block = int(np.argmin(np.isfinite(self.state.velocity).all(axis=1)))

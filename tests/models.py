@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from masonry_cd.blocks import Assembly, Block
@@ -38,7 +40,7 @@ def wall(columns: int, courses: int, length: float = 0.4, height: float = 0.2, w
     for course in range(courses):
         inner = (np.arange(columns) + 0.5) * length
         edges = np.arange(columns + 1) * length if course % 2 == 0 else np.concatenate([[0.0], inner, [columns * length]])
-        for k, (x0, x1) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+        for k, (x0, x1) in enumerate(pairwise(edges)):
             low, high = (x0, -width / 2, course * height), (x1, width / 2, (course + 1) * height)
             blocks.append(box(f"c{course}.{k}", low, high))
     return blocks

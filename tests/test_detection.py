@@ -59,8 +59,7 @@ def test_crossing_edges_touch_at_one_point_with_the_normal_across_both():
     roof = [Block("low", *prism_along_x(), 2000.0, fixed=True), box("high", (-0.5, -0.5, 0.0), (0.5, 0.5, 1.0))]
     assembly = Assembly.from_blocks(roof, 0.6)
     state = turned(assembly, 1, (1.0, 0.0, 0.0), np.pi / 4, (0.0, 0.0, 0.5))  # an edge along x points down ...
-    spin = np.array([np.cos(np.pi / 4), 0.0, 0.0, np.sin(np.pi / 4)])  # ... and now along y
-    w, x, y, z = spin
+    w, z = np.cos(np.pi / 4), np.sin(np.pi / 4)  # ... and now along y
     a, b, c, d = state.orientation[1]
     state.orientation[1] = [w * a - z * d, w * b - z * c, w * c + z * b, w * d + z * a]
     state.position[1] = [0.0, 0.0, np.sqrt(0.5) + 1e-5]

@@ -55,10 +55,9 @@ def test_the_measures_do_not_change_when_everything_moves_together():
     joints = find_joints(assembly)
     state = turned(assembly, 2, (0.0, 1.0, 0.0), 0.1, (0.25, 0.0, 0.25))
     before = measure_joints(joints, assembly, state)
-    turn = np.array([np.cos(0.4), 0.0, 0.0, np.sin(0.4)])  # about z through the origin
+    w, z = np.cos(0.4), np.sin(0.4)  # about z through the origin
     c, s = np.cos(0.8), np.sin(0.8)
     state.position = state.position @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + [3.0, -1.0, 2.0]
-    w, x, y, z = turn
     a, b, p, q = state.orientation.T
     state.orientation = np.stack([w * a - z * q, w * b - z * p, w * p + z * b, w * q + z * a], axis=1)
     after = measure_joints(joints, assembly, state)
