@@ -68,7 +68,11 @@ def nice(value: float) -> float:
 
 
 def in_metres(value: float) -> str:
-    """A length as people say it: ``2 m``, ``50 cm``, ``0.4 mm``."""
+    """A length as people say it: ``2 m``, ``50 cm``, ``0.4 mm``; what is too small to mean anything as ``under 1 µm``."""
+    if abs(value) < 1e-6:
+        return "under 1 µm"
+    if value < 1e-4:
+        return f"{value * 1e6:.3g} µm"
     if value >= 1.0:
         return f"{value:.3g} m"
     return f"{value * 100:.3g} cm" if value >= 0.1 else f"{value * 1000:.3g} mm"

@@ -1,0 +1,209 @@
+"""The pictures: what they show is counted in their pixels, and what stands around the model is kept apart from it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_run import at_rest, box, shifted, turned, write_run
+
+from masonry_cd.blocks import Block
+from masonry_cd.errors import InputError
+from masonry_cd.results import Results
+from reports import crack_map, render
+from reports.damage import Thresholds
+from reports.deformed import Pose, Solids
+from reports.picture import auto_view, families_of, structure_picture
+from reports.sheet import in_metres, layout, nice
+
+BASE = box("base", (-1.5, -0.5, -0.3), (1.5, 0.5, 0), "base", fixed=True)
+COLUMN = [BASE, *(box(f"d{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1)) for k in range(3))]
+
+
+def pixels(path: Path) -> np.ndarray:
+    """The picture as (height, width, 3) uint8."""
+    import matplotlib.image
+
+    return (255 * matplotlib.image.imread(path)[..., :3]).round().astype(np.uint8)
+
+
+def shares(image: np.ndarray, colours: np.ndarray) -> np.ndarray:
+    """Number of pixels of exactly each colour (N, 3)."""
+    return np.array([(image == colour).all(axis=2).sum() for colour in colours])
+
+
+def drawn(path: Path, blocks: list[Block], states: list, **options: object) -> np.ndarray:
+    """The crack map of a made run."""
+    with Results.open(write_run(path.with_suffix(".h5"), blocks, states)) as results:
+        crack_map.crack_map(results, path, **options)  # type: ignore[arg-type]
+    return pixels(path)
+
+
+def model_area(image: np.ndarray, aspect: float) -> np.ndarray:
+    """The part of a sheet that shows the model."""
+    left, bottom, width, height = layout(aspect).model
+    top = image.shape[0] - bottom - height
+    return image[top : top + height, left : left + width]
+
+
+def opening_scale() -> crack_map.Scale:
+    return crack_map.Scale(1e-4, 0.05, crack_map.OPENING_COLOURS)
+
+
+def sliding_scale() -> crack_map.Scale:
+    return crack_map.Scale(1e-4, 0.05, crack_map.SLIDING_COLOURS)
+
+
+def test_opened_and_slid_joints_are_told_apart(tmp_path: Path) -> None:
+    """A hinge open by 10 mm and a joint slid by 3 mm: each class shows its own colour in the model, and no other class does."""
+    rest = at_rest(COLUMN)
+    hinge = turned(rest, 3, (0.5, 0.0, 2.0), np.degrees(0.0101))
+    opened = model_area(drawn(tmp_path / "opened.png", COLUMN, [rest, hinge]), 0.3)
+    slid = model_area(drawn(tmp_path / "slid.png", COLUMN, [rest, shifted(rest, [2, 3], (0.003, 0, 0))]), 0.3)
+    still = model_area(drawn(tmp_path / "still.png", COLUMN, [rest, rest]), 0.3)
+    opening, sliding = opening_scale(), sliding_scale()
+    ten, three = opening.bounds.index(0.01), sliding.bounds.index(0.002)
+    assert np.flatnonzero(shares(opened, opening.colours) > 50).tolist() == [ten]
+    assert np.flatnonzero(shares(slid, sliding.colours) > 50).tolist() == [three]
+    assert shares(opened, sliding.colours).max() < 20
+    assert shares(slid, opening.colours).max() < 20
+    assert max(shares(still, opening.colours).max(), shares(still, sliding.colours).max()) < 20
+
+
+def test_parted_faces_and_fallen_blocks_show(tmp_path: Path) -> None:
+    rest = at_rest(COLUMN)
+    image = drawn(tmp_path / "fallen.png", COLUMN, [rest, shifted(rest, 3, (1.3, 0, -2.0))])
+    area = image[120 : image.shape[0] - 240]
+    fallen = np.abs(area.astype(int) - (255 * crack_map.rgb(crack_map.FALLEN))).max(axis=2) < 14
+    assert fallen.sum() > 10_000
+    assert shares(area, (255 * crack_map.rgb(crack_map.PARTED)).astype(np.uint8)[None])[0] > 200
+
+
+def test_the_same_run_gives_the_same_picture(tmp_path: Path) -> None:
+    rest = at_rest(COLUMN)
+    states = [rest, turned(rest, 3, (0.5, 0.0, 2.0), 0.5)]
+    assert (drawn(tmp_path / "a.png", COLUMN, states) == drawn(tmp_path / "b.png", COLUMN, states)).all()
+
+
+def test_small_displacements_are_amplified_and_large_ones_are_not(tmp_path: Path) -> None:
+    rest = at_rest(COLUMN)
+    factors = []
+    for shift in (0.0, 1e-12, 0.002, 0.3, 2.5):
+        with Results.open(write_run(tmp_path / "run.h5", COLUMN, [rest, shifted(rest, 3, (shift, 0, 0))])) as results:
+            solids = Solids.from_blocks(results.blocks)
+            down = np.array([False, False, False, shift > 1])
+            factors.append(crack_map.amplification(Pose.of(results, solids), solids, down, 3.0))
+    assert factors == [1.0, 1.0, 20.0, 1.0, 1.0]
+
+
+def test_a_block_flung_far_does_not_make_the_structure_a_dot() -> None:
+    rest = render.Window(-1.0, 1.0, 0.0, 3.0)
+    window = crack_map.followed(rest, np.array([[-0.5, 0.0], [80.0, 0.5], [0.2, 2.9]]))
+    assert window.left == rest.left and window.top == rest.top
+    assert window.width <= rest.width + crack_map.REACH * rest.height + 1e-9
+
+
+def test_classes_run_1_2_5_and_do_not_depend_on_the_run() -> None:
+    scale = opening_scale()
+    np.testing.assert_allclose(np.array(scale.bounds) * 1e3, [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50])
+    picked = scale(np.array([1e-4, 1.5e-4, 2e-4, 0.049, 0.05, 3.0]))
+    assert [int(np.flatnonzero((scale.colours == c).all(axis=1))[0]) for c in picked] == [0, 0, 1, 7, 8, 8]
+    grey = scale.colours @ np.array([0.299, 0.587, 0.114])
+    assert (np.diff(grey) < -8).all(), "wider must be darker in grey print"
+    assert (np.diff(sliding_scale().colours @ np.array([0.299, 0.587, 0.114])) < -4).all()
+
+
+@pytest.mark.parametrize(("value", "text"), [(2.0, "2 m"), (0.5, "50 cm"), (0.004, "4 mm"), (2e-5, "20 µm"), (3e-9, "under 1 µm")])
+def test_lengths_read_well(value: float, text: str) -> None:
+    assert in_metres(value) == text
+
+
+def test_round_numbers() -> None:
+    assert [nice(v) for v in (1.0, 1.99, 2.0, 4.9, 5.0, 9.9, 0.06)] == [1.0, 1.0, 2.0, 2.0, 5.0, 5.0, 0.05]
+
+
+def test_views_are_right_handed_and_keep_up() -> None:
+    for name in ("front", "back", "side", "top", "isometric"):
+        view = render.view_named(name)
+        np.testing.assert_allclose(np.cross(view.right, view.up), view.towards, atol=1e-12)
+    np.testing.assert_allclose(render.view_named("front").right, [1, 0, 0])
+
+
+def test_planar_structures_are_seen_from_the_front() -> None:
+    assert auto_view(Solids.from_blocks(COLUMN)) == "front"
+    assert auto_view(Solids.from_blocks([*COLUMN, box("beside", (-0.5, 0.5, 0), (0.5, 1.5, 1))])) == "isometric"
+
+
+def test_scale_bar_is_true(tmp_path: Path) -> None:
+    """A block of 2 m is as many pixels wide as its scale bar, which says 2 m or what else it says, promises."""
+    blocks = [box("base", (-1, -1, -0.2), (1, 1, 0), "base", fixed=True), box("cube", (-1, -1, 0), (1, 1, 1), "stone")]
+    structure_picture(blocks, tmp_path / "cube.png", "a cube")
+    image = pixels(tmp_path / "cube.png").astype(int)
+    stone = np.abs(image - 255 * crack_map.rgb("#e6d9bd")).max(axis=2) < 14
+    ink = (image == 255 * crack_map.rgb("#23272b")).all(axis=2)
+    bar_row = image.shape[0] - ink[::-1].sum(axis=1).argmax() - 1  # the outline of the bar is the longest line of ink
+    bar = np.flatnonzero(ink[bar_row])
+    width = np.flatnonzero(stone[: image.shape[0] // 2].sum(axis=0) > 50)
+    metres_per_pixel = 2.0 / np.ptp(width)
+    assert (np.ptp(bar) * metres_per_pixel) == pytest.approx(nice(np.ptp(bar) * metres_per_pixel * 1.05), rel=0.02)
+
+
+def test_numbered_groups_share_a_colour_where_there_are_many() -> None:
+    many = [BASE, *(box(f"b{k}", (k, 0, 0), (k + 1, 1, 1), f"pier{k}") for k in range(20))]
+    assert [family.text for family in families_of(many)] == ["base (1)", "pier0 to pier19 (20)"]
+    assert len(families_of(many[:5])) == 5
+
+
+def test_bad_input_is_one_line(tmp_path: Path) -> None:
+    rest = at_rest(COLUMN)
+    with Results.open(write_run(tmp_path / "run.h5", COLUMN, [rest])) as results:
+        with pytest.raises(InputError, match=r'^view: "fornt" is none; views: auto, front'):
+            crack_map.crack_map(results, tmp_path / "x.png", view="fornt")
+        with pytest.raises(InputError, match=r"^scale: must be positive"):
+            crack_map.crack_map(results, tmp_path / "x.png", scale=0.0)
+        with pytest.raises(InputError, match=r"^frame 1: the result has frames 0 to 0"):
+            crack_map.crack_map(results, tmp_path / "x.png", frame=1)
+        with pytest.raises(InputError, match=r"^largest: must lie above"):
+            crack_map.crack_map(results, tmp_path / "x.png", thresholds=Thresholds(opened=0.1))
+        with pytest.raises(InputError, match=r"cannot be written"):
+            crack_map.crack_map(results, tmp_path / "none" / "x.png")
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the kinds of render window are those of Linux")
+def test_without_opengl_the_packages_are_named() -> None:
+    """VTK would end the process where it finds no OpenGL at all; the check comes first."""
+    code = "from reports.render import require_context; require_context()"
+    hidden = {k: v for k, v in os.environ.items() if k != "DISPLAY"} | {"VTK_DEFAULT_OPENGL_WINDOW": "vtkOSOpenGLRenderWindow"}
+    if render._loadable("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"):
+        pytest.skip("OSMesa is installed here")
+    done = subprocess.run([sys.executable, "-c", code], env=hidden, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "InputError: pictures: no off-screen OpenGL here; on Debian and Ubuntu: apt-get install libegl1 libgl1" in done.stderr
+
+
+def test_reports_load_neither_vtk_nor_matplotlib() -> None:
+    code = "import sys; import reports.damage, reports.crack_map, reports.picture; print([m for m in sys.modules if m in HEAVY])"
+    code = code.replace("HEAVY", repr({"vtk", "vtkmodules", "pyvista", "matplotlib", "pandas"}))
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+
+
+@pytest.mark.validation
+def test_ten_thousand_blocks_in_ten_seconds(tmp_path: Path) -> None:
+    """A wall of 100 courses of 100 blocks, its upper half slid and one corner fallen."""
+    blocks = [box("base", (-1, -0.25, -0.5), (102, 0.25, 0), "base", fixed=True)]
+    for k in range(100):
+        blocks += [box(f"c{k}b{i}", (i + 0.5 * (k % 2), -0.25, 0.5 * k), (i + 1 + 0.5 * (k % 2), 0.25, 0.5 * k + 0.5)) for i in range(100)]
+    rest = at_rest(blocks)
+    moved = shifted(shifted(rest, slice(5001, None), (0.03, 0, 0)), slice(9981, None), (3.0, 0, -20.0))
+    with Results.open(write_run(tmp_path / "run.h5", blocks, [rest, moved])) as results:
+        begin = time.perf_counter()
+        crack_map.crack_map(results, tmp_path / "wall.png")
+    seconds = time.perf_counter() - begin
+    print(f"10,000 blocks: {seconds:.1f} s")
+    assert (tmp_path / "wall.png").stat().st_size > 100_000
+    assert seconds < 10.0
