@@ -13,10 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from loads.combine import support_motions
 from loads.gravity import GravityTable, gravity
 from loads.motion import LoadTable, Part, RunGrid
 from loads.record import RecordTable, record
 from loads.sinusoidal import SinusoidalTable, sinusoidal
+from masonry_cd.blocks import Assembly
 from masonry_cd.errors import InputError, parse_table, suggest
 
 __all__ = ["KINDS", "Loading", "build"]
@@ -34,18 +36,27 @@ class Loading:
 
     Attributes:
         support_velocity: (N + 1, S, 3) velocity of each support motion [m/s]; S = 1: all supports move together.
-        acceleration: (N + 1, 3) of every free block [m/s2]: gravity times its ramp.
+        acceleration: (N + 1, 3) of every free block [m/s2]: gravity and what else pulls on all blocks.
         lines: what to tell the user, one line each.
         summary: the same numbers, ready for JSON.
+        support_of: (B,) the motion that each block follows, -1 for a free block: the assembly's for this run; None without an assembly.
     """
 
     support_velocity: np.ndarray
     acceleration: np.ndarray
     lines: tuple[str, ...]
     summary: dict[str, Any]
+    support_of: np.ndarray | None = None
 
 
-def build(tables: Sequence[Mapping[str, Any]], dt: float, steps: int, gravity: Sequence[float], folder: Path) -> Loading:
+def build(
+    tables: Sequence[Mapping[str, Any]],
+    dt: float,
+    steps: int,
+    gravity: Sequence[float],
+    folder: Path,
+    assembly: Assembly | None = None,
+) -> Loading:
     """Sum all [[loads]] tables.
 
     Args:
@@ -54,11 +65,12 @@ def build(tables: Sequence[Mapping[str, Any]], dt: float, steps: int, gravity: S
         steps: number of steps N.
         gravity: (3,) [m/s2].
         folder: the scene file's folder, to which paths are relative.
+        assembly: the blocks; without them no load may name one.
 
     Raises:
         InputError: an unknown kind, a bad key, or a bad record file.
     """
-    grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder))
+    grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly)
     asked = [_parse(table, f"loads[{i}]") for i, table in enumerate(tables)]
     falls = [i for i, table in enumerate(asked) if isinstance(table, GravityTable)]
     if len(falls) > 1:
@@ -66,18 +78,19 @@ def build(tables: Sequence[Mapping[str, Any]], dt: float, steps: int, gravity: S
     parts = [KINDS[table.kind][1](table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
     if not falls:
         parts.append(KINDS["gravity"][1](GravityTable(), grid, "gravity"))
-    velocity, acceleration = np.zeros((grid.steps + 1, 3)), np.zeros((grid.steps + 1, 3))
+    acceleration = np.zeros((grid.steps + 1, 3))
     for part in parts:
-        if part.velocity is not None:
-            velocity += part.velocity
         if part.acceleration is not None:
             acceleration += part.acceleration
+    velocity, support_of = support_motions(parts, grid)
     base = _base(velocity, grid.dt)
     lines = [line for part in parts for line in part.lines]
     if base["end_speed"] > 1e-3 * base["peak_speed"]:
         lines.append(f"base: still moving at {base['end_speed']:.3g} m/s when the run ends at {grid.end:g} s")
+    if velocity.shape[1] > 1:
+        lines.append(f"base: {velocity.shape[1]} motions of the supports, apart by at most {base['largest_difference']:.4g} m")
     summary = {"tables": [part.summary for part in parts], "base": base}
-    return Loading(velocity[:, None, :], acceleration, tuple(lines), summary)
+    return Loading(velocity, acceleration, tuple(lines), summary, support_of)
 
 
 def _parse(table: Mapping[str, Any], where: str) -> LoadTable:
@@ -91,12 +104,16 @@ def _parse(table: Mapping[str, Any], where: str) -> LoadTable:
 
 
 def _base(velocity: np.ndarray, dt: float) -> dict[str, Any]:
-    """Numbers of the summed base motion on the run's own steps, where positions follow the trapezoidal rule (theta 0.5)."""
-    moved = np.concatenate([np.zeros((1, 3)), np.cumsum(0.5 * dt * (velocity[1:] + velocity[:-1]), axis=0)])
-    speed = np.linalg.norm(velocity, axis=1)
+    """Numbers of the base's motions on the run's own steps, where positions follow the trapezoidal rule (theta 0.5)."""
+    moved = np.zeros_like(velocity)
+    np.cumsum(0.5 * dt * (velocity[1:] + velocity[:-1]), axis=0, out=moved[1:])
+    speed = np.sqrt((velocity**2).sum(axis=2).max(axis=1))
+    apart = moved.max(axis=1) - moved.min(axis=1)
     return {
+        "motions": velocity.shape[1],
         "peak_speed": float(speed.max()),
         "end_speed": float(speed[-1]),
-        "peak_displacement": [float(d) for d in np.abs(moved).max(axis=0)],
-        "end_displacement": [float(d) for d in moved[-1]],
+        "peak_displacement": [float(d) for d in np.abs(moved).max(axis=(0, 1))],
+        "end_displacement": [float(d) for d in moved[-1, 0]],
+        "largest_difference": float(np.sqrt((apart**2).sum(axis=1)).max()),
     }

@@ -1,11 +1,13 @@
 """What every kind of load is given and what it returns, with the small pieces that they share.
 
 Supports are driven by a prescribed velocity (not by inertia forces on the blocks), so a load that shakes gives the velocity of
-the base at the times t_k = k dt of the run. A load that pulls on the blocks gives an acceleration. Loads add up.
+the base as a function of time, which each support may follow later than the first and with a share of its own. A load that pulls on the
+blocks gives an acceleration at the times t_k = k dt of the run. Loads add up.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +15,8 @@ from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict
+
+from masonry_cd.blocks import Assembly
 
 STANDARD_GRAVITY = 9.80665  # [m/s2], the g in which records are written (CGPM 1901); not the site's gravity
 ROUNDING = 1e-10
@@ -22,12 +26,13 @@ AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 @dataclass(frozen=True, eq=False)
 class RunGrid:
-    """What a load knows of the run: the N + 1 times t_k = k dt, the gravity and the folder of the scene file."""
+    """What a load knows of the run: the N + 1 times t_k = k dt, the gravity, the folder of the scene file, and the blocks."""
 
     dt: float  # [s]
     steps: int  # N
     gravity: np.ndarray  # (3,) [m/s2]
     folder: Path
+    assembly: Assembly | None = None  # None: no structure yet; then no load may name a block
 
     @cached_property
     def times(self) -> np.ndarray:
@@ -40,20 +45,30 @@ class RunGrid:
         return self.dt * self.steps
 
 
+Motion = Callable[[np.ndarray], np.ndarray]
+"""Times of the run (n,) [s] -> velocity of the base (n, 3) [m/s]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Part:
-    """What one table contributes. An array left out is zero."""
+    """What one table contributes. What is left out is zero."""
 
-    velocity: np.ndarray | None = None  # (N + 1, 3) of the base [m/s]
+    motion: Motion | None = None
+    delay: np.ndarray | None = None  # (B,) by how much a support's motion lags behind [s]
+    share: np.ndarray | None = None  # (B,) factor on a support's motion; one when left out
     acceleration: np.ndarray | None = None  # (N + 1, 3) of the blocks [m/s2]
     lines: tuple[str, ...] = ()
     summary: dict[str, Any] = field(default_factory=dict)
 
 
-class LoadTable(BaseModel):
-    """A [[loads]] table. Values are taken as they are typed: the text "0.2" is no number."""
+strict = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+"""Of every model of keys. Values are taken as they are typed: the text "0.2" is no number."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+class LoadTable(BaseModel):
+    """A [[loads]] table."""
+
+    model_config = strict
 
     kind: str
 
@@ -68,6 +83,14 @@ class Direction:
     def along(self, values: np.ndarray) -> np.ndarray:
         """Spread values (N,) along the direction, (N, 3)."""
         return np.outer(values, self.vector)
+
+    def turned(self, degrees: float) -> Direction:
+        """The direction turned about the vertical z, counter-clockwise seen from above."""
+        if degrees == 0.0:
+            return self
+        angle = np.deg2rad(degrees)
+        (x, y, z), c, s = self.vector, float(np.cos(angle)), float(np.sin(angle))
+        return Direction((c * x - s * y, s * x + c * y, z), f"{self.label} turned by {degrees:g} degrees")
 
 
 def parse_direction(value: object) -> Direction:

@@ -17,7 +17,8 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from loads.motion import DirectionKey, LoadTable, Part, RunGrid, describe, smooth_step
+from loads.motion import DirectionKey, Part, RunGrid, describe, smooth_step
+from loads.supports import ShakingTable
 from masonry_cd.errors import InputError
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -27,7 +28,7 @@ FINE = 400  # samples per cycle from which the peaks in the printed line are tak
 COARSE = 20  # a run with fewer steps per cycle than this is warned about
 
 
-class SinusoidalTable(LoadTable):
+class SinusoidalTable(ShakingTable):
     """Keys of ``kind = "sinusoidal"``."""
 
     kind: Literal["sinusoidal"] = "sinusoidal"
@@ -36,7 +37,6 @@ class SinusoidalTable(LoadTable):
     frequency: Positive  # f [Hz]
     cycles: Positive | None = None
     duration: Positive | None = None  # [s]
-    start: NotNegative = 0.0  # [s]
     ramp: NotNegative = 0.0  # [s]
 
     @model_validator(mode="after")
@@ -69,7 +69,7 @@ class SinusoidalTable(LoadTable):
 
 
 def sinusoidal(table: SinusoidalTable, grid: RunGrid, where: str) -> Part:
-    """The base velocity at the run's times.
+    """The base motion.
 
     Raises:
         InputError: a frequency that steps of dt cannot follow.
@@ -79,7 +79,8 @@ def sinusoidal(table: SinusoidalTable, grid: RunGrid, where: str) -> Part:
         raise InputError(f"{where}.frequency: {table.frequency:g} Hz is beyond run.dt {grid.dt:g} s, which follows less than {limit:g} Hz")
     numbers = _numbers(table)
     return Part(
-        velocity=table.direction.along(table.velocity(grid.times - table.start)),
+        motion=lambda times: table.direction.along(table.velocity(times - table.start)),
+        delay=table.delay_of_blocks(grid, where),
         lines=_lines(table, grid, where, numbers),
         summary={"kind": "sinusoidal", "direction": list(table.direction.vector), "after": numbers},
     )

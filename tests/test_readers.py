@@ -137,7 +137,7 @@ STOPPED = np.concatenate([TIME[:20], [TIME[19]], TIME[21:]])
         (columns(time=TIME[::-1]), {}, ", line 3: the time does not advance"),
         (columns(time=TIME + 0.1 * TIME**2), {}, ": the time step is not constant"),
         ("".join(f"{v}\n" for v in WAVE), {}, ": no time column; give the key time_step"),
-        ("time,acc\n", {}, ": not recognised as one of at2, esm, csv, columns"),
+        ("time,acc\n", {}, ": not recognised as one of at2, esm, knet, mseed, csv, columns"),
         ("A letter\nfrom the station\n", {}, ": not recognised"),
         ("0.0 0.1\n", {}, ": 1 rows of numbers are no record"),
         ("\n  \n", {}, ": the file is empty"),

@@ -169,3 +169,65 @@ def test_l_aquila_reads_alike_from_both_formats_and_in_three_components() -> Non
     assert numbers(csv, "before")["pga"] == pytest.approx(5.366, abs=1e-3)
     assert csv.support_velocity == pytest.approx(ascii_.support_velocity, abs=1e-6)
     assert np.ptp(csv.support_velocity, axis=0).min() > 0.2  # all three components shake
+
+
+def test_rotating_a_pair_keeps_its_length_and_turns_its_direction(folder: Path) -> None:
+    rows = "".join(f"{t:.2f} {a:.12g} {0.5 * np.sin(3.0 * t):.12g}\n" for t, a in zip(TIME, WAVE, strict=True))
+    (folder / "pair.txt").write_text("t a_m_s2 b_m_s2\n" + rows)
+
+    def pair(angle: float) -> np.ndarray:
+        tables = [{"kind": "record", "path": "pair.txt", "column": c, "direction": d, "rotate": angle} for c, d in (("a", "x"), ("b", "y"))]
+        return loads.build(tables, 1e-3, 12000, (0.0, 0.0, -9.81), folder).support_velocity[:, 0]
+
+    straight, turned = pair(0.0), pair(30.0)
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    assert turned[:, 0] == pytest.approx(c * straight[:, 0] - s * straight[:, 1], abs=1e-12)
+    assert turned[:, 1] == pytest.approx(s * straight[:, 0] + c * straight[:, 1], abs=1e-12)
+    assert np.linalg.norm(turned, axis=1) == pytest.approx(np.linalg.norm(straight, axis=1), abs=1e-12)
+    assert pair(90.0)[:, 1] == pytest.approx(straight[:, 0], abs=1e-12)
+
+
+def test_band_pass_and_resampling_leave_what_lies_inside_the_band(folder: Path) -> None:
+    plain = velocity(folder)
+    kept = build(folder, band=[0.05, 25.0], resample=0.005)
+    assert kept.summary["tables"][0]["time_step"] == 0.005
+    assert kept.support_velocity[:, 0, 0] == pytest.approx(plain, abs=0.02 * abs(plain).max())
+    gone = velocity(folder, band=[4.0, 25.0])  # the wave is one of 1.3 Hz
+    assert abs(gone).max() < 0.01 * abs(plain).max()
+    coarse = build(folder, dt=0.02, resample="run")
+    assert coarse.summary["tables"][0]["time_step"] == 0.02
+    assert not any("coarser" in line for line in coarse.lines)
+
+
+def test_an_offset_of_the_instrument_does_not_survive_taper_and_correction(folder: Path) -> None:
+    (folder / "offset.txt").write_text(
+        "# t [s]  a [m/s2]\n" + "".join(f"{t:.2f} {a + 5.0:.12g}\n" for t, a in zip(TIME, WAVE, strict=True))
+    )
+    keys: dict = {"taper": 1.0, "band": [0.2, 20.0]}
+    assert velocity(folder, path="offset.txt", **keys) == pytest.approx(velocity(folder, **keys), abs=1e-9)
+
+
+def test_intensity_is_told(folder: Path) -> None:
+    loading = build(folder, scale=2.0)
+    assert numbers(loading)["arias"] == pytest.approx(4.0 * numbers(build(folder))["arias"])
+    assert 1.0 < numbers(loading)["significant_duration"] < 9.0
+    assert any("Arias intensity" in line and "significant duration" in line for line in loading.lines)
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"band": [1.0, 60.0]}, "loads[0].band: its upper corner 60 Hz must lie below 50 Hz"),
+        ({"band": [0.0, 20.0]}, "loads[0].band: must be [from, to] in Hz, above zero"),
+        ({"band": [20.0, 1.0]}, "loads[0].band: must be [from, to] in Hz, from < to"),
+        ({"band": [1.0, 20.0], "band_order": 0}, "loads[0].band_order: "),
+        ({"resample": "fast"}, 'loads[0].resample: must be a time step above zero, in seconds, or "run"'),
+        ({"resample": -0.01}, "loads[0].resample: must be a time step above zero"),
+        ({"resample": 0.0141421356}, "loads[0].resample: 0.0141421 s and the record's 0.01 s are in no ratio of whole numbers"),
+        ({"resample": 9.0}, "loads[0].resample: 2 samples are left, at least 8 are needed"),
+    ],
+)
+def test_bad_filters_are_named(folder: Path, keys: dict, message: str) -> None:
+    with pytest.raises(InputError) as failure:
+        build(folder, **keys)
+    assert str(failure.value).startswith(message)

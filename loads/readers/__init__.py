@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from loads.readers import at2, esm, tables
+from loads.readers import at2, esm, knet, mseed, tables
 from loads.readers.source import RawRecord, Request, Source
 
 __all__ = ["READERS", "RawRecord", "Request", "Source", "read"]
@@ -24,6 +24,8 @@ class Reader(NamedTuple):
 READERS = {
     "at2": Reader(at2.recognises, at2.read),
     "esm": Reader(esm.recognises, esm.read),
+    "knet": Reader(knet.recognises, knet.read),
+    "mseed": Reader(mseed.recognises, mseed.read),
     "csv": Reader(tables.recognises_csv, tables.read_csv),
     "columns": Reader(tables.recognises_columns, tables.read_columns),
 }

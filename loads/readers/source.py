@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -14,19 +15,26 @@ from masonry_cd.errors import InputError, suggest
 COMMENTS = ("#", "%", "//")
 
 
+MINISEED = (re.compile(rb"\d{6}[DRQM][ \0]"), re.compile(rb"MS\x03"))  # how files of version 2 and 3 begin
+
+
 @dataclass(frozen=True)
 class Source:
-    """A text file as lines, and how to call it in a message (``loads[0].path: quake.csv``)."""
+    """A file as lines of text, and how to call it in a message (``loads[0].path: quake.csv``).
+
+    A miniSEED file, the one binary format that is read, has no lines but its bytes in ``data``.
+    """
 
     label: str
     lines: tuple[str, ...]
+    data: bytes = field(default=b"", repr=False)
 
     @classmethod
     def open(cls, path: Path, label: str) -> Source:
         """Read a file.
 
         Raises:
-            InputError: no such file, not readable, or not a text.
+            InputError: no such file, not readable, or neither a text nor miniSEED.
         """
         if not path.is_file():
             near = suggest(path.name, (p.name for p in path.parent.iterdir())) if path.parent.is_dir() else ""
@@ -35,6 +43,8 @@ class Source:
             data = path.read_bytes()
         except OSError as failure:
             raise InputError(f"{label}: cannot be read ({failure.strerror})") from None
+        if any(start.match(data) for start in MINISEED):
+            return cls(label, (), data)
         if b"\0" in data[:65536]:
             raise InputError(f"{label}: not a text file")
         try:
@@ -75,6 +85,7 @@ class Request:
 
     column: str | int | None = None
     time_step: float | None = None  # [s]
+    calibration: float | None = None  # what one count of a digitiser means, in the key units
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +108,15 @@ def check_count(source: Source, values: np.ndarray, announced: int, index: int) 
 
 
 def refuse_keys(source: Source, request: Request, kind: str) -> None:
-    """Raise where the user picks a column or gives a time step that the format itself fixes."""
+    """Raise where the user gives a column, a time step or a calibration that the format itself fixes."""
     if request.column is not None:
         raise source.error(f"the key column does not apply to {kind} files, which hold one component")
+    refuse_calibration(source, request, kind)
     if request.time_step is not None:
         raise source.error(f"the key time_step does not apply to {kind} files, whose header gives it")
+
+
+def refuse_calibration(source: Source, request: Request, kind: str) -> None:
+    """Raise where the user gives a calibration for values that are no counts, or whose header has one: it is applied once."""
+    if request.calibration is not None:
+        raise source.error(f"the key calibration does not apply to {kind} files, only to miniSEED, which holds counts")

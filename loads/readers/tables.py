@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from loads.readers.source import COMMENTS, RawRecord, Request, Source
+from loads.readers.source import COMMENTS, RawRecord, Request, Source, refuse_calibration
 from loads.readers.units import TIME, split_heading
 from masonry_cd.errors import suggest
 
@@ -69,6 +69,7 @@ def _read(source: Source, request: Request, delimiter: str | None) -> RawRecord:
     Raises:
         InputError: text among the numbers, a row of another width, an unknown column, a time column that does not advance evenly.
     """
+    refuse_calibration(source, request, "text")
     layout = _layout(source, delimiter)
     time = _time_column(source, layout, request)
     column = _value_column(source, layout, time, request)

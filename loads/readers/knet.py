@@ -1,0 +1,66 @@
+"""K-NET and KiK-net ASCII: seventeen lines of heading, then counts of the digitiser, eight to a line.
+
+Needed of the heading: ``Sampling Freq(Hz)``, ``Duration Time(s)``, and ``Scale Factor``, which says what one count means, e.g.
+``2000(gal)/8388608``. It is applied here, once. The counts stand on an offset of the instrument, which the baseline correction takes away;
+the peak that the heading announces is the one about the mean.
+"""
+
+from __future__ import annotations
+
+import re
+
+from loads.readers.source import RawRecord, Request, Source, check_count, refuse_keys
+
+LAST = "Memo"  # the heading's last line begins so
+HEADING = 40  # lines in which it is looked for
+SCALE = re.compile(r"^\s*([^\s(]+)\s*\(\s*([^)]+?)\s*\)\s*/\s*(\S+)\s*$")
+
+
+def recognises(source: Source) -> bool:
+    """True when the heading has the scale factor and the sampling frequency of K-NET."""
+    heading = _heading(source)
+    return "Scale Factor" in heading and "Sampling Freq(Hz)" in heading
+
+
+def read(source: Source, request: Request) -> RawRecord:
+    """Read the record.
+
+    Raises:
+        InputError: a missing or broken line of the heading, text among the numbers, more or fewer values than the heading announces.
+    """
+    heading = _heading(source)
+    for key in ("Sampling Freq(Hz)", "Duration Time(s)", "Scale Factor", LAST):
+        if key not in heading:
+            raise source.error(f"no line {key} in the heading of a K-NET file")
+    refuse_keys(source, request, "K-NET")
+    line, text = heading["Sampling Freq(Hz)"]
+    frequency = source.number(re.sub(r"Hz\s*$", "", text, flags=re.IGNORECASE), line)
+    if frequency <= 0.0:
+        raise source.error(f"the sampling frequency must be above zero, got {text}", line)
+    factor, unit = _scale(source, *heading["Scale Factor"])
+    values = source.stream(heading[LAST][0] + 1)
+    line, text = heading["Duration Time(s)"]
+    check_count(source, values, round(source.number(text, line) * frequency), line)
+    return RawRecord(factor * values, 1.0 / frequency, 0.0, unit, heading.get("Dir.", (0, ""))[1])
+
+
+def _scale(source: Source, line: int, text: str) -> tuple[float, str]:
+    """What one count means, and in which unit."""
+    match = SCALE.match(text)
+    if match is None:
+        raise source.error(f'a scale factor such as 2000(gal)/8388608 is needed, got "{text}"', line)
+    size, counts = source.number(match[1], line), source.number(match[3], line)
+    if size <= 0.0 or counts <= 0.0:
+        raise source.error(f"the scale factor must be above zero, got {text}", line)
+    return size / counts, match[2]
+
+
+def _heading(source: Source) -> dict[str, tuple[int, str]]:
+    """Key -> (index of its line, value). Keys take the first eighteen characters of a line."""
+    found: dict[str, tuple[int, str]] = {}
+    for index, line in enumerate(source.lines[:HEADING]):
+        key = line[:18].strip().rstrip(".") if line.startswith(LAST) else line[:18].strip()
+        found.setdefault(key, (index, line[18:].strip()))
+        if key == LAST:
+            break
+    return found

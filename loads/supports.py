@@ -1,0 +1,114 @@
+r"""Which supports move, and when: names of blocks and groups, and the delay of a motion that travels along the structure.
+
+A long structure is not shaken everywhere at once. A wave of apparent speed c along the unit direction d reaches a support at x after
+
+    tau = d . (x - x_first) / c,       v(x, t) = v(t - tau),
+
+x_first being the support it meets first (the simplest of the spatial models of EN 1998-2, annex D: wave passage without loss of
+coherence or change of site). Delays may also be given by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import BaseModel, Field, model_validator
+
+from loads.motion import DirectionKey, LoadTable, RunGrid, strict
+from masonry_cd.blocks import Assembly
+from masonry_cd.errors import InputError, suggest
+
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+class Delay(BaseModel):
+    """The key ``delay``: either direction and speed, or seconds by names of supports or groups."""
+
+    model_config = strict
+
+    direction: DirectionKey | None = None
+    speed: Annotated[float, Field(gt=0.0)] | None = None  # apparent, along the direction [m/s]
+    seconds: dict[str, NotNegative] | None = None  # supports that are not named: 0 [s]
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        travels = self.direction is not None and self.speed is not None
+        if travels == (self.seconds is not None) or (self.direction is None) != (self.speed is None):
+            raise ValueError("give direction and speed, or seconds by names of supports")
+        return self
+
+    def of_blocks(self, grid: RunGrid, where: str) -> np.ndarray:
+        """The delay at each block (B,), which only counts for supports [s]."""
+        assembly = structure(grid, f"{where}.delay")
+        if self.direction is not None and self.speed is not None:
+            along = assembly.centre @ np.array(self.direction.vector)
+            return np.where(assembly.fixed, (along - along[assembly.fixed].min()) / self.speed, 0.0)
+        out = np.zeros(assembly.count)
+        for name, seconds in (self.seconds or {}).items():
+            out[select_supports([name], grid, f"{where}.delay.seconds")] = seconds
+        return out
+
+
+class ShakingTable(LoadTable):
+    """What all loads have in common that move the base to and fro."""
+
+    start: NotNegative = 0.0  # time of the run at which the motion begins [s]
+    delay: Delay | None = None  # all supports move together without it
+
+    def delay_of_blocks(self, grid: RunGrid, where: str) -> np.ndarray | None:
+        """(B,) [s], or None where all supports move together."""
+        return None if self.delay is None else self.delay.of_blocks(grid, where)
+
+
+def structure(grid: RunGrid, where: str) -> Assembly:
+    """The blocks that the run is about.
+
+    Raises:
+        InputError: there is none, or no support among its blocks.
+    """
+    if grid.assembly is None:
+        raise InputError(f"{where}: needs a structure, whose blocks it names")
+    if not grid.assembly.fixed.any():
+        raise InputError(f"{where}: no block of the structure is fixed")
+    return grid.assembly
+
+
+def select(names: Sequence[str], assembly: Assembly, where: str) -> np.ndarray:
+    """Mask (B,) of the blocks named: each name is a block, a group, or a pattern with ``*``.
+
+    Raises:
+        InputError: a name that fits nothing.
+    """
+    mask = np.zeros(assembly.count, dtype=bool)
+    groups = np.array(assembly.groups)[assembly.group_of]
+    for name in names:
+        of_either = (fnmatchcase(block, name) or fnmatchcase(group, name) for block, group in zip(assembly.names, groups, strict=True))
+        found = np.fromiter(of_either, dtype=bool, count=assembly.count)
+        if not found.any():
+            known = [*assembly.groups, *assembly.names]
+            raise InputError(f'{where}: "{name}" is no block or group{suggest(name, known)}; groups: {", ".join(assembly.groups)}')
+        mask |= found
+    return mask
+
+
+def select_supports(names: Sequence[str] | None, grid: RunGrid, where: str) -> np.ndarray:
+    """Mask (B,) of the supports named, see :func:`select`; of all supports when names is None.
+
+    Raises:
+        InputError: a name that fits no block, or none that is fixed.
+    """
+    assembly = structure(grid, where)
+    if names is None:
+        return assembly.fixed.copy()
+    mask = np.zeros(assembly.count, dtype=bool)
+    for name in names:
+        found = select([name], assembly, where) & assembly.fixed
+        if not found.any():
+            fixed = [assembly.names[b] for b in np.flatnonzero(assembly.fixed)]
+            some = ", ".join(fixed[:8]) + (" ..." if len(fixed) > 8 else "")
+            raise InputError(f'{where}: "{name}" is not fixed; supports: {some}')
+        mask |= found
+    return mask

@@ -1,0 +1,129 @@
+"""Readers of seismic networks: K-NET and miniSEED against obspy's own samples, the calibration applied once, bad files named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import loads
+from loads.readers import RawRecord, Request, Source, read
+from masonry_cd.errors import InputError
+
+COUNTS = np.round(1000.0 * np.sin(np.linspace(0.0, 9.0, 40))).astype(int) - 500
+HEADING = {
+    "Origin Time": "1996/08/11 03:12:00",
+    "Station Code": "AKT013",
+    "Record Time": "1996/08/11 03:12:39",
+    "Sampling Freq(Hz)": "100Hz",
+    "Duration Time(s)": "0.4",
+    "Dir.": "N-S",
+    "Scale Factor": "2000(gal)/8388608",
+    "Max. Acc. (gal)": "0.3",
+    "Memo.": "",
+}
+
+
+def knet(**change: str | None) -> str:
+    heading = [f"{key:18}{value}".rstrip() for key, value in (HEADING | change).items() if value is not None]
+    return "\n".join([*heading, *("".join(f"{c:9d}" for c in COUNTS[i : i + 8]) for i in range(0, 40, 8))]) + "\n"
+
+
+def load(folder: Path, text: str | bytes, **request: object) -> tuple[str, RawRecord]:
+    file = folder / "quake.dat"
+    file.write_bytes(text.encode() if isinstance(text, str) else text)
+    return read(Source.open(file, "loads[0].path: quake.dat"), "auto", Request(**request))
+
+
+def test_knet_counts_are_scaled_once(tmp_path: Path) -> None:
+    name, record = load(tmp_path, knet())
+    assert name == "knet"
+    assert record.values == pytest.approx(COUNTS * 2000.0 / 8388608)
+    assert (record.step, record.unit, record.name) == (pytest.approx(0.01), "gal", "N-S")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (knet(**{"Duration Time(s)": "0.5"}), ", line 5: the header announces 50 values, the file holds 40: cut short"),
+        (knet(**{"Duration Time(s)": None}), ": no line Duration Time(s) in the heading of a K-NET file"),
+        (knet(**{"Sampling Freq(Hz)": "0Hz"}), ", line 4: the sampling frequency must be above zero, got 0Hz"),
+        (knet(**{"Scale Factor": "2000/8388608"}), ", line 7: a scale factor such as 2000(gal)/8388608 is needed"),
+        (knet(**{"Scale Factor": "2000(gal)/0"}), ", line 7: the scale factor must be above zero"),
+        (knet().replace("     -500", "      nan", 1), ", line 10: nan is not a finite number"),
+        (knet().replace("     -500", "     -5OO", 1), ', line 10: "-5OO" where a number belongs'),
+    ],
+)
+def test_bad_knet_files_are_named_with_their_line(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(InputError) as failure:
+        load(tmp_path, text)
+    assert message in str(failure.value)
+    assert "\n" not in str(failure.value)
+
+
+def test_only_counts_take_a_calibration(tmp_path: Path) -> None:
+    for text in (knet(), "0.00 1\n0.01 2\n0.02 1\n"):
+        with pytest.raises(InputError, match=r"the key calibration does not apply to .* files, only to miniSEED"):
+            load(tmp_path, text, calibration=0.1)
+
+
+@pytest.fixture
+def samples() -> Path:
+    obspy = pytest.importorskip("obspy", reason="obspy, the optional extra records, is not installed")
+    folder = Path(obspy.__path__[0]) / "io"
+    if not (folder / "nied" / "tests" / "data" / "test.knet").is_file():
+        pytest.skip("this obspy came without its sample files")
+    return folder
+
+
+def test_knet_agrees_with_obspy_and_with_the_peak_its_heading_announces(samples: Path) -> None:
+    from obspy.io.nied.knet import _read_knet_ascii
+
+    path = samples / "nied" / "tests" / "data" / "test.knet"
+    _, record = read(Source.open(path, "p"), "auto", Request())
+    trace = _read_knet_ascii(str(path))[0]
+    assert record.values == pytest.approx(100.0 * trace.stats.calib * trace.data, rel=1e-12)  # obspy's calib is in m/s2 per count
+    assert abs(record.values - record.values.mean()).max() == pytest.approx(4.383, abs=5e-4)
+
+
+def test_miniseed_counts_become_accelerations_by_the_given_calibration(samples: Path, tmp_path: Path) -> None:
+    file = tmp_path / "steim2.mseed"
+    file.write_bytes((samples / "mseed" / "tests" / "data" / "steim2.mseed").read_bytes())
+    name, record = read(Source.open(file, "p"), "auto", Request())
+    assert (name, record.name, record.step, len(record.values)) == ("mseed", "NL.HGN.00.BHZ", 0.025, 5980)
+    table = {"kind": "record", "path": file.name, "direction": "z", "units": "cm/s2", "calibration": 1e-3}
+    before = loads.build([table], 0.01, 100, (0.0, 0.0, -9.81), tmp_path).summary["tables"][0]["before"]
+    assert before["pga"] == pytest.approx(1e-5 * abs(record.values).max())
+    with pytest.raises(InputError, match=r"loads\[0\].units: missing, and steim2.mseed does not name its unit"):
+        loads.build([{k: v for k, v in table.items() if k != "units"}], 0.01, 100, (0.0, 0.0, -9.81), tmp_path)
+
+
+def test_a_channel_of_miniseed_is_picked_by_its_code(samples: Path) -> None:
+    source = Source.open(samples / "mseed" / "tests" / "data" / "two_channels.mseed", "p")
+    with pytest.raises(InputError, match=r"several channels; say which by the key column; channels: BW.UH3..EHE, BW.UH3..EHZ"):
+        read(source, "auto", Request())
+    with pytest.raises(InputError, match='no channel "HNN"'):
+        read(source, "auto", Request("HNN"))
+    assert read(source, "auto", Request("ehz"))[1].name == "BW.UH3..EHZ"
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("gaps.mseed", "a gap of 2.06 s in BW.BGLD..EHE at 2.055 s"),
+        ("qualityflags.mseed", "an overlap of 2.06 s"),
+        ("brokenlastrecord.mseed", "not readable as miniSEED"),
+        ("corrupt_one_extra_byte_at_end.mseed", "not readable as miniSEED"),
+    ],
+)
+def test_broken_miniseed_is_refused(samples: Path, name: str, message: str) -> None:
+    with pytest.raises(InputError, match=message) as failure:
+        read(Source.open(samples / "mseed" / "tests" / "data" / name, "p"), "auto", Request())
+    assert "\n" not in str(failure.value)
+
+
+def test_without_obspy_miniseed_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "obspy.io.mseed.core", None)
+    with pytest.raises(InputError, match=r'miniSEED needs obspy; install it by: pip install "masonry-cd\[records\]"'):
+        load(tmp_path, b"000001D " + bytes(504))
