@@ -8,6 +8,7 @@ stands a little proud of the blocks, or their faces would hide it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,18 +40,16 @@ def joint_bands(joints: Joints, drawn: np.ndarray, solids: Solids, pose: Pose, f
     return _sides(middle - half * n, middle + half * n, joints, corner_joint, drawn)
 
 
-def face_plates(joints: Joints, drawn: np.ndarray, solids: Solids, pose: Pose, factor: float, width: float) -> Bands:
-    """Two bands per separated joint, one on each of the faces that have parted."""
-    normal = (
-        np.einsum("jik,jk->ji", pose.rotation[joints.block_a], joints.normal),
-        np.einsum("jik,jk->ji", pose.rotation[joints.block_b], joints.normal),
-    )
+def face_plates(joints: Joints, drawn: Sequence[np.ndarray], solids: Solids, pose: Pose, factor: float, width: float) -> Bands:
+    """Thin bands on faces that have parted: of the joints drawn[0] (J,) on block a, of drawn[1] on block b."""
     corner_joint = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
     parts = []
-    for corners, n in zip(joint_corners(joints, solids, pose, factor), normal, strict=True):
+    sides = (joints.block_a, joints.block_b), joint_corners(joints, solids, pose, factor), drawn
+    for block, corners, wanted in zip(*sides, strict=True):
+        normal = np.einsum("jik,jk->ji", pose.rotation[block], joints.normal)
         middle = _grown(corners, joints, corner_joint, PROUD * width)
-        shift = 0.5 * width * n[corner_joint]
-        parts.append(_sides(middle - shift, middle + shift, joints, corner_joint, drawn))
+        shift = 0.5 * width * normal[corner_joint]
+        parts.append(_sides(middle - shift, middle + shift, joints, corner_joint, wanted))
     return Bands(np.concatenate([p.corners for p in parts]), np.concatenate([p.joint for p in parts]))
 
 

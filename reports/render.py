@@ -123,6 +123,8 @@ def render(layers: Sequence[Layer], view: View, window: Window, pixels: tuple[in
 
     size = [SAMPLES * n for n in pixels]
     plotter = pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
+    context: Any = plotter.render_window
+    context.SetMultiSamples(0)  # the samples are taken here, alike on every driver
     try:
         plotter.set_background("white")  # type: ignore[arg-type]  # a wrapper hides its signature
         _light(plotter, view)
