@@ -17,6 +17,9 @@ from masonry_cd.errors import InputError, suggest
 KINDS = {
     "arch": "structures.arch",
     "aqueduct": "structures.aqueduct",
+    "wall": "structures.wall",
+    "tower": "structures.tower",
+    "column": "structures.column",
     "file": "structures.blockfile",
 }
 

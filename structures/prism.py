@@ -46,3 +46,37 @@ def polygon_centroid(polygon: np.ndarray) -> np.ndarray:
     after = np.roll(local, -1, axis=0)
     weight = local[:, 0] * after[:, 1] - after[:, 0] * local[:, 1]
     return polygon[0] + ((local + after) * weight[:, None]).sum(axis=0) / (3.0 * weight.sum())
+
+
+def prism(polygon: np.ndarray, axis: int, near: float, far: float) -> tuple[np.ndarray, Faces]:
+    """Extrude a polygon of an upright plane across it.
+
+    Args:
+        polygon: (n, 2) corners s, z [m], s being x (axis 0) or y (axis 1).
+        near, far: the two end planes on the other horizontal axis [m].
+    """
+    vertices, faces = prism_xz(polygon, near, far)
+    if axis == 0:
+        return vertices, faces
+    return vertices[:, [1, 0, 2]], tuple(tuple(reversed(face)) for face in faces)
+
+
+def between(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, Faces]:
+    """The solid between two polygons (n, 3) with as many corners, side by side: frusta, voussoirs of domes.
+
+    Either polygon is plane and so is every quadrilateral between corresponding sides; the sense of rotation does not matter.
+    """
+    n = len(first)
+    vertices = np.concatenate([first, second]).astype(float)
+    sides = tuple((i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n))
+    faces: Faces = (tuple(range(n - 1, -1, -1)), tuple(range(n, 2 * n)), *sides)
+    corners = first - first.mean(axis=0)
+    area = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
+    if area @ (second.mean(axis=0) - first.mean(axis=0)) < 0:
+        faces = tuple(tuple(reversed(face)) for face in faces)
+    return vertices, faces
+
+
+def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> tuple[np.ndarray, Faces]:
+    """The cuboid between two corners [m]."""
+    return prism_xz(rectangle(low[0], high[0], low[2], high[2]), low[1], high[1])

@@ -1,0 +1,31 @@
+"""Types and keys that the tables of several kinds of structure share."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Height = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Place = Annotated[float, Field(allow_inf_nan=False)]
+HeadShape = Literal["lintel", "flat", "segmental", "round"]
+
+
+class Table(BaseModel):
+    """A table of the scene: unknown keys are refused, values stay as read."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class OpeningTable(Table):
+    """One entry ``[[structure.openings]]``: a door or a window."""
+
+    centre: Place = Field(description="along the wall, from the middle of the wall [m]")
+    width: Length = Field(1.0, description="clear [m]")
+    sill: Height = Field(0.0, description="height of the sill above the foot of the wall [m]")
+    height: Length = Field(2.0, description="clear, from the sill to the crown of the intrados [m]")
+    head: HeadShape = "lintel"
+    depth: Length | None = Field(None, description="of the lintel or of the arch; by default a course or a fifth of the width [m]")
+    rise: Length | None = Field(None, description="of a segmental arch; by default a sixth of the width [m]")
+    bearing: Length | None = Field(None, description="of a lintel on each jamb; by default a third of a block [m]")
