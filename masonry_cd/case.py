@@ -10,7 +10,7 @@ import json
 import math
 import re
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -69,11 +69,13 @@ def prepare(scene: Scene) -> Case:
     blocks = build_blocks(scene)
     try:
         assembly = Assembly.from_blocks(blocks, scene.material.friction)
-        loading = loads.build(scene.loads, scene.run.dt, scene.run.steps, scene.run.gravity, scene.folder)
+        loading = loads.build(scene.loads, scene.run.dt, scene.run.steps, scene.run.gravity, scene.folder, assembly)
     except InputError as error:
         raise scene.at_fault(error) from None
     if loading.support_velocity.any() and not assembly.fixed.any():
         raise InputError(f"{scene.path}: loads: the base is shaken, but no block of the structure is fixed")
+    if loading.support_of is not None:
+        assembly = replace(assembly, support_of=loading.support_of)
     with said_if_slow("compiling the kernels, once: this takes about a minute and is kept for later runs"):
         joints = find_joints(assembly)
         _compile(scene.run)
