@@ -17,7 +17,9 @@ from loads.combine import support_motions
 from loads.gravity import GravityTable, gravity
 from loads.motion import LoadTable, Part, RunGrid
 from loads.record import RecordTable, record
+from loads.settlement import SettlementTable, SpreadingTable, settlement, spreading
 from loads.sinusoidal import SinusoidalTable, sinusoidal
+from loads.tilt import PushTable, TiltTable, load_factors, push, tilt
 from masonry_cd.blocks import Assembly
 from masonry_cd.errors import InputError, parse_table, suggest
 
@@ -27,6 +29,10 @@ KINDS: dict[str, tuple[type[LoadTable], Callable[[Any, RunGrid, str], Part]]] = 
     "gravity": (GravityTable, gravity),
     "sinusoidal": (SinusoidalTable, sinusoidal),
     "record": (RecordTable, record),
+    "settlement": (SettlementTable, settlement),
+    "spreading": (SpreadingTable, spreading),
+    "tilt": (TiltTable, tilt),
+    "push": (PushTable, push),
 }
 
 
@@ -47,6 +53,10 @@ class Loading:
     lines: tuple[str, ...]
     summary: dict[str, Any]
     support_of: np.ndarray | None = None
+
+    def load_factor(self, gravity: Sequence[float]) -> np.ndarray:
+        """lambda at the times t_k, (N + 1,): body force across gravity over that along it; of a tilt, the tangent of its angle."""
+        return load_factors(self.acceleration, np.asarray(gravity, dtype=float))
 
 
 def build(
@@ -72,9 +82,7 @@ def build(
     """
     grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly)
     asked = [_parse(table, f"loads[{i}]") for i, table in enumerate(tables)]
-    falls = [i for i, table in enumerate(asked) if isinstance(table, GravityTable)]
-    if len(falls) > 1:
-        raise InputError(f"loads[{falls[1]}]: gravity is given twice, first in loads[{falls[0]}]")
+    falls = _gravity_tables(asked)
     parts = [KINDS[table.kind][1](table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
     if not falls:
         parts.append(KINDS["gravity"][1](GravityTable(), grid, "gravity"))
@@ -101,6 +109,22 @@ def _parse(table: Mapping[str, Any], where: str) -> LoadTable:
     if kind not in KINDS:
         raise InputError(f'{where}.kind: unknown kind "{kind}"{suggest(str(kind), KINDS)}; kinds: {", ".join(KINDS)}')
     return parse_table(KINDS[kind][0], table, where)
+
+
+def _gravity_tables(asked: Sequence[LoadTable]) -> list[int]:
+    """Places of the tables of kind gravity: none or one.
+
+    Raises:
+        InputError: more than one, or one that is still being ramped when a tilt begins to turn it.
+    """
+    falls = [i for i, table in enumerate(asked) if isinstance(table, GravityTable)]
+    if len(falls) > 1:
+        raise InputError(f"loads[{falls[1]}]: gravity is given twice, first in loads[{falls[0]}]")
+    ramp = max((table.ramp for table in asked if isinstance(table, GravityTable)), default=0.0)
+    for i, table in enumerate(asked):
+        if isinstance(table, TiltTable) and ramp > (0.0 if table.initial > 0.0 else table.start):
+            raise InputError(f"loads[{i}]: gravity is ramped over {ramp:g} s; begin the tilt after that, from an initial angle of 0")
+    return falls
 
 
 def _base(velocity: np.ndarray, dt: float) -> dict[str, Any]:

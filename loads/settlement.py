@@ -1,0 +1,145 @@
+r"""Supports that give way: settlement of some, and spreading of all.
+
+A support moves by D in a smooth pulse of duration T, x = (t - start) / T:
+
+    d(t) = D (10 x^3 - 15 x^4 + 6 x^5),        v(t) = D / T  30 x^2 (1 - x)^2,
+
+so velocity and acceleration are zero at both ends. On the run's steps the pulse is scaled so that the base, which follows the
+trapezoidal rule, ends at D exactly.
+
+**Spreading** stretches the ground under the structure along a direction d: a support at x moves by
+
+    D(x) = displacement * (d . x - middle) / length,
+
+middle and length being those of the supports along d. The outermost ones part by the displacement, half of it each.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field
+
+from loads.motion import Direction, DirectionKey, LoadTable, Motion, Part, RunGrid
+from loads.supports import select_supports, structure
+from masonry_cd.errors import InputError
+
+FEWEST_STEPS = 10  # of the run in a pulse
+
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+def _names(value: object) -> tuple[str, ...] | None:
+    """One name or a list of names."""
+    names = [value] if isinstance(value, str) else value
+    if names is None:
+        return None
+    if not isinstance(names, (list, tuple)) or not names or not all(isinstance(name, str) for name in names):
+        raise ValueError("must be the name of a fixed block or a group, or a list of names")
+    return tuple(names)
+
+
+Names = Annotated[tuple[str, ...] | None, BeforeValidator(_names)]
+
+
+class SettlementTable(LoadTable):
+    """Keys of ``kind = "settlement"``."""
+
+    kind: Literal["settlement"] = "settlement"
+    supports: Annotated[tuple[str, ...], BeforeValidator(_names)]  # blocks, groups, or patterns with *
+    direction: DirectionKey = Direction((0.0, 0.0, -1.0), "-z")
+    displacement: float  # [m]
+    start: NotNegative = 0.0  # [s]
+    duration: Annotated[float, Field(gt=0.0)]  # [s]
+
+
+class SpreadingTable(LoadTable):
+    """Keys of ``kind = "spreading"``."""
+
+    kind: Literal["spreading"] = "spreading"
+    supports: Names = None  # all when left out
+    direction: DirectionKey
+    displacement: float  # by which the outermost supports part [m]
+    start: NotNegative = 0.0  # [s]
+    duration: Annotated[float, Field(gt=0.0)]  # [s]
+
+
+def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:
+    """The motion of the supports named.
+
+    Raises:
+        InputError: names that fit no support, or a pulse that the steps cannot follow.
+    """
+    moving = select_supports(table.supports, grid, f"{where}.supports")
+    along = f"{table.displacement:g} m along {table.direction.label}"
+    return Part(
+        motion=_pulse(table, grid, where),
+        share=moving.astype(float),
+        lines=(f"{where} settlement of {int(moving.sum())} supports by {along}, {_when(table)}", *_cut_short(table, grid, where)),
+        summary=_summary(table) | {"supports": _named(moving, grid)},
+    )
+
+
+def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
+    """The motion of the supports named, or of all.
+
+    Raises:
+        InputError: names that fit no support, supports that all stand at one place, or a pulse that the steps cannot follow.
+    """
+    moving = select_supports(table.supports, grid, f"{where}.supports")
+    place = structure(grid, where).centre @ np.array(table.direction.vector)
+    low, high = place[moving].min(), place[moving].max()
+    if high - low < 1e-9 * max(1.0, abs(high)):
+        raise InputError(f"{where}.direction: the supports all stand at one place along {table.direction.label}, nothing can spread")
+    share = np.where(moving, (place - 0.5 * (low + high)) / (high - low), 0.0)
+    over = f"over {high - low:.4g} m along {table.direction.label}"
+    return Part(
+        motion=_pulse(table, grid, where),
+        share=share,
+        lines=(
+            f"{where} spreading of {int(moving.sum())} supports by {table.displacement:g} m {over}, {_when(table)}",
+            *_cut_short(table, grid, where),
+        ),
+        summary=_summary(table) | {"supports": _named(moving, grid)},
+    )
+
+
+def _pulse(table: SettlementTable | SpreadingTable, grid: RunGrid, where: str) -> Motion:
+    """The velocity of the whole displacement as a function of time."""
+    if table.duration < FEWEST_STEPS * grid.dt:
+        raise InputError(f"{where}.duration: {table.duration:g} s are less than {FEWEST_STEPS} steps of run.dt {grid.dt:g} s")
+
+    def shape(times: np.ndarray) -> np.ndarray:
+        x = np.clip((times - table.start) / table.duration, 0.0, 1.0)
+        return np.asarray(30.0 * (x * (1.0 - x)) ** 2 / table.duration)
+
+    steps = np.arange(int(np.ceil(table.duration / grid.dt)) + 2) + np.floor(table.start / grid.dt)
+    on_steps = grid.dt * float(shape(grid.dt * steps).sum())  # the trapezoidal rule over the whole pulse: one but for rounding to steps
+    return lambda times: table.direction.along(table.displacement / on_steps * shape(times))
+
+
+def _when(table: SettlementTable | SpreadingTable) -> str:
+    return f"{table.start:g} to {table.start + table.duration:g} s"
+
+
+def _cut_short(table: SettlementTable | SpreadingTable, grid: RunGrid, where: str) -> list[str]:
+    """A line where the run ends first."""
+    end = table.start + table.duration
+    return [f"{where} the run ends at {grid.end:g} s, before the displacement is reached"] if end > grid.end * (1.0 + 1e-9) else []
+
+
+def _named(moving: np.ndarray, grid: RunGrid) -> list[str]:
+    """The names of the blocks in a mask."""
+    assert grid.assembly is not None
+    return [grid.assembly.names[b] for b in np.flatnonzero(moving)]
+
+
+def _summary(table: SettlementTable | SpreadingTable) -> dict[str, object]:
+    return {
+        "kind": table.kind,
+        "direction": list(table.direction.vector),
+        "displacement": table.displacement,
+        "start": table.start,
+        "duration": table.duration,
+    }

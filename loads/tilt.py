@@ -1,0 +1,151 @@
+r"""Slow loads that find the capacity of a structure: a tilt test and a push.
+
+**Tilt.** The base is turned slowly about a horizontal axis; the run stays in the frame of the base, where gravity turns the other way,
+
+    g(t) = |g| (cos(phi) e + sin(phi) d),        phi = initial + rate (t - start), at most angle,
+
+with e the direction of gravity and d that to which the structure leans. On a rigid base this is the same as a horizontal force of
+lambda = tan(phi) times the weight, the weight itself being less by cos(phi): rigid blocks with dry friction have no other force to compare
+it with, so the angle at which they give way is the same. The turning itself (centrifugal and Euler forces) is left out: at 1 degree/s
+and 10 m it is 3e-3 m/s2.
+
+**Push.** A body force on every block that grows linearly,  a(t) = lambda |g| d,  lambda = initial + rate (t - start), at most peak.
+
+In both the structure needs time to fall: lambda has grown by rate times that time when the fall is seen. Push slowly where it matters.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from loads.motion import Direction, DirectionKey, LoadTable, Part, RunGrid, parse_direction
+from masonry_cd.errors import InputError
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+class TiltTable(LoadTable):
+    """Keys of ``kind = "tilt"``."""
+
+    kind: Literal["tilt"] = "tilt"
+    direction: DirectionKey | None = None  # to which the structure leans
+    axis: DirectionKey | None = None  # or: about which gravity turns, by the right-hand rule
+    rate: Positive  # [degrees/s]
+    initial: Annotated[float, Field(ge=0.0, lt=90.0)] = 0.0  # angle from the first step on [degrees]
+    angle: Annotated[float, Field(gt=0.0, le=90.0)] | None = None  # at which it stops [degrees]
+    start: NotNegative = 0.0  # [s]
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if (self.direction is None) == (self.axis is None):
+            raise ValueError("give exactly one of direction and axis")
+        if self.angle is not None and self.angle < self.initial:
+            raise ValueError(f"angle: {self.angle:g} degrees lie below initial, {self.initial:g}")
+        return self
+
+
+class PushTable(LoadTable):
+    """Keys of ``kind = "push"``."""
+
+    kind: Literal["push"] = "push"
+    direction: DirectionKey
+    rate: Positive  # of lambda [1/s], that is g per second
+    initial: NotNegative = 0.0  # lambda from the first step on
+    peak: Positive | None = None  # lambda at which it stops
+    start: NotNegative = 0.0  # [s]
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.peak is not None and self.peak < self.initial:
+            raise ValueError(f"peak: {self.peak:g} lies below initial, {self.initial:g}")
+        return self
+
+
+def tilt(table: TiltTable, grid: RunGrid, where: str) -> Part:
+    """What the tilt adds to gravity at the run's times, (N + 1, 3) [m/s2].
+
+    Raises:
+        InputError: no gravity to turn, or a direction that is not level.
+    """
+    down, size = _gravity(grid, where)
+    lean = _lean(table, down, where)
+    limit = 90.0 if table.angle is None else table.angle
+    degrees = np.minimum(table.initial + table.rate * np.maximum(grid.times - table.start, 0.0), limit)
+    phi = np.deg2rad(degrees)
+    added = size * (np.outer(np.cos(phi) - 1.0, down) + np.outer(np.sin(phi), lean.vector))
+    line = f"{where} tilt towards {lean.label}: {degrees[0]:g} to {degrees[-1]:.4g} degrees at {table.rate:g} degrees/s"
+    return Part(
+        acceleration=added,
+        lines=(f"{line}, lambda = tan(angle) up to {np.tan(phi[-1]):.4g}",),
+        summary={
+            "kind": "tilt",
+            "direction": list(lean.vector),
+            "start": table.start,
+            "initial": table.initial,
+            "rate": table.rate,
+            "angle": float(degrees[-1]),
+        },
+    )
+
+
+def push(table: PushTable, grid: RunGrid, where: str) -> Part:
+    """The body force at the run's times, (N + 1, 3) [m/s2].
+
+    Raises:
+        InputError: no gravity that would give it its size.
+    """
+    _, size = _gravity(grid, where)
+    limit = np.inf if table.peak is None else table.peak
+    factor = np.minimum(table.initial + table.rate * np.maximum(grid.times - table.start, 0.0), limit)
+    return Part(
+        acceleration=size * table.direction.along(factor),
+        lines=(f"{where} push along {table.direction.label}: lambda {factor[0]:g} to {factor[-1]:.4g} at {table.rate:g} per second",),
+        summary={
+            "kind": "push",
+            "direction": list(table.direction.vector),
+            "start": table.start,
+            "initial": table.initial,
+            "rate": table.rate,
+            "peak": float(factor[-1]),
+        },
+    )
+
+
+def load_factors(acceleration: np.ndarray, gravity: np.ndarray) -> np.ndarray:
+    """lambda at each time (n,): the part of the body force across gravity over the part along it.
+
+    Args:
+        acceleration: (n, 3) of the blocks, gravity included [m/s2].
+        gravity: (3,) its direction when nothing is tilted [m/s2].
+    """
+    down = gravity / np.linalg.norm(gravity)
+    along = acceleration @ down
+    across = np.linalg.norm(acceleration - np.outer(along, down), axis=1)
+    return np.divide(across, along, out=np.full(len(along), np.inf), where=along > 0.0)
+
+
+def _gravity(grid: RunGrid, where: str) -> tuple[np.ndarray, float]:
+    """Direction and size of gravity."""
+    size = float(np.linalg.norm(grid.gravity))
+    if size == 0.0:
+        raise InputError(f"{where}: needs gravity, but run.gravity is zero")
+    return grid.gravity / size, size
+
+
+def _lean(table: TiltTable, down: np.ndarray, where: str) -> Direction:
+    """The level direction to which the structure leans."""
+    if table.direction is not None:
+        key, lean = "direction", table.direction
+        slope = abs(float(np.dot(lean.vector, down)))
+    else:
+        assert table.axis is not None
+        key, slope = "axis", abs(float(np.dot(table.axis.vector, down)))
+        turned = np.cross(table.axis.vector, down)
+        lean = table.axis if slope > 1e-9 else parse_direction([float(n) + 0.0 for n in turned])
+    if slope > 1e-9:
+        raise InputError(f"{where}.{key}: must be level, at right angles to gravity")
+    return lean
