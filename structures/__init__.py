@@ -20,6 +20,9 @@ KINDS = {
     "wall": "structures.wall",
     "tower": "structures.tower",
     "column": "structures.column",
+    "vault": "structures.vault",
+    "dome": "structures.dome",
+    "church": "structures.church",
     "file": "structures.blockfile",
 }
 

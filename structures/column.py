@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from masonry_cd.blocks import Block
+from masonry_cd.blocks import Block, Faces
 from masonry_cd.errors import InputError, parse_table
 from structures import plan
 from structures.checks import check
@@ -89,7 +89,7 @@ def column(centre: tuple[float, float], foot: float, keys: ColumnTable, density:
     return blocks
 
 
-def _slab(centre: tuple[float, float], half: float, low: float, high: float) -> Any:
+def _slab(centre: tuple[float, float], half: float, low: float, high: float) -> tuple[np.ndarray, Faces]:
     return box((centre[0] - half, centre[1] - half, low), (centre[0] + half, centre[1] + half, high))
 
 

@@ -23,7 +23,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from structures.arch import ring
+from structures.curves import ring
 from structures.solid import Segment
 
 LEAST_BED = 0.5  # between a bed and the ring below it, in courses

@@ -33,7 +33,7 @@ class WallTable(Table):
     unit_length: Length | None = Field(None, description="of a block; by default two courses [m]")
     leaves: int = Field(1, ge=1, le=4)
     through: int = Field(3, ge=1, le=100, description="through-stones: one in so many stones of every so many courses")
-    openings: tuple[OpeningTable, ...] = Field((), strict=False)
+    openings: tuple[dict[str, Any], ...] = Field((), strict=False, description="doors and windows, [[structure.openings]] each")
     gable: Height = Field(0.0, description="height of a gable on top [m]")
     base_depth: Length | None = Field(None, description="of the base; by default two courses [m]")
 
@@ -67,7 +67,10 @@ def elevation(keys: WallTable) -> plan.Wall:
         raise InputError(f"structure.unit_length: must be at most the length of the wall, {keys.length:g} m, got {unit:g}")
     if 0 < keys.gable < keys.course_height:
         raise InputError(f"structure.gable: must be 0, or at least a course, {keys.course_height:g} m, got {keys.gable:g}")
-    openings = [opening_of(o, f"structure.openings[{i}].", keys.course_height, unit) for i, o in enumerate(keys.openings)]
+    openings = []
+    for i, entry in enumerate(keys.openings):
+        made = parse_table(OpeningTable, entry, f"structure.openings[{i}]")
+        openings.append(opening_of(made, f"structure.openings[{i}].", keys.course_height, unit))
     for opening in openings:
         inside(opening.key, opening.centre, opening.width, 0.5 * keys.length)
     half, thick = 0.5 * keys.length, 0.5 * keys.thickness

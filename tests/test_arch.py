@@ -116,7 +116,7 @@ def test_arch_of_27_voussoirs_can_stand_just_above_the_published_thickness_and_n
         ({"span": 4.0, "thickness": 0.5, "shape": "pointed"}, "structure.voussoirs: a pointed arch has a joint at its apex"),
         ({"span": 4.0, "thickness": 0.5, "shape": "pointed", "rise": 1.5}, "structure.rise: of a pointed arch must exceed half the span"),
         ({"span": 4.0, "thickness": 0.5, "shape": "pointed", "radius": 2.0}, "structure.radius: of a pointed arch must exceed"),
-        ({"span": 4.0, "thickness": 0.5, "shape": "trefoil"}, "structure.shape: input should be 'circular' or 'pointed'"),
+        ({"span": 4.0, "thickness": 0.5, "shape": "trefoil"}, "structure.shape: input should be 'circular', 'pointed', 'three-centred' or 'flat'"),
     ],
 )
 def test_wrong_keys_are_named_in_one_line(keys: dict[str, object], message: str) -> None:
