@@ -16,15 +16,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd import __version__
+from masonry_cd import __version__, checkpoint
 from masonry_cd.blocks import Assembly, Block
 from masonry_cd.errors import InputError
 from masonry_cd.joints import Joints, find_joints
 from masonry_cd.progress import Interrupt, Progress, in_words, said_if_slow
 from masonry_cd.results import Results, ResultWriter
+from masonry_cd.runner import RunReport
+from masonry_cd.runner import run as run_steps
 from masonry_cd.scene import Report, Run, Scene
-from masonry_cd.stepping import RunReport, Stepper
-from masonry_cd.stepping import run as run_steps
+from masonry_cd.stepping import Stepper
 
 if TYPE_CHECKING:
     from loads import Loading
@@ -91,8 +92,17 @@ def _compile(settings: Run) -> None:
     Stepper(Assembly.from_blocks(cubes, 0.5), np.zeros((2, 1, 3)), gravity, settings.model_copy(update={"dt": 1e-3})).step()
 
 
-def run_case(case: Case, folder: Path, quiet: bool = True) -> dict[str, Any]:
+def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False) -> dict[str, Any]:
     """Run a case and write everything into a folder, which is made if need be.
+
+    Args:
+        case: from :func:`prepare`.
+        folder: for the results.
+        quiet: no progress.
+        resume: go on from the folder's checkpoint, with the scene that it was made by.
+
+    Raises:
+        InputError: with ``resume``, a folder without a checkpoint or with one of another scene.
 
     Returns:
         the summary, as in summary.json; its ``stopped`` says why the run ended early, empty when it did not.
@@ -100,8 +110,10 @@ def run_case(case: Case, folder: Path, quiet: bool = True) -> dict[str, Any]:
     begin = time.perf_counter()
     scene, settings = case.scene, case.scene.run
     folder.mkdir(parents=True, exist_ok=True)
-    for name in OUTPUTS:
-        (folder / name).unlink(missing_ok=True)
+    file, saved = folder / "result.h5", folder / checkpoint.NAME
+    if not resume:
+        for name in (*OUTPUTS, checkpoint.NAME):
+            (folder / name).unlink(missing_ok=True)
     stepper = Stepper(case.assembly, case.loading.support_velocity, case.loading.acceleration, settings)
     interrupt, show = Interrupt(), Progress(settings.steps, quiet)
 
@@ -109,9 +121,8 @@ def run_case(case: Case, folder: Path, quiet: bool = True) -> dict[str, Any]:
         show(done)
         interrupt.check()
 
-    file = folder / "result.h5"
-    with interrupt, ResultWriter(file, case.assembly, case.joints, scene.text, scene.title) as writer, show:
-        report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress)
+    with interrupt, _writer(case, file, saved, resume) as writer, show:
+        report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume)
     summary = _summary(case, report)
     with Results.open(file) as results:
         summary |= write_damage(results, folder, scene.report)
@@ -120,6 +131,17 @@ def run_case(case: Case, folder: Path, quiet: bool = True) -> dict[str, Any]:
     summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
     write_json(summary, folder / "summary.json")
     return summary
+
+
+def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
+    """The writer of a new result file, or of one that is gone on with."""
+    if not resume:
+        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title)
+    rows = checkpoint.load(saved)[1]["rows"]
+    with Results.open(file) as results:
+        if results.scene != case.scene.text:
+            raise InputError(f"{file}: made by another scene; resume with the same scene file and the same --set")
+    return ResultWriter.resumed(file, rows)
 
 
 def write_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:

@@ -66,22 +66,26 @@ def run(
     output: Output,
     set_: Changes = None,
     force: Force = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with a run that was stopped, from its last checkpoint.")
+    ] = False,
     quiet: Quiet = False,
 ) -> None:
     """Compute a scene and write its results.
 
     DIR gets result.h5, joints.csv, summary.json, and the pictures that the scene asks for. The whole scene is checked first; bad input
     is told in one line, with exit code 2, and nothing is written. Ctrl-C ends a run after the current step: the results stay readable
-    up to there.
+    up to there, and --resume goes on to the same numbers as an unbroken run.
 
     \b
     Examples:
       masonry-cd run aqueduct.toml -o out/aqueduct
+      masonry-cd run aqueduct.toml -o out/aqueduct --resume
       masonry-cd run aqueduct.toml -o out/strong --set loads[0].amplitude=0.4 --set run.duration=5
       masonry-cd run aqueduct.toml -o out/aqueduct --force --set run.solver=nlgs --set run.tolerance=1e-6
     """
     with _told():
-        _free_folder(output, ("result.h5", "summary.json"), force)
+        _free_folder(output, ("result.h5", "summary.json"), force or resume)
         from masonry_cd.scene import read_scene
 
         asked = read_scene(scene, set_ or ())
@@ -90,7 +94,7 @@ def run(
         prepared = case.prepare(asked)
         if not quiet:
             _announce(prepared)
-        summary = case.run_case(prepared, output, quiet)
+        summary = case.run_case(prepared, output, quiet, resume)
         if not quiet:
             typer.echo("\n".join(case.closing_lines(summary)))
             typer.echo(f"results: {', '.join(str(output / name) for name in case.OUTPUTS if (output / name).exists())}")

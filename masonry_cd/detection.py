@@ -16,6 +16,7 @@ Crossing edges: one point, midway between them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -106,6 +107,19 @@ class Detector:
                 self._spare = _Buffers(2 * len(out.gap))
         self._spare, self._last = self._last if len(self._last.gap) == len(out.gap) else _Buffers(len(out.gap)), out
         return out.first(count)
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """What the detector remembers, as arrays for a checkpoint."""
+        memory = {name: getattr(self._memory, name) for name in PairMemory.__dataclass_fields__}
+        contacts = int(self._memory.count.sum())
+        return memory | {"grown": self._grown, "local": self._last.local[:contacts]}
+
+    def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """Take back what :meth:`snapshot` gave."""
+        self._memory = PairMemory(**{name: arrays[name] for name in PairMemory.__dataclass_fields__})
+        self._grown = arrays["grown"]
+        self._last = _Buffers(len(arrays["local"]))
+        self._last.local[:] = arrays["local"]
 
     def _rebuild(self) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""

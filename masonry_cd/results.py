@@ -55,6 +55,41 @@ class ResultWriter:
         self._pending_bytes = 0
         self._started = False
 
+    @classmethod
+    def resumed(cls, path: Path, rows: Mapping[str, int]) -> ResultWriter:
+        """Go on with the file of a run that was stopped or killed, cut back to the given number of rows of each dataset.
+
+        The rows are copied into a new file, since a killed writer leaves its file marked as in use; the old one goes when that is done.
+
+        Raises:
+            InputError: no result file, or one with fewer rows than the checkpoint counts.
+        """
+        aside = path.with_suffix(".part")
+        new = cls.__new__(cls)
+        new.path, new._pending, new._pending_bytes, new._started = path, {}, 0, False
+        with Results.open(path) as old, h5py.File(aside, "w", libver="latest") as file:
+            file.attrs.update(old.file.attrs)
+            for name in ("blocks", "joints/peak", *(f"joints/{name}" for name in Joints.__dataclass_fields__)):
+                old.file.copy(name, file.require_group(str(Path(name).parent)))
+            for name, count in rows.items():
+                if name not in old.file or len(old.file[name]) < count:
+                    raise InputError(f"{path}: holds less than its checkpoint says: it cannot be resumed")
+                _copy_rows(old.file[name], file, name, count)
+        aside.replace(path)
+        new._file = h5py.File(path, "r+", libver="latest")
+        return new
+
+    def rows(self) -> dict[str, int]:
+        """Rows written so far of each dataset that grows."""
+        found: dict[str, int] = {}
+
+        def visit(name: str, item: object) -> None:
+            if isinstance(item, h5py.Dataset) and item.maxshape[:1] == (None,):
+                found[name] = len(item)
+
+        self._file.visititems(visit)
+        return found
+
     def __enter__(self) -> ResultWriter:
         return self
 
@@ -79,12 +114,7 @@ class ResultWriter:
             self.flush()
 
     def _create(self, name: str, array: np.ndarray) -> None:
-        """A dataset that grows along its first axis, in chunks of about 64 kB."""
-        row_bytes = max(1, array[:1].nbytes)
-        chunk = int(np.clip(65536 // row_bytes, 1, 4096))
-        self._file.create_dataset(
-            name, shape=(0, *array.shape[1:]), maxshape=(None, *array.shape[1:]), chunks=(chunk, *array.shape[1:]), dtype=array.dtype
-        )
+        _growing(self._file, name, array.shape[1:], array.dtype)
 
     def flush(self) -> None:
         """Write what waits in the buffers; from here on it survives a kill."""
@@ -194,6 +224,22 @@ class Results:
     def scene(self) -> str:
         """The text of the scene file that made this run."""
         return str(self.file.attrs["scene"])
+
+
+def _growing(file: h5py.File, name: str, row: tuple[int, ...], dtype: np.dtype) -> h5py.Dataset:
+    """A dataset that grows along its first axis, in chunks of about 64 kB."""
+    row_bytes = max(1, int(np.prod(row)) * dtype.itemsize)
+    chunk = int(np.clip(65536 // row_bytes, 1, 4096))
+    return file.create_dataset(name, shape=(0, *row), maxshape=(None, *row), chunks=(chunk, *row), dtype=dtype)
+
+
+def _copy_rows(old: h5py.Dataset, file: h5py.File, name: str, count: int) -> None:
+    """Copy the first rows of a growing dataset into another file, some megabytes at a time."""
+    new = _growing(file, name, old.shape[1:], old.dtype)
+    new.resize(count, axis=0)
+    block = max(1, (8 << 20) // max(1, int(np.prod(old.shape[1:])) * old.dtype.itemsize))
+    for first in range(0, count, block):
+        new[first : first + block] = old[first : min(first + block, count)]
 
 
 def versions() -> dict[str, str]:

@@ -1,4 +1,4 @@
-r"""The Moreau-Jean step and the run loop.
+r"""The Moreau-Jean step.
 
 One step of length h from (q, v) to (q+, v+), theta in [1/2, 1] (Jean, Comput. Methods Appl. Mech. Engrg. 177, 1999):
 
@@ -18,19 +18,18 @@ is not pushed out through the velocity: that would feed energy.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from masonry_cd import kinematics
 from masonry_cd.blocks import Assembly
+from masonry_cd.checkpoint import part, prefixed
 from masonry_cd.detection import ContactSet, Detector
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 from masonry_cd.impacts import open_contacts, solve_apart
-from masonry_cd.joints import JointMeasures, JointPeaks, Joints, measure_joints
 from masonry_cd.planar import find_plane
-from masonry_cd.results import JOINT_PEAKS, ResultWriter
 from masonry_cd.scene import Run
 from masonry_cd.solvers import SOLVERS, Options
 from masonry_cd.state import State, rotation_matrices
@@ -208,6 +207,25 @@ class Stepper:
         energy["gravity_work"] += float(a.mass[free] @ (moved[free] @ self._acceleration[self.steps + 1]))
         energy["balance"] = energy["base_work"] + energy["gravity_work"] - energy["kinetic"] - energy["friction"] - energy["impact"]
 
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """All that the next step depends on, as arrays for a checkpoint."""
+        state = {name: getattr(self.state, name) for name in ("position", "orientation", "velocity")}
+        own = {"spin": self._spin, "v": self._v, "impulse": self._impulse, "steps": np.array(self.steps)}
+        own["energy"] = np.array([self.energy[name] for name in ENERGIES])
+        if self._handover is not None:
+            own["handover"] = self._handover
+        return state | own | prefixed("detector", self.detector.snapshot()) | prefixed("memory", self.solution.memory)
+
+    def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """Go on from what :meth:`snapshot` gave, in a stepper of the same scene."""
+        self.steps = int(arrays["steps"])
+        self.state = State(self.steps * self.settings.dt, arrays["position"], arrays["orientation"], arrays["velocity"])
+        self._spin, self._v, self._impulse = arrays["spin"], arrays["v"], arrays["impulse"]
+        self.energy = dict(zip(ENERGIES, arrays["energy"].tolist(), strict=True))
+        self._handover = arrays.get("handover")
+        self.detector.restore(part("detector", arrays))
+        self.solution.memory = part("memory", arrays)
+
     def joint_forces(self, pair_joint: np.ndarray, joints: int) -> np.ndarray:
         """Normal and shear force of each joint over the last step, (2, J) [N]; ``pair_joint`` names the joint of each pair or -1."""
         out = np.zeros((2, joints))
@@ -216,124 +234,3 @@ class Stepper:
             np.zeros((joints, 3)), out,
         )  # fmt: skip
         return out
-
-
-@dataclass
-class RunReport:
-    """What a run did, for its closing lines and summary.json."""
-
-    steps: int = 0
-    stepping_seconds: float = 0.0
-    contacts_mean: float = 0.0
-    contacts_max: int = 0
-    iterations_mean: float = 0.0
-    iterations_max: int = 0
-    error_mean: float = 0.0
-    error_max: float = 0.0
-    steps_missed: int = 0  # steps whose natural map error is above the tolerance
-    penetration_max: float = 0.0  # [m]
-    energy: dict[str, float] = field(default_factory=dict)  # totals at the end [J]
-    balance_error: float = 0.0  # largest |balance| over the largest work done, or kinetic energy reached
-    planar: bool = False
-    solver_reasons: dict[str, int] = field(default_factory=dict)  # how often each reason was given
-    stopped: str = ""  # why the run ended early; empty when it did not
-
-    def add(self, step: StepReport, tolerance: float) -> None:
-        """Take in one step."""
-        n = self.steps
-        self.steps += 1
-        self.stepping_seconds += step.seconds
-        self.contacts_mean += (step.contacts - self.contacts_mean) / (n + 1)
-        self.iterations_mean += (step.iterations - self.iterations_mean) / (n + 1)
-        self.error_mean += (step.error - self.error_mean) / (n + 1)
-        self.contacts_max = max(self.contacts_max, step.contacts)
-        self.iterations_max = max(self.iterations_max, step.iterations)
-        self.error_max = max(self.error_max, step.error)
-        self.penetration_max = max(self.penetration_max, step.penetration)
-        self.steps_missed += not step.error <= tolerance
-        self.solver_reasons[step.reason] = self.solver_reasons.get(step.reason, 0) + 1
-
-
-class Recorder:
-    """Writes what the run yields: scalars of every step, frames at the chosen rate, peaks of the joints."""
-
-    def __init__(self, writer: ResultWriter, stepper: Stepper, joints: Joints) -> None:
-        self._writer, self._stepper, self._joints = writer, stepper, joints
-        self.peaks = JointPeaks(joints)
-        self._pairs: np.ndarray | None = None
-        self._pair_joint = np.empty(0, dtype=np.int64)
-
-    def step(self, report: StepReport) -> JointMeasures:
-        """Record a step; return the measures of the joints after it."""
-        stepper = self._stepper
-        rows: dict[str, float] = {f"energy/{name}": value for name, value in stepper.energy.items()}
-        rows |= {"solver/error": report.error, "solver/seconds": report.seconds, "penetration": report.penetration}
-        rows |= {"solver/iterations": report.iterations, "solver/contacts": report.contacts, "step_time": stepper.state.time}
-        self._writer.append(rows)
-        now = measure_joints(self._joints, stepper.assembly, stepper.state)
-        self.peaks.update(now, stepper.state.time)
-        return now
-
-    def frame(self, now: JointMeasures) -> None:
-        """Write the state and the joints."""
-        state, writer = self._stepper.state, self._writer
-        writer.append({"time": state.time, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
-        writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
-        force = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
-        writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1]})
-
-    def close(self) -> None:
-        """Write the peaks and what waits in the buffers."""
-        self._writer.flush()
-        self._writer.write_peaks({name: getattr(self.peaks, name) for name in JOINT_PEAKS})
-
-    def _joint_of_pairs(self) -> np.ndarray:
-        """The joint of each pair of the detector, -1 for pairs that are none; made anew when the list of pairs is."""
-        pairs = self._stepper.detector.pairs
-        if pairs is not self._pairs:
-            block = self._stepper.assembly.shapes.part_block
-            joint = {(a, b): j for j, (a, b) in enumerate(zip(self._joints.block_a, self._joints.block_b, strict=True))}
-            self._pair_joint = np.array([joint.get((block[a], block[b]), -1) for a, b in pairs], dtype=np.int64)
-            self._pairs = pairs
-        return self._pair_joint
-
-
-def run(
-    stepper: Stepper, joints: Joints, writer: ResultWriter, steps: int, frame_every: int = 1, progress: Callable[[int], None] | None = None
-) -> RunReport:
-    """Advance by a number of steps and write the results as they come.
-
-    A run that cannot go on, or is interrupted from the keyboard, ends early: the report says why, and all frames so far are kept.
-
-    Args:
-        stepper: at the start of the run, or where a former call left it.
-        joints: of the stepper's assembly at rest, see :func:`masonry_cd.joints.find_joints`.
-        writer: of the result file.
-        steps: how many.
-        frame_every: steps between two frames; the first and the last state are always written.
-        progress: called after each step with the number of steps done.
-    """
-    report, recorder = RunReport(planar=stepper.plane is not None), Recorder(writer, stepper, joints)
-    recorder.frame(measure_joints(joints, stepper.assembly, stepper.state))
-    largest = 0.0
-    try:
-        for k in range(1, steps + 1):
-            step = stepper.step()
-            report.add(step, stepper.settings.tolerance)
-            now = recorder.step(step)
-            if k % frame_every == 0 or k == steps:
-                recorder.frame(now)
-            energy = stepper.energy
-            largest = max(largest, abs(energy["base_work"]), abs(energy["gravity_work"]), energy["kinetic"])
-            report.balance_error = max(report.balance_error, abs(energy["balance"]))
-            if progress is not None:
-                progress(k)
-    except RunStopped as reason:
-        report.stopped = str(reason)
-    except KeyboardInterrupt:
-        report.stopped = f"interrupted after step {report.steps}"
-    finally:
-        recorder.close()
-    report.energy = dict(stepper.energy)
-    report.balance_error = report.balance_error / largest if largest > 0 else 0.0
-    return report

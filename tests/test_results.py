@@ -15,7 +15,7 @@ from models import stepper, tower
 from masonry_cd.errors import InputError
 from masonry_cd.joints import find_joints
 from masonry_cd.results import Results, ResultWriter
-from masonry_cd.stepping import run
+from masonry_cd.runner import run
 
 
 def test_a_run_comes_back_as_it_was(tmp_path):

@@ -7,8 +7,9 @@ from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned,
 from masonry_cd.blocks import Assembly
 from masonry_cd.joints import find_joints
 from masonry_cd.results import Results, ResultWriter
+from masonry_cd.runner import run
 from masonry_cd.state import State, rotation_matrices
-from masonry_cd.stepping import RunStopped, Stepper, run
+from masonry_cd.stepping import RunStopped, Stepper
 
 
 def advance(machine: Stepper, steps: int) -> list:

@@ -1,0 +1,57 @@
+"""Checkpoints: all that a run needs to go on to the bit as if it had not been stopped.
+
+``checkpoint.npz`` lies beside result.h5 and is replaced as a whole (written aside, then renamed), so a kill at any moment leaves the
+last one intact. It says how many rows of result.h5 belong to it; what the file holds beyond them is computed again.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+
+NAME = "checkpoint.npz"
+
+
+def save(path: Path, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
+    """Write arrays and JSON-able numbers in one stroke."""
+    aside = path.with_suffix(".part")
+    with open(aside, "wb") as file:
+        np.savez(file, **arrays, numbers=np.array(json.dumps(numbers)))  # type: ignore[arg-type]
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(aside, path)
+
+
+def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """Read what :func:`save` wrote.
+
+    Raises:
+        InputError: there is none, or it cannot be read.
+    """
+    if not path.exists():
+        raise InputError(f"{path}: nothing to resume from: the run ended, or was stopped before its first checkpoint")
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files if name != "numbers"}
+            numbers = json.loads(str(stored["numbers"]))
+    except (OSError, ValueError, KeyError) as reason:
+        raise InputError(f"{path}: not a readable checkpoint: {reason}") from None
+    return arrays, numbers
+
+
+def prefixed(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The same arrays under ``prefix/name``."""
+    return {f"{prefix}/{name}": array for name, array in arrays.items()}
+
+
+def part(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The arrays under ``prefix/``, without it."""
+    head = prefix + "/"
+    return {name.removeprefix(head): array for name, array in arrays.items() if name.startswith(head)}

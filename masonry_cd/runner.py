@@ -1,0 +1,200 @@
+"""The run loop: step after step, written down as it goes, with a checkpoint now and then to resume from.
+
+A checkpoint is taken whenever CHECKPOINT_SECONDS have passed. It holds all that later steps depend on, so when it was taken does not
+matter: a resumed run gives the same bits as an unbroken one (but for the seconds that steps took).
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd import checkpoint
+from masonry_cd.errors import InputError
+from masonry_cd.joints import JointMeasures, JointPeaks, Joints, measure_joints
+from masonry_cd.results import JOINT_PEAKS, ResultWriter
+from masonry_cd.stepping import ENERGIES, RunStopped, Stepper, StepReport
+
+CHECKPOINT_SECONDS = 30.0
+
+
+@dataclass
+class RunReport:
+    """What a run did, for its closing lines and summary.json."""
+
+    steps: int = 0
+    stepping_seconds: float = 0.0
+    contacts_mean: float = 0.0
+    contacts_max: int = 0
+    iterations_mean: float = 0.0
+    iterations_max: int = 0
+    error_mean: float = 0.0
+    error_max: float = 0.0
+    steps_missed: int = 0  # steps whose natural map error is above the tolerance
+    penetration_max: float = 0.0  # [m]
+    energy: dict[str, float] = field(default_factory=dict)  # totals at the end [J]
+    balance_max: float = 0.0  # largest |balance| so far [J]
+    planar: bool = False
+    solver_reasons: dict[str, int] = field(default_factory=dict)  # how often each reason was given
+    stopped: str = ""  # why the run ended early; empty when it did not
+
+    work_max: float = 0.0  # largest work of the base or of gravity, or kinetic energy, so far [J]
+
+    @property
+    def balance_error(self) -> float:
+        """Largest |balance| over the largest work done, or kinetic energy reached."""
+        return self.balance_max / self.work_max if self.work_max > 0 else 0.0
+
+    def add(self, step: StepReport, tolerance: float, energy: Mapping[str, float]) -> None:
+        """Take in one step and the energies after it."""
+        n = self.steps
+        self.steps += 1
+        self.stepping_seconds += step.seconds
+        self.contacts_mean += (step.contacts - self.contacts_mean) / (n + 1)
+        self.iterations_mean += (step.iterations - self.iterations_mean) / (n + 1)
+        self.error_mean += (step.error - self.error_mean) / (n + 1)
+        self.contacts_max = max(self.contacts_max, step.contacts)
+        self.iterations_max = max(self.iterations_max, step.iterations)
+        self.error_max = max(self.error_max, step.error)
+        self.penetration_max = max(self.penetration_max, step.penetration)
+        self.steps_missed += not step.error <= tolerance
+        self.solver_reasons[step.reason] = self.solver_reasons.get(step.reason, 0) + 1
+        self.energy = dict(energy)
+        self.work_max = max(self.work_max, abs(energy["base_work"]), abs(energy["gravity_work"]), energy["kinetic"])
+        self.balance_max = max(self.balance_max, abs(energy["balance"]))
+
+
+STEP_FIELDS = (
+    "step_time", "penetration", "solver/iterations", "solver/error", "solver/seconds", "solver/contacts",
+    *(f"energy/{name}" for name in ENERGIES),
+)  # fmt: skip
+
+
+class Recorder:
+    """Writes what the run yields: scalars of every step, frames at the chosen rate, peaks of the joints."""
+
+    def __init__(self, writer: ResultWriter, stepper: Stepper, joints: Joints) -> None:
+        self._writer, self._stepper, self._joints = writer, stepper, joints
+        self.peaks = JointPeaks(joints)
+        self._pairs: np.ndarray | None = None
+        self._pair_joint = np.empty(0, dtype=np.int64)
+        writer.extend({name: np.empty(0) for name in STEP_FIELDS})  # every dataset exists before the first flush
+
+    def step(self, report: StepReport) -> JointMeasures:
+        """Record a step; return the measures of the joints after it."""
+        stepper = self._stepper
+        solver = (report.iterations, report.error, report.seconds, report.contacts)
+        values = (stepper.state.time, report.penetration, *solver, *(stepper.energy[name] for name in ENERGIES))
+        self._writer.append({name: float(value) for name, value in zip(STEP_FIELDS, values, strict=True)})
+        now = measure_joints(self._joints, stepper.assembly, stepper.state)
+        self.peaks.update(now, stepper.state.time)
+        return now
+
+    def frame(self, now: JointMeasures) -> None:
+        """Write the state and the joints."""
+        state, writer = self._stepper.state, self._writer
+        writer.append({"time": state.time, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
+        writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
+        force = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
+        writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1]})
+
+    def flushed_rows(self) -> dict[str, int]:
+        """Write all that waits, and the peaks; return how many rows each dataset now has."""
+        self.close()
+        return self._writer.rows()
+
+    def close(self) -> None:
+        """Write the peaks and what waits in the buffers."""
+        self._writer.flush()
+        self._writer.write_peaks({name: getattr(self.peaks, name) for name in JOINT_PEAKS})
+
+    def _joint_of_pairs(self) -> np.ndarray:
+        """The joint of each pair of the detector, -1 for pairs that are none; made anew when the list of pairs is."""
+        pairs = self._stepper.detector.pairs
+        if pairs is not self._pairs:
+            block = self._stepper.assembly.shapes.part_block
+            joint = {(a, b): j for j, (a, b) in enumerate(zip(self._joints.block_a, self._joints.block_b, strict=True))}
+            self._pair_joint = np.array([joint.get((block[a], block[b]), -1) for a, b in pairs], dtype=np.int64)
+            self._pairs = pairs
+        return self._pair_joint
+
+
+def run(
+    stepper: Stepper,
+    joints: Joints,
+    writer: ResultWriter,
+    steps: int,
+    frame_every: int = 1,
+    progress: Callable[[int], None] | None = None,
+    save_to: Path | None = None,
+    resume: bool = False,
+) -> RunReport:
+    """Advance to a number of steps and write the results as they come.
+
+    A run that cannot go on, or is interrupted from the keyboard, ends early: the report says why, and all frames so far are kept.
+
+    Args:
+        stepper: at the start of the run.
+        joints: of the stepper's assembly at rest, see :func:`masonry_cd.joints.find_joints`.
+        writer: of the result file.
+        steps: how many in all, those before a resumption included.
+        frame_every: steps between two frames; the first and the last state are always written.
+        progress: called after each step with the number of steps done.
+        save_to: file for checkpoints; None takes none. It is removed when the run has come to its end.
+        resume: go on from the checkpoint in ``save_to``; the writer must come from :meth:`ResultWriter.resumed`.
+
+    Raises:
+        InputError: a checkpoint that is missing, unreadable, or of another scene.
+    """
+    report, recorder = RunReport(planar=stepper.plane is not None), Recorder(writer, stepper, joints)
+    if resume and save_to is not None:
+        report = _resumed(save_to, stepper, recorder)
+    else:
+        recorder.frame(measure_joints(joints, stepper.assembly, stepper.state))
+    saved = clock.monotonic()
+    try:
+        for k in range(stepper.steps + 1, steps + 1):
+            step = stepper.step()
+            report.add(step, stepper.settings.tolerance, stepper.energy)
+            now = recorder.step(step)
+            if k % frame_every == 0 or k == steps:
+                recorder.frame(now)
+            if save_to is not None and clock.monotonic() - saved > CHECKPOINT_SECONDS:
+                _save(save_to, stepper, recorder, report)
+                saved = clock.monotonic()
+            if progress is not None:
+                progress(k)
+    except RunStopped as reason:
+        report.stopped = str(reason)
+    except KeyboardInterrupt:
+        report.stopped = f"interrupted after step {report.steps}"
+        if save_to is not None and stepper.steps == report.steps:
+            _save(save_to, stepper, recorder, report)
+    finally:
+        recorder.close()
+    if save_to is not None and not report.stopped:
+        save_to.unlink(missing_ok=True)
+    return report
+
+
+def _save(path: Path, stepper: Stepper, recorder: Recorder, report: RunReport) -> None:
+    """Write the results so far to disk, then a checkpoint that counts their rows."""
+    rows = recorder.flushed_rows()
+    arrays = stepper.snapshot() | checkpoint.prefixed("peaks", vars(recorder.peaks))
+    checkpoint.save(path, arrays, {"report": asdict(report), "rows": rows})
+
+
+def _resumed(path: Path, stepper: Stepper, recorder: Recorder) -> RunReport:
+    """Put the stepper and the peaks where the checkpoint left them, and return the report so far."""
+    arrays, numbers = checkpoint.load(path)
+    if arrays["position"].shape != stepper.state.position.shape:
+        raise InputError(f"{path}: made by another structure ({len(arrays['position'])} blocks); resume with the scene of that run")
+    stepper.restore(arrays)
+    vars(recorder.peaks).update(checkpoint.part("peaks", arrays))
+    report: dict[str, Any] = numbers["report"] | {"stopped": ""}
+    return RunReport(**report)

@@ -1,0 +1,106 @@
+"""The run loop: what it records, and runs that are stopped and resumed."""
+
+import h5py
+import numpy as np
+import pytest
+from models import stepper, still, wall
+
+from masonry_cd import checkpoint, runner
+from masonry_cd.errors import InputError
+from masonry_cd.joints import find_joints
+from masonry_cd.results import ResultWriter
+from masonry_cd.runner import run
+
+STEPS = 60
+
+
+def machine(columns: int = 2):
+    velocity = still(STEPS)
+    velocity[:, 0, 0] = 0.8 * np.sin(2 * np.pi * 8.0 * np.arange(STEPS + 1) * 1e-3)
+    return stepper(wall(columns, 3), STEPS, support_velocity=velocity, tolerance=1e-6, max_iterations=300)
+
+
+def contents(path) -> dict[str, bytes]:
+    """All datasets but the seconds that steps took."""
+    found = {}
+
+    def visit(name: str, item: object) -> None:
+        if isinstance(item, h5py.Dataset):
+            found[name] = item[...].tobytes() if item.dtype != object else b"|".join(item[...])
+
+    with h5py.File(path) as file:
+        file.visititems(visit)
+    del found["solver/seconds"]
+    return found
+
+
+@pytest.fixture
+def unbroken(tmp_path):
+    path, m = tmp_path / "unbroken.h5", machine()
+    joints = find_joints(m.assembly)
+    with ResultWriter(path, m.assembly, joints, "scene") as writer:
+        return path, run(m, joints, writer, STEPS, 7)
+
+
+class Killed(BaseException):
+    """Stands for a kill between two steps."""
+
+
+@pytest.mark.parametrize("end", [KeyboardInterrupt, Killed])
+def test_a_resumed_run_ends_with_the_same_bits(tmp_path, unbroken, end, monkeypatch):
+    monkeypatch.setattr(runner, "CHECKPOINT_SECONDS", 0.0 if end is Killed else 1e9)
+    path, saved, m = tmp_path / "broken.h5", tmp_path / checkpoint.NAME, machine()
+    joints = find_joints(m.assembly)
+
+    def stop(step: int) -> None:
+        if step == 33:
+            raise end
+
+    writer = ResultWriter(path, m.assembly, joints, "scene")
+    try:
+        report = run(m, joints, writer, STEPS, 7, stop, saved)
+        assert report.stopped == "interrupted after step 33"
+    except Killed:
+        pass
+    writer.close()
+    m = machine()
+    with ResultWriter.resumed(path, checkpoint.load(saved)[1]["rows"]) as writer:
+        report = run(m, joints, writer, STEPS, 7, None, saved, resume=True)
+    assert contents(path) == contents(unbroken[0])
+    assert report.steps == STEPS
+    assert report.error_max == unbroken[1].error_max
+    assert report.energy == unbroken[1].energy
+    assert not saved.exists()  # nothing is left to resume
+
+
+def test_a_checkpoint_of_another_structure_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(runner, "CHECKPOINT_SECONDS", 0.0)
+    saved, m = tmp_path / checkpoint.NAME, machine()
+    joints = find_joints(m.assembly)
+    with ResultWriter(tmp_path / "r.h5", m.assembly, joints) as writer:
+        run(m, joints, writer, 3, 1, lambda step: saved.replace(tmp_path / "kept.npz") if step == 2 else None, saved)
+    other = machine(columns=3)
+    with (
+        ResultWriter(tmp_path / "o.h5", other.assembly, find_joints(other.assembly)) as writer,
+        pytest.raises(InputError, match="another str"),
+    ):
+        run(other, find_joints(other.assembly), writer, 3, 1, None, tmp_path / "kept.npz", resume=True)
+
+
+def test_a_missing_or_broken_checkpoint_is_named(tmp_path):
+    with pytest.raises(InputError, match="nothing to resume from"):
+        checkpoint.load(tmp_path / checkpoint.NAME)
+    (tmp_path / checkpoint.NAME).write_bytes(b"not a checkpoint")
+    with pytest.raises(InputError, match="not a readable checkpoint"):
+        checkpoint.load(tmp_path / checkpoint.NAME)
+
+
+def test_the_report_adds_up(unbroken):
+    path, report = unbroken
+    with h5py.File(path) as file:
+        assert report.iterations_mean == pytest.approx(file["solver/iterations"][...].mean())
+        assert report.error_max == file["solver/error"][...].max()
+        assert report.steps_missed == (file["solver/error"][...] > 1e-6).sum()
+        assert len(file["time"]) == 1 + STEPS // 7 + 1  # the first state, every seventh, and the last
+        assert file["step_time"][...] == pytest.approx(np.arange(1, STEPS + 1) * 1e-3)
+    assert report.balance_error < 1e-10
