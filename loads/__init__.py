@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from loads.artificial import ArtificialTable, artificial
 from loads.combine import support_motions
 from loads.gravity import GravityTable, gravity
 from loads.motion import LoadTable, Part, RunGrid
@@ -29,6 +30,7 @@ KINDS: dict[str, tuple[type[LoadTable], Callable[[Any, RunGrid, str], Part]]] = 
     "gravity": (GravityTable, gravity),
     "sinusoidal": (SinusoidalTable, sinusoidal),
     "record": (RecordTable, record),
+    "artificial": (ArtificialTable, artificial),
     "settlement": (SettlementTable, settlement),
     "spreading": (SpreadingTable, spreading),
     "tilt": (TiltTable, tilt),

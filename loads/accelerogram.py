@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
 from loads.baseline import ORDERS, History, correct, integrate
-from loads.intensity import intensity
+from loads.intensity import in_words, intensity
 from loads.motion import describe, strict
 from loads.readers import RawRecord, Request, Source, read
 from loads.readers.units import ACCELERATION, acceleration_unit
@@ -187,9 +187,7 @@ def describe_both(where: str, processed: Processed, correction: str) -> list[str
     lines = [f"{where}   before correction:    {describe(before)}"]
     if correction != "none":
         lines.append(f"{where}   {correction + ' correction:':21} {describe(after)}")
-    lines.append(
-        f"{where}   Arias intensity {after['arias']:.4g} m/s, significant duration {after['significant_duration']:.4g} s (5 to 95 %)"
-    )
+    lines.append(f"{where}   {in_words(after)}")
     return lines
 
 

@@ -38,3 +38,8 @@ def intensity(history: History) -> dict[str, float]:
     """Arias intensity [m/s] and significant duration, 5 to 95 % [s]."""
     begin, end = significant_window(history)
     return {"arias": float(arias(history)[-1]), "significant_duration": end - begin}
+
+
+def in_words(numbers: dict[str, float]) -> str:
+    """Both measures, for a line to the user."""
+    return f"Arias intensity {numbers['arias']:.4g} m/s, significant duration {numbers['significant_duration']:.4g} s (5 to 95 %)"

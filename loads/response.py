@@ -62,15 +62,28 @@ def response_spectrum(acceleration: np.ndarray, step: float, periods: Sequence[f
     if (period < 0.0).any():
         raise ValueError("a period must not be negative")
     a = np.ascontiguousarray(acceleration, dtype=float)
-    displacement = np.zeros_like(period)
-    pseudo = np.full_like(period, np.abs(a).max())
-    for i, t in enumerate(period):
-        if t > 0.0:
-            omega = 2.0 * np.pi / t
-            parts = max(1, int(np.ceil(PARTS_PER_PERIOD * step / t)))
-            displacement[i] = _peak(a, parts, _transition(omega, damping, step / parts))
-            pseudo[i] = omega * omega * displacement[i]
+    moving = period > 0.0
+    displacement, pseudo = np.zeros_like(period), np.full_like(period, np.abs(a).max())
+    displacement[moving] = Oscillators(period[moving], step, damping).peaks(a)
+    pseudo[moving] = (2.0 * np.pi / period[moving]) ** 2 * displacement[moving]
     return Spectrum(period, damping, displacement, pseudo)
+
+
+class Oscillators:
+    """Oscillators of given periods above zero, ready for any number of accelerograms of one time step."""
+
+    def __init__(self, period: np.ndarray, step: float, damping: float) -> None:
+        self._parts = np.maximum(1, np.ceil(PARTS_PER_PERIOD * step / period)).astype(np.int64)
+        omega = 2.0 * np.pi / period
+        self._transitions = np.zeros((len(period), 2, 4))
+        for i, (w, parts) in enumerate(zip(omega, self._parts, strict=True)):
+            self._transitions[i] = _transition(w, damping, step / parts)
+
+    def peaks(self, acceleration: np.ndarray) -> np.ndarray:
+        """Sd of each oscillator under the samples of an acceleration, from rest [m]."""
+        out = np.zeros(len(self._parts))
+        _peaks(np.ascontiguousarray(acceleration, dtype=float), self._parts, self._transitions, out)
+        return out
 
 
 def default_periods(count: int = 100, shortest: float = 0.02, longest: float = 4.0) -> np.ndarray:
@@ -88,13 +101,18 @@ def _transition(omega: float, damping: float, h: float) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True)
-def _peak(a, parts, m):
-    """Largest |x| at the ends of the parts of every interval."""
-    x, v, peak = 0.0, 0.0, 0.0
-    for k in range(len(a) - 1):
-        rise = (a[k + 1] - a[k]) / parts
-        for j in range(parts):
-            at = a[k] + j * rise
-            x, v = m[0, 0] * x + m[0, 1] * v + m[0, 2] * at + m[0, 3] * rise, m[1, 0] * x + m[1, 1] * v + m[1, 2] * at + m[1, 3] * rise
-            peak = max(peak, abs(x))
-    return peak
+def _peaks(a, parts, transitions, out):
+    """Largest |x| at the ends of the parts of every interval, for each oscillator."""
+    for i in range(len(out)):
+        m, n = transitions[i], parts[i]
+        x, v, peak = 0.0, 0.0, 0.0
+        for k in range(len(a) - 1):
+            rise = (a[k + 1] - a[k]) / n
+            for j in range(n):
+                at = a[k] + j * rise
+                x, v = (
+                    m[0, 0] * x + m[0, 1] * v + m[0, 2] * at + m[0, 3] * rise,
+                    m[1, 0] * x + m[1, 1] * v + m[1, 2] * at + m[1, 3] * rise,
+                )
+                peak = max(peak, abs(x))
+        out[i] = peak
