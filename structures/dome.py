@@ -48,19 +48,19 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     keys = parse_table(DomeTable, table, "structure")
     inner, unit = 0.5 * keys.span, keys.unit_length or 1.5 * keys.thickness
     ring = rings.Ring(keys.sides, keys.sides, start=math.pi / keys.sides)
-    blocks, first, level = [], 0, 0.0
+    rows: list[rings.Row] = []
+    level = 0.0
     if keys.drum_height:
         thick = keys.drum_thickness or 1.6 * keys.thickness
         if thick < keys.thickness:
             raise InputError(f"structure.drum_thickness: must be at least that of the dome, {keys.thickness:g} m, got {thick:g}")
         courses = max(1, round(keys.drum_height / keys.thickness))
-        rows = rings.wall_rows(inner, thick, list(np.linspace(0.0, keys.drum_height, courses + 1)))
-        blocks += rings.build(ring, rows, unit, density, "drum", "drum")
-        first, level = courses, keys.drum_height
+        rows = rings.wall_rows("drum", inner, thick, list(np.linspace(0.0, keys.drum_height, courses + 1)))
+        level = keys.drum_height
     elif keys.drum_thickness is not None:
         raise InputError("structure.drum_height: missing; it makes the drum whose thickness is given")
-    rows = shell(keys, level)
-    blocks += rings.build(ring, rows, unit, density, "dome", "dome", first)
+    rows += shell(keys, level)
+    blocks = rings.build(ring, rows, unit, density)
     if not keys.oculus:
         blocks.append(rings.key(ring, rows[-1], density, "key", "key"))
     blocks.append(plan.ground(blocks, 0.5 * keys.span, keys.base_depth or keys.thickness, density))
@@ -80,4 +80,4 @@ def shell(keys: DomeTable, level: float) -> list[rings.Row]:
     open_ = 0.5 * keys.oculus or min(0.25 * inner, 0.8 * keys.thickness)
     top = math.acos(open_ / inner)
     count = keys.rows or max(2, round(top * (inner + 0.5 * keys.thickness) / keys.thickness))
-    return rings.dome_rows(inner, keys.thickness, level, count, top)
+    return rings.dome_rows("dome", inner, keys.thickness, level, count, top)

@@ -9,7 +9,7 @@ leave every such place to one of the two, a straight joint: a real and dangerous
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -39,7 +39,9 @@ class Wall:
     gable: float = 0.0  # height of the gable above the top
     leaves: int = 1
     through: int = 3  # with two leaves or more: every so many courses have through-stones, every so many stones
-    voids: tuple[tuple[float, float, float, float], ...] = field(default=())  # s0, s1, z0, z1 left out
+    voids: tuple[tuple[float, float, float, float], ...] = ()  # s0, s1, z0, z1 left out for what is bonded in from outside the plan
+    anchor: float | None = None  # where its bond starts; its own start by default
+    shoulder: tuple[float, float, float] | None = None  # from this height up it only reaches from the second to the third
 
     def stands(self, low: float, high: float) -> bool:
         """True when the wall proper, without its gable, fills the course between two beds."""
@@ -51,7 +53,7 @@ def levels(walls: Sequence[Wall], course: float, more: Iterable[tuple[float, str
     foot, top = min(w.foot for w in walls), max(w.top + w.gable for w in walls)
     needed = [(w.top, f"the top of {w.name}") for w in walls] + [(w.top + w.gable, f"the gable of {w.name}") for w in walls if w.gable]
     needed += [(w.foot, f"the foot of {w.name}") for w in walls]
-    needed += [(z, f"the void in {w.name}") for w in walls for void in w.voids for z in void[2:]]
+    needed += [(w.shoulder[0], f"the shoulder of {w.name}") for w in walls if w.shoulder]
     openings = [opening for wall in walls for opening in wall.openings]
     return panel.levels(foot, top, openings, course, [*needed, *more])
 
@@ -132,14 +134,16 @@ def _bands(
 
 
 def _whole(wall: Wall, low: float, high: float) -> Band:
+    """A course without openings and junctions; in a gable it ends on the slopes."""
+    start, end = wall.start, wall.end
+    if wall.shoulder and low > wall.shoulder[0] - SAME:
+        start, end = wall.shoulder[1:]
     if high <= wall.top + SAME:
-        return Band(wall.start, wall.start, wall.end, wall.end)
-    half = 0.5 * (wall.end - wall.start)
-    at = [min(1.0, (z - wall.top) / wall.gable) for z in (low, high)]
-    middle = 0.5 * (wall.start + wall.end)
-    left = [middle if a > 1.0 - 1e-12 else wall.start + half * a for a in at]
-    right = [middle if a > 1.0 - 1e-12 else wall.end - half * a for a in at]
-    return Band(left[0], left[1], right[0], right[1])
+        return Band(start, start, end, end)
+    middle, half = 0.5 * (start + end), 0.5 * (end - start)
+    rest = [1.0 - (z - wall.top) / wall.gable for z in (low, high)]
+    reach = [half * share if share > 1e-12 else 0.0 for share in rest]
+    return Band(middle - reach[0], middle - reach[1], middle + reach[0], middle + reach[1])
 
 
 def _bound(band: Band, meeting: _Meeting, reach: float) -> Band:
@@ -176,7 +180,7 @@ def _blocks(wall: Wall, beds: Sequence[float], unit: float, density: float, meet
         def shift(course: int, leaf: int = leaf) -> float:
             return 0.5 * ((first + course) % 2) + (0.0 if _tied(wall, course) else 0.25 * leaf)
 
-        for piece in panel.cut(own, bands, closings, unit, shift, wall.start):
+        for piece in panel.cut(own, bands, closings, unit, shift, wall.start if wall.anchor is None else wall.anchor):
             whole = wall.leaves == 1 or piece.opening >= 0 or (_tied(wall, piece.course) and piece.number % wall.through == 0)
             if whole and leaf > 0:
                 continue

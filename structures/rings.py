@@ -4,9 +4,9 @@ A ring of N sides is made of rows. In the upright plane through the middle of a 
 the axis and heights z; along the side it reaches to the mitre planes, s = -d tan(pi/N) to d tan(pi/N). All faces are
 plane, and those of neighbours match exactly, because a row has the same quadrilateral in all sides.
 
-Head joints are upright planes normal to their side. In even rows joints also lie on the mitres; in odd rows they are shifted
-by half a block, and a stone turns round every corner as a bent block (:mod:`structures.bent`), so that no joint runs along a
-meridian. A ring may be open, as an apse is; then it ends on two mitre planes.
+Head joints are upright planes normal to their side. In one row joints also lie on the mitres; in the next they are shifted by half a
+block, and a stone turns round every corner as a bent block (:mod:`structures.bent`), so that no joint runs along a meridian.
+A ring may be open, as an apse is; then it ends on two mitre planes.
 """
 
 from __future__ import annotations
@@ -64,46 +64,68 @@ class Ring:
 class Row:
     """One course of a ring."""
 
+    group: str
     profile: np.ndarray  # (4, 2) d, z: lower inner, lower outer, upper outer, upper inner
     gaps: dict[int, float] = field(default_factory=dict)  # by side: half-width of an opening in the middle of the side
     lintels: dict[int, float] = field(default_factory=dict)  # by side: half-length of a lintel there
     ends: tuple[Part, ...] = ()  # of an open ring: parts joined to its first and to its last stone
 
 
-def build(ring: Ring, rows: Sequence[Row], unit: float, density: float, name: str, group: str, first: int = 0) -> list[Block]:
-    """The blocks ``NAME.ROW.NUMBER`` of a ring.
+def build(ring: Ring, rows: Sequence[Row], unit: float, density: float) -> list[Block]:
+    """The blocks ``GROUP.ROW.NUMBER`` of a ring, from its lowest row up.
 
     Args:
         unit: length of a block at the inner face [m].
         density: [kg/m3].
-        first: number of the first row, whose parity sets the bond.
     """
     blocks = []
-    for number, row in enumerate(rows, start=first):
-        stones = _stones(ring, row, unit, number % 2 == 1)
+    bond = _Bond(1, True)
+    for number, row in enumerate(rows, start=1):
+        half = float(row.profile[:, 0].min()) * ring.slope
+        bond = bond.next(max(1, round(2.0 * half / unit)))
+        stones = _stones(ring, row, half, bond)
         if row.ends:
             stones[0].append(row.ends[0])
             stones[-1].append(row.ends[1])
         for k, parts in enumerate(stones, start=1):
-            blocks.append(bent(f"{name}.{number + 1}.{k}", parts, density, group))
+            blocks.append(bent(f"{row.group}.{number}.{k}", parts, density, row.group))
     return blocks
 
 
-def _stones(ring: Ring, row: Row, unit: float, odd: bool) -> list[list[Part]]:
-    """The parts of each stone of a row, in order round the ring; in odd rows stones turn round the corners."""
-    half = float(row.profile[:, 0].min()) * ring.slope
-    count = max(1, round(2.0 * half / unit))
-    heads = half * ((2.0 * (np.arange(count) + 0.5) if odd else 2.0 * np.arange(1, count)) / count - 1.0)
+@dataclass(frozen=True)
+class _Bond:
+    """The head joints of a row: so many blocks to a side, with joints on the mitres or turning round the corners."""
+
+    count: int
+    turning: bool
+
+    def heads(self) -> np.ndarray:
+        """Head joints within a side, as shares of half its length."""
+        inner = np.arange(self.count) + 0.5 if self.turning else np.arange(1, self.count)
+        return 2.0 * inner / self.count - 1.0
+
+    def next(self, wanted: int) -> _Bond:
+        """The bond of the row above; the number of blocks changes where their joints do not then run through."""
+        choices = [_Bond(n, t) for n in (wanted, self.count) for t in (not self.turning, self.turning)]
+        return max(choices, key=lambda bond: (min(0.1, self._overlap(bond)), bond.count == wanted, self._overlap(bond)))
+
+    def _overlap(self, other: _Bond) -> float:
+        """Least distance between joints of two rows, as a share of half a side."""
+        own, others = (np.append(b.heads(), [] if b.turning else [-1.0, 1.0]) for b in (self, other))
+        return float(np.abs(own[:, None] - others[None, :]).min())
+
+
+def _stones(ring: Ring, row: Row, half: float, bond: _Bond) -> list[list[Part]]:
+    """The parts of each stone of a row, in order round the ring."""
     stones: list[list[Part]] = []
     for side in range(ring.count):
-        pieces = _stretches(list(map(float, heads)), row, side, LEAST * min(unit, 2.0 * half / count))
-        for low, high in pieces:
+        for low, high in _stretches(list(map(float, half * bond.heads())), row, side, LEAST * 2.0 * half / bond.count):
             part = _part(ring, side, row.profile, low, high)
-            if odd and low is None and stones and side > 0:
+            if bond.turning and low is None and side > 0:
                 stones[-1].append(part)
             else:
                 stones.append([part])
-    if odd and ring.closed and len(stones) > 1:
+    if bond.turning and ring.closed:
         stones[-1] += stones.pop(0)
     return stones
 
@@ -129,13 +151,13 @@ def _part(ring: Ring, side: int, profile: np.ndarray, low: float | None, high: f
     return between(first, second)
 
 
-def wall_rows(inner: float, thickness: float, beds: Sequence[float]) -> list[Row]:
+def wall_rows(group: str, inner: float, thickness: float, beds: Sequence[float]) -> list[Row]:
     """Upright rows between level beds [m]."""
     d0, d1 = inner, inner + thickness
-    return [Row(np.array([[d0, a], [d1, a], [d1, b], [d0, b]])) for a, b in pairwise(beds)]
+    return [Row(group, np.array([[d0, a], [d1, a], [d1, b], [d0, b]])) for a, b in pairwise(beds)]
 
 
-def dome_rows(inner: float, thickness: float, level: float, count: int, top: float) -> list[Row]:
+def dome_rows(group: str, inner: float, thickness: float, level: float, count: int, top: float) -> list[Row]:
     """Rows of a dome, a circular profile between radial beds.
 
     Args:
@@ -147,7 +169,7 @@ def dome_rows(inner: float, thickness: float, level: float, count: int, top: flo
     angles = top * np.arange(count + 1) / count
     unit = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     low, high = inner * unit + [0.0, level], (inner + thickness) * unit + [0.0, level]
-    return [Row(np.array([low[k], high[k], high[k + 1], low[k + 1]])) for k in range(count)]
+    return [Row(group, np.array([low[k], high[k], high[k + 1], low[k + 1]])) for k in range(count)]
 
 
 def key(ring: Ring, last: Row, density: float, name: str, group: str) -> Block:
