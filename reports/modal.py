@@ -51,6 +51,10 @@ class Modes:
         facts = {key: [factor * item for item in value] if key.endswith("stiffness_pa_m") else value for key, value in self.facts.items()}
         return replace(self, young=young, frequencies=self.frequencies * np.sqrt(factor), facts=facts)
 
+    def turned(self, signs: np.ndarray) -> Modes:
+        """The modes with other signs, (n,) of 1 and -1."""
+        return replace(self, shapes=signs[:, None, None] * self.shapes, field=self.field.scaled(signs))
+
 
 def modal(
     blocks: Sequence[Block],

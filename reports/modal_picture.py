@@ -49,7 +49,7 @@ def modes_picture(
     window = _window(skin, count, reach, looking)
     plan, cells = _plan(count, window)
     sheet = Sheet(plan)
-    facts = f"{METHOD[modes.method]} · {_modulus(modes)} · largest displacement drawn as {reach:.3g} m · outline: at rest"
+    facts = f"{METHOD[modes.method]} · {_modulus(modes)} · largest displacement drawn as {reach:.3g} m · grey: at rest"
     sheet.head(title, facts)
     for k, (left, bottom, width, height) in enumerate(cells):
         image = render(_layers(skin, frame, k, reach, blocks, looking), looking, window.fitted((width, height)), (width, height))
@@ -112,7 +112,8 @@ def _layers(skin: Skin, frame: Skin, mode: int, reach: float, blocks: Sequence[B
         still = _still(supports)
         grey = np.tile((255 * rgb(SUPPORT)).astype(np.uint8), (len(still.loop_start) - 1, 1))
         layers.append(Surface(still.points, still.loops, still.loop_start, grey))
-    layers.append(Lines(skin.points, skin.edges, REST, 1.2))
+    behind = (1.0 + float(np.ptp(moved @ view.towards))) * view.towards  # in parallel projection, hidden by all that moved
+    layers.append(Lines(skin.points - behind, skin.edges, REST, 1.2))
     return layers
 
 
