@@ -34,7 +34,9 @@ from masonry_cd.scene import Run
 from masonry_cd.solvers import SOLVERS, Options
 from masonry_cd.state import State, rotation_matrices
 
-ENERGIES = ("kinetic", "friction", "impact", "base_work", "gravity_work", "balance")
+ENERGIES = ("kinetic", "friction", "impact", "base_work", "gravity_work", "correction", "balance")
+OVERLAP = 1e-6  # overlaps up to this share of a block's width are left alone
+CORRECTED = 0.2  # share of what is beyond that which one step takes away
 
 
 class RunStopped(RuntimeError):
@@ -85,6 +87,7 @@ class Stepper:
         self._handover: np.ndarray | None = None  # generalised impulse left over from an impact, see impacts.py
         self._pull = float(np.linalg.norm(acceleration, axis=1).max())
         bodies, n = int((~assembly.fixed).sum()), len(self._columns)
+        self._width = float(assembly.shapes.size[~assembly.fixed[assembly.shapes.part_block]].min())
         self._inverse_mass, self._v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
         self._v = self.state.velocity[~assembly.fixed][:, self._columns]
         self._v_old = np.zeros_like(self._v)
@@ -109,10 +112,11 @@ class Stepper:
         before, handover = state.position.copy(), self._handover
         kinematics.drift(state.position, state.orientation, state.velocity, h * (1.0 - theta))
         problem, start = self.friction_problem()
+        lifted = self._correct_overlaps(problem)
         error = self._solve(problem, start)
         self._new_velocities(problem)
         kinematics.drift(state.position, state.orientation, state.velocity, h * theta)
-        self._balance(problem, state.position - before, handover)
+        self._balance(problem, state.position - before - lifted, handover)
         self.steps += 1
         state.time = self.steps * h
         penetration = max(0.0, -float(self.contacts.gap.min(initial=0.0)))
@@ -172,6 +176,24 @@ class Stepper:
         b = self._support_block
         return self.state.position[b] - self.assembly.centre[b] if b >= 0 else np.zeros(3)
 
+    def _correct_overlaps(self, problem: FrictionProblem) -> np.ndarray:
+        """Take a share of the overlaps away by moving the blocks, without touching their velocities; return the shifts (B, 3) [m]."""
+        moved = np.zeros_like(self.state.position)
+        gap = self.contacts.gap[self.chosen]
+        if not len(gap) or gap.min() > -OVERLAP * self._width:
+            return moved
+        shift = np.empty_like(problem.v_free)
+        kinematics.position_correction(
+            gap, problem.bodies, problem.jacobian, problem.inverse_mass, OVERLAP * self._width, CORRECTED, 20, shift
+        )  # fmt: skip
+        velocity, free = np.zeros_like(self.state.velocity), ~self.assembly.fixed
+        velocity[np.ix_(free, self._columns)] = shift
+        before = self.state.position.copy()
+        kinematics.drift(self.state.position, self.state.orientation, velocity, 1.0)
+        moved = self.state.position - before
+        self.energy["correction"] -= float(self.assembly.mass @ (moved @ self._acceleration[self.steps + 1]))
+        return moved
+
     def _new_velocities(self, problem: FrictionProblem) -> None:
         """Take the impulses into the state.
 
@@ -204,7 +226,7 @@ class Stepper:
         energy["friction"] += work[0]
         energy["impact"] += work[1]
         energy["base_work"] += work[2]
-        energy["gravity_work"] += float(a.mass[free] @ (moved[free] @ self._acceleration[self.steps + 1]))
+        energy["gravity_work"] += float(a.mass[free] @ (moved[free] @ self._acceleration[self.steps + 1]))  # without the corrections
         energy["balance"] = energy["base_work"] + energy["gravity_work"] - energy["kinetic"] - energy["friction"] - energy["impact"]
 
     def snapshot(self) -> dict[str, np.ndarray]:

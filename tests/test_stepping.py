@@ -210,3 +210,16 @@ def test_the_rotation_of_a_free_spin_is_exact():
     angle = 3.5
     expected = [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
     assert rotation_matrices(machine.state.orientation)[1] == pytest.approx(np.array(expected), abs=1e-9)
+
+
+def test_overlaps_are_taken_away_without_feeding_motion():
+    blocks = tower(3)
+    assembly = Assembly.from_blocks(blocks, 0.6)
+    start = State.at_rest(assembly)
+    start.position[1:, 2] -= 1e-3 * np.arange(1, 4)  # every joint overlaps by 1 mm
+    machine = stepper(blocks, 100, start=start)
+    reports = advance(machine, 100)
+    assert reports[0].penetration == pytest.approx(1e-3)
+    assert reports[-1].penetration < 3e-7  # what is allowed, a millionth of the width
+    assert machine.energy["kinetic"] < 1e-12
+    assert machine.energy["correction"] == pytest.approx(GRAVITY * machine.assembly.mass[1:] @ (1e-3 * np.arange(1, 4)), rel=1e-3)
