@@ -536,3 +536,480 @@ def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed
                     p[c, 2] = p2
         error = _local_residual(data, indices, indptr, q, mu, p, law)
     return sweeps, error
+
+
+# --- sparse blocks: L D U of a matrix over the body graph -----------------------------------------------------------------------
+#
+# A matrix such as M + H^T R H has one (n, n) block per body and one per pair of bodies that touch. It is factorised in these blocks,
+# A = L D U with unit block diagonals, column by column, looking left (George & Liu, Computer Solution of Large Sparse Positive Definite
+# Systems, 1981), in the order that a minimum degree ordering gives (see solvers/pattern.py). Blocks keep all work dense and indices few,
+# symmetric and unsymmetric matrices share the code, and the loops below can solve without leaving compiled code.
+#
+# size_m and size_n are tuples of m and n zeros: their lengths are part of their types, so the compiler knows m and n and unrolls.
+
+
+@njit(cache=True, nogil=True)
+def neighbours_below(first: np.ndarray, second: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Adjacency of a graph of given edges: for each node i its neighbours k < i, as starts (size + 1,) and neighbours."""
+    start = np.zeros(size + 1, dtype=np.int64)
+    for e in range(len(first)):
+        start[max(first[e], second[e]) + 1] += 1
+    for i in range(size):
+        start[i + 1] += start[i]
+    at = start[:-1].copy()
+    neighbour = np.empty(len(first), dtype=np.int64)
+    for e in range(len(first)):
+        i = max(first[e], second[e])
+        neighbour[at[i]] = min(first[e], second[e])
+        at[i] += 1
+    return start, neighbour
+
+
+@njit(cache=True, nogil=True)
+def fill_in(start: np.ndarray, neighbour: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pattern of L by columns: starts (size + 1,) and rows below the diagonal, ascending, found along the elimination tree."""
+    size = len(start) - 1
+    column = np.zeros(size + 1, dtype=np.int64)
+    parent, mark, at = np.full(size, -1), np.full(size, -1), np.zeros(size, dtype=np.int64)
+    row = np.empty(0, dtype=np.int64)
+    for writing in range(2):
+        mark[:] = -1
+        for i in range(size):
+            mark[i] = i
+            for e in range(start[i], start[i + 1]):
+                k = neighbour[e]
+                while mark[k] != i:
+                    mark[k] = i
+                    if writing:
+                        row[at[k]] = i
+                        at[k] += 1
+                    else:
+                        column[k + 1] += 1
+                        if parent[k] < 0:
+                            parent[k] = i
+                    k = parent[k]
+        if not writing:
+            for i in range(size):
+                column[i + 1] += column[i]
+            at[:] = column[:-1]
+            row = np.empty(column[size], dtype=np.int64)
+    return column, row
+
+
+@njit(cache=True, nogil=True)
+def locate(bodies: np.ndarray, place: np.ndarray, column: np.ndarray, row: np.ndarray, index: np.ndarray, spot: np.ndarray) -> bool:
+    """Places of the bodies of each contact (supports: one past the last) and the block that couples them, -1 for none.
+
+    Returns False if a pair of bodies has no block in the pattern.
+    """
+    size = len(place)
+    for c in range(len(bodies)):
+        for side in range(2):
+            index[c, side] = place[bodies[c, side]] if bodies[c, side] >= 0 else size
+        low, high = min(index[c, 0], index[c, 1]), max(index[c, 0], index[c, 1])
+        spot[c] = -1
+        if high == size or low == high:
+            continue
+        first, last = column[low], column[low + 1]
+        while first < last:
+            middle = (first + last) // 2
+            if row[middle] < high:
+                first = middle + 1
+            else:
+                last = middle
+        if first == column[low + 1] or row[first] != high:
+            return False
+        spot[c] = first
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _invert(a, out, work, size_n):  # type: ignore[no-untyped-def]
+    """Inverse of an (n, n) block by Gauss-Jordan with row pivoting; False if it is singular or not finite."""
+    n = len(size_n)
+    for i in range(n):
+        for j in range(n):
+            work[i, j] = a[i, j]
+            out[i, j] = 1.0 if i == j else 0.0
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(work[i, k]) > abs(work[best, k]):
+                best = i
+        if not (0.0 < abs(work[best, k]) < np.inf):
+            return False
+        if best != k:
+            for j in range(n):
+                work[k, j], work[best, j] = work[best, j], work[k, j]
+                out[k, j], out[best, j] = out[best, j], out[k, j]
+        scale = 1.0 / work[k, k]
+        for j in range(n):
+            work[k, j] *= scale
+            out[k, j] *= scale
+        for i in range(n):
+            factor = work[i, k]
+            if i != k and factor != 0.0:
+                for j in range(n):
+                    work[i, j] -= factor * work[k, j]
+                    out[i, j] -= factor * out[k, j]
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _minus_product(c, at, a, i, b, size_n):  # type: ignore[no-untyped-def]
+    """c[at] -= a[i] b for blocks."""
+    n = len(size_n)
+    for p in range(n):
+        for r in range(n):
+            x = a[i, p, r]
+            for q in range(n):
+                c[at, p, q] -= x * b[r, q]
+
+
+@njit(cache=True, nogil=True)
+def _times(a, b, transposed, out, size_n):  # type: ignore[no-untyped-def]
+    """out = a b, or a b^T."""
+    n = len(size_n)
+    for p in range(n):
+        for q in range(n):
+            total = 0.0
+            for r in range(n):
+                total += a[p, r] * (b[q, r] if transposed else b[r, q])
+            out[p, q] = total
+
+
+@njit(cache=True, nogil=True)
+def _factorise(column, row, diagonal, lower, upper, pivot, symmetric, size_n):  # type: ignore[no-untyped-def]
+    """A = L D U in place: diagonal blocks A_jj become D_j, lower A_ij become L_ij, upper A_ji^T become U_ji^T; pivot holds D_j^-1.
+
+    For a symmetric A give lower as upper too. Returns False when a diagonal block cannot be inverted.
+    """
+    size, n = len(column) - 1, len(size_n)
+    head, following, at = np.full(size, -1), np.full(size, -1), np.empty(size, dtype=np.int64)
+    where = np.empty(size, dtype=np.int64)
+    du, dl, work, turned = np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
+    for j in range(size):
+        for t in range(column[j], column[j + 1]):
+            where[row[t]] = t
+        k = head[j]
+        while k >= 0:  # all columns k < j with a block in row j
+            coming, t0 = following[k], at[k]
+            _times(diagonal[k], upper[t0], True, du, size_n)  # D_k U_kj
+            _minus_product(diagonal, j, lower, t0, du, size_n)
+            for t in range(t0 + 1, column[k + 1]):
+                _minus_product(lower, where[row[t]], lower, t, du, size_n)
+            if not symmetric:
+                for p in range(n):
+                    for q in range(n):
+                        turned[p, q] = diagonal[k, q, p]
+                _times(turned, lower[t0], True, dl, size_n)  # (L_jk D_k)^T
+                for t in range(t0 + 1, column[k + 1]):
+                    _minus_product(upper, where[row[t]], upper, t, dl, size_n)
+            if t0 + 1 < column[k + 1]:
+                at[k] = t0 + 1
+                following[k] = head[row[t0 + 1]]
+                head[row[t0 + 1]] = k
+            k = coming
+        if not _invert(diagonal[j], pivot[j], work, size_n):
+            return False
+        for t in range(column[j], column[j + 1]):
+            _times(lower[t], pivot[j], False, work, size_n)
+            lower[t] = work
+            if not symmetric:
+                _times(upper[t], pivot[j], True, work, size_n)
+                upper[t] = work
+        if column[j] < column[j + 1]:
+            at[j] = column[j]
+            following[j] = head[row[column[j]]]
+            head[row[column[j]]] = j
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _solve_factorised(column, row, lower, upper, pivot, x, size_n):  # type: ignore[no-untyped-def]
+    """Solve L D U x = x in place, x (size, n)."""
+    size, n = len(column) - 1, len(size_n)
+    y = np.empty(n)
+    for j in range(size):
+        for t in range(column[j], column[j + 1]):
+            i = row[t]
+            for p in range(n):
+                total = 0.0
+                for q in range(n):
+                    total += lower[t, p, q] * x[j, q]
+                x[i, p] -= total
+    for j in range(size - 1, -1, -1):
+        for p in range(n):
+            total = 0.0
+            for q in range(n):
+                total += pivot[j, p, q] * x[j, q]
+            y[p] = total
+        for t in range(column[j], column[j + 1]):
+            i = row[t]
+            for p in range(n):
+                z = x[i, p]
+                for q in range(n):
+                    y[q] -= upper[t, p, q] * z
+        for p in range(n):
+            x[j, p] = y[p]
+
+
+# --- bodies in the order of the factorisation --------------------------------------------------------------------------------------
+
+
+@njit(cache=True, nogil=True)
+def _in_order(inverse_mass, v_free, order, size_n):  # type: ignore[no-untyped-def]
+    """M^-1, M and v_free with the bodies in elimination order."""
+    bodies, n = len(order), len(size_n)
+    inverse, mass, free = np.empty((bodies, n, n)), np.empty((bodies, n, n)), np.empty((bodies, n))
+    work = np.empty((n, n))
+    for b in range(bodies):
+        for i in range(n):
+            free[b, i] = v_free[order[b], i]
+            for j in range(n):
+                inverse[b, i, j] = inverse_mass[order[b], i, j]
+        _invert(inverse[b], mass[b], work, size_n)
+    return inverse, mass, free
+
+
+@njit(cache=True, nogil=True)
+def _scales(inverse, jacobian, index, size_m, size_n):  # type: ignore[no-untyped-def]
+    """d_c = trace(W_cc) / m."""
+    m, n, bodies = len(size_m), len(size_n), len(inverse)
+    d = np.empty(len(index))
+    for c in range(len(index)):
+        a, b, trace = index[c, 0], index[c, 1], 0.0
+        for side in range(2):
+            body = index[c, side]
+            if body == bodies:
+                continue
+            for i in range(m):
+                for k in range(n):
+                    total = 0.0
+                    for l in range(n):  # noqa: E741
+                        total += inverse[body, k, l] * jacobian[c, side, i, l]
+                        if a == b:
+                            total += inverse[body, k, l] * jacobian[c, 1 - side, i, l]
+                    trace += total * jacobian[c, side, i, k]
+        d[c] = trace / m
+    return d
+
+
+@njit(cache=True, nogil=True)
+def _rows(jacobian, index, offset, v, u, size_m, size_n):  # type: ignore[no-untyped-def]
+    """u = H v + b; v (bodies + 1, n) with a last row of zeros for the supports."""
+    m, n = len(size_m), len(size_n)
+    for c in range(len(index)):
+        a, b, h = index[c, 0], index[c, 1], jacobian[c]
+        for i in range(m):
+            total = offset[c, i]
+            for k in range(n):
+                total += h[0, i, k] * v[a, k] + h[1, i, k] * v[b, k]
+            u[c, i] = total
+
+
+@njit(cache=True, nogil=True)
+def _add_push(jacobian, index, p, out, size_m, size_n):  # type: ignore[no-untyped-def]
+    """out += H^T p; the last row of out, of the supports, is of no use."""
+    m, n = len(size_m), len(size_n)
+    for c in range(len(index)):
+        a, b, h = index[c, 0], index[c, 1], jacobian[c]
+        for i in range(m):
+            x = p[c, i]
+            for k in range(n):
+                out[a, k] += h[0, i, k] * x
+                out[b, k] += h[1, i, k] * x
+
+
+@njit(cache=True, nogil=True)
+def _velocity_of(inverse, free, jacobian, index, p, push, v, size_m, size_n):  # type: ignore[no-untyped-def]
+    """v = v_free + M^-1 H^T p, with a last row of zeros."""
+    n = len(size_n)
+    push[:] = 0.0
+    _add_push(jacobian, index, p, push, size_m, size_n)
+    for b in range(len(inverse)):
+        for i in range(n):
+            total = free[b, i]
+            for k in range(n):
+                total += inverse[b, i, k] * push[b, k]
+            v[b, i] = total
+    v[-1] = 0.0
+
+
+@njit(cache=True, nogil=True)
+def _missing_momentum(mass, free, v, out, size_n):  # type: ignore[no-untyped-def]
+    """out = M (v_free - v)."""
+    n = len(size_n)
+    for b in range(len(mass)):
+        for i in range(n):
+            total = 0.0
+            for k in range(n):
+                total += mass[b, i, k] * (free[b, k] - v[b, k])
+            out[b, i] = total
+    out[-1] = 0.0
+
+
+@njit(cache=True, nogil=True)
+def _size_of(q: np.ndarray, d: np.ndarray) -> float:
+    """|q / sqrt(d)|, by which errors are divided; 1 if it is zero."""
+    total = 0.0
+    for c in range(len(d)):
+        for i in range(q.shape[1]):
+            total += q[c, i] * q[c, i] / d[c]
+    return np.sqrt(total) if total > 0.0 else 1.0
+
+
+@njit(cache=True, nogil=True)
+def _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n):  # type: ignore[no-untyped-def]
+    """Norm of the natural map residual for impulses p and body velocities v."""
+    m, n = len(size_m), len(size_n)
+    total = 0.0
+    for c in range(len(index)):
+        a, b, h = index[c, 0], index[c, 1], jacobian[c]
+        un, u1, u2 = offset[c, 0], offset[c, 1], 0.0
+        if m == 3:
+            u2 = offset[c, 2]
+        for k in range(n):
+            x, y = v[a, k], v[b, k]
+            un += h[0, 0, k] * x + h[1, 0, k] * y
+            u1 += h[0, 1, k] * x + h[1, 1, k] * y
+            if m == 3:
+                u2 += h[0, 2, k] * x + h[1, 2, k] * y
+        total += _natural_map2(p[c, 0], p[c, 1], p[c, 2] if m == 3 else 0.0, un, u1, u2, mu[c], d[c])
+    return np.sqrt(total)
+
+
+@njit(cache=True, nogil=True)
+def _put_back(v, order, out):  # type: ignore[no-untyped-def]
+    """Velocities from elimination order to the order of the problem."""
+    for b in range(len(order)):
+        for i in range(out.shape[1]):
+            out[order[b], i] = v[b, i]
+
+
+# --- ADMM over bodies ------------------------------------------------------------------------------------------------------------------
+
+
+@njit(cache=True, nogil=True)
+def _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n):  # type: ignore[no-untyped-def]
+    """Diagonal and lower blocks of M + H^T R H."""
+    m, n, bodies = len(size_m), len(size_n), len(mass)
+    diagonal[:] = mass
+    lower[:] = 0.0
+    for c in range(len(index)):
+        h, a, b, r = jacobian[c], index[c, 0], index[c, 1], rho[c]
+        for i in range(m):
+            for p in range(n):
+                x, y = r * h[0, i, p], r * h[1, i, p]
+                for q in range(n):
+                    if a < bodies:
+                        diagonal[a, p, q] += x * h[0, i, q]
+                    if b < bodies:
+                        diagonal[b, p, q] += y * h[1, i, q]
+                if a == b < bodies:
+                    for q in range(n):
+                        diagonal[a, p, q] += x * h[1, i, q] + y * h[0, i, q]
+                if spot[c] >= 0:
+                    for q in range(n):
+                        lower[spot[c], p, q] += x * h[1, i, q] if a > b else y * h[0, i, q]
+
+
+@njit(cache=True, nogil=True)
+def _augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size_n):  # type: ignore[no-untyped-def]
+    """p+ = P_K(p - rho (u + mu |u_t| n)), out += H^T (2 p+ - p). Returns the squared scaled change of p."""
+    m, n = len(size_m), len(size_n)
+    change = 0.0
+    for c in range(len(index)):
+        a, b, h, r = index[c, 0], index[c, 1], jacobian[c], rho[c]
+        un, u1, u2 = offset[c, 0], offset[c, 1], 0.0
+        pn, p1, p2 = p[c, 0], p[c, 1], 0.0
+        if m == 3:
+            u2, p2 = offset[c, 2], p[c, 2]
+        for k in range(n):
+            x, y = v[a, k], v[b, k]
+            un += h[0, 0, k] * x + h[1, 0, k] * y
+            u1 += h[0, 1, k] * x + h[1, 1, k] * y
+            if m == 3:
+                u2 += h[0, 2, k] * x + h[1, 2, k] * y
+        xn, x1, x2 = _project(pn - r * (un + mu[c] * _length(u1, u2)), p1 - r * u1, p2 - r * u2, mu[c])
+        p[c, 0], p[c, 1] = xn, x1
+        if m == 3:
+            p[c, 2] = x2
+        change += d[c] * ((xn - pn) * (xn - pn) + (x1 - p1) * (x1 - p1) + (x2 - p2) * (x2 - p2))
+        tn, t1, t2 = 2.0 * xn - pn, 2.0 * x1 - p1, 2.0 * x2 - p2
+        for k in range(n):
+            if m == 3:
+                out[a, k] += h[0, 0, k] * tn + h[0, 1, k] * t1 + h[0, 2, k] * t2
+                out[b, k] += h[1, 0, k] * tn + h[1, 1, k] * t1 + h[1, 2, k] * t2
+            else:
+                out[a, k] += h[0, 0, k] * tn + h[0, 1, k] * t1
+                out[b, k] += h[1, 0, k] * tn + h[1, 1, k] * t1
+    return change
+
+
+@njit(cache=True, nogil=True)
+def admm_bodies(
+    inverse_mass, v_free, bodies, jacobian, offset, mu, order, column, row, index, spot, lower, pivot, rho, p, v_out, k, fresh,
+    tolerance, limit, size_m, size_n,
+):  # type: ignore[no-untyped-def] # fmt: skip
+    """ADMM over a FrictionProblem, see solvers/admm.py. p holds the start and then the best answer found.
+
+    lower, pivot and rho hold a factorisation of M + H^T R H, used as it is unless ``fresh`` is set.
+
+    Returns iterations, natural map error, k at the end and the number of factorisations.
+    """
+    count, n = len(order), len(size_n)
+    inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
+    d = _scales(inverse, jacobian, index, size_m, size_n)
+    v, out, best_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n))
+    q, best = np.empty(offset.shape), p.copy()
+    v[:count] = free
+    _rows(jacobian, index, offset, v, q, size_m, size_n)
+    size = _size_of(q, d)
+    _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
+    error = _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n) / size
+    best_v[:] = v
+    smallest = before = error
+    diagonal = np.empty((count, n, n))
+    iterations, checked, switched, factorisations, rate = 0, 0, 0, 0, 1.0
+    while iterations < limit and smallest > tolerance:
+        if fresh:
+            for c in range(len(d)):
+                rho[c] = k / d[c]
+            _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n)
+            factorisations += 1
+            if not _factorise(column, row, diagonal, lower, lower, pivot, True, size_n):
+                break
+            fresh = False
+        _missing_momentum(mass, free, v, out, size_n)
+        change = np.sqrt(_augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size_n)) / size
+        _solve_factorised(column, row, lower, lower, pivot, out, size_n)
+        for b in range(count):
+            for i in range(n):
+                v[b, i] += out[b, i]
+        iterations += 1
+        # the change of p tells when to look at the error itself, which costs about an iteration
+        if iterations - checked < 2 or (rate * change > tolerance and iterations - checked < 20 and iterations < limit):
+            continue
+        own = _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n) / size  # for the iterate's own v
+        v_hold = v.copy()
+        _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
+        error = _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n) / size
+        checked = iterations
+        rate = error / change if change > 0.0 else 1.0
+        if error < smallest:
+            smallest = error
+            best[:] = p
+            best_v[:] = v
+        v[:] = v_hold
+        if not error < np.inf:
+            p[:] = best
+            v[:] = best_v
+        if iterations - switched >= 40:
+            if not error < 0.1 * before:
+                k = min(5.0 * k, 1e6) if own > 0.02 * error else max(0.2 * k, 1.0)
+                fresh = True
+            switched, before = iterations, error
+    p[:] = best
+    _put_back(best_v, order, v_out)
+    return iterations, smallest, k, factorisations

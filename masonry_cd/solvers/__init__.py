@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from masonry_cd.friction import Problem, Solution
-from masonry_cd.solvers import nlgs
+from masonry_cd.solvers import admm, nlgs
 from masonry_cd.solvers.options import Options
 
 Solver = Callable[[Problem, Options, Solution | None], Solution]
 
 SOLVERS: dict[str, Solver] = {
+    "admm": admm.solve,
     "nlgs": nlgs.solve,
 }
 

@@ -1,0 +1,159 @@
+r"""Alternating directions: one sparse solve carries news through the whole structure in every iteration.
+
+With De Saxce's shift s = mu |u_t| n the problem reads: u + s in K*, p in K, orthogonal. The augmented Lagrangian of the convex
+problem with s held (Cadoux, Ph.D. thesis, Grenoble 2009; Boyd et al., Found. Trends Mach. Learn. 3, 2011), split at z = H v + b + s,
+gives two steps, here with the auxiliary z eliminated and s renewed in each:
+
+    p+ = P_K( p - R (u + s) ),     u = H v + b,
+    (M + H^T R H) (v+ - v) = M (v_free - v) + H^T (2 p+ - p).
+
+At a fixed point M (v - v_free) = H^T p and p = P_K(p - R (u + s)), whatever R and whatever stands in the brackets on the left: the
+matrix may be an old one, and R may change between iterations. R = diag(k / d_c), d_c = trace(W_cc) / m, makes k a pure number.
+
+**Choice of k.** A large k holds closed joints together at once, but a contact that has to open or to slip then has to be told many
+times. Measured from rest, k = 1e4 takes 16 iterations for towers of 50 and 33 for walls of 100 courses, at k = 1e3 twice to five times
+as many; on walls and arcades that are shaken without much damage 1e3 to 1e5 differ by less than a factor 2; smaller values pay where
+much slides. So: start at 1e4; an iteration that has not won a factor of 10 in 40 iterations changes k by 5, up if the map error of the
+pair (p, v) is more than 1/50 of that of p alone (then the impulses lag behind), else down; and over a run a neighbouring k is tried now
+and then and kept if it took fewer iterations.
+
+**Cost.** The factorisation costs as much as ten to fifty iterations and is kept from step to step while it pays.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from masonry_cd import coulomb
+from masonry_cd.friction import FrictionProblem, LocalProblem, Problem, Solution
+from masonry_cd.solvers.options import Options
+from masonry_cd.solvers.pattern import Pattern
+
+LIMIT = 2000  # iterations
+FIRST_K = 1e4
+PROBE = 40  # steps between two trials of a neighbouring k
+
+
+@dataclass(eq=False)
+class Memory:
+    """What the next step can use: the symbolic analysis, the factors, and the k that did best.
+
+    It travels in ``Solution.memory`` as a dict of arrays, so that a checkpoint can hold it.
+    """
+
+    pattern: Pattern
+    bodies: np.ndarray  # (C, 2) of the contacts of the factors
+    lower: np.ndarray  # (F, n, n)
+    pivot: np.ndarray  # (B, n, n)
+    rho: np.ndarray  # (C,)
+    tally: np.ndarray  # (5,) k; 1: factorise anew; iterations after the last new factorisation; steps; mean iterations at this k
+
+    @classmethod
+    def empty(cls, pattern: Pattern, bodies: np.ndarray, n: int, tally: np.ndarray | None = None) -> Memory:
+        """Room for the factors of a pattern; nothing factorised."""
+        if tally is None:
+            tally = np.array([FIRST_K, 1.0, 0.0, 0.0, 0.0])
+        tally[1] = 1.0
+        return cls(pattern, bodies, np.empty((len(pattern.row), n, n)), np.empty((pattern.nodes, n, n)), np.empty(len(bodies)), tally)
+
+    @classmethod
+    def read(cls, arrays: dict[str, np.ndarray]) -> Memory | None:
+        """The memory in a solution, None if there is none."""
+        if "admm_tally" not in arrays:
+            return None
+        own = {name.removeprefix("admm_"): array for name, array in arrays.items() if name.startswith("admm_")}
+        pattern = Pattern(**{name: own.pop(name) for name in ("pairs", "order", "place", "column", "row")})
+        return cls(pattern, **own)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The memory for a solution."""
+        own = {name: getattr(self, name) for name in ("bodies", "lower", "pivot", "rho", "tally")}
+        return {f"admm_{name}": array for name, array in (vars(self.pattern) | own).items()}
+
+
+def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
+    """Iterate until the natural map error is below the tolerance, or the limit is reached; the best iterate is returned.
+
+    Args:
+        problem: over bodies, or in the impulses alone.
+        options: ``max_iterations`` counts iterations (one sparse solve each).
+        start: its impulse (C, m) is the first iterate, its memory the one of the step before.
+    """
+    impulse = np.zeros((problem.contacts, problem.dimension))
+    if start is not None:
+        impulse[:] = start.impulse
+    limit = LIMIT if options.max_iterations is None else options.max_iterations
+    if isinstance(problem, LocalProblem):
+        return _solve_local(problem, options, impulse, limit)
+    return _solve_bodies(problem, options, impulse, limit, start)
+
+
+def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarray, limit: int, start: Solution | None) -> Solution:
+    """ADMM in the body velocities."""
+    arrays, n = problem.arrays(), problem.v_free.shape[1]
+    velocity = np.empty(problem.v_free.shape)
+    memory, index, spot = recall(arrays[2], len(velocity), n, start)
+    k = _next_k(memory.tally)
+    fresh = bool(memory.tally[1]) or k != memory.tally[0]
+    pattern = memory.pattern
+    iterations, error, k_end, factorisations = coulomb.admm_bodies(
+        *arrays, pattern.order, pattern.column, pattern.row, index, spot, memory.lower, memory.pivot, memory.rho, impulse, velocity, k,
+        fresh, options.tolerance, limit, (0,) * problem.dimension, (0,) * n,
+    )  # fmt: skip
+    _learn(memory.tally, k, k_end, iterations, factorisations)
+    return Solution(impulse, velocity, iterations, _reason(error, options), memory.arrays())
+
+
+def recall(bodies: np.ndarray, count: int, n: int, start: Solution | None) -> tuple[Memory, np.ndarray, np.ndarray]:
+    """The memory of the last step as far as it still fits, and the places (C, 2) and coupling blocks (C,) of the contacts."""
+    memory = Memory.read(start.memory) if start is not None else None
+    if memory is None or memory.pattern.nodes != count:
+        memory = Memory.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1]), bodies, n)
+    found = memory.pattern.locate(bodies)
+    if found is None:  # a new pair of bodies: those that were in touch may be again
+        pattern = Pattern.of(count, bodies[:, 0], bodies[:, 1], memory.pattern.pairs)
+        memory = Memory.empty(pattern, bodies, n, memory.tally)
+        found = pattern.locate(bodies)
+        assert found is not None
+    if not np.array_equal(memory.bodies, bodies):
+        memory.bodies, memory.rho = bodies, np.empty(len(bodies))
+        memory.tally[1] = 1.0
+    return memory, *found
+
+
+def _next_k(tally: np.ndarray) -> float:
+    """The k of this step: the best so far, and now and then one beside it."""
+    steps = int(tally[3])
+    if steps % PROBE == PROBE - 1:
+        return float(tally[0]) * (3.0 if steps // PROBE % 2 else 1.0 / 3.0)
+    return float(tally[0])
+
+
+def _learn(tally: np.ndarray, k: float, k_end: float, iterations: int, factorisations: int) -> None:
+    """Take the cost of a step into account."""
+    tally[3] += 1.0
+    if k_end != k:  # it had to change on the way
+        tally[0], tally[1], tally[4] = k_end, 1.0, 0.0
+        return
+    if k != tally[0]:  # a trial
+        if iterations < 0.8 * tally[4]:
+            tally[0], tally[4] = k, iterations
+        else:
+            tally[1] = 1.0
+            return
+    if factorisations:
+        tally[2] = iterations
+    tally[4] = 0.8 * tally[4] + 0.2 * iterations if tally[4] else iterations
+    tally[1] = float(iterations > 1.3 * tally[2] + 3)
+
+
+def _reason(error: float, options: Options) -> str:
+    """Say how it ended."""
+    return "admm: converged" if error <= options.tolerance else f"admm: iteration limit reached at an error of {error:.1e}"
+
+
+def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
+    """ADMM in the impulses: the same iteration by Woodbury's identity, with (W + R^-1) in place of (M + H^T R H)."""
+    raise NotImplementedError

@@ -1,0 +1,65 @@
+"""Where the blocks of M + H^T R H are, and in which order its factorisation eliminates the bodies.
+
+Symbolic work only: it depends on which bodies touch, not on where, so it lasts while the contact graph stands. The order is an
+approximate minimum degree ordering of the body graph (Amestoy, Davis & Duff, SIAM J. Matrix Anal. Appl. 17, 1996), from cvxopt.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from cvxopt import amd, spmatrix
+
+from masonry_cd import coulomb
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Pattern of a block factorisation of N nodes, see ``coulomb``."""
+
+    pairs: np.ndarray  # (E,) pairs of nodes that are coupled, low * N + high, sorted
+    order: np.ndarray  # (N,) node at each place
+    place: np.ndarray  # (N,) place of each node
+    column: np.ndarray  # (N + 1,) starts of the columns of L
+    row: np.ndarray  # (F,) rows of the blocks of L below the diagonal
+
+    @classmethod
+    def of(cls, nodes: int, first: np.ndarray, second: np.ndarray, kept: np.ndarray | None = None) -> Pattern:
+        """Analyse a graph.
+
+        Args:
+            nodes: N.
+            first: one end of each edge (E,), may repeat; -1 or equal ends: no edge.
+            second: the other end (E,).
+            kept: pairs of an earlier pattern to include.
+        """
+        on = (first >= 0) & (second >= 0) & (first != second)
+        pairs = np.unique(np.minimum(first[on], second[on]) * nodes + np.maximum(first[on], second[on]))
+        if kept is not None:
+            pairs = np.union1d(pairs, kept)
+        low, high = pairs // max(nodes, 1), pairs % max(nodes, 1)
+        order = _minimum_degree(nodes, low, high)
+        place = np.empty(nodes, dtype=np.int64)
+        place[order] = np.arange(nodes)
+        column, row = coulomb.fill_in(*coulomb.neighbours_below(place[low], place[high], nodes))
+        return cls(pairs, order, place, column, row)
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes N."""
+        return len(self.order)
+
+    def locate(self, bodies: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """Places (C, 2) of the bodies of each contact and the block (C,) that couples them; None if a block is missing."""
+        index, spot = np.empty((len(bodies), 2), dtype=np.int64), np.empty(len(bodies), dtype=np.int64)
+        return (index, spot) if coulomb.locate(bodies, self.place, self.column, self.row, index, spot) else None
+
+
+def _minimum_degree(nodes: int, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Order of elimination (N,)."""
+    if len(low) == 0:
+        return np.arange(nodes)
+    rows, columns = np.concatenate([np.arange(nodes), high]), np.concatenate([np.arange(nodes), low])
+    graph = spmatrix(1.0, rows.tolist(), columns.tolist(), (nodes, nodes))
+    return np.array(amd.order(graph), dtype=np.int64).ravel()

@@ -1,0 +1,65 @@
+"""ADMM: converges where Gauss-Seidel does not, and reuses its factors from step to step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scenes
+
+from masonry_cd.friction import Solution, natural_map_error
+from masonry_cd.solvers import SOLVERS, Options
+
+solve = SOLVERS["admm"]
+
+
+def test_tall_tower_needs_few_iterations() -> None:
+    """From rest, 100 blocks on top of each other take about as many iterations as 10."""
+    short, tall = scenes.tower(10), scenes.tower(100)
+    few, many = solve(short, Options(), None), solve(tall, Options(), None)
+    assert natural_map_error(short, few.impulse) <= 1e-8
+    assert natural_map_error(tall, many.impulse) <= 1e-8
+    assert many.iterations < 2 * few.iterations
+
+
+def test_velocity_belongs_to_the_impulses() -> None:
+    """The velocities returned obey the equation of motion with the impulses returned."""
+    problem = scenes.wall(3, 4)
+    solution = solve(problem, Options(), None)
+    assert solution.velocity is not None
+    np.testing.assert_allclose(solution.velocity, problem.body_velocity(solution.impulse), atol=1e-12)
+
+
+def test_weight_arrives_at_the_ground() -> None:
+    """The normal impulses on the ground carry the whole weight over the step."""
+    problem = scenes.wall(4, 5)
+    solution = solve(problem, Options(tolerance=1e-12), None)
+    ground = problem.bodies[:, 1] < 0
+    momentum = np.sum(problem.v_free[:, 2] / problem.inverse_mass[:, 2, 2])
+    assert solution.impulse[ground, 0].sum() == pytest.approx(-momentum, rel=1e-9)
+
+
+def test_memory_saves_the_factorisation() -> None:
+    """A second step from the first one's solution stops at once, and its memory is a dict of arrays."""
+    problem = scenes.wall(3, 4)
+    first = solve(problem, Options(), None)
+    again = solve(problem, Options(), Solution(first.impulse, None, 0, memory=first.memory))
+    assert again.iterations == 0
+    assert all(isinstance(array, np.ndarray) for array in again.memory.values())
+
+
+def test_memory_of_another_contact_graph_is_not_believed() -> None:
+    """Starting from a solution of other contacts between the same bodies still converges."""
+    problem = scenes.wall(3, 4)
+    first = solve(problem, Options(), None)
+    keep = np.arange(problem.contacts) % 7 != 0
+    fewer = replace(problem, bodies=problem.bodies[keep], jacobian=problem.jacobian[keep], offset=problem.offset[keep], mu=problem.mu[keep])
+    second = solve(fewer, Options(), Solution(first.impulse[keep], None, 0, memory=first.memory))
+    assert natural_map_error(fewer, second.impulse) <= 1e-8
+
+
+def test_same_inputs_same_bits() -> None:
+    """Twice the same problem gives the same impulses to the last bit."""
+    problem = scenes.wall(4, 4)
+    np.testing.assert_array_equal(solve(problem, Options(), None).impulse, solve(problem, Options(), None).impulse)
