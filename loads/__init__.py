@@ -18,6 +18,7 @@ from loads.combine import support_motions
 from loads.gravity import GravityTable, gravity
 from loads.motion import LoadTable, Part, RunGrid
 from loads.record import RecordTable, record
+from loads.sequence import Pause, SequenceTable, Shock, sequence
 from loads.settlement import SettlementTable, SpreadingTable, settlement, spreading
 from loads.sinusoidal import SinusoidalTable, sinusoidal
 from loads.tilt import PushTable, TiltTable, load_factors, push, tilt
@@ -30,6 +31,7 @@ KINDS: dict[str, tuple[type[LoadTable], Callable[[Any, RunGrid, str], Part]]] = 
     "gravity": (GravityTable, gravity),
     "sinusoidal": (SinusoidalTable, sinusoidal),
     "record": (RecordTable, record),
+    "sequence": (SequenceTable, sequence),
     "artificial": (ArtificialTable, artificial),
     "settlement": (SettlementTable, settlement),
     "spreading": (SpreadingTable, spreading),
@@ -48,6 +50,8 @@ class Loading:
         lines: what to tell the user, one line each.
         summary: the same numbers, ready for JSON.
         support_of: (B,) the motion that each block follows, -1 for a free block: the assembly's for this run; None without an assembly.
+        shocks: of sequences, in order of time.
+        pauses: rests that the run loop may end early, see ``loads.sequence``.
     """
 
     support_velocity: np.ndarray
@@ -55,10 +59,21 @@ class Loading:
     lines: tuple[str, ...]
     summary: dict[str, Any]
     support_of: np.ndarray | None = None
+    shocks: tuple[Shock, ...] = ()
+    pauses: tuple[Pause, ...] = ()
 
     def load_factor(self, gravity: Sequence[float]) -> np.ndarray:
         """lambda at the times t_k, (N + 1,): body force across gravity over that along it; of a tilt, the tangent of its angle."""
         return load_factors(self.acceleration, np.asarray(gravity, dtype=float))
+
+    def after_rest(self, step: int, quiet: int) -> int:
+        """The step of the loads at which to go on: the end of a pause when the structure is still, else the same step.
+
+        Args:
+            step: k, of which the loads have been applied.
+            quiet: steps in a row in which no standing block was faster than the pause's speed, since the pause began.
+        """
+        return next((p.last for p in self.pauses if p.first <= step < p.last and quiet >= p.hold), step)
 
 
 def build(
@@ -100,7 +115,11 @@ def build(
     if velocity.shape[1] > 1:
         lines.append(f"base: {velocity.shape[1]} motions of the supports, apart by at most {base['largest_difference']:.4g} m")
     summary = {"tables": [part.summary for part in parts], "base": base}
-    return Loading(velocity, acceleration, tuple(lines), summary, support_of)
+    shocks = sorted((shock for part in parts for shock in part.shocks), key=lambda shock: shock.first)
+    pauses = sorted((pause for part in parts for pause in part.pauses), key=lambda pause: pause.first)
+    quiet = tuple(pause for pause in pauses if _nothing_changes(pause, velocity, acceleration))
+    lines += [f'rest after "{pause.after}": not ended early, since other loads act in it' for pause in pauses if pause not in quiet]
+    return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet)
 
 
 def _parse(table: Mapping[str, Any], where: str) -> LoadTable:
@@ -111,6 +130,12 @@ def _parse(table: Mapping[str, Any], where: str) -> LoadTable:
     if kind not in KINDS:
         raise InputError(f'{where}.kind: unknown kind "{kind}"{suggest(str(kind), KINDS)}; kinds: {", ".join(KINDS)}')
     return parse_table(KINDS[kind][0], table, where)
+
+
+def _nothing_changes(pause: Pause, velocity: np.ndarray, acceleration: np.ndarray) -> bool:
+    """True when the base stands still and the body force is constant over a pause, so that it may be ended early."""
+    during = slice(pause.first, pause.last + 1)
+    return not velocity[during].any() and bool((acceleration[during] == acceleration[pause.first]).all())
 
 
 def _gravity_tables(asked: Sequence[LoadTable]) -> list[int]:

@@ -59,6 +59,8 @@ class Part:
     acceleration: np.ndarray | None = None  # (N + 1, 3) of the blocks [m/s2]
     lines: tuple[str, ...] = ()
     summary: dict[str, Any] = field(default_factory=dict)
+    shocks: tuple[Any, ...] = ()  # loads.sequence.Shock
+    pauses: tuple[Any, ...] = ()  # loads.sequence.Pause
 
 
 strict = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)

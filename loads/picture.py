@@ -1,0 +1,163 @@
+"""A picture of an accelerogram before and after its processing: acceleration, velocity, displacement, response spectrum, intensity.
+
+matplotlib is imported here, inside the function, and drawn without a display.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from loads.accelerogram import Accelerogram, Processed, process
+from loads.baseline import History
+from loads.intensity import arias, significant_window
+from loads.motion import ROUNDING
+from loads.response import default_periods, response_spectrum
+from masonry_cd.errors import InputError, parse_table
+
+BEFORE, AFTER, TARGET = "#9aa3ab", "#0b5fa5", "#c7372f"
+INK, FAINT = "#23272b", "#5f666d"
+POINTS = 20_000  # drawn of a curve at most
+DAMPING = 0.05
+DRIFTED = 8.0  # a motion before correction that is so many times larger is let leave the picture
+
+
+def record_picture(
+    before: History,
+    after: History,
+    path: Path,
+    title: str = "",
+    begin: float = 0.0,
+    damping: float = DAMPING,
+    target: tuple[np.ndarray, np.ndarray] | None = None,
+) -> None:
+    """Draw a PNG (or PDF, SVG, by the name's ending).
+
+    Args:
+        before: as read.
+        after: as used.
+        path: of the picture.
+        title: what it shows.
+        begin: time of the first sample on the axis [s].
+        damping: ratio of the response spectra.
+        target: periods [s] and pseudo-accelerations [m/s2] of a spectrum to draw beside them.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(13.0, 8.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    grid = figure.add_gridspec(6, 2, width_ratios=(1.75, 1.0))
+    rows = [figure.add_subplot(grid[2 * i : 2 * i + 2, 0]) for i in range(3)]
+    for axes, name, unit in zip(rows, ("acceleration", "velocity", "displacement"), ("m/s²", "m/s", "m"), strict=True):
+        _histories(axes, before, after, name, f"{name} [{unit}]", begin)
+    rows[0].sharex(rows[2])
+    rows[1].sharex(rows[2])
+    rows[2].set_xlabel("time [s]")
+    for axes in rows[:2]:
+        axes.tick_params(labelbottom=False)
+    _spectra(figure.add_subplot(grid[:4, 1]), before, after, damping, target)
+    _build_up(figure.add_subplot(grid[4:, 1]), after, begin)
+    figure.suptitle(title, color=INK, fontsize=13, x=0.01, ha="left")
+    try:
+        figure.savefig(path, dpi=110)
+    except (OSError, ValueError) as failure:
+        raise InputError(f"{path}: the picture cannot be written ({' '.join(str(failure).split())[:100]})") from None
+
+
+def file_picture(file: Path, picture: Path, dt: float = 1e-3, **keys: Any) -> Processed:
+    """Draw a record file, read and processed as a ``[[loads]]`` table of kind "record" with these keys would have it.
+
+    Args:
+        file: the record.
+        picture: where to draw it.
+        dt: time step of the run, for ``resample = "run"`` [s].
+        keys: units, column, window, taper, resample, band, correction ..., see ``loads.accelerogram``.
+
+    Returns:
+        What was read and what became of it, with its ``numbers()``.
+
+    Raises:
+        InputError: a bad key, or a bad file, named with its line.
+    """
+    table = parse_table(Accelerogram, {"path": file.name, **keys}, "record")
+    processed = process(table, file.parent, dt, "record")
+    column = f" [{processed.column}]" if processed.column else ""
+    done = [f"{table.correction} correction" if table.correction != "none" else "not corrected"]
+    done += [f"{table.band[0]:g} to {table.band[1]:g} Hz"] if table.band else []
+    record_picture(processed.before, processed.after, picture, f"{file.name}{column}: {', '.join(done)}", processed.begin)
+    return processed
+
+
+def _histories(axes: Any, before: History, after: History, name: str, label: str, begin: float) -> None:
+    """One quantity over time, with its peaks."""
+    said, peaks = [], []
+    for history, colour, width, word in ((before, BEFORE, 1.8, "before"), (after, AFTER, 0.9, "after")):
+        values = getattr(history, name)
+        peaks.append(float(np.abs(values).max()))
+        end = values[-1] if abs(values[-1]) > ROUNDING * peaks[-1] else 0.0
+        said.append(f"{word} {peaks[-1]:.3g}" + (f", end {end:.2g}" if name != "acceleration" else ""))
+        axes.plot(*_thinned(begin + history.step * np.arange(len(values)), values), color=colour, lw=width)
+    if peaks[0] > DRIFTED * peaks[1] > 0.0:
+        axes.set_ylim(-1.3 * peaks[1], 1.3 * peaks[1])
+        said[0] += " (leaves the picture)"
+    axes.axhline(0.0, color=FAINT, lw=0.5)
+    axes.set_ylabel(label, color=INK)
+    axes.set_title(f"peak {said[0]}; {said[1]}", fontsize=9, color=FAINT, loc="right")
+    axes.margins(x=0.01)
+    _quiet(axes)
+
+
+def _spectra(axes: Any, before: History, after: History, damping: float, target: tuple[np.ndarray, np.ndarray] | None) -> None:
+    """Pseudo-acceleration over the period."""
+    periods = default_periods(120)
+    for history, colour, width, word in ((before, BEFORE, 2.6, "before"), (after, AFTER, 1.3, "after")):
+        spectrum = response_spectrum(history.acceleration, history.step, periods, damping)
+        axes.plot(periods, spectrum.acceleration, color=colour, lw=width, label=word)
+    if target is not None:
+        axes.plot(*target, color=TARGET, lw=1.3, ls="--", label="target")
+    axes.set_xscale("log")
+    axes.set_xticks([0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0], ["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2", "4"])
+    axes.minorticks_off()
+    axes.set_ylim(bottom=0.0)
+    axes.set_xlabel("period [s]")
+    axes.set_ylabel(f"pseudo-acceleration [m/s²], {100 * damping:g} % damping", color=INK)
+    axes.legend(frameon=False)
+    _quiet(axes)
+
+
+def _build_up(axes: Any, after: History, begin: float) -> None:
+    """Arias intensity over time, with the significant duration."""
+    built = arias(after)
+    low, high = significant_window(after)
+    axes.axvspan(begin + low, begin + high, color=AFTER, alpha=0.10, lw=0)
+    axes.plot(*_thinned(begin + after.step * np.arange(len(built)), built), color=AFTER, lw=1.4)
+    axes.set_title(f"Arias intensity {built[-1]:.3g} m/s, 5 to 95 % in {high - low:.3g} s", fontsize=9, color=FAINT, loc="right")
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("intensity [m/s]", color=INK)
+    axes.set_ylim(bottom=0.0)
+    axes.margins(x=0.01)
+    _quiet(axes)
+
+
+def _quiet(axes: Any) -> None:
+    """Light lines, no frame."""
+    axes.grid(color="#e3e6e8", lw=0.6)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    axes.tick_params(colors=FAINT, labelsize=9)
+
+
+def _thinned(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The smallest and largest value of each bin where there are more samples than a picture can show."""
+    size = int(np.ceil(2 * len(values) / POINTS))
+    if size <= 2:
+        return times, values
+    whole = len(values) // size * size
+    bins = values[:whole].reshape(-1, size)
+    order = np.sort(np.stack([bins.argmin(axis=1), bins.argmax(axis=1)], axis=1), axis=1)
+    chosen = (order + size * np.arange(len(bins))[:, None]).ravel()
+    return times[chosen], values[chosen]

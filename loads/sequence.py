@@ -1,0 +1,196 @@
+r"""Shocks in a row on the same, ever more damaged structure (Ferrante et al. 2019 shake a cracked church by three records in a row).
+
+Each shock has the components of one record, scaled by one factor. Between two shocks, and after the last, the base stands still for a rest:
+a fixed time, or until the structure is still,
+
+    max |v| of the blocks that still stand < still   over ``hold`` seconds,   at most ``longest_rest``.
+
+**Load time and run time.** How long a rest until still takes is only known in the run. So the arrays of loads are laid out in a load
+time in which every such rest has its full length, and say where it lies: a :class:`Pause` from step ``first`` to step ``last``. The run
+loop keeps the step of the load k beside its own, and in a pause, once the structure has been still for ``hold`` steps, goes on at
+k = ``last``. Base velocity and acceleration are constant over a pause, so the jump changes nothing but the time that passes. ``last`` of
+the pause after the last shock is the end of the loads, so the run ends there.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, Field, model_validator
+
+from loads.accelerogram import Accelerogram, Processed, describe_both, process, size_factor
+from loads.motion import Direction, DirectionKey, Part, RunGrid, strict
+from loads.record import FADE, sample
+from loads.supports import ShakingTable
+
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+def _rest(value: object) -> float | str:
+    """A time or the word "still"."""
+    if value == "still":
+        return "still"
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and np.isfinite(value) and value >= 0.0:
+        return float(value)
+    raise ValueError('must be a time in seconds, or "still": until the structure is')
+
+
+class Component(Accelerogram):
+    """One component of a shock."""
+
+    direction: DirectionKey
+
+
+class ShockTable(BaseModel):
+    """One shock: ``[[loads.shocks]]``."""
+
+    model_config = strict
+
+    name: str | None = None
+    components: Annotated[list[Component], Field(min_length=1)]
+    rotate: float = 0.0  # of all directions about z, counter-clockwise seen from above [degrees]
+    scale: float | None = None
+    target_pga: Positive | None = None  # of the strongest component [m/s2]
+
+    @model_validator(mode="after")
+    def _one_size(self) -> Self:
+        if self.scale is not None and self.target_pga is not None:
+            raise ValueError("give scale or target_pga, not both")
+        if self.scale == 0.0:
+            raise ValueError("scale: must not be zero")
+        return self
+
+
+class SequenceTable(ShakingTable):
+    """Keys of ``kind = "sequence"``."""
+
+    kind: Literal["sequence"] = "sequence"
+    shocks: Annotated[list[ShockTable], Field(min_length=1)]
+    rest: Annotated[float | str, BeforeValidator(_rest)] = "still"
+    longest_rest: Positive = 20.0  # [s]
+    still: Positive = 1e-3  # speed below which a block counts as still [m/s]
+    hold: Positive = 0.5  # how long all have to be [s]
+
+
+@dataclass(frozen=True)
+class Shock:
+    """When a shock acts: from step first to step last of the loads."""
+
+    name: str
+    first: int
+    last: int
+
+
+@dataclass(frozen=True)
+class Pause:
+    """Steps of the loads during which nothing changes; see the head of this file for what the run loop does with it."""
+
+    first: int
+    last: int
+    speed: float  # below which the structure counts as still [m/s]
+    hold: int  # steps that it has to be
+    after: str  # the shock before
+
+
+@dataclass(frozen=True, eq=False)
+class _Ready:
+    """A shock whose records are read and scaled."""
+
+    name: str
+    parts: tuple[tuple[Direction, Processed], ...]
+    factor: float
+    length: float  # until the base stands still again [s]
+
+    def velocity(self, since: np.ndarray) -> np.ndarray:
+        """Of the base at times since its start, (n, 3) [m/s]."""
+        out = np.zeros((len(since), 3))
+        for direction, processed in self.parts:
+            out += direction.along(sample(processed.after, since))
+        out[since >= self.length * (1.0 - 1e-12)] = 0.0  # exactly still, where rounding leaves 1e-17 m/s
+        return out
+
+
+def sequence(table: SequenceTable, grid: RunGrid, where: str) -> Part:
+    """The base motion, the shocks and the pauses.
+
+    Raises:
+        InputError: a record that cannot be read; named with its line and the shock it belongs to.
+    """
+    ready, lines = [], []
+    for i, shock in enumerate(table.shocks):
+        done, said = _prepare(shock, grid, f"{where}.shocks[{i}]", i)
+        ready.append(done)
+        lines.append(said)
+    delay = table.delay_of_blocks(grid, where)
+    latest = 0.0 if delay is None else float(delay.max())
+    shocks, pauses = _lay_out(table, ready, grid, latest)
+    starts = [shock.first * grid.dt for shock in shocks]
+
+    def motion(times: np.ndarray) -> np.ndarray:
+        out = np.zeros((len(times), 3))
+        for start, one in zip(starts, ready, strict=True):
+            out += one.velocity(times - start)
+        return out
+
+    end = pauses[-1].last if pauses else shocks[-1].last
+    told = [line for shock, said in zip(shocks, lines, strict=True) for line in _timed(shock, said, grid)]
+    if end > grid.steps:
+        told.append(f"{where} the run ends at {grid.end:g} s: run.duration = {end * grid.dt:g} would hold all shocks and rests")
+    return Part(
+        motion=motion,
+        delay=delay,
+        lines=tuple(told),
+        summary={"kind": "sequence", "rest": table.rest, "shocks": [_summary(s, r, grid) for s, r in zip(shocks, ready, strict=True)]},
+        shocks=tuple(shock for shock in shocks if shock.first < grid.steps),
+        pauses=tuple(replace(p, last=min(p.last, grid.steps)) for p in pauses if p.first < grid.steps and table.rest == "still"),
+    )
+
+
+def _prepare(shock: ShockTable, grid: RunGrid, where: str, place: int) -> tuple[_Ready, list[str]]:
+    """Read and scale the components of a shock; with the lines that tell of them."""
+    keys = [f"{where}.components[{j}]" for j in range(len(shock.components))]
+    raw = [process(component, grid.folder, grid.dt, key) for component, key in zip(shock.components, keys, strict=True)]
+    factor = size_factor(shock.scale, shock.target_pga, max(one.after.numbers()["pga"] for one in raw))
+    scaled = [one.scaled(factor) for one in raw]
+    directions = [component.direction.turned(shock.rotate) for component in shock.components]
+    lines = []
+    for component, direction, one, key in zip(shock.components, directions, scaled, keys, strict=True):
+        lines.append(f"{key} {component.path}{f' [{one.column}]' if one.column else ''} along {direction.label}, times {factor:.6g}")
+        lines += describe_both(key, one, component.correction)
+    length = max(
+        one.after.duration + (FADE if component.correction == "none" else 0.0)
+        for component, one in zip(shock.components, scaled, strict=True)
+    )
+    return _Ready(shock.name or f"shock {place + 1}", tuple(zip(directions, scaled, strict=True)), factor, length), lines
+
+
+def _lay_out(table: SequenceTable, ready: list[_Ready], grid: RunGrid, latest: float) -> tuple[list[Shock], list[Pause]]:
+    """Shocks and pauses in steps of the load time; shocks begin on a step."""
+    rest = table.longest_rest if isinstance(table.rest, str) else table.rest
+    shocks, pauses = [], []
+    first = math.ceil(table.start / grid.dt - 1e-6)
+    for one in ready:
+        last = first + math.ceil((one.length + latest) / grid.dt - 1e-6)
+        after = last + math.ceil(rest / grid.dt - 1e-6)
+        shocks.append(Shock(one.name, first, last))
+        pauses.append(Pause(last, after, table.still, max(1, math.ceil(table.hold / grid.dt)), one.name))
+        first = after
+    return shocks, pauses
+
+
+def _timed(shock: Shock, lines: list[str], grid: RunGrid) -> list[str]:
+    """The lines of a shock below one that says when it acts."""
+    return [f'shock "{shock.name}": {shock.first * grid.dt:g} to {shock.last * grid.dt:g} s of the loads', *lines]
+
+
+def _summary(shock: Shock, ready: _Ready, grid: RunGrid) -> dict[str, Any]:
+    return {
+        "name": shock.name,
+        "start": shock.first * grid.dt,
+        "end": shock.last * grid.dt,
+        "factor": ready.factor,
+        "components": [{"direction": list(direction.vector), **one.numbers()} for direction, one in ready.parts],
+    }

@@ -1,0 +1,68 @@
+"""loads.picture: a record is drawn without a display, and peaks survive the thinning of long curves."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from loads.baseline import integrate
+from loads.picture import _thinned, file_picture, record_picture
+from loads.response import default_periods
+from masonry_cd.errors import InputError
+
+TIME = 0.01 * np.arange(1001)
+WAVE = 2.0 * np.sin(np.pi * TIME / 10.0) ** 2 * np.sin(2 * np.pi * 1.3 * TIME)
+
+
+@pytest.fixture
+def quake(tmp_path: Path) -> Path:
+    file = tmp_path / "quake.txt"
+    file.write_text("t a_m_s2\n" + "".join(f"{t:.2f} {a + 0.5:.9g}\n" for t, a in zip(TIME, WAVE, strict=True)))
+    return file
+
+
+def test_a_file_is_drawn_and_its_numbers_returned(quake: Path) -> None:
+    picture = quake.with_name("quake.png")
+    processed = file_picture(quake, picture, band=[0.1, 25.0], taper=0.5)
+    assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    assert picture.stat().st_size > 20_000
+    numbers = processed.numbers()
+    assert numbers["before"]["pga"] == pytest.approx(abs(WAVE + 0.5).max(), rel=1e-6)
+    assert numbers["after"]["pga"] == pytest.approx(abs(WAVE).max(), rel=0.02)
+    assert abs(numbers["after"]["end_displacement"]) < 1e-12
+
+
+def test_two_motions_with_a_target_spectrum(tmp_path: Path) -> None:
+    motion, periods = integrate(WAVE, 0.01), default_periods(20)
+    record_picture(motion, motion.scaled(0.5), tmp_path / "with.svg", "title", target=(periods, np.ones(20)))
+    record_picture(motion, motion.scaled(0.5), tmp_path / "without.svg", "title")
+    assert "#c7372f" in (tmp_path / "with.svg").read_text()
+    assert "#c7372f" not in (tmp_path / "without.svg").read_text()
+
+
+def test_long_curves_keep_their_peaks_when_thinned() -> None:
+    values = np.zeros(300_000)
+    values[[77_777, 123_456]] = 3.0, -4.0
+    times, drawn = _thinned(np.arange(300_000.0), values)
+    assert len(drawn) <= 20_000
+    assert (drawn.max(), drawn.min()) == (3.0, -4.0)
+    assert (np.diff(times) >= 0.0).all()
+
+
+def test_bad_keys_and_places_are_named(quake: Path) -> None:
+    with pytest.raises(InputError, match=r'record.windw: unknown key \(did you mean "window"\?\)'):
+        file_picture(quake, quake.with_name("p.png"), windw=[0, 1])
+    with pytest.raises(InputError, match=r"p.png: the picture cannot be written"):
+        file_picture(quake, quake.parent / "no" / "p.png")
+    with pytest.raises(InputError, match=r"p.tiffany: the picture cannot be written"):
+        file_picture(quake, quake.with_name("p.tiffany"))
+
+
+def test_loads_alone_bring_neither_matplotlib_nor_obspy() -> None:
+    code = "import sys, loads, loads.picture; print([m for m in ('matplotlib', 'obspy', 'pandas') if m in sys.modules])"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=Path(__file__).parents[1])
+    assert run.stdout.strip() == "[]"
