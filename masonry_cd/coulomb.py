@@ -1013,3 +1013,139 @@ def admm_bodies(
     p[:] = best
     _put_back(best_v, order, v_out)
     return iterations, smallest, k, factorisations
+
+
+# --- semismooth Newton over bodies ---------------------------------------------------------------------------------------------------
+
+
+@njit(cache=True, nogil=True)
+def _tangent(pn, p1, p2, un, u1, u2, mu, d, stiffness, block, target, spatial):  # type: ignore[no-untyped-def]
+    """Linearised law of one contact, p+ = target - block (u+ - u), for contact stiffness ``stiffness`` / d; see solvers/newton.py."""
+    block[:] = 0.0
+    target[:] = 0.0
+    xn, x1, x2 = pn - un / d, p1 - u1 / d, p2 - u2 / d
+    if xn <= 0.0:
+        return
+    kappa = stiffness / d
+    length = _length(x1, x2)
+    target[0] = pn - kappa * un
+    block[0, 0] = kappa
+    if length <= mu * xn:
+        target[1], block[1, 1] = p1 - kappa * u1, kappa
+        if spatial:
+            target[2], block[2, 2] = p2 - kappa * u2, kappa
+        return
+    e1, e2 = x1 / length, x2 / length
+    target[1], block[1, 0] = mu * e1 * target[0], mu * e1 * kappa
+    if spatial:  # across the slip the direction of friction turns with the velocity
+        share = mu * xn / length
+        beta = min(share / (d * max(1.0 - share, 1e-12)), kappa)
+        across = u2 * e1 - u1 * e2
+        target[2], block[2, 0] = mu * e2 * target[0], mu * e2 * kappa
+        target[1] += beta * across * e2
+        target[2] -= beta * across * e1
+        block[1, 1], block[1, 2], block[2, 1], block[2, 2] = beta * e2 * e2, -beta * e1 * e2, -beta * e1 * e2, beta * e1 * e1
+
+
+@njit(cache=True, nogil=True)
+def _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n):  # type: ignore[no-untyped-def]
+    """Diagonal, lower and transposed upper blocks of M + H^T B H, B one (m, m) block per contact."""
+    m, n, bodies = len(size_m), len(size_n), len(mass)
+    diagonal[:] = mass
+    lower[:] = 0.0
+    upper[:] = 0.0
+    turned = np.empty((2, m, n))
+    for c in range(len(index)):
+        h, a, b = jacobian[c], index[c, 0], index[c, 1]
+        for side in range(2):
+            for i in range(m):
+                for q in range(n):
+                    total = 0.0
+                    for k in range(m):
+                        total += blocks[c, i, k] * h[side, k, q]
+                    turned[side, i, q] = total
+        for i in range(m):
+            for p in range(n):
+                x, y = h[0, i, p], h[1, i, p]
+                for q in range(n):
+                    if a < bodies:
+                        diagonal[a, p, q] += x * turned[0, i, q]
+                    if b < bodies:
+                        diagonal[b, p, q] += y * turned[1, i, q]
+                if a == b < bodies:
+                    for q in range(n):
+                        diagonal[a, p, q] += x * turned[1, i, q] + y * turned[0, i, q]
+                if spot[c] >= 0:
+                    x_low, x_high, low, high = (y, x, 1, 0) if a > b else (x, y, 0, 1)
+                    for q in range(n):
+                        lower[spot[c], p, q] += x_high * turned[low, i, q]
+                        upper[spot[c], q, p] += x_low * turned[high, i, q]
+
+
+@njit(cache=True, nogil=True)
+def newton_bodies(
+    inverse_mass, v_free, bodies, jacobian, offset, mu, order, column, row, index, spot, p, v_out, stiffness, tolerance, limit,
+    size_m, size_n,
+):  # type: ignore[no-untyped-def] # fmt: skip
+    """Semismooth Newton over a FrictionProblem, see solvers/newton.py. p holds the start and then the best answer found.
+
+    Returns iterations, natural map error, and the error at the start.
+    """
+    count, m, n, contacts = len(order), len(size_m), len(size_n), len(mu)
+    inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
+    d = _scales(inverse, jacobian, index, size_m, size_n)
+    v, out, best_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n))
+    u, target, blocks = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m, m))
+    v[:count] = free
+    _rows(jacobian, index, offset, v, u, size_m, size_n)
+    size = _size_of(u, d)
+    _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
+    best, best_v[:] = p.copy(), v
+    smallest = error = begin = _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n) / size
+    hold, hold_v = p.copy(), v.copy()
+    diagonal, pivot = np.empty((count, n, n)), np.empty((count, n, n))
+    lower, upper = np.empty((len(row), n, n)), np.empty((len(row), n, n))
+    iterations, refused = 0, 0
+    while iterations < limit and smallest > tolerance and refused < 8:
+        _rows(jacobian, index, offset, v, u, size_m, size_n)
+        for c in range(contacts):
+            p2, u2 = (p[c, 2], u[c, 2]) if m == 3 else (0.0, 0.0)
+            _tangent(p[c, 0], p[c, 1], p2, u[c, 0], u[c, 1], u2, mu[c], d[c], stiffness, blocks[c], target[c], m == 3)
+        _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
+        iterations += 1
+        new = np.inf
+        if _factorise(column, row, diagonal, lower, upper, pivot, False, size_n):
+            _missing_momentum(mass, free, v, out, size_n)
+            _add_push(jacobian, index, target, out, size_m, size_n)
+            _solve_factorised(column, row, lower, upper, pivot, out, size_n)
+            out[count] = 0.0
+            for c in range(contacts):
+                a, b, h = index[c, 0], index[c, 1], jacobian[c]
+                for i in range(m):
+                    p[c, i] = target[c, i]
+                for i in range(m):
+                    change = 0.0
+                    for k in range(n):
+                        change += h[0, i, k] * out[a, k] + h[1, i, k] * out[b, k]
+                    for k in range(m):
+                        p[c, k] -= blocks[c, k, i] * change
+            _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
+            new = _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n) / size
+        if new < 1.5 * error or (iterations == 1 and new < np.inf):
+            stiffness = min(4.0 * stiffness, 1e8) if new < 0.7 * error else (2.0 * stiffness if new <= error else 0.5 * stiffness)
+            error = new
+            hold[:] = p
+            hold_v[:] = v
+            refused = 0
+        else:
+            stiffness *= 0.125
+            p[:] = hold
+            v[:] = hold_v
+            refused += 1
+        if new < smallest:
+            smallest = new
+            best[:] = p
+            best_v[:] = v
+    p[:] = best
+    _put_back(best_v, order, v_out)
+    return iterations, smallest, begin

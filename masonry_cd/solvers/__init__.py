@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from masonry_cd.friction import Problem, Solution
-from masonry_cd.solvers import admm, nlgs
+from masonry_cd.solvers import admm, auto, newton, nlgs
 from masonry_cd.solvers.options import Options
 
 Solver = Callable[[Problem, Options, Solution | None], Solution]
 
 SOLVERS: dict[str, Solver] = {
     "admm": admm.solve,
+    "auto": auto.solve,
+    "newton": newton.solve,
     "nlgs": nlgs.solve,
 }
 

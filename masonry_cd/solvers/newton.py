@@ -1,0 +1,69 @@
+r"""Semismooth Newton: few, expensive iterations, each with the contact law linearised; quadratic near a solution.
+
+The law in the form of Alart & Curnier (Comput. Methods Appl. Mech. Engrg. 92, 1991), x = p - u / d:
+
+    p_n = max(0, x_n),     p_t = projection of x_t onto the disc of radius mu p_n,
+
+has a derivative wherever the contact is surely open, sticking or slipping, and one of its pieces' elsewhere. With the stiffness
+kappa = K / d standing in for the infinite one of a rigid contact, in the derivative only, the new impulse is p+ = g - B (u+ - u):
+
+    open    g = 0,                               B = 0
+    stick   g = p - kappa u,                     B = kappa I
+    slip    g_n = p_n - kappa u_n,               B_nn = kappa,    g_t = mu e g_n,   B_tn = mu kappa e,    e = x_t / |x_t|,
+            and across e a stiffness |p_t| / |u_t|, since friction turns with the velocity.
+
+Put into the equation of motion this leaves one sparse, unsymmetric system with the pattern of ADMM's,
+
+    (M + H^T B H) (v+ - v) = M (v_free - v) + H^T g.
+
+K works as the damping of Levenberg and Marquardt does, or as the step of a proximal point method: large near a solution, small far from
+it, or else hyperstatic structures answer with impulses of any size. It grows fourfold when a step reduces the natural map error,
+shrinks eightfold when a step is refused because the error grew by half. The best iterate is kept.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd import coulomb
+from masonry_cd.friction import LocalProblem, Problem, Solution
+from masonry_cd.solvers import admm, nlgs
+from masonry_cd.solvers.options import Options
+
+LIMIT = 50  # iterations
+STIFFNESS = 1e3  # K of the first iteration
+NEAR = 1e-2  # natural map error to begin with; from farther away sweeps of Gauss-Seidel come first
+SWEEPS = 300
+
+
+def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
+    """Iterate until the natural map error is below the tolerance, the limit is reached, or no step is accepted any more.
+
+    Args:
+        problem: over bodies, or in the impulses alone.
+        options: ``max_iterations`` counts Newton steps (one factorisation each).
+        start: its impulse (C, m) is the first iterate, its memory ADMM's or Newton's of the step before.
+    """
+    if problem.contacts == 0:
+        return nlgs.solve(problem, options, start)
+    if start is None:
+        rough = Options(tolerance=max(options.tolerance, NEAR), max_iterations=SWEEPS, seed=options.seed)
+        start = nlgs.solve(problem, rough)
+    limit = LIMIT if options.max_iterations is None else options.max_iterations
+    if isinstance(problem, LocalProblem):
+        raise NotImplementedError
+    arrays, n = problem.arrays(), problem.v_free.shape[1]
+    memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
+    impulse, velocity, pattern = start.impulse.copy(), np.empty(problem.v_free.shape), memory.pattern
+    iterations, error, begin = coulomb.newton_bodies(
+        *arrays, pattern.order, pattern.column, pattern.row, index, spot, impulse, velocity, STIFFNESS, options.tolerance, limit,
+        (0,) * problem.dimension, (0,) * n,
+    )  # fmt: skip
+    return Solution(impulse, velocity, iterations, _reason(error, begin, options), memory.arrays())
+
+
+def _reason(error: float, begin: float, options: Options) -> str:
+    """Say how it ended."""
+    if error <= options.tolerance:
+        return "newton: converged"
+    return f"newton: failed at an error of {error:.1e}, begun at {begin:.1e}"
