@@ -1,12 +1,13 @@
 """Structures: from the [structure] table of a scene to checked blocks.
 
 Each kind has a module with a function ``build(table, density, folder) -> list[Block]``, named in :data:`KINDS` and
-imported when it is asked for. Whatever a kind builds passes :mod:`structures.checks` before it is returned.
+imported when it is asked for. Whatever a kind builds passes :mod:`structures.checks` before it is returned, and
+:func:`report` says what it is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -48,3 +49,13 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     rest = {key: value for key, value in table.items() if key != "kind"}
     blocks: list[Block] = import_module(KINDS[kind]).build(rest, density, folder)
     return blocks
+
+
+def report(blocks: Sequence[Block]) -> dict[str, Any]:
+    """Blocks, joints, masses, contact graph and hyperstaticity of a structure, see :mod:`structures.summary`.
+
+    Raises:
+        InputError: a free block that touches nothing.
+    """
+    made: dict[str, Any] = import_module("structures.summary").report(blocks)
+    return made

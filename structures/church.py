@@ -36,7 +36,7 @@ class ChurchTable(Table):
     thickness: Length | None = Field(None, description="of the walls; by default 1 m, under a vault 0.16 of the width [m]")
     leaves: int = Field(1, ge=1, le=4, description="of all walls")
     bonded: bool = Field(True, description="false: straight joints where walls meet, from bottom to top")
-    gable: Height = Field(2.5, description="height of the gables over the eaves [m]")
+    gable: Height | None = Field(None, description="height over the eaves; by default 2.5 m, in front of a vault its own height [m]")
     door_width: Height = Field(2.0, description="of the facade, 0 for none [m]")
     door_height: Length = Field(4.0, description="[m]")
     windows: int = Field(4, ge=0, le=20, description="in each side wall of the nave")
@@ -71,8 +71,12 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         InputError: a key that is unknown or out of range, or measures that do not fit together.
     """
     keys = parse_table(ChurchTable, table, "structure")
-    if keys.thickness is None:
-        keys = keys.model_copy(update={"thickness": 0.16 * keys.width if keys.roof == "vault" else 1.0})
+    vaulted = keys.roof == "vault"
+    natural = {
+        "thickness": 0.16 * keys.width if vaulted else 1.0,
+        "gable": 0.57 * keys.width if vaulted else 2.5,
+    }
+    keys = keys.model_copy(update={key: value for key, value in natural.items() if getattr(keys, key) is None})
     _fits(keys)
     church = church_parts.Church.of(keys)
     walls = church_parts.walls(church)
@@ -106,7 +110,12 @@ def _fits(keys: ChurchTable) -> None:
     if keys.apse:
         limits.append(("apse_radius", keys.apse_radius, 0.5 * keys.width, "half the width of the nave"))
         limits.append(
-            ("apse_height", keys.apse_height, keys.height + 0.5 * keys.gable - 1.2 * keys.apse_radius, "what the wall behind it hides")
+            (
+                "apse_height",
+                keys.apse_height,
+                keys.height + 0.5 * (keys.gable or 0.0) - 1.2 * keys.apse_radius,
+                "what the wall behind it hides",
+            )
         )
     if keys.aisles:
         limits.append(("aisle_height", keys.aisle_height, 0.7 * keys.height, "0.7 of the height"))
@@ -121,5 +130,5 @@ def _fits(keys: ChurchTable) -> None:
             raise InputError(f"structure.{key}: must be at most {what}, {most:.4g} m, got {value:g}")
     if keys.tower and keys.tower_height < 1.2 * keys.height:
         raise InputError(f"structure.tower_height: must be at least 1.2 of the height, {1.2 * keys.height:g} m, got {keys.tower_height:g}")
-    if keys.tower and keys.tower_side < 4.0 * t:
-        raise InputError(f"structure.tower_side: must be at least four thicknesses, {4.0 * t:g} m, got {keys.tower_side:g}")
+    if keys.tower and keys.tower_side < 2.5 * t:
+        raise InputError(f"structure.tower_side: must be at least 2.5 thicknesses, {2.5 * t:g} m, got {keys.tower_side:g}")

@@ -76,7 +76,7 @@ class Church:
     def bay(self) -> tuple[float, float]:
         """Distance between the columns of an arcade, and the width of what its arches spring from."""
         bay = (self.length - 2.0 * self.thick) / self.keys.bays
-        pier = max((0.2 * bay + 0.4 * self.unit) / 1.2, 0.7 * self.thick)
+        pier = max((0.2 * bay + 0.75 * self.unit) / 1.2, 0.7 * self.thick)
         return bay, pier
 
     @property
@@ -85,10 +85,14 @@ class Church:
         bay, pier = self.bay
         return 0.1 * (bay - pier)
 
-    def window_height(self, top: float) -> float:
-        """Clear height of the windows in a wall with its eaves at the top."""
-        room = top - (self.aisle_eaves if self.keys.aisles and top > self.aisle_eaves else 0.0)
-        return self.keys.window_height or min(2.5, 0.35 * room)
+    def window(self, centre: float, sill: float, top: float) -> tuple[Opening, ...]:
+        """A window in a wall with its eaves at the top, or none where a window of the default height has no room."""
+        keys, width = self.keys, self.keys.window_width
+        if keys.window_height is not None:
+            return (self.arched("window", centre, width, sill, keys.window_height),)
+        low = self.level(sill)
+        made = self.arched("window", centre, width, sill, min(2.5, 0.35 * top, top - low - 2.0 * self.course))
+        return (made,) if made.crown + 0.5 * self.course < top and made.height >= width else ()
 
     def level(self, z: float) -> float:
         """The nearest whole course."""
@@ -114,7 +118,7 @@ def _across(church: Church, name: str, near: float, openings: tuple[Opening, ...
     """A wall across the whole church, with a gable over the nave."""
     a, b = church.half + church.thick, church.outer
     shoulder = (church.aisle_eaves, -a, a) if church.keys.aisles else None
-    far, gable = near + church.thick, church.keys.gable
+    far, gable = near + church.thick, church.keys.gable or 0.0
     return Wall(name, name, 1, -b, b, near, far, 0.0, church.eaves, openings, gable, shoulder=shoulder)
 
 
@@ -124,7 +128,7 @@ def _facade(church: Church) -> Wall:
         openings.append(church.arched("door", 0.0, keys.door_width, 0.0, keys.door_height))
     if keys.windows:
         sill = max(0.6 * church.eaves, (openings[0].crown if openings else 0.0) + 2.0 * church.course)
-        openings.append(church.arched("window", 0.0, keys.window_width, sill, church.window_height(church.eaves)))
+        openings += church.window(0.0, sill, church.eaves + 0.5 * (keys.gable or 0.0))
     return _across(church, "facade", 0.0, tuple(openings))
 
 
@@ -169,9 +173,7 @@ def _windows(church: Church, sill: float, top: float, beside_tower: bool) -> tup
     low, high = church.tower_x if keys.tower and beside_tower else (math.inf, -math.inf)
     reach = 0.5 * keys.window_width + church.unit
     places = [church.thick + (i + 0.5) * clear / keys.windows for i in range(keys.windows)]
-    return tuple(
-        church.arched("window", x, keys.window_width, sill, church.window_height(top)) for x in places if not low - reach < x < high + reach
-    )
+    return tuple(window for x in places if not low - reach < x < high + reach for window in church.window(x, sill, top))
 
 
 def _arcade(church: Church) -> tuple[float, tuple[Opening, ...]]:
@@ -204,7 +206,7 @@ def _buttresses(church: Church) -> list[Wall]:
     for i in range(count):
         x = t + (i + 1) * clear / (count + 1)
         near = [abs(x - window.centre) for window in _windows(church, 0.0, church.eaves, False)]
-        if near and min(near) < 0.5 * (wide + keys.window_width) + 0.7 * church.unit:
+        if near and min(near) < 0.5 * (wide + keys.window_width) + 0.37 * church.unit:
             raise InputError(f"structure.buttresses: must be {max(0, keys.windows - 1)}, one between every two windows, or 0, got {count}")
         for side, name in ((-1.0, "south"), (1.0, "north")):
             if side > 0 and keys.tower and church.tower_x[0] - wide - church.unit < x < church.tower_x[1] + wide + church.unit:
@@ -217,18 +219,21 @@ def _buttresses(church: Church) -> list[Wall]:
 
 def _tower(church: Church) -> list[Wall]:
     """The bell tower on the north side: the side wall of the church is its south wall up to the eaves."""
-    keys, t, side = church.keys, church.thick, church.keys.tower_side
-    (x0, x1), y0 = church.tower_x, church.outer - t
+    keys, side, host = church.keys, church.keys.tower_side, church.thick
+    t = min(host, side / 4.5)
+    (x0, x1), y0 = church.tower_x, church.outer - host
     eaves, top = (church.aisle_eaves if keys.aisles else church.eaves), church.level(keys.tower_height)
-    width = min(0.3 * side, (side - 2.0 * t - 0.75 * church.unit) / 1.7)  # leaves room for its arch between the corners
+    width = min(0.3 * side, (side - host - t - 0.75 * church.unit) / 1.7)  # leaves room for its arch between the corners
     belfry: dict[int, tuple[Opening, ...]] = {0: (), 1: ()}
     if width > 0.5 * church.course:
         sill = top - 2.0 * width - 0.2 * width - 2.5 * church.course
-        belfry = {i: (church.arched("tower", c, width, sill, 2.0 * width),) for i, c in ((0, 0.5 * (x0 + x1)), (1, y0 + 0.5 * side))}
+        belfry = {
+            i: (church.arched("tower", c, width, sill, 2.0 * width),) for i, c in ((0, 0.5 * (x0 + x1)), (1, y0 + 0.5 * (host + side - t)))
+        }
     above = y0 + (church.vault if keys.roof == "vault" and not keys.aisles else 0.0)  # the vault rests on the inner part of the wall
     walls_ = [
         Wall("tower_north", "tower", 0, x0, x1, y0 + side - t, y0 + side, 0.0, top, belfry[0]),
-        Wall("tower_south", "tower", 0, x0, x1, above, y0 + t, eaves, top, belfry[0]),
+        Wall("tower_south", "tower", 0, x0, x1, above, y0 + host, eaves, top, belfry[0]),
     ]
     for name, near in (("west", x0), ("east", x1 - t)):
         if above == y0:

@@ -143,14 +143,23 @@ def breaks(opening: Opening) -> list[tuple[float, str]]:
     return found
 
 
-def haunch_break(opening: Opening, levels: Sequence[float]) -> tuple[float, str] | None:
-    """A bed to add where the courses are too high for the arch to meet one on its haunch."""
+def haunch_break(opening: Opening, beds: Sequence[float], fixed: Sequence[float], least: float) -> tuple[float, str] | None:
+    """A bed to add where the courses are too high for the arch to meet one on its haunch.
+
+    Args:
+        beds: all beds so far [m].
+        fixed: those of them that must stay [m].
+        least: distance to keep from these, where possible [m].
+    """
     if not opening.rise or opening.start > FIRST:
         return None
-    slopes = [_slope(opening, z) for z in levels if opening.springing + SAME < z < opening.level + opening.outer]
+    slopes = [_slope(opening, z) for z in beds if opening.springing + SAME < z < opening.level + opening.outer]
     if any(FIRST <= slope <= STEEP for slope in slopes):
         return None
-    return opening.level + opening.outer * math.sin(0.5 * (FIRST + STEEP)), f"{opening.key}depth"
+    angles = 0.5 * (FIRST + STEEP) + 0.5 * (STEEP - FIRST) * np.array([0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9])
+    heights = opening.level + opening.outer * np.sin(angles)
+    room = np.minimum(np.abs(heights[:, None] - np.array(fixed)[None, :]).min(axis=1), least)
+    return float(heights[np.argmax(room)]), f"{opening.key}depth"
 
 
 def _slope(opening: Opening, z: float) -> float:

@@ -68,7 +68,7 @@ def levels(foot: float, top: float, openings: Sequence[Opening], course: float, 
         fixed += breaks_of(opening)
     beds = _divided(fixed, course)
     for opening in openings:
-        extra = haunch_break(opening, beds)
+        extra = haunch_break(opening, beds, [z for z, _ in fixed], LEAST_COURSE * course)
         if extra:
             fixed.append(extra)
             beds = _divided(fixed, course)

@@ -89,7 +89,8 @@ def _meet(wall: Wall, other: Wall) -> bool:
         return False
     along = min(wall.end, other.far) - max(wall.start, other.near)
     across = min(other.end, wall.far) - max(other.start, wall.near)
-    return along > SAME and across > SAME
+    height = min(wall.top, other.top) - max(wall.foot, other.foot)
+    return along > SAME and across > SAME and height > SAME
 
 
 def _meeting(wall: Wall, other: Wall) -> _Meeting:
@@ -175,12 +176,15 @@ def _blocks(wall: Wall, beds: Sequence[float], unit: float, density: float, meet
     bands = _bands(wall, beds, first, unit, meets, bonded)
     bounds = np.linspace(wall.near, wall.far, wall.leaves + 1)
     blocks = []
+    tied: list[Piece] = []
     for leaf in range(wall.leaves):
-
-        def shift(course: int, leaf: int = leaf) -> float:
-            return 0.5 * ((first + course) % 2) + (0.0 if _tied(wall, course) else 0.25 * leaf)
-
-        for piece in panel.cut(own, bands, closings, unit, shift, wall.start if wall.anchor is None else wall.anchor):
+        shift = _shift(wall, first, leaf)
+        pieces = panel.cut(own, bands, closings, unit, shift, wall.start if wall.anchor is None else wall.anchor)
+        if leaf == 0:
+            tied = [piece for piece in pieces if piece.opening < 0 and _tied(wall, piece.course)]
+        else:  # courses with through-stones have the joints of the first leaf
+            pieces = [piece for piece in pieces if piece.opening < 0 and not _tied(wall, piece.course)] + tied
+        for piece in pieces:
             whole = wall.leaves == 1 or piece.opening >= 0 or (_tied(wall, piece.course) and piece.number % wall.through == 0)
             if whole and leaf > 0:
                 continue
@@ -188,6 +192,15 @@ def _blocks(wall: Wall, beds: Sequence[float], unit: float, density: float, meet
             name = _name(wall, piece, first) + ("" if whole else f".{'abcdefgh'[leaf]}")
             blocks.append(Block(name, *prism(piece.polygon, wall.axis, near, far), density, wall.group))
     return blocks
+
+
+def _shift(wall: Wall, first: int, leaf: int) -> panel.Shift:
+    """The running bond; the leaves behind each other are a quarter of a block apart."""
+
+    def of(course: int) -> float:
+        return 0.5 * ((first + course) % 2) + (0.0 if _tied(wall, course) else 0.25 * leaf)
+
+    return of
 
 
 def _tied(wall: Wall, course: int) -> bool:
