@@ -25,7 +25,7 @@ from reports.damage import Thresholds, fallen, separated_joints
 from reports.deformed import Pose, Solids, frame_index, joint_frame, solids_of
 from reports.picture import SUPPORT, auto_view, block_layers, box_swatch, rgb, structure_window
 from reports.render import Layer, Surface, View, Window, render, view_named
-from reports.sheet import FAINT, INK, Box, Layout, Paint, Sheet, in_metres, layout, nice
+from reports.sheet import FAINT, INK, Box, Layout, Paint, Sheet, classes, in_metres, layout, nice
 
 STONE, FALLEN, PARTED, SHADOW = "#efe8da", "#c4a491", "#2b2b2b", "#e6e9ec"
 OPENING_COLOURS, SLIDING_COLOURS = ("YlGnBu", 0.4, 1.0), ("OrRd", 0.4, 1.0)  # colour map and the part of it in use
@@ -63,21 +63,12 @@ class Scale:
         from matplotlib import colormaps
 
         name, low, high = colours
-        self.bounds = [smallest]  # [m]
-        while self.bounds[-1] < largest * (1 - 1e-9):
-            self.bounds.append(next_step(self.bounds[-1]))
+        self.bounds = classes(smallest, largest)  # [m]
         self.colours = np.round(255 * colormaps[name](np.linspace(low, high, len(self.bounds)))[:, :3]).astype(np.uint8)
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
         """(N, 3) uint8 colours of lengths (N,) [m]."""
         return self.colours[np.clip(np.searchsorted(self.bounds, values, side="right") - 1, 0, len(self.colours) - 1)]
-
-
-def next_step(value: float) -> float:
-    """The next of 1, 2, 5 times a power of ten after a value."""
-    base = nice(value)
-    first = round(base / 10.0 ** np.floor(np.log10(base) + 1e-9))
-    return base * {1: 2.0, 2: 2.5, 5: 2.0}[first]
 
 
 def crack_map(

@@ -1,7 +1,8 @@
 r"""Joint damage: what each joint suffered over the run and what is left of it at the end.
 
 The measures are those of :mod:`masonry_cd.joints`: opening (the widest corner gap), sliding (of the corners that touch), relative
-rotation, contact area. ``max_*`` is the largest value over all time steps, ``residual_*`` that of the last frame.
+rotation, contact area. ``max_*`` is the largest value over all time steps, ``residual_*`` that of the last frame. The time of the
+first opening is that of a step where the threshold is the run's own (0.1 mm), else that of a frame.
 
 **State of a joint.** One word per joint, by the first rule that holds:
 
@@ -26,8 +27,10 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.errors import InputError
+from masonry_cd.joints import OPENED as OPENING_IN_RUN
+from masonry_cd.joints import Joints
 from masonry_cd.results import Results
-from reports.deformed import Pose, base_shift, joint_frame, smallest_gap, solids_of
+from reports.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap, solids_of
 
 STATES = ("intact", "opened", "slid", "separated")
 INTACT, OPENED, SLID, SEPARATED = range(4)
@@ -123,10 +126,15 @@ def separated_joints(results: Results, frame: int = -1, thresholds: Thresholds |
     thresholds = thresholds or Thresholds()
     joints = results.joints
     solids = solids_of(results.blocks)
+    gap = smallest_gap(joints, solids, Pose.of(results, solids, frame))
+    sliding, contact_area = (joint_frame(results, name, frame) for name in ("sliding", "contact_area"))
+    return parted(joints, gap, sliding, contact_area, thresholds)
+
+
+def parted(joints: Joints, gap: np.ndarray, sliding: np.ndarray, contact_area: np.ndarray, thresholds: Thresholds) -> np.ndarray:
+    """(J,) True where a joint with a smallest gap [m], sliding [m] and contact area [m2], (J,) each, is separated."""
     limit = thresholds.apart * np.sqrt(joints.area)
-    apart = smallest_gap(joints, solids, Pose.of(results, solids, frame)) >= limit
-    lost = joint_frame(results, "contact_area", frame) <= thresholds.lost * joints.area
-    return np.asarray(lost & (apart | (joint_frame(results, "sliding", frame) >= limit)))
+    return np.asarray((contact_area <= thresholds.lost * joints.area) & ((gap >= limit) | (sliding >= limit)))
 
 
 def collapsed_blocks(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> tuple[str, ...]:
@@ -137,14 +145,18 @@ def collapsed_blocks(results: Results, thresholds: Thresholds | None = None, fra
 def fallen(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> np.ndarray:
     """(B,) True where a free block has fallen at a frame."""
     thresholds = thresholds or Thresholds()
-    joints, solids = results.joints, solids_of(results.blocks)
-    pose = Pose.of(results, solids, frame)
+    solids = solids_of(results.blocks)
+    separated = separated_joints(results, frame, thresholds)
+    return fallen_in(results.joints, solids, Pose.of(results, solids, frame), separated, thresholds)
+
+
+def fallen_in(joints: Joints, solids: Solids, pose: Pose, separated: np.ndarray, thresholds: Thresholds) -> np.ndarray:
+    """(B,) True where a free block has fallen in a pose whose separated joints (J,) are known."""
     dropped = -pose.displacement(solids)[:, 2] > thresholds.drop * solids.sizes[:, 2]
     turn = np.degrees(np.arccos(np.clip((np.trace(pose.rotation, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0)))
     ends = np.concatenate([joints.block_a, joints.block_b]).astype(np.int64)
-    separated = np.tile(separated_joints(results, frame, thresholds), 2).astype(float)
     owned = np.bincount(ends, minlength=len(solids.centre))
-    loose = (owned > 0) & (np.bincount(ends, separated, minlength=len(solids.centre)) == owned)
+    loose = (owned > 0) & (np.bincount(ends, np.tile(separated, 2).astype(float), minlength=len(solids.centre)) == owned)
     return np.asarray(~solids.fixed & (dropped | (turn > thresholds.tilt) | loose))
 
 
@@ -187,10 +199,17 @@ def _peaks(results: Results, thresholds: Thresholds) -> dict[str, np.ndarray]:
     """Peaks over all steps; over the frames where the run was killed before it wrote them."""
     peaks = {name: np.array(values, dtype=float) for name, values in results.peaks.items()}
     if not np.isnan(peaks["opening"]).any():
+        if thresholds.opened != OPENING_IN_RUN:  # the run noted the times of its own threshold only
+            peaks["first_opening_time"] = _first_time(results, thresholds.opened)
         return peaks
     for name in ("opening", "sliding", "rotation"):
         peaks[name] = results.joint_history(name).max(axis=0)
     peaks["contact_area_loss"] = 1.0 - results.joint_history("contact_area").min(axis=0) / results.joints.area
-    opened = results.joint_history("opening") >= thresholds.opened
-    peaks["first_opening_time"] = np.where(opened.any(axis=0), results.time[opened.argmax(axis=0)], np.nan)
+    peaks["first_opening_time"] = _first_time(results, thresholds.opened)
     return peaks
+
+
+def _first_time(results: Results, opened: float) -> np.ndarray:
+    """(J,) time of the first frame whose opening reaches a threshold [s], NaN where none does."""
+    beyond = results.joint_history("opening") >= opened
+    return np.where(beyond.any(axis=0), results.time[beyond.argmax(axis=0)], np.nan)

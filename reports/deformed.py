@@ -158,7 +158,11 @@ def smallest_gap(joints: Joints, solids: Solids, pose: Pose) -> np.ndarray:
     """
     if joints.count == 0:
         return np.zeros(0)
+    return np.asarray(np.minimum.reduceat(corner_gaps(joints, solids, pose), joints.polygon_start[:-1]))
+
+
+def corner_gaps(joints: Joints, solids: Solids, pose: Pose) -> np.ndarray:
+    """(N,) gap at each corner of the joints, along their normals as block a carries them [m]."""
     on_a, on_b = joint_corners(joints, solids, pose)
     normal = np.einsum("jik,jk->ji", pose.rotation[joints.block_a], joints.normal)
-    gap = ((on_b - on_a) * np.repeat(normal, np.diff(joints.polygon_start), axis=0)).sum(axis=1)
-    return np.asarray(np.minimum.reduceat(gap, joints.polygon_start[:-1]))
+    return np.asarray(((on_b - on_a) * np.repeat(normal, np.diff(joints.polygon_start), axis=0)).sum(axis=1))

@@ -67,6 +67,21 @@ def nice(value: float) -> float:
     return float(max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-9)) * power)
 
 
+def next_step(value: float) -> float:
+    """The next of 1, 2, 5 times a power of ten after a value."""
+    base = nice(value)
+    first = round(base / 10.0 ** np.floor(np.log10(base) + 1e-9))
+    return base * {1: 2.0, 2: 2.5, 5: 2.0}[first]
+
+
+def classes(smallest: float, largest: float) -> list[float]:
+    """Lower bounds of classes in steps of 1-2-5, from a smallest value to where the last, open class begins."""
+    bounds = [smallest]
+    while bounds[-1] < largest * (1 - 1e-9):
+        bounds.append(next_step(bounds[-1]))
+    return bounds
+
+
 def in_metres(value: float) -> str:
     """A length as people say it: ``2 m``, ``50 cm``, ``0.4 mm``; what is too small to mean anything as ``under 1 µm``."""
     if abs(value) < 1e-6:
