@@ -15,6 +15,7 @@ import numpy as np
 
 from loads.artificial import ArtificialTable, artificial
 from loads.combine import support_motions
+from loads.forces import Forces, PointTable, TieTable, collect, point, tie
 from loads.gravity import GravityTable, gravity
 from loads.motion import LoadTable, Part, RunGrid
 from loads.record import RecordTable, record
@@ -37,6 +38,8 @@ KINDS: dict[str, tuple[type[LoadTable], Callable[[Any, RunGrid, str], Part]]] = 
     "spreading": (SpreadingTable, spreading),
     "tilt": (TiltTable, tilt),
     "push": (PushTable, push),
+    "point": (PointTable, point),
+    "tie": (TieTable, tie),
 }
 
 
@@ -52,6 +55,7 @@ class Loading:
         support_of: (B,) the motion that each block follows, -1 for a free block: the assembly's for this run; None without an assembly.
         shocks: of sequences, in order of time.
         pauses: rests that the run loop may end early, see ``loads.sequence``.
+        forces: on single blocks, which depend on where the blocks are, see ``loads.forces``; None where there are none.
     """
 
     support_velocity: np.ndarray
@@ -61,6 +65,7 @@ class Loading:
     support_of: np.ndarray | None = None
     shocks: tuple[Shock, ...] = ()
     pauses: tuple[Pause, ...] = ()
+    forces: Forces | None = None
 
     def load_factor(self, gravity: Sequence[float]) -> np.ndarray:
         """lambda at the times t_k, (N + 1,): body force across gravity over that along it; of a tilt, the tangent of its angle."""
@@ -83,6 +88,7 @@ def build(
     gravity: Sequence[float],
     folder: Path,
     assembly: Assembly | None = None,
+    applies_forces: bool = False,
 ) -> Loading:
     """Sum all [[loads]] tables.
 
@@ -93,6 +99,7 @@ def build(
         gravity: (3,) [m/s2].
         folder: the scene file's folder, to which paths are relative.
         assembly: the blocks; without them no load may name one.
+        applies_forces: the caller applies ``Loading.forces``; without that, tables that bring such forces are refused, not ignored.
 
     Raises:
         InputError: an unknown kind, a bad key, or a bad record file.
@@ -100,6 +107,9 @@ def build(
     grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly)
     asked = [_parse(table, f"loads[{i}]") for i, table in enumerate(tables)]
     falls = _gravity_tables(asked)
+    for i, table in enumerate(asked):
+        if isinstance(table, (PointTable, TieTable)) and not applies_forces:
+            raise InputError(f'loads[{i}].kind: "{table.kind}": forces on single blocks are not applied in this run')
     parts = [KINDS[table.kind][1](table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
     if not falls:
         parts.append(KINDS["gravity"][1](GravityTable(), grid, "gravity"))
@@ -119,7 +129,7 @@ def build(
     pauses = sorted((pause for part in parts for pause in part.pauses), key=lambda pause: pause.first)
     quiet = tuple(pause for pause in pauses if _nothing_changes(pause, velocity, acceleration))
     lines += [f'rest after "{pause.after}": not ended early, since other loads act in it' for pause in pauses if pause not in quiet]
-    return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet)
+    return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, collect(parts))
 
 
 def _parse(table: Mapping[str, Any], where: str) -> LoadTable:

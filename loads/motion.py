@@ -61,6 +61,7 @@ class Part:
     summary: dict[str, Any] = field(default_factory=dict)
     shocks: tuple[Any, ...] = ()  # loads.sequence.Shock
     pauses: tuple[Any, ...] = ()  # loads.sequence.Pause
+    forces: tuple[Any, ...] = ()  # loads.forces.PointLoad and Tie
 
 
 strict = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
