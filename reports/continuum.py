@@ -95,7 +95,7 @@ def _elements(mesh: SolidMesh, order: int) -> tuple[np.ndarray, ...]:
     basis = Basis(grid, element, intorder=2 * order - 2 or 1)
     gradients = np.array([function[0].grad for function in basis.basis]).transpose(2, 3, 0, 1)
     fine = Basis(grid, element, intorder=2 * order)
-    shapes = np.array([np.broadcast_to(function[0].value, fine.dx.shape) for function in fine.basis])
+    shapes = np.array([np.broadcast_to(np.asarray(function[0]), fine.dx.shape) for function in fine.basis])
     products = np.einsum("itq,jtq,tq->tij", shapes, shapes, fine.dx, optimize=True)
     return basis.doflocs.T.copy(), basis.element_dofs.T.copy(), gradients, basis.dx, products
 

@@ -20,7 +20,7 @@ from masonry_cd.errors import InputError
 
 DENSE = 600  # unknowns up to which a dense solver is used
 SHIFT = 1e-6  # of the scale that the caller gives
-RIGID = 1e-9  # eigenvalues below this share of the scale belong to rigid motions: a column 10,000 times taller than wide lies above it
+RIGID = 1e-8  # eigenvalues below this share of the scale belong to rigid motions; a column 1,000 times taller than wide lies above it
 
 
 @dataclass(frozen=True, eq=False)

@@ -80,6 +80,21 @@ class ModalOptions(BaseModel):
         return self.normal_stiffness, self.tangential_stiffness or self.normal_stiffness / (2.0 * (1.0 + self.poisson))
 
 
+def by_group(texts: Sequence[str], key: str) -> str | dict[str, str]:
+    """What the command line gives for one value, ``3e9``, or for several groups, ``pier=4e9 default=2e9``.
+
+    Raises:
+        InputError: several values of which one names no group.
+    """
+    pairs = [text.partition("=") for text in texts]
+    if len(pairs) == 1 and not pairs[0][1]:
+        return pairs[0][0]
+    wrong = next((text for text, (group, equals, value) in zip(texts, pairs, strict=True) if not (group and equals and value)), None)
+    if wrong is not None:
+        raise InputError(f"modal.{key}: write one value, or GROUP=VALUE for each group, got {wrong!r}")
+    return {group: value for group, _, value in pairs}
+
+
 @dataclass(frozen=True, eq=False)
 class Result:
     """The modes of one model beside the measured ones."""
@@ -228,9 +243,14 @@ def _lines(result: Result) -> list[str]:
         line = f"  {k + 1:4d} {modes.frequencies[k]:8.4g} Hz    {share}"
         if k + 1 in by_mode:
             p = by_mode[k + 1]
-            line += f" {p.measured:8.4g} Hz {p.error_percent:+6.1f} %" + (f"  {p.mac:.3f}" if math.isfinite(p.mac) else "")
+            line += f" {p.measured:8.4g} Hz {_signed(p.error_percent):>6} %" + (f"  {p.mac:.3f}" if math.isfinite(p.mac) else "")
         lines.append(line)
     return lines
+
+
+def _signed(percent: float) -> str:
+    """One decimal and a sign; no minus before zero."""
+    return f"{round(percent, 1) + 0.0:+.1f}"
 
 
 def _warnings(result: Result) -> list[str]:
@@ -336,5 +356,5 @@ def _captions(result: Result) -> list[str]:
     for k in range(result.modes.count):
         p = by_mode.get(k + 1)
         similar = f", MAC {p.mac:.2f}" if p and math.isfinite(p.mac) else ""
-        out.append(f"measured {p.measured:.4g} Hz, error {p.error_percent:+.1f} %{similar}" if p else "")
+        out.append(f"measured {p.measured:.4g} Hz, error {_signed(p.error_percent)} %{similar}" if p else "")
     return out

@@ -1,0 +1,135 @@
+"""The modal check of a scene: files, words, and the way round from computed shapes to a measured file."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from models import box, wall
+
+from masonry_cd.blocks import Block
+from masonry_cd.errors import InputError
+from reports.modal_case import by_group, modal_case
+
+ARCH = """\
+title = "Arch"
+[structure]
+kind = "arch"
+span = 3.0
+thickness = 0.4
+width = 0.8
+voussoirs = 9
+[material]
+density = 2200.0
+friction = 0.6
+[run]
+dt = 1e-3
+duration = 1.0
+"""
+
+
+@pytest.fixture
+def arch(tmp_path: Path) -> Path:
+    scene = tmp_path / "arch.toml"
+    scene.write_text(ARCH)
+    return scene
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_scene_from_file_to_files_and_back(arch: Path, tmp_path: Path) -> None:
+    """Shapes computed with one modulus, taken for measured: the fit from another start finds that modulus again."""
+    first = modal_case(arch, {"young": 3e9, "modes": 3, "method": "joints", "pictures": 0}, tmp_path / "first")
+    measured = tmp_path / "first" / "shapes_joints.csv"
+    second = modal_case(arch, {"reference": measured, "fit": True, "modes": 3, "pictures": 0}, tmp_path / "second")
+    joints, continuum = second["models"]["joints"], second["models"]["continuum"]
+    assert joints["young_pa"] == pytest.approx(3e9, rel=1e-9)
+    assert joints["young_fitted"] is True
+    assert [p["mac"] for p in joints["measured"]] == pytest.approx([1.0] * 3)
+    assert [p["error_percent"] for p in joints["measured"]] == pytest.approx([0.0] * 3, abs=1e-6)
+    assert continuum["measured"][0]["error_percent"] == pytest.approx(0.0, abs=1e-9)
+    assert continuum["measured"][0]["mac"] > 0.95
+    assert not first["warnings"]
+    assert [Path(p).name for p in second["written"]] == ["modal.json", "modal.csv", "shapes_continuum.csv", "shapes_joints.csv"]
+    assert json.loads((tmp_path / "second" / "modal.json").read_text())["models"]["joints"]["frequency_hz"] == joints["frequency_hz"]
+    table = rows(tmp_path / "second" / "modal.csv")
+    assert {row["model"] for row in table} == {"continuum", "joints"}
+    assert float(table[0]["frequency_hz"]) * float(table[0]["period_s"]) == pytest.approx(1.0)
+    assert float(table[0]["measured_hz"]) == pytest.approx(first["models"]["joints"]["frequency_hz"][0])
+
+
+def test_changes_of_the_scene_reach_the_model(arch: Path) -> None:
+    """The first mode of an arch sways across its plane, where a wider one is stiffer."""
+    narrow, wide = (modal_case(arch, {"young": 1e9, "method": "joints", "modes": 1}, changes=[f"structure.width={w}"]) for w in (0.4, 0.8))
+    assert wide["models"]["joints"]["frequency_hz"][0] > 1.3 * narrow["models"]["joints"]["frequency_hz"][0]
+
+
+def test_mesh_convergence_is_tabled(tmp_path: Path) -> None:
+    options = {"young": 2e9, "method": "continuum", "modes": 2, "convergence": [0.2, 0.8, 0.4], "mesh_size": 0.4, "pictures": 0}
+    out = modal_case(wall(2, 6), options, tmp_path)
+    table = rows(tmp_path / "mesh_convergence.csv")
+    assert [float(row["element_size_m"]) for row in table] == [0.8, 0.4, 0.2]
+    unknowns = [int(row["unknowns"]) for row in table]
+    assert unknowns == sorted(unknowns) and unknowns[0] < unknowns[2]
+    assert float(table[2]["f1_above_finest_percent"]) == 0.0
+    assert float(table[0]["f1_above_finest_percent"]) > float(table[1]["f1_above_finest_percent"]) > 0.0
+    assert float(table[1]["f1_hz"]) == pytest.approx(out["models"]["continuum"]["frequency_hz"][0], rel=1e-12)
+
+
+def test_pictures_show_every_mode_in_colour(tmp_path: Path) -> None:
+    from matplotlib.image import imread
+
+    out = modal_case(wall(3, 4), {"young": 2e9, "modes": 2, "pictures": 2}, tmp_path)
+    for method in ("continuum", "joints"):
+        path = tmp_path / f"modes_{method}.png"
+        assert str(path) in out["written"]
+        image = imread(path)[..., :3]
+        assert image.shape[1] == 1800
+        spread = image.max(axis=2) - image.min(axis=2)
+        for half in np.array_split(spread, 2, axis=1):  # a panel each
+            assert (half > 0.3).mean() > 0.02
+        yellow = (image[..., 0] > 0.7) & (image[..., 1] > 0.7) & (image[..., 2] < 0.45)
+        assert yellow.sum() > 500  # the places that move most
+
+
+def test_lines_and_warnings(tmp_path: Path) -> None:
+    measured = tmp_path / "measured.csv"
+    measured.write_text("mode,frequency_hz,x_m,y_m,z_m,ux,uy,uz\n1,5.0,0.3,0,0.3,0,0,1\n1,,0.9,0,0.3,0,0,-1\n")
+    out = modal_case(wall(3, 4), {"young": 2e9, "method": "joints", "modes": 1, "reference": measured})
+    assert "written" not in out
+    assert any("resembles computed mode" in line for line in out["warnings"])
+    assert "Hz" in "\n".join(out["lines"])
+    loose = modal_case(wall(3, 4), {"young": 2e9, "method": "joints", "modes": 1, "restraint": {"base": "z"}})
+    assert loose["warnings"] == ["joints: the supports leave 3 rigid motions free; they are not listed"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({}, "modal: no modulus of elasticity: give young in Pa, or fit it to measured modes"),
+        ({"fit": True}, "modal: fit needs the measured modes: give reference"),
+        ({"yung": 1e9}, 'modal.yung: unknown key \\(did you mean "young"'),
+        ({"young": -1.0}, "modal.young"),
+        ({"young": 1e9, "view": "below"}, "modal.view"),
+        ({"young": 1e9, "tangential_stiffness": 1e9}, "modal: tangential_stiffness needs normal_stiffness beside it"),
+    ],
+)
+def test_wrong_options_write_nothing(options: dict[str, object], message: str, tmp_path: Path) -> None:
+    blocks: list[Block] = [*wall(1, 1), box("lid", (0.0, -0.1, 0.2), (0.4, 0.1, 0.4))]
+    with pytest.raises(InputError, match=message) as caught:
+        modal_case(blocks, options, tmp_path / "out")
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_values_by_group() -> None:
+    assert by_group(["3e9"], "young") == "3e9"
+    assert by_group(["pier=4e9", "default=2e9"], "young") == {"pier": "4e9", "default": "2e9"}
+    with pytest.raises(InputError, match=r"modal.young: write one value, or GROUP=VALUE for each group, got '2e9'"):
+        by_group(["pier=4e9", "2e9"], "young")
