@@ -71,6 +71,7 @@ def solid_mesh(blocks: Sequence[Block], kinds: np.ndarray, size: float | None = 
             except Exception as failure:  # gmsh raises nothing narrower
                 problem = str(failure).splitlines()[0] if str(failure) else "gmsh gave no reason"
             finally:
+                gmsh.model.setCurrent("solid")  # a failure may have left another one
                 gmsh.model.remove()
                 gmsh.model.setCurrent(home)
     raise InputError(f"modal: gmsh cannot mesh the solid of these blocks: {problem}")

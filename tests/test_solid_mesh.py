@@ -7,7 +7,9 @@ import pytest
 from models import box, tower, wall
 from scipy.spatial.transform import Rotation
 
+import reports.solid_mesh
 from masonry_cd.blocks import Block
+from masonry_cd.errors import InputError
 from reports.shapes import QuadraticShapes, RigidShapes
 from reports.solid_mesh import CLUSTER, solid_mesh
 
@@ -34,6 +36,20 @@ def test_clusters_of_a_wall_become_one_conforming_mesh(turned: bool) -> None:
     footprint = 0.5 * np.linalg.norm(np.cross(held[:, 1] - held[:, 0], held[:, 2] - held[:, 0]), axis=1).sum()
     assert footprint == pytest.approx(3.2 * 0.2, rel=1e-9)
     assert {tuple(sorted(t)) for t in mesh.triangles.tolist()} <= set(outer)
+
+
+def test_where_the_union_fails_the_blocks_are_glued(monkeypatch: pytest.MonkeyPatch) -> None:
+    blocks = wall(3, 3)
+
+    def fails(*_: object) -> None:
+        raise RuntimeError("no union")
+
+    monkeypatch.setattr(reports.solid_mesh, "_fused", fails)
+    mesh = solid_mesh(blocks, np.zeros(len(blocks), dtype=int), 0.4)
+    assert mesh.volume == pytest.approx(3 * 3 * 0.4 * 0.2 * 0.2, rel=1e-9)
+    monkeypatch.setattr(reports.solid_mesh, "_add", fails)
+    with pytest.raises(InputError, match="modal: gmsh cannot mesh the solid of these blocks: no union"):
+        solid_mesh(blocks, np.zeros(len(blocks), dtype=int), 0.4)
 
 
 def test_kinds_stay_apart_with_a_common_face() -> None:
