@@ -1083,6 +1083,16 @@ def _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper,
 
 
 @njit(cache=True, nogil=True)
+def _damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool, float]:
+    """Whether a Newton step that changed the error so is accepted, and the stiffness of the next one."""
+    if not (new < 1.5 * error or (first and new < np.inf)):
+        return False, 0.125 * stiffness
+    if new < 0.7 * error:
+        return True, min(4.0 * stiffness, 1e8)
+    return True, 2.0 * stiffness if new <= error else 0.5 * stiffness
+
+
+@njit(cache=True, nogil=True)
 def newton_bodies(
     inverse_mass, v_free, bodies, jacobian, offset, mu, order, column, row, index, spot, p, v_out, stiffness, tolerance, limit,
     size_m, size_n,
@@ -1131,21 +1141,219 @@ def newton_bodies(
                         p[c, k] -= blocks[c, k, i] * change
             _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
             new = _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n) / size
-        if new < 1.5 * error or (iterations == 1 and new < np.inf):
-            stiffness = min(4.0 * stiffness, 1e8) if new < 0.7 * error else (2.0 * stiffness if new <= error else 0.5 * stiffness)
-            error = new
+        accepted, stiffness = _damp(new, error, iterations == 1, stiffness)
+        if accepted:
+            error, refused = new, 0
             hold[:] = p
             hold_v[:] = v
-            refused = 0
         else:
-            stiffness *= 0.125
+            refused += 1
             p[:] = hold
             v[:] = hold_v
-            refused += 1
-        if new < smallest:
-            smallest = new
+        if error < smallest:
+            smallest = error
             best[:] = p
             best_v[:] = v
     p[:] = best
     _put_back(best_v, order, v_out)
+    return iterations, smallest, begin
+
+
+# --- ADMM and Newton for local problems ------------------------------------------------------------------------------------------------
+
+
+@njit(cache=True, nogil=True)
+def _product(data, indices, indptr, p, out, size_m):  # type: ignore[no-untyped-def]
+    """out = W p."""
+    m = len(size_m)
+    for c in range(len(p)):
+        for i in range(m):
+            total = 0.0
+            for k in range(indptr[c], indptr[c + 1]):
+                for l in range(m):  # noqa: E741
+                    total += data[k, i, l] * p[indices[k], l]
+            out[c, i] = total
+
+
+@njit(cache=True, nogil=True)
+def _local_norm(data, indices, indptr, q, mu, d, p, u, size_m):  # type: ignore[no-untyped-def]
+    """u = W p + q, and the norm of the natural map residual."""
+    m, total = len(size_m), 0.0
+    _product(data, indices, indptr, p, u, size_m)
+    for c in range(len(p)):
+        for i in range(m):
+            u[c, i] += q[c, i]
+        total += _natural_map2(p[c, 0], p[c, 1], p[c, 2] if m == 3 else 0.0, u[c, 0], u[c, 1], u[c, 2] if m == 3 else 0.0, mu[c], d[c])
+    return np.sqrt(total)
+
+
+@njit(cache=True, nogil=True)
+def _block_at(column: np.ndarray, row: np.ndarray, low: int, high: int) -> int:
+    """Index of block (high, low) below the diagonal."""
+    return column[low] + np.searchsorted(row[column[low] : column[low + 1]], high)
+
+
+@njit(cache=True, nogil=True)
+def _place_blocks(data, indices, indptr, scale, place, column, row, symmetric, diagonal, lower, upper, size_m):  # type: ignore[no-untyped-def]
+    """Diagonal, lower and transposed upper blocks of S W, S one block per contact; or the symmetric part of W into lower alone."""
+    m = len(size_m)
+    diagonal[:] = 0.0
+    lower[:] = 0.0
+    upper[:] = 0.0
+    block = np.empty((m, m))
+    for c in range(len(place)):
+        for k in range(indptr[c], indptr[c + 1]):
+            i, j = place[c], place[indices[k]]
+            _times(scale[c], data[k], False, block, size_m)
+            at = 0 if i == j else _block_at(column, row, min(i, j), max(i, j))
+            for r in range(m):
+                for s in range(m):
+                    if i == j:
+                        diagonal[i, r, s] += 0.5 * (block[r, s] + block[s, r]) if symmetric else block[r, s]
+                    elif symmetric:
+                        lower[at, r, s] += 0.5 * (block[r, s] if i > j else block[s, r])
+                    elif i > j:
+                        lower[at, r, s] += block[r, s]
+                    else:
+                        upper[at, s, r] += block[r, s]
+
+
+@njit(cache=True, nogil=True)
+def _identities(count, size_m):  # type: ignore[no-untyped-def]
+    """Unit blocks (count, m, m)."""
+    out = np.zeros((count, len(size_m), len(size_m)))
+    for c in range(count):
+        for i in range(len(size_m)):
+            out[c, i, i] = 1.0
+    return out
+
+
+@njit(cache=True, nogil=True)
+def admm_local(data, indices, indptr, q, mu, d, order, place, column, row, p, k, tolerance, limit, size_m):  # type: ignore[no-untyped-def]
+    """ADMM over a LocalProblem: pi stands for the velocities, u = W pi + q, and (W + R^-1) (pi+ - pi) = R^-1 (2 p+ - p - pi).
+
+    p holds the start and then the best answer. Returns iterations and natural map error.
+    """
+    count, m = len(mu), len(size_m)
+    diagonal, pivot, lower = np.empty((count, m, m)), np.empty((count, m, m)), np.empty((len(row), m, m))
+    scale = _identities(count, size_m)
+    size = _size_of(q, d)
+    pi, u, right, best = p.copy(), np.empty(p.shape), np.empty(p.shape), p.copy()
+    smallest = before = _local_norm(data, indices, indptr, q, mu, d, p, u, size_m) / size
+    iterations, checked, switched, fresh = 0, 0, 0, True
+    while iterations < limit and smallest > tolerance:
+        if fresh:
+            _place_blocks(data, indices, indptr, scale, place, column, row, True, diagonal, lower, lower, size_m)
+            for i in range(count):
+                for r in range(m):
+                    diagonal[i, r, r] += d[order[i]] / k
+            if not _factorise(column, row, diagonal, lower, lower, pivot, True, size_m):
+                break
+            fresh = False
+        for c in range(count):
+            rho = k / d[c]
+            p2, u2 = (p[c, 2], u[c, 2]) if m == 3 else (0.0, 0.0)
+            shift = mu[c] * _length(u[c, 1], u2)
+            xn, x1, x2 = _project(p[c, 0] - rho * (u[c, 0] + shift), p[c, 1] - rho * u[c, 1], p2 - rho * u2, mu[c])
+            right[place[c], 0] = (2.0 * xn - p[c, 0] - pi[c, 0]) / rho
+            right[place[c], 1] = (2.0 * x1 - p[c, 1] - pi[c, 1]) / rho
+            p[c, 0], p[c, 1] = xn, x1
+            if m == 3:
+                right[place[c], 2] = (2.0 * x2 - p2 - pi[c, 2]) / rho
+                p[c, 2] = x2
+        _solve_factorised(column, row, lower, lower, pivot, right, size_m)
+        for c in range(count):
+            for i in range(m):
+                pi[c, i] += right[place[c], i]
+        iterations += 1
+        if iterations - checked >= 5 or iterations == limit:
+            checked = iterations
+            error = _local_norm(data, indices, indptr, q, mu, d, p, u, size_m) / size
+            if error < smallest:
+                smallest = error
+                best[:] = p
+            if not error < np.inf:
+                p[:] = best
+                pi[:] = best
+            if iterations - switched >= 40:
+                if not error < 0.1 * before:
+                    _product(data, indices, indptr, pi, u, size_m)
+                    total = 0.0
+                    for c in range(count):
+                        for i in range(m):
+                            u[c, i] += q[c, i]
+                        p2, u2 = (p[c, 2], u[c, 2]) if m == 3 else (0.0, 0.0)
+                        total += _natural_map2(p[c, 0], p[c, 1], p2, u[c, 0], u[c, 1], u2, mu[c], d[c])
+                    own = np.sqrt(total) / size
+                    k = min(5.0 * k, 1e6) if own > 0.02 * error else max(0.2 * k, 1.0)
+                    fresh = True
+                switched, before = iterations, error
+        _product(data, indices, indptr, pi, u, size_m)
+        for c in range(count):
+            for i in range(m):
+                u[c, i] += q[c, i]
+    p[:] = best
+    return iterations, smallest
+
+
+@njit(cache=True, nogil=True)
+def newton_local(data, indices, indptr, own, q, mu, d, place, column, row, p, stiffness, tolerance, limit, size_m):  # type: ignore[no-untyped-def]
+    """Semismooth Newton over a LocalProblem: (I + B W) (p+ - p) = g - p, its rows scaled to unit diagonal blocks.
+
+    own (C, m, m) are the blocks W_cc. p holds the start and then the best answer. Returns iterations, error, error at the start.
+    """
+    count, m = len(mu), len(size_m)
+    diagonal, pivot = np.empty((count, m, m)), np.empty((count, m, m))
+    lower, upper = np.empty((len(row), m, m)), np.empty((len(row), m, m))
+    scale, right, unit = np.empty((count, m, m)), np.empty(p.shape), np.empty((count, m, m))
+    target, block, work, inverse = np.zeros(3), np.zeros((3, 3)), np.empty((m, m)), np.empty((m, m))
+    small = np.empty((m, m))
+    size = _size_of(q, d)
+    u, best, hold = np.empty(p.shape), p.copy(), p.copy()
+    smallest = error = begin = _local_norm(data, indices, indptr, q, mu, d, p, u, size_m) / size
+    iterations, refused = 0, 0
+    while iterations < limit and smallest > tolerance and refused < 8:
+        regular = True
+        for c in range(count):
+            p2, u2 = (p[c, 2], u[c, 2]) if m == 3 else (0.0, 0.0)
+            _tangent(p[c, 0], p[c, 1], p2, u[c, 0], u[c, 1], u2, mu[c], d[c], stiffness, block, target, m == 3)
+            for i in range(m):
+                for j in range(m):
+                    small[i, j] = block[i, j]
+            _times(small, own[c], False, work, size_m)
+            for i in range(m):
+                work[i, i] += 1.0
+            regular = regular and _invert(work, inverse, diagonal[0], size_m)
+            _times(inverse, small, False, scale[c], size_m)
+            for i in range(m):
+                total = 0.0
+                for j in range(m):
+                    total += inverse[i, j] * (target[j] - p[c, j])
+                    unit[place[c], i, j] = inverse[i, j]
+                right[place[c], i] = total
+        _place_blocks(data, indices, indptr, scale, place, column, row, False, diagonal, lower, upper, size_m)
+        for i in range(count):
+            for r in range(m):
+                for s in range(m):
+                    diagonal[i, r, s] += unit[i, r, s]
+        iterations += 1
+        new = np.inf
+        if regular and _factorise(column, row, diagonal, lower, upper, pivot, False, size_m):
+            _solve_factorised(column, row, lower, upper, pivot, right, size_m)
+            for c in range(count):
+                for i in range(m):
+                    p[c, i] += right[place[c], i]
+            new = _local_norm(data, indices, indptr, q, mu, d, p, u, size_m) / size
+        accepted, stiffness = _damp(new, error, iterations == 1, stiffness)
+        if accepted:
+            error, refused = new, 0
+            hold[:] = p
+        else:
+            refused += 1
+            p[:] = hold
+            _local_norm(data, indices, indptr, q, mu, d, p, u, size_m)
+        if error < smallest:
+            smallest = error
+            best[:] = p
+    p[:] = best
     return iterations, smallest, begin

@@ -28,11 +28,13 @@ import numpy as np
 
 from masonry_cd import coulomb
 from masonry_cd.friction import FrictionProblem, LocalProblem, Problem, Solution
+from masonry_cd.solvers import nlgs
 from masonry_cd.solvers.options import Options
 from masonry_cd.solvers.pattern import Pattern
 
 LIMIT = 2000  # iterations
 FIRST_K = 1e4
+LOCAL_K = 1e3  # of local problems, which are solved once
 PROBE = 40  # steps between two trials of a neighbouring k
 
 
@@ -156,4 +158,17 @@ def _reason(error: float, options: Options) -> str:
 
 def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
     """ADMM in the impulses: the same iteration by Woodbury's identity, with (W + R^-1) in place of (M + H^T R H)."""
-    raise NotImplementedError
+    blocks, indices, indptr, own = nlgs.block_arrays(problem)
+    d = np.trace(own, axis1=1, axis2=2) / problem.dimension
+    pattern = contact_pattern(indices, indptr)
+    iterations, error = coulomb.admm_local(
+        blocks, indices, indptr, problem.q, problem.mu, d, pattern.order, pattern.place, pattern.column, pattern.row, impulse, LOCAL_K,
+        options.tolerance, limit, (0,) * problem.dimension,
+    )  # fmt: skip
+    return Solution(impulse, None, iterations, _reason(error, options))
+
+
+def contact_pattern(indices: np.ndarray, indptr: np.ndarray) -> Pattern:
+    """The pattern of W, contact by contact."""
+    count = len(indptr) - 1
+    return Pattern.of(count, np.repeat(np.arange(count), np.diff(indptr)), indices)

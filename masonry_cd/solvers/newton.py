@@ -51,7 +51,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         start = nlgs.solve(problem, rough)
     limit = LIMIT if options.max_iterations is None else options.max_iterations
     if isinstance(problem, LocalProblem):
-        raise NotImplementedError
+        return _solve_local(problem, options, start, limit)
     arrays, n = problem.arrays(), problem.v_free.shape[1]
     memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
     impulse, velocity, pattern = start.impulse.copy(), np.empty(problem.v_free.shape), memory.pattern
@@ -60,6 +60,18 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         (0,) * problem.dimension, (0,) * n,
     )  # fmt: skip
     return Solution(impulse, velocity, iterations, _reason(error, begin, options), memory.arrays())
+
+
+def _solve_local(problem: LocalProblem, options: Options, start: Solution, limit: int) -> Solution:
+    """Newton in the impulses: (I + B W) (p+ - p) = g - p, with W as it is given."""
+    blocks, indices, indptr, own = nlgs.block_arrays(problem)
+    d = np.trace(own, axis1=1, axis2=2) / problem.dimension
+    pattern, impulse = admm.contact_pattern(indices, indptr), start.impulse.copy()
+    iterations, error, begin = coulomb.newton_local(
+        blocks, indices, indptr, own, problem.q, problem.mu, d, pattern.place, pattern.column, pattern.row, impulse, STIFFNESS,
+        options.tolerance, limit, (0,) * problem.dimension,
+    )  # fmt: skip
+    return Solution(impulse, None, iterations, _reason(error, begin, options))
 
 
 def _reason(error: float, begin: float, options: Options) -> str:
