@@ -8,9 +8,13 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel
 
+from loads.artificial import ArtificialTable
 from loads.gravity import GravityTable
 from loads.record import RecordTable
+from loads.sequence import SequenceTable
+from loads.settlement import SettlementTable, SpreadingTable
 from loads.sinusoidal import SinusoidalTable
+from loads.tilt import PushTable, TiltTable
 from masonry_cd.case import prepare
 from masonry_cd.scene import Material, Report, Run, read_scene
 from structures.aqueduct import AqueductTable
@@ -56,6 +60,12 @@ def test_the_block_file_of_the_readme_is_sound(tmp_path):
         ('| `kind = "aqueduct"`', AqueductTable),
         ('| `kind = "sinusoidal"`', SinusoidalTable),
         ('| `kind = "record"`', RecordTable),
+        ('| `kind = "sequence"`', SequenceTable),
+        ('| `kind = "artificial"`', ArtificialTable),
+        ('| `kind = "tilt"`', TiltTable),
+        ('| `kind = "push"`', PushTable),
+        ('| `kind = "settlement"`', SettlementTable),
+        ('| `kind = "spreading"`', SpreadingTable),
         ('| `kind = "gravity"`', GravityTable),
         ("### [material]", Material),
         ("### [run]", Run),
