@@ -1,0 +1,1 @@
+"""Benchmarks: masonry_cd beside its peers, cost against size, and order of accuracy. The README of this folder says how to run them."""

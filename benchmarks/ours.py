@@ -1,0 +1,164 @@
+r"""Step a scene with masonry_cd and say what it cost and how well it was solved.
+
+    python -m benchmarks.ours wall10x10 --solver auto --tolerance 1e-8 --steps 200
+
+The seconds of a step are those of the whole step: detection, assembly, solution, its error measure, energy account. The error is the
+natural map error that the program itself writes down for each step, measured outside the solver. What numba compiles or loads
+on first use is called once before, on a small scene.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from benchmarks.scenes import GRAVITY, BenchScene, scene, tower
+from masonry_cd.scene import Run
+from masonry_cd.solvers import SOLVERS
+from masonry_cd.stepping import Stepper, StepReport
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a run cost and how well it was solved."""
+
+    scene: str
+    solver: str
+    tolerance: float
+    planar: bool
+    blocks: int  # supports included
+    contacts: float  # of the friction problem, mean over the steps; in a plane half of those in space
+    steps: int
+    first_ms: float  # the first step starts cold
+    median_ms: float
+    mean_ms: float
+    iterations: float  # mean
+    error_median: float
+    error_max: float
+    missed: int  # steps above the tolerance
+    detection_share: float  # of the time of all steps
+    penetration: float  # largest [m]
+    reasons: dict[str, int]  # the solver's words on the steps, without numbers
+
+
+def stepper(made: BenchScene, steps: int, solver: str = "auto", tolerance: float = 1e-8, **settings: Any) -> Stepper:
+    """A stepper at the start of a scene.
+
+    Args:
+        made: the scene.
+        steps: to be taken.
+        solver: by name.
+        tolerance: natural map error of each step.
+        **settings: other keys of the table [run], e.g. ``planar``, ``threads``, ``max_iterations``, ``seed``.
+
+    Raises:
+        ValueError: a solver that this version does not have.
+    """
+    if solver not in SOLVERS:
+        raise ValueError(f'no solver "{solver}"; this version has {", ".join(SOLVERS)}')
+    run = Run.model_validate(
+        {"dt": made.dt, "duration": made.dt * steps, "theta": made.theta, "solver": solver, "tolerance": tolerance} | settings
+    )
+    velocity = np.zeros((steps + 1, 1, 3))
+    velocity[:, 0, 0] = made.base_velocity(steps)
+    return Stepper(made.assembly(), velocity, np.tile([0.0, 0.0, -GRAVITY], (steps + 1, 1)), run)
+
+
+def measure(made: BenchScene, steps: int | None = None, solver: str = "auto", tolerance: float = 1e-8, **settings: Any) -> Measured:
+    """Step a scene and collect costs and errors; arguments as of :func:`stepper`."""
+    steps = made.steps if steps is None else steps
+    _warm_up(solver, tolerance, settings)
+    machine = stepper(made, steps, solver, tolerance, **settings)
+    clock = _clocked(machine)
+    reports = [machine.step() for _ in range(steps)]
+    return _summary(made, machine, reports, clock.seconds)
+
+
+def _warm_up(solver: str, tolerance: float, settings: dict[str, Any]) -> None:
+    """Have the kernels compiled, or loaded from their cache."""
+    machine = stepper(tower(2), 3, solver, tolerance, **settings)
+    for _ in range(3):
+        machine.step()
+
+
+class _Clock:
+    """Adds up the seconds spent in a function."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.seconds, self._function = 0.0, function
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        begin = time.perf_counter()
+        out = self._function(*args, **kwargs)
+        self.seconds += time.perf_counter() - begin
+        return out
+
+
+def _clocked(machine: Stepper) -> _Clock:
+    """Put a clock around the detection of one stepper."""
+    clock = _Clock(machine.detector.detect)
+    machine.detector.detect = clock  # type: ignore[method-assign]
+    return clock
+
+
+def _summary(made: BenchScene, machine: Stepper, reports: list[StepReport], detection: float) -> Measured:
+    seconds, errors = np.array([r.seconds for r in reports]), np.array([r.error for r in reports])
+    reasons: dict[str, int] = {}
+    for r in reports:
+        word = r.reason.split(",")[0].split(" at an error")[0]
+        reasons[word] = reasons.get(word, 0) + 1
+    return Measured(
+        scene=made.name,
+        solver=machine.settings.solver,
+        tolerance=machine.settings.tolerance,
+        planar=machine.plane is not None,
+        blocks=machine.assembly.count,
+        contacts=float(np.mean([r.contacts for r in reports])),
+        steps=len(reports),
+        first_ms=1e3 * float(seconds[0]),
+        median_ms=1e3 * float(np.median(seconds)),
+        mean_ms=1e3 * float(seconds.mean()),
+        iterations=float(np.mean([r.iterations for r in reports])),
+        error_median=float(np.median(errors)),
+        error_max=float(errors.max()),
+        missed=int((errors > machine.settings.tolerance).sum()),
+        detection_share=detection / float(seconds.sum()),
+        penetration=max(r.penetration for r in reports),
+        reasons=reasons,
+    )
+
+
+def main() -> None:
+    """The command line, see the head of this file."""
+    parser = argparse.ArgumentParser(description="Step a benchmark scene with masonry_cd.")
+    parser.add_argument("scene", help="a name of benchmarks/scenes.py, or towerN, wallNxM, arcadeN, archN")
+    parser.add_argument("--solver", default="auto")
+    parser.add_argument("--tolerance", type=float, default=1e-8)
+    parser.add_argument("--steps", type=int)
+    parser.add_argument("--dt", type=float)
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--max-iterations", type=int)
+    parser.add_argument("--space", action="store_true", help="all three dimensions, also where a plane would do")
+    parser.add_argument("--json", action="store_true")
+    given = parser.parse_args()
+    try:
+        made = scene(given.scene, given.dt)
+        settings = {"threads": given.threads, "planar": not given.space, "max_iterations": given.max_iterations}
+        out = measure(made, given.steps, given.solver, given.tolerance, **settings)
+    except ValueError as wrong:
+        parser.error(str(wrong))
+    if given.json:
+        print(json.dumps(asdict(out)))
+        return
+    for name, value in asdict(out).items():
+        print(f"{name:16} {value:.4g}" if isinstance(value, float) else f"{name:16} {value}")
+
+
+if __name__ == "__main__":
+    main()
