@@ -36,7 +36,9 @@ def _length(x: float, y: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _slip(mu: float, qn: float, a1: float, a2: float, winv: float, c1: float, c2: float, s11: float, s12: float, s22: float):
+def _slip(
+    mu: float, qn: float, a1: float, a2: float, winv: float, c1: float, c2: float, s11: float, s12: float, s22: float
+) -> tuple[float, float, float]:
     """Solve the slip equation; a = (a1, a2), A = [[s11, s12], [s12, s22]], c = w / W_nn. Returns p (n, t1, t2)."""
     low, high, s = 0.0, np.inf, 0.0
     size = s11 + s22
@@ -77,7 +79,7 @@ def _slip(mu: float, qn: float, a1: float, a2: float, winv: float, c1: float, c2
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _local_step(mu: float, qn: float, q1: float, q2: float, law: np.ndarray, c: int):
+def _local_step(mu: float, qn: float, q1: float, q2: float, law: np.ndarray, c: int) -> tuple[float, float, float]:
     """The exact answer of one contact to the velocity (qn, q1, q2) that it sees without its own impulse."""
     if qn >= 0.0:
         return 0.0, 0.0, 0.0
@@ -116,7 +118,7 @@ def _law_row(w: np.ndarray, m: int, law: np.ndarray, c: int) -> None:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _own_velocity(pn: float, p1: float, p2: float, law: np.ndarray, c: int):
+def _own_velocity(pn: float, p1: float, p2: float, law: np.ndarray, c: int) -> tuple[float, float, float]:
     """W p of a contact from its law row: with w = c W_nn and W_tt = A + w w^T / W_nn."""
     c1, c2 = law[c, 1], law[c, 2]
     un = law[c, 10] * (pn + c1 * p1 + c2 * p2)
@@ -143,7 +145,7 @@ def local_solve(w: np.ndarray, q: np.ndarray, mu: float) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _project(xn: float, x1: float, x2: float, mu: float):
+def _project(xn: float, x1: float, x2: float, mu: float) -> tuple[float, float, float]:
     """Project (xn, x1, x2) onto Coulomb's cone |x_t| <= mu x_n."""
     tangent = _length(x1, x2)
     if tangent <= mu * xn:
@@ -229,7 +231,7 @@ def _cholesky_small(a: np.ndarray, factor: np.ndarray, n: int) -> None:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _scale_rows(jacobian, factor, side, c, body, m, n, scaled):  # type: ignore[no-untyped-def]
+def _scale_rows(jacobian, factor, side, c, body, m, n, scaled):
     """scaled = H L for one contact and side, L lower triangular."""
     for i in range(m):
         for j in range(n):
@@ -240,7 +242,7 @@ def _scale_rows(jacobian, factor, side, c, body, m, n, scaled):  # type: ignore[
 
 
 @njit(cache=True, nogil=True)
-def _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset):  # type: ignore[no-untyped-def]
+def _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset):
     """Scale by mass: M^-1 = L L^T, G = H L, so that u = q + G y and y = G^T p, and one array of rows serves both ways.
 
     Supports become a last, dummy body whose rows are zero.
@@ -309,7 +311,7 @@ def _groups(index: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _relative(g, q, y, c, a, b, i, n):  # type: ignore[no-untyped-def]
+def _relative(g, q, y, c, a, b, i, n):
     """One component of u = q + G y."""
     total = q[c, i]
     for k in range(n):
@@ -318,7 +320,7 @@ def _relative(g, q, y, c, a, b, i, n):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _sweep_spatial(g, q, y, index, law, mu, p, starts, order):  # type: ignore[no-untyped-def]
+def _sweep_spatial(g, q, y, index, law, mu, p, starts, order):
     """One Gauss-Seidel sweep for m = 3, n = 6: what a contact sees, its exact answer, the push on its two bodies.
 
     Written out, so that both bodies stay in registers: half the time of loops over the components.
@@ -365,7 +367,7 @@ def _sweep_spatial(g, q, y, index, law, mu, p, starts, order):  # type: ignore[n
 
 
 @njit(cache=True, nogil=True)
-def _sweep_any(g, q, y, index, law, mu, p, starts, order):  # type: ignore[no-untyped-def]
+def _sweep_any(g, q, y, index, law, mu, p, starts, order):
     """The same for any size; planar problems (m = 2, n = 3) come here."""
     m, n = g.shape[2], g.shape[3]
     see, push = np.zeros(3), np.zeros(3)
@@ -386,7 +388,7 @@ def _sweep_any(g, q, y, index, law, mu, p, starts, order):  # type: ignore[no-un
 
 
 @njit(cache=True, nogil=True)
-def _sweep(g, q, y, index, law, mu, p, starts, order):  # type: ignore[no-untyped-def]
+def _sweep(g, q, y, index, law, mu, p, starts, order):
     """One Gauss-Seidel sweep, group after group in the given order."""
     if g.shape[2] == 3 and g.shape[3] == 6:
         _sweep_spatial(g, q, y, index, law, mu, p, starts, order)
@@ -408,7 +410,7 @@ def _collect(g: np.ndarray, index: np.ndarray, p: np.ndarray, y: np.ndarray) -> 
 
 
 @njit(cache=True, nogil=True)
-def _residual(g, q, y, index, law, mu, p):  # type: ignore[no-untyped-def]
+def _residual(g, q, y, index, law, mu, p):
     """Natural map error of p, whose y = G^T p is given."""
     contacts, m = p.shape
     n = g.shape[3]
@@ -425,7 +427,7 @@ def _residual(g, q, y, index, law, mu, p):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, scaled):  # type: ignore[no-untyped-def]
+def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, scaled):
     """Norms of the natural map residual and of q for impulses p over a FrictionProblem; scaled by d, or with d = 1."""
     contacts, m = offset.shape
     n = v_free.shape[1]
@@ -448,7 +450,7 @@ def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, scaled):
 
 
 @njit(cache=True, nogil=True)
-def nlgs_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, v, tolerance, limit, seed, every):  # type: ignore[no-untyped-def]
+def nlgs_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, v, tolerance, limit, seed, every):
     """Gauss-Seidel over a FrictionProblem. p (C, m) holds the start and then the answer, v (B, n) the velocities.
 
     Returns the sweeps made and the natural map error measured last.
@@ -482,7 +484,7 @@ def nlgs_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, v, tolera
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _row_velocity(data, indices, indptr, q, p, c, i):  # type: ignore[no-untyped-def]
+def _row_velocity(data, indices, indptr, q, p, c, i):
     """One component of u = W p + q."""
     total = q[c, i]
     for k in range(indptr[c], indptr[c + 1]):
@@ -493,7 +495,7 @@ def _row_velocity(data, indices, indptr, q, p, c, i):  # type: ignore[no-untyped
 
 
 @njit(cache=True, nogil=True)
-def _local_residual(data, indices, indptr, q, mu, p, law):  # type: ignore[no-untyped-def]
+def _local_residual(data, indices, indptr, q, mu, p, law):
     """Natural map error of p for a local problem."""
     contacts, m = p.shape
     residual, size = 0.0, 0.0
@@ -508,7 +510,7 @@ def _local_residual(data, indices, indptr, q, mu, p, law):  # type: ignore[no-un
 
 
 @njit(cache=True, nogil=True)
-def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed, every):  # type: ignore[no-untyped-def]
+def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed, every):
     """Gauss-Seidel over a LocalProblem with W in blocks (nnz, m, m). p holds the start and then the answer."""
     contacts, m = p.shape
     law = np.empty((contacts, LAW_SIZE))
@@ -624,7 +626,7 @@ def locate(bodies: np.ndarray, place: np.ndarray, column: np.ndarray, row: np.nd
 
 
 @njit(cache=True, nogil=True)
-def _invert(a, out, work, size_n):  # type: ignore[no-untyped-def]
+def _invert(a, out, work, size_n):
     """Inverse of an (n, n) block by Gauss-Jordan with row pivoting; False if it is singular or not finite."""
     n = len(size_n)
     for i in range(n):
@@ -656,7 +658,7 @@ def _invert(a, out, work, size_n):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _minus_product(c, at, a, i, b, size_n):  # type: ignore[no-untyped-def]
+def _minus_product(c, at, a, i, b, size_n):
     """c[at] -= a[i] b for blocks."""
     n = len(size_n)
     for p in range(n):
@@ -667,7 +669,7 @@ def _minus_product(c, at, a, i, b, size_n):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _times(a, b, transposed, out, size_n):  # type: ignore[no-untyped-def]
+def _times(a, b, transposed, out, size_n):
     """out = a b, or a b^T."""
     n = len(size_n)
     for p in range(n):
@@ -679,7 +681,7 @@ def _times(a, b, transposed, out, size_n):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _factorise(column, row, diagonal, lower, upper, pivot, symmetric, size_n):  # type: ignore[no-untyped-def]
+def _factorise(column, row, diagonal, lower, upper, pivot, symmetric, size_n):
     """A = L D U in place: diagonal blocks A_jj become D_j, lower A_ij become L_ij, upper A_ji^T become U_ji^T; pivot holds D_j^-1.
 
     For a symmetric A give lower as upper too. Returns False when a diagonal block cannot be inverted.
@@ -726,7 +728,7 @@ def _factorise(column, row, diagonal, lower, upper, pivot, symmetric, size_n):  
 
 
 @njit(cache=True, nogil=True)
-def _solve_factorised(column, row, lower, upper, pivot, x, size_n):  # type: ignore[no-untyped-def]
+def _solve_factorised(column, row, lower, upper, pivot, x, size_n):
     """Solve L D U x = x in place, x (size, n)."""
     size, n = len(column) - 1, len(size_n)
     y = np.empty(n)
@@ -758,7 +760,7 @@ def _solve_factorised(column, row, lower, upper, pivot, x, size_n):  # type: ign
 
 
 @njit(cache=True, nogil=True)
-def _in_order(inverse_mass, v_free, order, size_n):  # type: ignore[no-untyped-def]
+def _in_order(inverse_mass, v_free, order, size_n):
     """M^-1, M and v_free with the bodies in elimination order."""
     bodies, n = len(order), len(size_n)
     inverse, mass, free = np.empty((bodies, n, n)), np.empty((bodies, n, n)), np.empty((bodies, n))
@@ -773,7 +775,7 @@ def _in_order(inverse_mass, v_free, order, size_n):  # type: ignore[no-untyped-d
 
 
 @njit(cache=True, nogil=True)
-def _scales(inverse, jacobian, index, size_m, size_n):  # type: ignore[no-untyped-def]
+def _scales(inverse, jacobian, index, size_m, size_n):
     """d_c = trace(W_cc) / m."""
     m, n, bodies = len(size_m), len(size_n), len(inverse)
     d = np.empty(len(index))
@@ -796,7 +798,7 @@ def _scales(inverse, jacobian, index, size_m, size_n):  # type: ignore[no-untype
 
 
 @njit(cache=True, nogil=True)
-def _rows(jacobian, index, offset, v, u, size_m, size_n):  # type: ignore[no-untyped-def]
+def _rows(jacobian, index, offset, v, u, size_m, size_n):
     """u = H v + b; v (bodies + 1, n) with a last row of zeros for the supports."""
     m, n = len(size_m), len(size_n)
     for c in range(len(index)):
@@ -809,7 +811,7 @@ def _rows(jacobian, index, offset, v, u, size_m, size_n):  # type: ignore[no-unt
 
 
 @njit(cache=True, nogil=True)
-def _add_push(jacobian, index, p, out, size_m, size_n):  # type: ignore[no-untyped-def]
+def _add_push(jacobian, index, p, out, size_m, size_n):
     """out += H^T p; the last row of out, of the supports, is of no use."""
     m, n = len(size_m), len(size_n)
     for c in range(len(index)):
@@ -822,7 +824,7 @@ def _add_push(jacobian, index, p, out, size_m, size_n):  # type: ignore[no-untyp
 
 
 @njit(cache=True, nogil=True)
-def _velocity_of(inverse, free, jacobian, index, p, push, v, size_m, size_n):  # type: ignore[no-untyped-def]
+def _velocity_of(inverse, free, jacobian, index, p, push, v, size_m, size_n):
     """v = v_free + M^-1 H^T p, with a last row of zeros."""
     n = len(size_n)
     push[:] = 0.0
@@ -837,7 +839,7 @@ def _velocity_of(inverse, free, jacobian, index, p, push, v, size_m, size_n):  #
 
 
 @njit(cache=True, nogil=True)
-def _missing_momentum(mass, free, v, out, size_n):  # type: ignore[no-untyped-def]
+def _missing_momentum(mass, free, v, out, size_n):
     """out = M (v_free - v)."""
     n = len(size_n)
     for b in range(len(mass)):
@@ -860,7 +862,7 @@ def _size_of(q: np.ndarray, d: np.ndarray) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n):  # type: ignore[no-untyped-def]
+def _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n):
     """Norm of the natural map residual for impulses p and body velocities v."""
     m, n = len(size_m), len(size_n)
     total = 0.0
@@ -880,7 +882,7 @@ def _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n):  # type: ig
 
 
 @njit(cache=True, nogil=True)
-def _put_back(v, order, out):  # type: ignore[no-untyped-def]
+def _put_back(v, order, out):
     """Velocities from elimination order to the order of the problem."""
     for b in range(len(order)):
         for i in range(out.shape[1]):
@@ -891,7 +893,7 @@ def _put_back(v, order, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n):  # type: ignore[no-untyped-def]
+def _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n):
     """Diagonal and lower blocks of M + H^T R H."""
     m, n, bodies = len(size_m), len(size_n), len(mass)
     diagonal[:] = mass
@@ -915,7 +917,7 @@ def _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n):
 
 
 @njit(cache=True, nogil=True)
-def _augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size_n):  # type: ignore[no-untyped-def]
+def _augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size_n):
     """p+ = P_K(p - rho (u + mu |u_t| n)), out += H^T (2 p+ - p). Returns the squared scaled change of p."""
     m, n = len(size_m), len(size_n)
     change = 0.0
@@ -951,7 +953,7 @@ def _augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size
 def admm_bodies(
     inverse_mass, v_free, bodies, jacobian, offset, mu, order, column, row, index, spot, lower, pivot, rho, p, v_out, k, fresh,
     tolerance, limit, size_m, size_n,
-):  # type: ignore[no-untyped-def] # fmt: skip
+):  # fmt: skip
     """ADMM over a FrictionProblem, see solvers/admm.py. p holds the start and then the best answer found.
 
     lower, pivot and rho hold a factorisation of M + H^T R H, used as it is unless ``fresh`` is set.
@@ -1019,7 +1021,7 @@ def admm_bodies(
 
 
 @njit(cache=True, nogil=True)
-def _tangent(pn, p1, p2, un, u1, u2, mu, d, stiffness, block, target, spatial):  # type: ignore[no-untyped-def]
+def _tangent(pn, p1, p2, un, u1, u2, mu, d, stiffness, block, target, spatial):
     """Linearised law of one contact, p+ = target - block (u+ - u), for contact stiffness ``stiffness`` / d; see solvers/newton.py."""
     block[:] = 0.0
     target[:] = 0.0
@@ -1048,7 +1050,7 @@ def _tangent(pn, p1, p2, un, u1, u2, mu, d, stiffness, block, target, spatial): 
 
 
 @njit(cache=True, nogil=True)
-def _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n):  # type: ignore[no-untyped-def]
+def _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n):
     """Diagonal, lower and transposed upper blocks of M + H^T B H, B one (m, m) block per contact."""
     m, n, bodies = len(size_m), len(size_n), len(mass)
     diagonal[:] = mass
@@ -1096,7 +1098,7 @@ def _damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool
 def newton_bodies(
     inverse_mass, v_free, bodies, jacobian, offset, mu, order, column, row, index, spot, p, v_out, stiffness, tolerance, limit,
     size_m, size_n,
-):  # type: ignore[no-untyped-def] # fmt: skip
+):  # fmt: skip
     """Semismooth Newton over a FrictionProblem, see solvers/newton.py. p holds the start and then the best answer found.
 
     Returns iterations, natural map error, and the error at the start.
@@ -1163,7 +1165,7 @@ def newton_bodies(
 
 
 @njit(cache=True, nogil=True)
-def _product(data, indices, indptr, p, out, size_m):  # type: ignore[no-untyped-def]
+def _product(data, indices, indptr, p, out, size_m):
     """out = W p."""
     m = len(size_m)
     for c in range(len(p)):
@@ -1176,7 +1178,7 @@ def _product(data, indices, indptr, p, out, size_m):  # type: ignore[no-untyped-
 
 
 @njit(cache=True, nogil=True)
-def _local_norm(data, indices, indptr, q, mu, d, p, u, size_m):  # type: ignore[no-untyped-def]
+def _local_norm(data, indices, indptr, q, mu, d, p, u, size_m):
     """u = W p + q, and the norm of the natural map residual."""
     m, total = len(size_m), 0.0
     _product(data, indices, indptr, p, u, size_m)
@@ -1194,7 +1196,7 @@ def _block_at(column: np.ndarray, row: np.ndarray, low: int, high: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _place_blocks(data, indices, indptr, scale, place, column, row, symmetric, diagonal, lower, upper, size_m):  # type: ignore[no-untyped-def]
+def _place_blocks(data, indices, indptr, scale, place, column, row, symmetric, diagonal, lower, upper, size_m):
     """Diagonal, lower and transposed upper blocks of S W, S one block per contact; or the symmetric part of W into lower alone."""
     m = len(size_m)
     diagonal[:] = 0.0
@@ -1219,7 +1221,7 @@ def _place_blocks(data, indices, indptr, scale, place, column, row, symmetric, d
 
 
 @njit(cache=True, nogil=True)
-def _identities(count, size_m):  # type: ignore[no-untyped-def]
+def _identities(count, size_m):
     """Unit blocks (count, m, m)."""
     out = np.zeros((count, len(size_m), len(size_m)))
     for c in range(count):
@@ -1229,7 +1231,7 @@ def _identities(count, size_m):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def admm_local(data, indices, indptr, q, mu, d, order, place, column, row, p, k, tolerance, limit, size_m):  # type: ignore[no-untyped-def]
+def admm_local(data, indices, indptr, q, mu, d, order, place, column, row, p, k, tolerance, limit, size_m):
     """ADMM over a LocalProblem: pi stands for the velocities, u = W pi + q, and (W + R^-1) (pi+ - pi) = R^-1 (2 p+ - p - pi).
 
     p holds the start and then the best answer. Returns iterations and natural map error.
@@ -1297,7 +1299,7 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, column, row, p, k,
 
 
 @njit(cache=True, nogil=True)
-def newton_local(data, indices, indptr, own, q, mu, d, place, column, row, p, stiffness, tolerance, limit, size_m):  # type: ignore[no-untyped-def]
+def newton_local(data, indices, indptr, own, q, mu, d, place, column, row, p, stiffness, tolerance, limit, size_m):
     """Semismooth Newton over a LocalProblem: (I + B W) (p+ - p) = g - p, its rows scaled to unit diagonal blocks.
 
     own (C, m, m) are the blocks W_cc. p holds the start and then the best answer. Returns iterations, error, error at the start.

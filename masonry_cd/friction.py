@@ -101,23 +101,24 @@ class FrictionProblem:
         """The problem with some of its contacts only: a mask (C,) or their indices."""
         return replace(self, bodies=self.bodies[kept], jacobian=self.jacobian[kept], offset=self.offset[kept], mu=self.mu[kept])
 
-    def to_local(self) -> LocalProblem:
-        """The same problem with W assembled as a sparse matrix."""
-        rows, cols, data = [], [], []
+    def jacobian_matrix(self) -> sparse.csr_matrix:
+        """H as a sparse matrix (C m, B n)."""
         m, n = self.dimension, self.v_free.shape[1]
+        rows, columns, data = [], [], []
         for side in range(2):
             on = np.flatnonzero(self.bodies[:, side] >= 0)
-            row = (on[:, None, None] * m + np.arange(m)[None, :, None]) + np.zeros((1, 1, n), dtype=np.int64)
-            col = (self.bodies[on, side][:, None, None] * n + np.arange(n)[None, None, :]) + np.zeros((1, m, 1), dtype=np.int64)
-            rows.append(row.ravel())
-            cols.append(col.ravel())
+            row, column = on[:, None, None] * m + np.arange(m)[:, None], self.bodies[on, side][:, None, None] * n + np.arange(n)
+            rows.append(np.broadcast_to(row, (len(on), m, n)).ravel())
+            columns.append(np.broadcast_to(column, (len(on), m, n)).ravel())
             data.append(self.jacobian[on, side].ravel())
-        size = (self.contacts * m, self.v_free.size)
-        h = sparse.csr_matrix((np.concatenate(data), (np.concatenate(rows), np.concatenate(cols))), size)
-        blocks = len(self.inverse_mass)
+        entries = (np.concatenate(data), (np.concatenate(rows), np.concatenate(columns)))
+        return sparse.csr_matrix(entries, (self.contacts * m, self.v_free.size))
+
+    def to_local(self) -> LocalProblem:
+        """The same problem with W assembled as a sparse matrix."""
+        h, n, blocks = self.jacobian_matrix(), self.v_free.shape[1], len(self.inverse_mass)
         inverse = sparse.bsr_matrix((self.inverse_mass, np.arange(blocks), np.arange(blocks + 1)), (blocks * n, blocks * n))
-        w = (h @ inverse @ h.T).tocsr()
-        return LocalProblem(w, self.free_relative_velocity(), self.mu)
+        return LocalProblem((h @ inverse @ h.T).tocsr(), self.free_relative_velocity(), self.mu)
 
 
 @dataclass(frozen=True, eq=False)

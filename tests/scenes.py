@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from masonry_cd.friction import FrictionProblem
@@ -112,7 +114,7 @@ def wall(columns: int, courses: int, **kwargs: float) -> FrictionProblem:
         edges = np.arange(columns + 1.0)
         if course % 2:
             edges = np.concatenate([[0.0], np.arange(columns) + 0.5, [float(columns)]])
-        for a, b in zip(edges[:-1], edges[1:], strict=True):
+        for a, b in pairwise(edges):
             low.append([a, 0.0, 0.5 * course])
             high.append([b, 0.5, 0.5 * course + 0.5])
     return boxes(np.array(low), np.array(high), **kwargs)

@@ -1,0 +1,134 @@
+"""Friction problems in files: both formats there and back, the collected problems, and bad input in one line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import scenes
+from scipy import sparse
+
+from masonry_cd.errors import InputError
+from masonry_cd.friction import FrictionProblem, LocalProblem, natural_map_error
+from masonry_cd.problem_files import read_problem, solve_file, write_problem
+
+COLLECTED = Path(__file__).parents[1].parent / "shared" / "friction_problems"
+needs_collection = pytest.mark.skipif(not COLLECTED.is_dir(), reason="the collected friction problems are not here")
+
+
+@pytest.mark.parametrize("ending", ["npz", "hdf5"])
+@pytest.mark.parametrize("local", [True, False])
+def test_there_and_back(tmp_path: Path, ending: str, local: bool) -> None:
+    """A problem written and read again gives the same relative velocities and the same error."""
+    problem = scenes.wall(3, 3)
+    written = problem.to_local() if local else problem
+    write_problem(tmp_path / f"p.{ending}", written)
+    read = read_problem(tmp_path / f"p.{ending}")
+    assert isinstance(read, LocalProblem if local else FrictionProblem)
+    impulse = np.random.default_rng(1).normal(size=(problem.contacts, 3))
+    np.testing.assert_allclose(read.apply(impulse), problem.apply(impulse), atol=1e-12)
+    assert natural_map_error(read, impulse) == pytest.approx(natural_map_error(problem, impulse), rel=1e-10)
+
+
+def test_planar_problem_there_and_back(tmp_path: Path) -> None:
+    """Two rows per contact survive."""
+    w = np.diag([2.0, 1.0, 3.0, 1.0])
+    write_problem(tmp_path / "p.npz", LocalProblem(sparse.csr_matrix(w), np.array([[-1.0, 0.2], [0.5, 0.0]]), np.array([0.5, 0.5])))
+    found = solve_file(tmp_path / "p.npz", tolerance=1e-12, output=tmp_path / "s.npz")
+    assert found["converged"]
+    assert np.load(tmp_path / "s.npz")["r"][0] == pytest.approx([0.5, -0.2])
+
+
+@needs_collection
+@pytest.mark.parametrize("name", ["Spheres-i099-356-679", "fclib_local_problem_test", "LMGC_100_PR_PerioBox-i00361-60-03000"])
+def test_both_formats_hold_the_same_problem(name: str) -> None:
+    """Relative velocities of the .npz and of the FCLIB file agree at random impulses."""
+    plain, published = read_problem(COLLECTED / f"{name}.npz"), read_problem(COLLECTED / f"{name}.hdf5")
+    impulse = np.random.default_rng(2).normal(size=(plain.contacts, 3))
+    np.testing.assert_allclose(plain.apply(impulse), published.apply(impulse), atol=1e-9)
+
+
+@needs_collection
+def test_collected_problems_are_solved() -> None:
+    """All seven to 1e-10 by our measure, recomputed from the impulses that were saved."""
+    names = sorted(path.name for path in COLLECTED.glob("*.npz"))
+    assert len(names) == 7
+    missed = {name: found["error"] for name in names if not (found := solve_file(COLLECTED / name, tolerance=1e-10))["converged"]}
+    assert not missed
+
+
+@needs_collection
+def test_published_reactions_are_no_reference() -> None:
+    """The reactions stored with the spheres have a large error by our measure; ours do not."""
+    file = COLLECTED / "Spheres-i099-356-679.npz"
+    problem = read_problem(file)
+    assert natural_map_error(problem, np.load(file)["r_ref"].reshape(-1, 3)) > 1e-3
+    assert solve_file(file)["error"] <= 1e-8
+
+
+def broken(tmp_path: Path, **changes: np.ndarray | None) -> Path:
+    """A sound .npz with some arrays replaced or, where None, left out."""
+    write_problem(tmp_path / "sound.npz", scenes.tower(1).to_local())
+    arrays = dict(np.load(tmp_path / "sound.npz")) | changes
+    np.savez(tmp_path / "broken.npz", **{name: array for name, array in arrays.items() if array is not None})
+    return tmp_path / "broken.npz"
+
+
+def test_bad_arrays_are_named(tmp_path: Path) -> None:
+    """NaN, wrong lengths, missing arrays and negative friction are told in one line with the file and the array."""
+    q = np.load(broken(tmp_path))["q"]
+    w = np.load(broken(tmp_path))["W_data"]
+    bad: list[tuple[dict[str, np.ndarray | None], str]] = [
+        ({"q": np.where(np.arange(len(q)) == 4, np.nan, q)}, r"q\[4\] is not a finite number"),
+        ({"q": q[:-1]}, "q has 11 entries, for 4 contacts"),
+        ({"q": np.tile(q, 2)}, "q has 24 entries"),
+        ({"mu": np.array([0.5, -0.1, 0.5, 0.5])}, r"mu\[1\] is negative"),
+        ({"mu": None}, "mu is missing"),
+        ({"W_data": np.where(np.arange(len(w)) == 0, np.inf, w)}, r"W_data\[0\] is not a finite number"),
+        ({"W_data": -w}, "W is indefinite"),
+        ({"W_data": w[:-1]}, "compressed rows"),
+    ]
+    for changes, message in bad:
+        path = broken(tmp_path, **changes)
+        with pytest.raises(InputError, match=message) as caught:
+            read_problem(path)
+        assert str(path) in str(caught.value)
+        assert "\n" not in str(caught.value)
+
+
+def test_unsymmetric_matrix_is_refused(tmp_path: Path) -> None:
+    """An entry far from its mirror image is no rounding."""
+    local = scenes.tower(1).to_local()
+    dense = local.w.toarray()
+    dense[0, 5] += 0.3 * dense[0, 0]
+    write_problem(tmp_path / "p.npz", LocalProblem(sparse.csr_matrix(dense), local.q, local.mu))
+    with pytest.raises(InputError, match="W is unsymmetric by 3"):
+        read_problem(tmp_path / "p.npz")
+
+
+def test_files_that_are_no_problems(tmp_path: Path) -> None:
+    """No file, no format, no FCLIB group, no HDF5: one line each."""
+    (tmp_path / "text.hdf5").write_text("not HDF5")
+    (tmp_path / "text.npz").write_text("not a zip")
+    (tmp_path / "p.txt").write_text("")
+    with h5py.File(tmp_path / "other.hdf5", "w") as file:
+        file["x"] = 1.0
+    for name, message in [
+        ("none.npz", "no such file"),
+        ("text.hdf5", "no HDF5 file"),
+        ("text.npz", "no .npz file"),
+        ("p.txt", "unknown format"),
+        ("other.hdf5", "neither fclib_local nor fclib_global"),
+    ]:
+        with pytest.raises(InputError, match=message):
+            read_problem(tmp_path / name)
+
+
+def test_solver_and_tolerance_are_checked(tmp_path: Path) -> None:
+    """A misspelt solver is answered with a suggestion."""
+    with pytest.raises(InputError, match='did you mean "admm"'):
+        solve_file(tmp_path / "p.npz", solver="adm")
+    with pytest.raises(InputError, match="tolerance"):
+        solve_file(tmp_path / "p.npz", tolerance=0.0)
