@@ -125,7 +125,7 @@ def opening_of(table: OpeningTable, key: str, course: float, unit: float, foot: 
 def _natural_depth(head: HeadShape, width: float, rise: float, course: float) -> float:
     """A lintel or a flat arch of one course; a round arch of a fifth of its span; a skewback of whole courses."""
     if head == "round":
-        return max(0.2 * width, 0.8 * course)
+        return max(0.2 * width, min(0.8 * course, 0.35 * width))
     if head != "segmental":
         return course
     inner = (width**2 / 4.0 + rise**2) / (2.0 * rise)
@@ -178,14 +178,14 @@ def close(opening: Opening, levels: Sequence[float], course: float) -> Closing:
         InputError: too little masonry above.
     """
     beds = np.asarray(levels)
-    foot, springing = _index(beds, opening.sill), _index(beds, opening.springing)
-    half = 0.5 * opening.width
-    edges = dict.fromkeys(range(foot, springing), (half, half))
     if opening.crown > beds[-1] - (SAME if not opening.rise else LEAST * course):
         room = opening.height + beds[-1] - opening.crown - (LEAST * course if opening.rise else 0.0)
         raise InputError(
             f"{opening.key}height: must be at most {max(0.0, room):.4g} m, the wall ends at {beds[-1]:g} m, got {opening.height:g}"
         )
+    foot, springing = _index(beds, opening.sill), _index(beds, opening.springing)
+    half = 0.5 * opening.width
+    edges = dict.fromkeys(range(foot, springing), (half, half))
     if opening.head == "lintel":
         return _lintel(opening, beds, springing, edges)
     if opening.head == "flat":

@@ -21,6 +21,7 @@ from structures.heads import Closing, Opening, haunch_break
 from structures.heads import breaks as breaks_of
 
 LEAST_UNIT = 0.35  # between a head joint and the end of its band, in blocks
+LEAST_JAMB = 0.2  # between an opening and the end of its band, in blocks
 LEAST_BOND = 0.12  # between head joints of successive courses, in blocks
 LEAST_COURSE = 0.4  # height of the lowest course between two given levels, in courses
 SAME = 1e-9  # lengths closer than this are one [m]
@@ -109,7 +110,7 @@ def cut(beds: Sequence[float], bands: Bands, closings: Sequence[Closing], unit: 
     Raises:
         InputError: an opening that is not inside the panel, or too near to an end or to another opening.
     """
-    solid = [_pierced(list(bands(j)), j, closings, LEAST_UNIT * unit, beds) for j in range(len(beds) - 1)]
+    solid = [_pierced(list(bands(j)), j, closings, LEAST_JAMB * unit, beds) for j in range(len(beds) - 1)]
     pieces: list[Piece] = []
     below: list[float] = []
     for j, course in enumerate(solid):

@@ -96,6 +96,40 @@ def test_arch_of_27_voussoirs_can_stand_just_above_the_published_thickness_and_n
     assert not can_stand(build(radius=10.0, thickness=1.0668, voussoirs=27), mu=0.5)
 
 
+def test_three_centred_arch_is_tangent_at_its_springings_and_rises_to_its_crown() -> None:
+    blocks = build(shape="three-centred", span=6.0, rise=2.0, thickness=0.6, voussoirs=41)
+    ring = [section(b) for b in blocks if b.group == "arch"]
+    crown = ring[20]
+    assert crown[:, 1].min() == pytest.approx(2.0, abs=0.01)  # the chord of the keystone
+    first = ring[0]
+    assert np.abs(first[:, 1]).min() == 0.0  # level springing joint
+    for one, other in zip(ring, ring[::-1], strict=True):
+        assert np.allclose(sorted(-one[:, 0]), sorted(other[:, 0]))
+        assert np.allclose(sorted(one[:, 1]), sorted(other[:, 1]))
+    assert can_stand(blocks, mu=0.6)
+
+
+def test_flat_arch_wedges_between_its_skewbacks() -> None:
+    def flat(skew: float) -> list[Block]:
+        return build(shape="flat", span=2.0, thickness=0.6, voussoirs=9, skew=skew)
+
+    area = 0.6 * (2.0 + 0.6 * math.tan(math.radians(20.0)))
+    volume = sum(mass_properties(b.vertices, b.faces).volume for b in flat(20.0) if b.group == "arch")
+    assert volume == pytest.approx(area)
+    assert can_stand(flat(20.0), mu=0.0)  # wedges need no friction
+
+
+@pytest.mark.parametrize("keys", [{"span": 6.0}, {"span": 6.0, "rise": 1.5}, {"span": 4.0, "shape": "flat"}])
+def test_buttresses_carry_the_thrust_when_they_are_wide_enough(keys: dict[str, object]) -> None:
+    def on(width: float, height: float) -> list[Block]:
+        return build(thickness=0.7, buttress_width=width, buttress_height=height, **keys)
+
+    blocks = on(2.2, 3.0)
+    assert {b.group for b in blocks} == {"arch", "buttress1", "buttress2", "base"}
+    assert can_stand(blocks, mu=0.6)
+    assert not can_stand(on(1.0, 20.0), mu=0.6)
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
@@ -116,7 +150,22 @@ def test_arch_of_27_voussoirs_can_stand_just_above_the_published_thickness_and_n
         ({"span": 4.0, "thickness": 0.5, "shape": "pointed"}, "structure.voussoirs: a pointed arch has a joint at its apex"),
         ({"span": 4.0, "thickness": 0.5, "shape": "pointed", "rise": 1.5}, "structure.rise: of a pointed arch must exceed half the span"),
         ({"span": 4.0, "thickness": 0.5, "shape": "pointed", "radius": 2.0}, "structure.radius: of a pointed arch must exceed"),
-        ({"span": 4.0, "thickness": 0.5, "shape": "trefoil"}, "structure.shape: input should be 'circular', 'pointed', 'three-centred' or 'flat'"),
+        ({"span": 4.0, "thickness": 0.5, "shape": "trefoil"}, "structure.shape: input should be 'circular', 'pointed', 'three-centred' or"),
+        (
+            {"span": 4.0, "thickness": 0.5, "shape": "three-centred", "rise": 2.5},
+            "structure.rise: of a three-centred arch must be between 0.5359",
+        ),
+        (
+            {"span": 4.0, "thickness": 0.5, "shape": "three-centred", "embrace": 90.0},
+            "structure.embrace: says nothing of a three-centred arch",
+        ),
+        ({"thickness": 0.5, "shape": "flat"}, "structure.span: missing; a flat arch is given by its clear span"),
+        ({"span": 4.0, "thickness": 0.5, "skew": 10.0}, "structure.skew: belongs to a flat arch"),
+        ({"span": 4.0, "thickness": 0.5, "buttress_height": 2.0}, "structure.buttress_width: missing"),
+        (
+            {"span": 4.0, "thickness": 0.5, "buttress_width": 0.3},
+            "structure.buttress_width: must be at least the width of the springing, 0.5 m",
+        ),
     ],
 )
 def test_wrong_keys_are_named_in_one_line(keys: dict[str, object], message: str) -> None:

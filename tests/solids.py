@@ -1,0 +1,107 @@
+"""What a structure should fill, measured by the geometry kernel or by formulae, not by its blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from models import stepper
+
+import structures
+from masonry_cd.blocks import Assembly, Block
+from masonry_cd.joints import Joints
+from structures import plan, solid
+from structures.heads import Closing, close
+
+
+def build(kind: str, **keys: object) -> list[Block]:
+    """A structure of 2000 kg/m3."""
+    return structures.build({"kind": kind, **keys}, 2000.0, Path())
+
+
+def closings_of(wall: plan.Wall, beds: Sequence[float]) -> list[Closing]:
+    """The openings of a wall, fitted to its beds."""
+    own = [z for z in beds if wall.foot - 1e-9 < z < wall.top + wall.gable + 1e-9]
+    return [close(opening, own, (own[-1] - own[0]) / (len(own) - 1)) for opening in wall.openings]
+
+
+def hole(closing: Closing) -> np.ndarray:
+    """The polygon s, z of an opening."""
+    o = closing.opening
+    low, high = o.centre - 0.5 * o.width, o.centre + 0.5 * o.width
+    crown = [tuple(polygon[1]) for kind, polygon in closing.pieces if kind == "voussoir"][:-1]
+    return np.array([(low, o.sill), (low, o.springing), *crown, (high, o.springing), (high, o.sill)])
+
+
+def outline(wall: plan.Wall) -> list[tuple[float, float]]:
+    """The polygon s, z of a wall without shoulders."""
+    a, b = wall.start, wall.end
+    peak = [(0.5 * (a + b), wall.top + wall.gable)] if wall.gable else []
+    return [(a, wall.foot), (b, wall.foot), (b, wall.top), *peak, (a, wall.top)]
+
+
+def volume_of_walls(walls: Sequence[plan.Wall], beds: Sequence[float]) -> float:
+    """Volume of the union of some walls, without their openings, by the geometry kernel [m3]."""
+    with solid.kernel() as gmsh:
+        occ = gmsh.model.occ
+        bodies, holes = [], []
+        for wall in walls:
+            bodies.append(_slab(occ, wall, outline(wall)))
+            holes += [_slab(occ, wall, [tuple(p) for p in hole(c)]) for c in closings_of(wall, beds)]
+        if len(bodies) > 1:
+            bodies = occ.fuse(bodies[:1], bodies[1:])[0]
+        if holes:
+            bodies = occ.cut(bodies, holes)[0]
+        return float(sum(occ.getMass(*body) for body in bodies))
+
+
+def _slab(occ, wall: plan.Wall, polygon: Sequence[tuple[float, float]]) -> tuple[int, int]:
+    """A polygon drawn out over the thickness of its wall."""
+    thickness = wall.far - wall.near
+    place = [(s, wall.near, z) if wall.axis == 0 else (wall.near, s, z) for s, z in polygon]
+    points = [occ.addPoint(*p) for p in place]
+    lines = [occ.addLine(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True)]
+    surface = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+    along = (0.0, thickness, 0.0) if wall.axis == 0 else (thickness, 0.0, 0.0)
+    return next(body for body in occ.extrude([(2, surface)], *along) if body[0] == 3)
+
+
+def free_volume(blocks: Sequence[Block]) -> float:
+    """Volume of the free blocks [m3]."""
+    assembly = Assembly.from_blocks(blocks, 0.6)
+    return float(assembly.volume[~assembly.fixed].sum())
+
+
+def exposed(blocks: Sequence[Block], assembly: Assembly, joints: Joints) -> float:
+    """Surface of the free blocks that is no joint [m2]."""
+    surface = 0.0
+    for block in blocks:
+        for face in () if block.fixed else block.faces:
+            corners = block.vertices[list(face)] - block.vertices[face[0]]
+            surface += 0.5 * np.linalg.norm(np.cross(corners[1:-1], corners[2:]).sum(axis=0))
+    between_free = ~assembly.fixed[joints.block_a] & ~assembly.fixed[joints.block_b]
+    return float(surface - joints.area.sum() - joints.area[between_free].sum())
+
+
+def moved_at_rest(blocks: Sequence[Block], seconds: float = 0.1, dt: float = 2e-3, friction: float = 0.6) -> float:
+    """Largest displacement of a corner of mass under gravity alone [m]."""
+    steps = round(seconds / dt)
+    run = stepper(list(blocks), steps, friction=friction, dt=dt, solver="auto", tolerance=1e-8)
+    for _ in range(steps):
+        run.step()
+    return float(np.linalg.norm(run.state.position - run.assembly.centre, axis=1).max())
+
+
+def bonded_share(blocks: Sequence[Block], axis: int, at: float, near: float, far: float) -> float:
+    """Share of the height of an upright plane, between two places across it, at which some block runs through it."""
+    top, crossed = 0.0, 0.0
+    for block in blocks:
+        low, high = block.vertices.min(axis=0), block.vertices.max(axis=0)
+        inside = low[1 - axis] > near - 1e-6 and high[1 - axis] < far + 1e-6
+        if block.fixed or not inside:
+            continue
+        top = max(top, high[2])
+        if low[axis] < at - 1e-6 and high[axis] > at + 1e-6:
+            crossed += high[2] - low[2]
+    return crossed / top
