@@ -171,13 +171,13 @@ class Results:
     def __exit__(self, *_: object) -> None:
         self.file.close()
 
-    @property
+    @cached_property
     def frames(self) -> int:
-        """Number of frames whose positions, orientations and joints are all written."""
+        """Number of frames, when first asked for, whose positions, orientations and joints are all written."""
         names = [*FRAME_FIELDS, *(f"joints/{name}" for name in JOINT_HISTORIES)]
         return min(len(self.file[name]) for name in names if name in self.file)
 
-    @property
+    @cached_property
     def time(self) -> np.ndarray:
         """(F,) [s]."""
         return self.file["time"][: self.frames]

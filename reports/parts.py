@@ -4,12 +4,15 @@ A part is a group with at least one free block; a group of supports alone is non
 joint between a part and a support to the part: sums over the parts therefore exceed the number of the structure, which has a
 row of its own and counts each joint once.
 
-**Levels and drift.** The height of the free blocks at rest is cut into equal levels. The displacement of a part at a level is the mean
-over its standing blocks whose centre lies there at rest, weighted by volume, relative to the base. The drift between two levels is
+**Levels and drift.** The height of the free blocks at rest is cut into equal levels. The displacement u_k of a part at a level is the
+horizontal mean over its standing blocks whose centre lies there at rest, weighted by volume, relative to the base [m], and z_k the mean
+height of these blocks [m]; a part that stands on supports has their displacement at its foot, level 0. Then
 
-    drift = | u_k - u_(k-1) | / (z_k - z_(k-1)),        u horizontal [m], z the mean height of these blocks [m],
+    drift of a level    | u_k - u_j | / (z_k - z_j),     j the next level below
+    drift of the part   max_k | u_k - u_0 | / height,    of parts with two levels at least, height from the foot to the top of the part
 
-where the level below the lowest one is the support, for parts that stand on one.
+The first shows where a structure is sheared, and grows without bound as levels become thinner than the slip of a joint is long; the second
+does not, and grades the part.
 """
 
 from __future__ import annotations
@@ -130,6 +133,7 @@ class Levels:
     of_block: np.ndarray  # (B,) level of each block's centre at rest
     foot: np.ndarray  # (P + 1,) height where a part stands on supports [m], NaN where it stands on none
     footing: np.ndarray  # (P + 1, B) the supports that it stands on
+    ends: np.ndarray  # (P + 1, 2) lowest and highest corner of a part [m]
 
     @classmethod
     def of(cls, solids: Solids, joints: Joints, parts: Parts, count: int = LEVELS) -> Levels:
@@ -141,12 +145,15 @@ class Levels:
         foot, footing = np.full(parts.count, np.nan), np.zeros((parts.count, len(free)), dtype=bool)
         held = solids.fixed[joints.block_a] | solids.fixed[joints.block_b]
         height = joints.centres()[:, 2]
+        ends_z = np.empty((parts.count, 2))
         for p in range(parts.count):
+            corners = solids.vertices[parts.blocks[p][solids.vertex_block], 2]
+            ends_z[p] = corners.min(), corners.max()
             mine = np.flatnonzero(parts.joints[p] & held)
             ends = np.concatenate([joints.block_a[mine], joints.block_b[mine]])
             footing[p, ends[solids.fixed[ends]]] = True
             foot[p] = height[mine].min() if len(mine) else np.nan
-        return cls(bounds, of_block, foot, footing)
+        return cls(bounds, of_block, foot, footing, ends_z)
 
     def profile(self, part: int, parts: Parts, solids: Solids, moment: Moment) -> Profile:
         """Heights and displacements of a part, level by level, from its standing blocks."""
@@ -163,7 +170,10 @@ class Levels:
             height = np.concatenate([[self.foot[part]], height])
             shift = np.concatenate([moved[self.footing[part], :2].mean(axis=0)[None], shift])
             kept = np.concatenate([[-1], kept])
-        return Profile(kept, height, shift, _drifts(height, shift, MERGED * float(np.diff(self.bounds)[0])))
+        least = MERGED * float(np.diff(self.bounds)[0])
+        low, high = self.ends[part]
+        overall = float(np.linalg.norm(shift - shift[:1], axis=1).max(initial=0.0)) / (high - low) if (kept >= 0).sum() > 1 else 0.0
+        return Profile(kept, height, shift, _drifts(height, shift, least), overall)
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,11 +184,7 @@ class Profile:
     height: np.ndarray  # (n,) of the centres [m]
     shift: np.ndarray  # (n, 2) horizontal displacement relative to the base [m]
     drift: np.ndarray  # (n,) towards the level below; NaN for the lowest
-
-    @property
-    def largest(self) -> float:
-        """Largest drift."""
-        return float(np.nanmax(self.drift)) if np.isfinite(self.drift).any() else 0.0
+    overall: float  # drift of the part
 
 
 def _drifts(height: np.ndarray, shift: np.ndarray, least: float) -> np.ndarray:
