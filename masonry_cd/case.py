@@ -109,9 +109,9 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False)
     """
     begin = time.perf_counter()
     scene, settings = case.scene, case.scene.run
-    folder.mkdir(parents=True, exist_ok=True)
     file, saved = folder / "result.h5", folder / checkpoint.NAME
     if not resume:
+        folder.mkdir(parents=True, exist_ok=True)
         for name in (*OUTPUTS, checkpoint.NAME):
             (folder / name).unlink(missing_ok=True)
     stepper = Stepper(case.assembly, case.loading.support_velocity, case.loading.acceleration, settings)
