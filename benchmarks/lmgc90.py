@@ -36,11 +36,12 @@ class Interaction(ctypes.Structure):
     ]
 
 
+KEPT = ["icdbdy", "ianbdy", *(name for name, _ in VECTORS)]
 LAYOUT = np.dtype(
     {
-        "names": ["icdbdy", "ianbdy", *(name for name, _ in VECTORS)],
+        "names": KEPT,
         "formats": ["<i4", "<i4", *(("<f8", (size,)) for _, size in VECTORS)],
-        "offsets": [getattr(Interaction, name).offset for name in ("icdbdy", "ianbdy", *(name for name, _ in VECTORS))],
+        "offsets": [getattr(Interaction, name).offset for name in KEPT],
         "itemsize": ctypes.sizeof(Interaction),
     }
 )
@@ -91,7 +92,7 @@ class Lmgc90:
     def sweeps(self) -> int:
         """Gauss-Seidel sweeps of the last step; 0 where the library does not say."""
         try:
-            ask = getattr(self.library, "__nlgs_3d_MOD_get_nlgs3d_loop")  # noqa: B009 -- mangled inside a class otherwise
+            ask = getattr(self.library, "__nlgs_3d_MOD_get_nlgs3d_loop")  # as a string: a name is mangled in a class
         except AttributeError:
             return 0
         count, contacts, errors = ctypes.c_int(0), ctypes.c_int(0), [ctypes.c_double(0.0) for _ in range(3)]
@@ -134,7 +135,7 @@ def run(scene: dict[str, Any], seconds: float) -> dict[str, np.ndarray]:
             history.append(part)
         over = time.perf_counter() - begin > seconds
         if k in keep or over:
-            out |= {f"{name}_{k}": found[name] for name in found.dtype.names}
+            out |= {f"{name}_{k}": found[name] for name in KEPT}
         if over:
             break
     out["sampled"] = np.array(sorted({int(name.split("_")[1]) for name in out}))
@@ -157,7 +158,7 @@ def main() -> None:
     with open(given.scene, encoding="utf-8") as file:
         scene = json.load(file)
     result = run(scene, given.seconds)
-    np.savez_compressed(given.result, **result)
+    np.savez_compressed(given.result, allow_pickle=False, **result)
     print(f"{len(result['seconds'])} steps, {1e3 * np.median(result['seconds']):.3g} ms each")
 
 

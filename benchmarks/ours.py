@@ -36,9 +36,10 @@ class Measured:
     contacts: float  # of the friction problem, mean over the steps; in a plane half of those in space
     steps: int
     first_ms: float  # the first step starts cold
+    first_iterations: int
     median_ms: float
     mean_ms: float
-    iterations: float  # mean
+    iterations: float  # mean over the steps
     error_median: float
     error_max: float
     missed: int  # steps above the tolerance
@@ -122,6 +123,7 @@ def _summary(made: BenchScene, machine: Stepper, reports: list[StepReport], dete
         contacts=float(np.mean([r.contacts for r in reports])),
         steps=len(reports),
         first_ms=1e3 * float(seconds[0]),
+        first_iterations=reports[0].iterations,
         median_ms=1e3 * float(np.median(seconds)),
         mean_ms=1e3 * float(seconds.mean()),
         iterations=float(np.mean([r.iterations for r in reports])),

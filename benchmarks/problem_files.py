@@ -12,16 +12,14 @@ import numpy as np
 from scipy import sparse
 
 from benchmarks.ours import stepper
-from benchmarks.peers import environment, sitting
+from benchmarks.peers import environment, head, sitting
 from benchmarks.scenes import scene
 from masonry_cd import kinematics
 from masonry_cd.friction import LocalProblem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 
 HERE = Path(__file__).parent
-HEAD = """\
-| problem | contacts | tolerance | program | solver | seconds | iterations | error | unscaled |
-|---|---|---|---|---|---|---|---|---|"""
+HEAD = head("problem", "contacts", "tolerance", "program", "solver", "seconds", "iterations", "error", "unscaled")
 
 
 def load(name: str) -> LocalProblem:

@@ -7,6 +7,7 @@ build it from the same vertices, ours directly and the peers from the JSON file 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -51,7 +52,8 @@ class BenchScene:
         path.write_text(json.dumps(scene | {"base_velocity": self.base_velocity(steps + 2).tolist()}))
 
 
-def _cuboid(name: str, low: tuple[float, float, float], high: tuple[float, float, float], fixed: bool = False) -> Block:
+def cuboid(name: str, low: tuple[float, float, float], high: tuple[float, float, float], fixed: bool = False) -> Block:
+    """An axis-parallel cuboid between two corners [m]."""
     vertices, faces = box(low, high)
     return _block(name, vertices, faces, fixed)
 
@@ -60,16 +62,17 @@ def _block(name: str, vertices: np.ndarray, faces: Faces, fixed: bool = False) -
     return Block(name, vertices, faces, DENSITY, "base" if fixed else "block", fixed)
 
 
-def _ground(x0: float, x1: float, half_width: float) -> Block:
-    return _cuboid("ground", (x0, -half_width, -0.5), (x1, half_width, 0.0), fixed=True)
+def ground(x0: float, x1: float, half_width: float) -> Block:
+    """A fixed plate whose top is z = 0 [m]."""
+    return cuboid("ground", (x0, -half_width, -0.5), (x1, half_width, 0.0), fixed=True)
 
 
 def tower(count: int, amplitude: float = 0.1, side: float = 0.5, height: float = 0.25) -> BenchScene:
     """Cuboids on top of each other [m]."""
     half = side / 2
-    blocks = [_cuboid(f"b{k}", (-half, -half, k * height), (half, half, (k + 1) * height)) for k in range(count)]
+    blocks = [cuboid(f"b{k}", (-half, -half, k * height), (half, half, (k + 1) * height)) for k in range(count)]
     name = f"tower {count}" if amplitude else f"tower {count}, at rest"
-    return BenchScene(name, (_ground(-2 * side, 2 * side, 2 * side), *blocks), steps=200, amplitude=amplitude)
+    return BenchScene(name, (ground(-2 * side, 2 * side, 2 * side), *blocks), steps=200, amplitude=amplitude)
 
 
 def wall(columns: int, courses: int, amplitude: float = 0.2, length: float = 0.4, height: float = 0.2, width: float = 0.2) -> BenchScene:
@@ -80,9 +83,9 @@ def wall(columns: int, courses: int, amplitude: float = 0.2, length: float = 0.4
         inner = (np.arange(columns) + 0.5) * length
         edges = np.arange(columns + 1) * length if course % 2 == 0 else np.concatenate([[0.0], inner, [end]])
         low, high = course * height, (course + 1) * height
-        blocks += [_cuboid(f"c{course}.{k}", (x0, -half, low), (x1, half, high)) for k, (x0, x1) in enumerate(pairwise(edges))]
+        blocks += [cuboid(f"c{course}.{k}", (x0, -half, low), (x1, half, high)) for k, (x0, x1) in enumerate(pairwise(edges))]
     steps = 200 if len(blocks) < 500 else 20
-    return BenchScene(f"wall {columns} x {courses}", (_ground(-length, end + length, 3 * width), *blocks), steps, amplitude=amplitude)
+    return BenchScene(f"wall {columns} x {courses}", (ground(-length, end + length, 3 * width), *blocks), steps, amplitude=amplitude)
 
 
 def _ring(name: str, count: int, radius: float, thickness: float, width: float, x: float, z: float) -> list[Block]:
@@ -97,18 +100,18 @@ def _ring(name: str, count: int, radius: float, thickness: float, width: float, 
 def arch(voussoirs: int = 27, ratio: float = 0.15, amplitude: float = 0.1, radius: float = 5.0, width: float = 1.0) -> BenchScene:
     """A semicircular arch of thickness ``ratio`` times its mean radius [m], its springings on the ground."""
     ring = _ring("v", voussoirs, radius, ratio * radius, width, 0.0, 0.0)
-    ground = _ground(-2 * radius, 2 * radius, width)
-    return BenchScene(f"arch {voussoirs}", (ground, *ring), steps=300, friction=1.0, amplitude=amplitude)
+    blocks = (ground(-2 * radius, 2 * radius, width), *ring)
+    return BenchScene(f"arch {voussoirs}", blocks, steps=300, friction=1.0, amplitude=amplitude)
 
 
 def arcade(spans: int, amplitude: float = 0.1, voussoirs: int = 12, courses: int = 8) -> BenchScene:
     """Semicircular arches of mean radius 2 m and thickness 0.5 m on piers of single blocks 1.5 x 1.5 x 0.5 m."""
     radius, thickness, pier, height = 2.0, 0.5, 1.5, 0.5
     pitch, half = 2 * radius - thickness + pier, pier / 2
-    blocks = [_ground(-pier - 1.0, spans * pitch + pier + 1.0, pier)]
+    blocks = [ground(-pier - 1.0, spans * pitch + pier + 1.0, pier)]
     for k in range(spans + 1):
         x = k * pitch
-        blocks += [_cuboid(f"p{k}.{j}", (x - half, -half, j * height), (x + half, half, (j + 1) * height)) for j in range(courses)]
+        blocks += [cuboid(f"p{k}.{j}", (x - half, -half, j * height), (x + half, half, (j + 1) * height)) for j in range(courses)]
     for k in range(spans):
         blocks += _ring(f"a{k}.", voussoirs, radius, thickness, pier, (k + 0.5) * pitch, courses * height)
     return BenchScene(f"arcade {spans}", tuple(blocks), steps=200 if spans < 20 else 10, amplitude=amplitude)
@@ -139,7 +142,12 @@ def scene(name: str, dt: float | None = None) -> BenchScene:
 def _sized(name: str) -> BenchScene:
     word = name.rstrip("0123456789x")
     numbers = [int(part) for part in name[len(word) :].split("x") if part]
-    makers = {"tower": (tower, 1), "wall": (wall, 2), "arcade": (arcade, 1), "arch": (arch, 1)}
+    makers: dict[str, tuple[Callable[..., BenchScene], int]] = {
+        "tower": (tower, 1),
+        "wall": (wall, 2),
+        "arcade": (arcade, 1),
+        "arch": (arch, 1),
+    }
     if word not in makers or len(numbers) != makers[word][1]:
         raise ValueError(f'no scene "{name}"; known: {", ".join(SCENES)}, or towerN, wallNxM, arcadeN, archN of any size N')
     return makers[word][0](*numbers)
