@@ -12,7 +12,7 @@ Damage is reported by macro-element, which are the groups: ``facade``, ``nave_wa
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -70,17 +70,11 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     Raises:
         InputError: a key that is unknown or out of range, or measures that do not fit together.
     """
-    keys = parse_table(ChurchTable, table, "structure")
-    vaulted = keys.roof == "vault"
-    natural = {
-        "thickness": 0.16 * keys.width if vaulted else 1.0,
-        "gable": 0.57 * keys.width if vaulted else 2.5,
-    }
-    keys = keys.model_copy(update={key: value for key, value in natural.items() if getattr(keys, key) is None})
+    keys = with_defaults(parse_table(ChurchTable, table, "structure"))
     _fits(keys)
     church = church_parts.Church.of(keys)
     walls = church_parts.walls(church)
-    beds = plan.levels(walls, church.course, [(church.apse_top, "structure.apse_height")] if keys.apse else [])
+    beds = beds_of(church, walls)
     walls, apse = church_parts.with_apse(church, walls, beds, density)
     blocks = plan.build(walls, beds, church.unit, density, keys.bonded) + apse
     if keys.aisles:
@@ -94,14 +88,29 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     return blocks
 
 
+def with_defaults(keys: ChurchTable) -> ChurchTable:
+    """The keys with those filled in that depend on the roof."""
+    vaulted = keys.roof == "vault"
+    natural = {
+        "thickness": 0.16 * keys.width if vaulted else 1.0,
+        "gable": 0.57 * keys.width if vaulted else 2.5,
+    }
+    return keys.model_copy(update={key: value for key, value in natural.items() if getattr(keys, key) is None})
+
+
+def beds_of(church: church_parts.Church, walls: Sequence[plan.Wall]) -> list[float]:
+    """The beds that all walls of a church share [m]."""
+    return plan.levels(walls, church.course, [(church.apse_top, "structure.apse_height")] if church.keys.apse else [])
+
+
 def _fits(keys: ChurchTable) -> None:
     """Refuse measures that exclude each other."""
     t = keys.thickness or 1.0
     clear = min(keys.height - keys.aisle_height, keys.aisle_height) if keys.aisles else keys.height
     course = keys.course_height or 0.5 * keys.block_length
     limits = [
-        ("course_height", course, keys.height / 8.0, "an eighth of the height"),
         ("block_length", keys.block_length, keys.width / 3.0, "a third of the width"),
+        ("course_height", course, keys.height / 8.0, "an eighth of the height"),
         ("thickness", t, keys.width / 3.0, "a third of the width"),
         ("window_height", keys.window_height or 0.0, 0.4 * clear, "0.4 of the wall it is in"),
         ("door_width", keys.door_width, 0.4 * keys.width, "0.4 of the width"),
@@ -128,6 +137,9 @@ def _fits(keys: ChurchTable) -> None:
     for key, value, most, what in limits:
         if value > most * (1.0 + 1e-9):
             raise InputError(f"structure.{key}: must be at most {what}, {most:.4g} m, got {value:g}")
+    bay = keys.window_width * (1.0 + 2.0 * max(0.2, min(0.8 * course / keys.window_width, 0.35))) + 0.4 * keys.block_length
+    if keys.windows * bay > keys.length - 2.0 * t:
+        raise InputError(f"structure.windows: must be at most {int((keys.length - 2.0 * t) / bay)} of this width, got {keys.windows}")
     if keys.tower and keys.tower_height < 1.2 * keys.height:
         raise InputError(f"structure.tower_height: must be at least 1.2 of the height, {1.2 * keys.height:g} m, got {keys.tower_height:g}")
     if keys.tower and keys.tower_side < 2.5 * t:

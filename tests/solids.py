@@ -31,7 +31,8 @@ def hole(closing: Closing) -> np.ndarray:
     o = closing.opening
     low, high = o.centre - 0.5 * o.width, o.centre + 0.5 * o.width
     crown = [tuple(polygon[1]) for kind, polygon in closing.pieces if kind == "voussoir"][:-1]
-    return np.array([(low, o.sill), (low, o.springing), *crown, (high, o.springing), (high, o.sill)])
+    points = np.array([(low, o.sill), (low, o.springing), *crown, (high, o.springing), (high, o.sill)])
+    return points[np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1) > 1e-9]
 
 
 def outline(wall: plan.Wall) -> list[tuple[float, float]]:
@@ -99,7 +100,7 @@ def bonded_share(blocks: Sequence[Block], axis: int, at: float, near: float, far
     for block in blocks:
         low, high = block.vertices.min(axis=0), block.vertices.max(axis=0)
         inside = low[1 - axis] > near - 1e-6 and high[1 - axis] < far + 1e-6
-        if block.fixed or not inside:
+        if block.fixed or not inside or low[axis] > at + 1e-6 or high[axis] < at - 1e-6:
             continue
         top = max(top, high[2])
         if low[axis] < at - 1e-6 and high[axis] > at + 1e-6:
