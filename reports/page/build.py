@@ -1,0 +1,218 @@
+"""Puts the page together: what a result holds, packed, with the words and the scripts, into one file.
+
+The file stays below ``LIMIT``: where all frames would not fit, fewer of them are sent, evenly spread, and the page says how many.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from masonry_cd.results import Results
+from reports import damage
+from reports.crack_map import FALLEN, MOST, OPENING_COLOURS, PARTED, SEEN, SLIDING_COLOURS, STONE, Scale
+from reports.damage import JointDamage, Thresholds
+from reports.deformed import Solids, solids_of
+from reports.page import motion, series, words
+from reports.page.pack import packed
+from reports.picture import EDGE, SUPPORT, auto_view, families_of
+from reports.sheet import nice
+
+LIMIT = 14 << 20  # of the packed data [bytes]
+FRAMES = 600  # sent at most
+LARGEST = 0.05  # where the last class of the colour scales begins, as in the crack map [m]
+SCRIPTS = ("unpack.js", "motion.js", "camera.js", "shaders.js", "viewer.js", "plots.js", "charts.js", "table.js", "main.js")
+COLUMNS = (
+    "max_opening", "residual_opening", "max_sliding", "residual_sliding", "max_rotation", "contact_area_loss", "first_opening_time", "area",
+)  # fmt: skip
+
+
+def write_page(
+    results: Results,
+    path: Path,
+    summary: Mapping[str, Any] | None = None,
+    thresholds: Thresholds | None = None,
+    scale: float | None = None,
+    limit: int = LIMIT,
+) -> None:
+    """Write a run as one HTML file that needs nothing else.
+
+    Args:
+        results: of a run, also of one that was stopped or killed.
+        path: of the file.
+        summary: as in summary.json; what it lacks is left out.
+        thresholds: of damage; the colour classes begin there.
+        scale: amplification of the displacements at first; None picks 1, or what makes the largest one visible.
+        limit: of the packed data [bytes]; frames are left out to keep it.
+
+    Raises:
+        InputError: a scale that is not positive, or a path that cannot be written.
+    """
+    thresholds, summary = thresholds or Thresholds(), summary or {}
+    if scale is not None and not (np.isfinite(scale) and scale > 0):
+        raise InputError(f"scale: must be positive, got {scale!r}")
+    solids = solids_of(results.blocks)
+    table = damage.joint_damage(results, thresholds)
+    tolerance = _tolerance(results, summary)
+    missed, steps, missed_times = series.steps_missed(results, tolerance)
+    story = words.Story(
+        results=results,
+        solids=solids,
+        table=table,
+        fallen=damage.collapsed_blocks(results, thresholds),
+        displacement_max=damage.displacement_max(results),
+        missed=missed,
+        steps=steps,
+        tolerance=tolerance,
+        summary=summary,
+    )
+    facts, text = _data(results, solids, table, thresholds, missed_times, limit)
+    facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
+    facts["factor"] = scale if scale is not None else _amplification(solids, story.displacement_max, bool(story.fallen))
+    page = _filled(story, facts, text)
+    try:
+        path.write_text(page, encoding="utf-8")
+    except OSError as failure:
+        raise InputError(f"{path}: cannot be written, {failure.strerror}") from None
+
+
+def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
+    """The tolerance of the run: from its summary, else from its scene, else the default."""
+    from masonry_cd.scene import Run
+
+    given = summary.get("solver", {}).get("tolerance")
+    if given is None and results.scene:
+        import tomllib
+
+        given = tomllib.loads(results.scene).get("run", {}).get("tolerance")
+    return float(given if given is not None else Run.model_fields["tolerance"].default)
+
+
+def _amplification(solids: Solids, largest: float, any_fallen: bool) -> float:
+    """As the crack map picks it, for the run as a whole."""
+    free = solids.vertices[~solids.fixed[solids.vertex_block]]
+    size = float(np.ptp(free, axis=0).max()) if len(free) else 1.0
+    if any_fallen or MOST * largest < SEEN / 10 * size:
+        return 1.0
+    return float(np.clip(nice(SEEN * size / largest), 1.0, MOST))
+
+
+def _data(
+    results: Results, solids: Solids, table: JointDamage, thresholds: Thresholds, missed: np.ndarray, limit: int
+) -> tuple[dict[str, Any], str]:
+    """The numbers: what fits into JSON, and the arrays as one packed text."""
+    facts, arrays = _still(results, solids, table, thresholds)
+    curves = series.base_motion(results, solids) | series.step_curves(results)
+    for name, curve in curves.items():
+        arrays |= {f"{name}/time": curve.time, f"{name}/value": curve.value}
+    arrays["missed"] = missed
+    count = FRAMES
+    moved = motion.read_motion(results, solids, thresholds, motion.frames_shown(results.frames, count))
+    while True:
+        moving, scales = _moving(moved, thresholds)
+        contents, text = packed(arrays | moving[0], moving[1])
+        count = len(moved.frames)
+        if len(text) <= limit or count <= 2:
+            break
+        fewer = motion.frames_shown(count, max(2, min(count - 1, int(0.95 * count * limit / len(text)))))
+        moved = moved.only(fewer)
+    facts |= {"contents": contents, "frames": len(moved.frames), "frames_written": results.frames, "scales": scales}
+    return facts, text
+
+
+def _still(
+    results: Results, solids: Solids, table: JointDamage, thresholds: Thresholds
+) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """What does not move: blocks and joints at rest, the damage table, colours and names."""
+    joints, free = results.joints, ~solids.fixed if not solids.fixed.all() else solids.fixed
+    drawn = solids.vertices[free[solids.vertex_block]]
+    origin = (drawn.min(axis=0) + drawn.max(axis=0)) / 2.0  # numbers near zero lose nothing in float32
+    families = families_of(results.blocks)
+    family = np.zeros(len(results.blocks), np.uint8)
+    for k, item in enumerate(families):
+        family[item.members] = min(k, 255)
+    arrays = {
+        "vertices": (solids.vertices - origin).astype(np.float32),
+        "vertex_block": solids.vertex_block.astype(np.uint32),
+        "loops": solids.loops.astype(np.uint32),
+        "loop_start": solids.loop_start.astype(np.uint32),
+        "edges": solids.edges().astype(np.uint32),
+        "centre": (solids.centre - origin).astype(np.float32),
+        "fixed": solids.fixed.astype(np.uint8),
+        "family": family,
+        "joint_a": joints.block_a.astype(np.uint32),
+        "joint_b": joints.block_b.astype(np.uint32),
+        "joint_normal": joints.normal.astype(np.float32),
+        "polygon_start": joints.polygon_start.astype(np.uint32),
+        "polygon": (joints.polygon - origin).astype(np.float32),
+        "state": np.array([damage.STATES.index(word) for word in table.state], np.uint8),
+    }
+    arrays |= {f"damage/{name}": getattr(table, name).astype(np.float32) for name in COLUMNS}
+    top = int(np.argmax(np.where(free, solids.centre[:, 2] - 1e-9 * np.linalg.norm(solids.centre - origin, axis=1), -np.inf)))
+    sizes = solids.sizes[free].min(axis=1)
+    facts = {
+        "names": [block.name for block in results.blocks],
+        "groups": [block.group for block in results.blocks],
+        "families": [{"text": item.text, "colour": item.colour} for item in families],
+        "low": (drawn.min(axis=0) - origin).tolist(),
+        "high": (drawn.max(axis=0) - origin).tolist(),
+        "smallest": float(np.median(sizes)),
+        "view": auto_view(solids),
+        "top": top,
+        "states": damage.STATES,
+        "colours": {"stone": STONE, "support": SUPPORT, "fallen": FALLEN, "parted": PARTED, "edge": EDGE},
+        "scene": results.scene,
+        "energies": series.ENERGIES,
+    }
+    return facts, arrays
+
+
+def _moving(moved: motion.Motion, thresholds: Thresholds) -> tuple[tuple[dict[str, np.ndarray], dict[str, np.ndarray]], dict[str, Any]]:
+    """The histories in whole numbers with their units, and the classes of the two colour scales."""
+    displacement, metre = motion.whole(moved.displacement)
+    rotation, radian = motion.whole(moved.rotation)
+    plain = {
+        "time": moved.time.astype(np.float32),
+        "displacement_unit": metre,
+        "rotation_unit": radian,
+        "fallen": motion.bits(moved.fallen),
+        "separated": motion.bits(moved.separated),
+    }
+    histories, scales = {"displacement": displacement, "rotation": rotation}, {}
+    measures = (("opening", thresholds.opened, OPENING_COLOURS), ("sliding", thresholds.slid, SLIDING_COLOURS))
+    for name, threshold, colours in measures:
+        codes, lowest, per_e = motion.logarithms(getattr(moved, name), threshold)
+        histories[name] = codes
+        scale = Scale(threshold, max(LARGEST, 2.0 * threshold), colours)
+        bounds = [1 + int(np.floor(np.log(bound / lowest) * per_e + 1e-9)) for bound in scale.bounds]
+        hues = ["#" + "".join(f"{c:02x}" for c in colour) for colour in scale.colours.tolist()]
+        scales[name] = {"lowest": lowest, "per_e": per_e, "bounds": scale.bounds, "codes": bounds, "colours": hues}
+    return (plain, histories), scales
+
+
+def _filled(story: words.Story, facts: Mapping[str, Any], text: str) -> str:
+    """The template with everything in its place."""
+    here = files("reports.page")
+    title = story.results.title or "Report of a run"
+    values = {
+        "title": words.escaped(title),
+        "lead": words.lead(story),
+        "outcome": words.outcome(story),
+        "notices": words.notices(story),
+        "tiles": words.tiles(story),
+        "settings": words.settings(story),
+        "scene": words.escaped(story.results.scene or "The result keeps no scene."),
+        "style": (here / "style.css").read_text(encoding="utf-8"),
+        "script": "\n".join((here / name).read_text(encoding="utf-8") for name in SCRIPTS),
+        "facts": json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c").replace("/", "\\/"),
+        "data": text,
+    }
+    template = (here / "page.html").read_text(encoding="utf-8")
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: values[found.group(1)], template)

@@ -1,0 +1,107 @@
+r"""How the blocks and the joints move over the frames that the page shows, in whole numbers of 16 bits.
+
+A block's motion relative to the base is its displacement u (3,) and its rotation vector w (3,), |w| the angle. Each block has its own
+unit, the largest component over the run divided by 8191: rounding is 0.006 % of what that block ever does, whatever others do.
+
+Openings and slidings span orders of magnitude, so they are sent as logarithms,
+
+    code = 0 below lowest,  else 1 + floor(log(value / lowest) * per_e),   lowest = threshold / 64,
+
+in steps of 0.1 %. A floor keeps the threshold of damage exact: it is itself the beginning of a step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from masonry_cd.results import Results
+from reports.damage import Thresholds, fallen, separated_joints
+from reports.deformed import Solids, base_shift, joint_frame
+
+LARGEST = 8191  # whole number of a block's largest component
+BELOW = 64.0  # lowest value sent, as a share of the threshold
+CODES = 65000  # that a logarithm may take
+FINEST = 1000.0  # codes per factor of e: steps of 0.1 %
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What B blocks and J joints do over F frames."""
+
+    frames: np.ndarray  # (F,) indices into the result's frames
+    time: np.ndarray  # (F,) [s]
+    displacement: np.ndarray  # (F, B, 3) relative to the base [m]
+    rotation: np.ndarray  # (F, B, 3) rotation vectors [rad]
+    opening: np.ndarray  # (F, J) [m]
+    sliding: np.ndarray  # (F, J) [m]
+    fallen: np.ndarray  # (F, B) bool
+    separated: np.ndarray  # (F, J) bool
+
+    def only(self, frames: np.ndarray) -> Motion:
+        """Some of the frames, given as indices into these."""
+        return Motion(**{item.name: getattr(self, item.name)[frames] for item in fields(self)})
+
+
+def frames_shown(count: int, most: int) -> np.ndarray:
+    """At most so many frames, evenly spread, the first and the last always among them."""
+    return np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(np.int64))
+
+
+def read_motion(results: Results, solids: Solids, thresholds: Thresholds, frames: np.ndarray) -> Motion:
+    """Read the frames shown, one by one, so that memory holds no more than what is sent."""
+    count, blocks, joints = len(frames), len(solids.centre), results.joints.count
+    displacement, rotation = np.empty((count, blocks, 3)), np.empty((count, blocks, 3))
+    opening, sliding = np.empty((count, joints)), np.empty((count, joints))
+    down, apart = np.zeros((count, blocks), bool), np.zeros((count, joints), bool)
+    for k, frame in enumerate(frames.tolist()):
+        position = np.asarray(results.position[frame], dtype=float)
+        displacement[k] = position - base_shift(solids, position) - solids.centre
+        rotation[k] = rotation_vectors(np.asarray(results.orientation[frame], dtype=float))
+        opening[k], sliding[k] = joint_frame(results, "opening", frame), joint_frame(results, "sliding", frame)
+        lost = joint_frame(results, "contact_area", frame) <= thresholds.lost * results.joints.area
+        if lost.any():
+            apart[k] = separated_joints(results, frame, thresholds)
+        if lost.any() or _may_be_down(displacement[k], rotation[k], solids, thresholds):
+            down[k] = fallen(results, thresholds, frame)
+    time = np.asarray(results.time, dtype=float)[frames]
+    return Motion(frames, time, displacement, rotation, opening, sliding, down, apart)
+
+
+def _may_be_down(displacement: np.ndarray, rotation: np.ndarray, solids: Solids, thresholds: Thresholds) -> bool:
+    """Whether any block has dropped or turned by half of what makes it fallen: the frames where it is worth looking closer."""
+    dropped = -displacement[:, 2] > 0.5 * thresholds.drop * solids.sizes[:, 2]
+    turned = np.linalg.norm(rotation, axis=1) > np.radians(0.5 * thresholds.tilt)
+    return bool((dropped | turned).any())
+
+
+def rotation_vectors(orientation: np.ndarray) -> np.ndarray:
+    """Rotation vectors (B, 3) of unit quaternions (B, 4), w first; angles up to pi, exact near zero."""
+    q = np.where(orientation[:, :1] < 0, -orientation, orientation)
+    sine = np.linalg.norm(q[:, 1:], axis=1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, q[:, :1])
+    return np.asarray(q[:, 1:] * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-300), 2.0))
+
+
+def whole(motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Vectors (F, B, 3) as whole numbers (3, B, F) int16, and the unit of each block (B,) float32."""
+    unit = (np.abs(motion).max(axis=(0, 2), initial=0.0) / LARGEST).astype(np.float32)
+    codes = np.round(motion / np.where(unit > 0, unit, 1.0)[:, None].astype(float))
+    return np.ascontiguousarray(codes.transpose(2, 1, 0)).astype(np.int16), unit
+
+
+def logarithms(values: np.ndarray, threshold: float) -> tuple[np.ndarray, float, float]:
+    """Lengths (F, J) [m] as codes (J, F) uint16, with ``lowest`` [m] and ``per_e``; see the head of this file."""
+    lowest = threshold / BELOW
+    largest = max(float(values.max(initial=0.0)), 2.0 * lowest)
+    per_e = min(FINEST, (CODES - 1) / np.log(largest / lowest))
+    per_e = np.floor(per_e * np.log(BELOW)) / np.log(BELOW)  # so that the threshold begins a step
+    steps = np.floor(np.log(np.maximum(values, lowest) / lowest) * per_e + 1e-9)
+    codes = np.where(values < lowest, 0.0, 1.0 + steps)
+    return np.ascontiguousarray(codes.T).astype(np.uint16), lowest, float(per_e)
+
+
+def bits(flags: np.ndarray) -> np.ndarray:
+    """Flags (F, N) bool, eight to a byte: (F, ceil(N / 8)) uint8, the first flag in the lowest bit."""
+    return np.packbits(flags, axis=1, bitorder="little")

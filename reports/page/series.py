@@ -1,0 +1,102 @@
+"""Values over time for the page's plots: thinned where a run has more steps than a plot has points.
+
+A stretch of many steps is sent as two of them, the lowest and the highest, each at its own time: peaks are never lost.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from masonry_cd.results import Results
+from reports.deformed import Solids
+
+POINTS = 2400  # of one curve at most
+CHUNK_BYTES = 1 << 24  # frames are read in chunks of this size
+ENERGIES = {
+    "kinetic": "kinetic",
+    "base_work": "work of the base",
+    "gravity_work": "work of gravity",
+    "correction": "lift of corrected overlaps",
+    "friction": "lost to friction",
+    "impact": "lost in impacts",
+    "balance": "balance, ideally zero",
+}
+COSTS = {"seconds": "solver/seconds", "iterations": "solver/iterations", "contacts": "solver/contacts"}
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A value over time: (P,) float32 each."""
+
+    time: np.ndarray
+    value: np.ndarray
+
+
+def thinned(time: np.ndarray, value: np.ndarray, points: int = POINTS) -> Curve:
+    """The lowest and the highest value of each stretch, in the order in which they occur; all of them where they are few."""
+    if len(value) <= points:
+        return Curve(time.astype(np.float32), value.astype(np.float32))
+    bounds = np.linspace(0, len(value), points // 2 + 1).astype(np.int64)[:-1]
+    stretch = np.repeat(np.arange(len(bounds)), np.diff(np.append(bounds, len(value))))
+    sound = np.isfinite(value)
+    order = np.lexsort((np.where(sound, value, np.inf), stretch))
+    lowest = order[bounds]
+    order = np.lexsort((np.where(sound, value, -np.inf), stretch))
+    highest = order[np.append(bounds[1:], len(value)) - 1]
+    keep = np.unique(np.concatenate([[0, len(value) - 1], lowest, highest]))
+    return Curve(time[keep].astype(np.float32), value[keep].astype(np.float32))
+
+
+def base_motion(results: Results, solids: Solids) -> dict[str, Curve]:
+    """Mean displacement [m] and velocity [m/s] of the supports, ``base/displacement/x`` and so on; empty where there are none."""
+    fixed, frames = np.flatnonzero(solids.fixed), results.frames
+    if not len(fixed):
+        return {}
+    displacement, velocity = np.empty((frames, 3)), np.empty((frames, 3))
+    chunk = max(1, CHUNK_BYTES // (48 * len(solids.centre)))
+    for first in range(0, frames, chunk):
+        rows = slice(first, min(first + chunk, frames))
+        displacement[rows] = (np.asarray(results.position[rows])[:, fixed] - solids.centre[fixed]).mean(axis=1)
+        velocity[rows] = np.asarray(results.file["velocity"][rows])[:, fixed, :3].mean(axis=1)
+    time = np.asarray(results.time, dtype=float)
+    out = {}
+    for name, values in (("displacement", displacement), ("velocity", velocity)):
+        for axis, column in zip("xyz", values.T, strict=True):
+            out[f"base/{name}/{axis}"] = thinned(time, column)
+    return out
+
+
+def step_curves(results: Results) -> dict[str, Curve]:
+    """What was written per step: energies [J], solver error, cost; what a file does not hold is left out."""
+    time = _steps(results, "step_time")
+    if time is None:
+        return {}
+    names = {f"energy/{name}": f"energy/{name}" for name in ENERGIES}
+    names |= {f"cost/{name}": path for name, path in COSTS.items()} | {"error": "solver/error", "penetration": "penetration"}
+    out = {}
+    for name, path in names.items():
+        values = _steps(results, path)
+        if values is not None:
+            rows = min(len(values), len(time))
+            out[name] = thinned(time[:rows], values[:rows])
+    return out
+
+
+def steps_missed(results: Results, tolerance: float) -> tuple[int, int, np.ndarray]:
+    """Steps whose error is above the tolerance, of how many, and their times (at most ``POINTS`` of them) [s]."""
+    time, error = _steps(results, "step_time"), _steps(results, "solver/error")
+    if time is None or error is None:
+        return 0, 0, np.zeros(0, np.float32)
+    rows = min(len(time), len(error))
+    missed = np.flatnonzero(~(error[:rows] <= tolerance))
+    some = missed[np.unique(np.linspace(0, len(missed) - 1, POINTS).astype(np.int64))] if len(missed) > POINTS else missed
+    return len(missed), rows, time[some].astype(np.float32)
+
+
+def _steps(results: Results, name: str) -> np.ndarray | None:
+    """A value per step, or None where the file holds none."""
+    if name not in results.file or len(results.file[name]) == 0:
+        return None
+    return np.asarray(results.per_step(name), dtype=float)

@@ -1,0 +1,171 @@
+"""The case in words and numbers, as HTML: what stands, what shook it, what came of it, and how well it was computed.
+
+Everything that comes from a scene or a result is escaped before it enters the page.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.results import Results
+from reports.damage import JointDamage
+from reports.deformed import Solids
+from reports.sheet import in_metres
+
+TABLES = {"structure": "Structure", "material": "Material", "run": "Computation", "report": "Report"}
+
+
+@dataclass(frozen=True, eq=False)
+class Story:
+    """What the words are made of."""
+
+    results: Results
+    solids: Solids
+    table: JointDamage
+    fallen: Sequence[str]  # names of fallen blocks
+    displacement_max: float  # [m]
+    missed: int  # steps above the tolerance
+    steps: int  # steps whose error is known
+    tolerance: float
+    summary: Mapping[str, Any]  # as in summary.json; empty where there is none
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        """The tables of the scene; empty where the result keeps none."""
+        return tomllib.loads(self.results.scene) if self.results.scene else {}
+
+    def count(self, state: str) -> int:
+        """Joints of a state."""
+        return int((self.table.state == state).sum())
+
+
+def escaped(text: object) -> str:
+    """Text as HTML; slashes as well, so that no address can stand in the page."""
+    return html.escape(str(text)).replace("/", "&#47;")
+
+
+def number(value: float, unit: str = "") -> str:
+    """Four digits at most, powers of ten as such."""
+    if not np.isfinite(value):
+        return "unknown"
+    text = f"{value:.4g}"
+    if "e" in text:
+        mantissa, power = text.split("e")
+        text = (f"{mantissa} × " if mantissa != "1" else "") + f"10<sup>{int(power)}</sup>"
+    return f"{text} {unit}".strip()
+
+
+def lead(story: Story) -> str:
+    """What stands and what was computed, in a paragraph."""
+    blocks, solids = story.results.blocks, story.solids
+    groups = [name for name in dict.fromkeys(b.group for b, fixed in zip(blocks, solids.fixed, strict=True) if not fixed)]
+    named = f" ({escaped(', '.join(groups[:6]))}{' …' if len(groups) > 6 else ''})" if groups else ""
+    free = solids.vertices[~solids.fixed[solids.vertex_block]]
+    extent = " × ".join(in_metres(v) for v in np.ptp(free, axis=0)) if len(free) else "nothing free"
+    time = story.results.time
+    dt = story.summary.get("dt")
+    steps = f", {story.steps} steps" + (f" of {number(1e3 * dt)} ms" if dt else "") if story.steps else ""
+    return (
+        f"{len(blocks)} blocks{named} and {story.results.joints.count} joints, {extent} (x, y, z) without supports; "
+        f"{int(solids.fixed.sum())} blocks are supports. Computed from {number(float(time[0]), 's')} to {number(float(time[-1]), 's')}{steps}."
+    )
+
+
+def outcome(story: Story) -> str:
+    """The damage, in a sentence."""
+    table, joints = story.table, story.results.joints.count
+    parts = [
+        f"{_of(story.count('opened'), joints)} joints opened (widest {in_metres(_most(table.max_opening))})",
+        f"{story.count('slid') or 'none'} slid (farthest {in_metres(_most(table.max_sliding))})",
+        f"{story.count('separated') or 'none'} separated",
+    ]
+    free = int((~story.solids.fixed).sum())
+    down = f"{len(story.fallen)} of {free} blocks fell" if story.fallen else "no block fell"
+    return f"{', '.join(parts)}; {down}. The largest displacement relative to the base is {in_metres(story.displacement_max)}."
+
+
+def notices(story: Story) -> str:
+    """What must not be overlooked, as paragraphs of class notice; empty when all is well."""
+    lines = []
+    if story.summary.get("stopped"):
+        lines.append(f"<b>The run ended early</b>: {escaped(story.summary['stopped'])}. The page shows it up to there.")
+    elif not story.summary.get("steps"):
+        lines.append("<b>The run has no summary</b>: it was stopped or is still going on. The page shows what it had written.")
+    if story.missed:
+        largest = story.summary.get("solver", {}).get("error_max")
+        most = f"; the largest error is {number(largest)}" if largest is not None else ""
+        lines.append(
+            f"<b>{story.missed} of {story.steps} steps missed the tolerance</b> {number(story.tolerance)} of the solver{most}. "
+            "They are marked in the plot of the solver's error."
+        )
+    return "".join(f'<p class="notice" role="note">{line}</p>' for line in lines)
+
+
+def tiles(story: Story) -> str:
+    """The headline numbers."""
+    joints, seconds = story.results.joints.count, story.summary.get("stepping_seconds")
+    rows = [
+        ("joints opened", f"{story.count('opened')}<small> of {joints}</small>"),
+        ("joints slid", f"{story.count('slid')}<small> of {joints}</small>"),
+        ("joints separated", f"{story.count('separated')}<small> of {joints}</small>"),
+        ("blocks fallen", f"{len(story.fallen)}<small> of {int((~story.solids.fixed).sum())}</small>"),
+        ("largest opening", in_metres(_most(story.table.max_opening))),
+        ("largest sliding", in_metres(_most(story.table.max_sliding))),
+        ("largest displacement", in_metres(story.displacement_max)),
+        ("steps that missed the tolerance", f"{story.missed}<small> of {story.steps}</small>" if story.steps else "unknown"),
+    ]
+    if seconds and story.summary.get("steps"):
+        rows.append(("per step", number(1e3 * seconds / story.summary["steps"], "ms")))
+    return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in rows)
+
+
+def settings(story: Story) -> str:
+    """The scene's tables, the loads with what they amount to, and the versions, as lists of terms."""
+    tables = story.tables
+    boxes = [_box(title, tables[key]) for key, title in TABLES.items() if isinstance(tables.get(key), Mapping)]
+    amounts = story.summary.get("loads", {}).get("tables", [])
+    for k, load in enumerate(tables.get("loads", [])):
+        after = amounts[k].get("after", {}) if k < len(amounts) else {}
+        boxes.insert(2 + k, _box(f"Load {k + 1}", load, _peaks(after)))
+    boxes.append(_box("Versions", json.loads(story.results.file.attrs.get("versions", "{}"))))
+    return "".join(boxes)
+
+
+def _peaks(after: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """The peaks of a base motion, as terms."""
+    known = {"pga": ("peak ground acceleration", "m/s²"), "pgv": ("peak ground velocity", "m/s"), "pgd": ("peak ground displacement", "m")}
+    return [(name, number(after[key], unit)) for key, (name, unit) in known.items() if isinstance(after.get(key), (int, float))]
+
+
+def _box(title: str, table: Mapping[str, Any], more: Sequence[tuple[str, str]] = ()) -> str:
+    """A titled list of keys and values."""
+    rows = [(escaped(key.replace("_", " ")), escaped(_plain(value))) for key, value in table.items()]
+    items = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in [*rows, *more])
+    return f"<section><h3>{escaped(title)}</h3><dl>{items}</dl></section>" if items else ""
+
+
+def _plain(value: Any) -> str:
+    """A value of TOML as one reads it."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key}: {_plain(item)}" for key, item in value.items())
+    if isinstance(value, list):
+        text = ", ".join(map(_plain, value))
+        return text if len(text) < 120 else text[:117] + "…"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _most(values: np.ndarray) -> float:
+    return float(np.nanmax(values, initial=0.0))
+
+
+def _of(some: int, count: int) -> str:
+    return f"{some or 'None'} of {count}"
