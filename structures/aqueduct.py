@@ -5,7 +5,7 @@ Upper tiers stand on the level top of the tier below, by default with the same p
 Roman work in large squared blocks: the default is three openings of 5 m on piers of 2 m.
 
 Groups, for friction and for damage by part: ``base``, ``pier1`` ..., ``arch1`` ..., ``spandrel1`` ... over the pier of that
-number, and ``top`` for the courses that run over the crowns; from a second tier on, ``tier2_pier1`` and so on. The tier
+number, ``top`` for the courses that run over the crowns, and ``channel`` for the walls and slabs of the channel on top; from a second tier on, ``tier2_pier1`` and so on. The tier
 starts with its left end at x = 0 and is centred on y = 0; the feet of the lowest piers are at z = 0.
 """
 
@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -22,8 +23,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from masonry_cd.blocks import Block
 from masonry_cd.errors import InputError, parse_table
+from structures import plan
 from structures.checks import check
-from structures.prism import polygon_centroid, prism_xz, rectangle
+from structures.prism import box, polygon_centroid, prism_xz, rectangle
 from structures.solid import cut
 from structures.tier import LEAST_BED, Tier, feet, joints, outline
 
@@ -68,6 +70,8 @@ class AqueductTable(BaseModel):
     width: Lengths = Field((2.0,), description="across the aqueduct, along y [m]")
     unit_length: Length | None = Field(None, description="of the blocks in the spandrels; by default 2 courses [m]")
     ends: Literal["pier", "abutment"] = "pier"
+    channel_width: Length | None = Field(None, description="clear, of a channel on top; by default there is none [m]")
+    channel_height: Length | None = Field(None, description="clear, of the channel; by default its width [m]")
     base_margin: Length | None = Field(None, description="of the base around the feet; by default half the height [m]")
 
 
@@ -85,7 +89,32 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     for tier, over in zip(tiers, [*tiers[1:], None], strict=True):
         pieces = cut(outline(tier), joints(tier, feet(over) if over else ()))
         blocks += _named(tier, pieces, density, prefix=f"tier{tier.number}_" if len(tiers) > 1 else "")
+    blocks += _channel(aqueduct, tiers[-1], density)
     check(blocks)
+    return blocks
+
+
+def _channel(aqueduct: AqueductTable, tier: Tier, density: float) -> list[Block]:
+    """The channel on the level top: a wall along either side, and slabs across them."""
+    wide = aqueduct.channel_width
+    if wide is None:
+        if aqueduct.channel_height is not None:
+            raise InputError("structure.channel_width: missing; it makes the channel whose height is given")
+        return []
+    most = tier.width - 0.4 * tier.course
+    if wide > most:
+        raise InputError(f"structure.channel_width: must be at most {most:g} m, which leaves two walls, got {wide:g}")
+    low, high = tier.top, tier.top + (aqueduct.channel_height or wide)
+    start, end, half = float(tier.left[0]), float(tier.right[-1]), 0.5 * tier.width
+    walls = [
+        plan.Wall(f"channel_{name}", "channel", 0, start, end, near, far, low, high)
+        for name, near, far in (("front", -half, -0.5 * wide), ("back", 0.5 * wide, half))
+    ]
+    blocks = plan.build(walls, plan.levels(walls, tier.course), tier.unit, density)
+    ends = np.linspace(start, end, max(1, round((end - start) / tier.unit)) + 1)
+    for number, (x0, x1) in enumerate(pairwise(ends), start=1):
+        slab = box((x0, -half, high), (x1, half, high + max(0.5 * tier.course, 0.15 * wide)))
+        blocks.append(Block(f"channel_slab.{number}", *slab, density, "channel"))
     return blocks
 
 

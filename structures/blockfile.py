@@ -3,7 +3,8 @@
     {"units": "m", "blocks": [{"name": "v1", "vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...],
                                "density": 2200, "fixed": false, "group": "arch"}, ...]}
 
-Faces are zero-based loops of vertices, counter-clockwise seen from outside. Name, density, group and units have defaults:
+Faces are zero-based loops of vertices, counter-clockwise seen from outside. A block that is not convex lists the convex parts that
+fill it, ``"parts": [{"vertices": ..., "faces": ...}, ...]``, besides its own shell. Name, density, group and units have defaults:
 b0, b1 ...; the material's density; ``base`` for fixed blocks and ``block`` for the others; metres. Other keys at the top
 level are left alone, so that a program may keep its own notes in the same file.
 """
@@ -18,7 +19,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from masonry_cd.blocks import Block
+from masonry_cd.blocks import Block, Faces, Polyhedron
 from masonry_cd.errors import InputError, parse_table, suggest
 from structures.checks import check
 from structures.tidy import tidy
@@ -35,17 +36,31 @@ class FileTable(BaseModel):
     path: str = Field(description="of the block file, relative to the scene file")
 
 
+Vertices = Annotated[list[Annotated[list[Finite], Field(min_length=3, max_length=3)]], Field(min_length=4)]
+Loops = Annotated[list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=3)]], Field(min_length=4)]
+
+
+class Part(BaseModel):
+    """A convex part of a block."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    vertices: Vertices
+    faces: Loops
+
+
 class Entry(BaseModel):
     """One block of a block file."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     name: str | None = Field(None, min_length=1)
-    vertices: list[Annotated[list[Finite], Field(min_length=3, max_length=3)]] = Field(min_length=4)
-    faces: list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=3)]] = Field(min_length=4)
+    vertices: Vertices
+    faces: Loops
     density: float | None = Field(None, gt=0, allow_inf_nan=False)
     fixed: bool = False
     group: str | None = Field(None, min_length=1)
+    parts: list[Part] = []
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
@@ -80,7 +95,7 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
     """Write a block file in metres, one block per line; reading it gives the same blocks to the bit."""
     lines = []
     for block in blocks:
-        entry = {
+        entry: dict[str, Any] = {
             "name": block.name,
             "vertices": block.vertices.tolist(),
             "faces": [list(face) for face in block.faces],
@@ -88,6 +103,8 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
             "fixed": block.fixed,
             "group": block.group,
         }
+        if block.parts:
+            entry["parts"] = [{"vertices": p.vertices.tolist(), "faces": [list(face) for face in p.faces]} for p in block.parts]
         lines.append(json.dumps(entry))
     path.write_text('{"units": "m", "blocks": [\n' + ",\n".join(lines) + "\n]}\n", encoding="utf-8")
 
@@ -122,12 +139,19 @@ def _block(entry: Any, index: int, density: float, scale: float, path: Path) -> 
     if not isinstance(entry, dict):
         raise InputError(f"{where}: must be an object with vertices and faces")
     parsed = parse_table(Entry, entry, where)
-    vertices = np.array(parsed.vertices) * scale if scale != 1.0 else np.array(parsed.vertices)
+    vertices, faces = _shell(parsed, scale)
     return Block(
         name=parsed.name or f"b{index}",
         vertices=vertices,
-        faces=tuple(tuple(face) for face in parsed.faces),
+        faces=faces,
         density=density if parsed.density is None else parsed.density,
         group=parsed.group or ("base" if parsed.fixed else "block"),
         fixed=parsed.fixed,
+        parts=tuple(Polyhedron(*_shell(part, scale)) for part in parsed.parts),
     )
+
+
+def _shell(entry: Entry | Part, scale: float) -> tuple[np.ndarray, Faces]:
+    """Vertices in metres, and faces."""
+    vertices = np.array(entry.vertices)
+    return vertices if scale == 1.0 else vertices * scale, tuple(tuple(face) for face in entry.faces)

@@ -11,12 +11,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.blocks import Block, Polyhedron
+from masonry_cd.blocks import Block, Polyhedron, mass_properties
 from masonry_cd.errors import InputError
 from structures.overlap import Shells, overlapping_pairs
 
 FLATNESS = 1e-5  # of faces and of convexity, relative to the size of the block
 OVERLAP = 1e-6  # depth, relative to the size of the smaller block
+FILLED = 1e-6  # volume of the convex parts of a block, relative to its own
 THIN = 1e-6  # width of a face, relative to the size of the block
 
 
@@ -50,6 +51,7 @@ def _check(blocks: Sequence[Block]) -> None:
     convex = np.array([not blocks[i].parts for i in owner[: len(whole)]] + [True] * len(parts))
     _check_convex(blocks, shells, owner, convex)
     if parts:
+        _check_filled(blocks)
         kept = [item for item, keep in zip(whole + parts, convex, strict=True) if keep]
         shells, owner = flatten(kept)
     _check_overlap(blocks, shells, owner)
@@ -174,6 +176,16 @@ def _check_volume(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) ->
         worst = int(np.flatnonzero(volume <= 0)[0])
         what = "its faces are reversed, they must run counter-clockwise seen from outside" if volume[worst] < 0 else "it has no volume"
         raise InputError(f'block "{blocks[owner[worst]].name}": {what}')
+
+
+def _check_filled(blocks: Sequence[Block]) -> None:
+    """The convex parts of a block fill it."""
+    for block in blocks:
+        if block.parts:
+            whole = mass_properties(block.vertices, block.faces).volume
+            filled = sum(mass_properties(part.vertices, part.faces).volume for part in block.parts)
+            if abs(filled - whole) > FILLED * whole:
+                raise InputError(f'block "{block.name}": its parts have {filled:.6g} m3, the block has {whole:.6g} m3')
 
 
 def _check_convex(blocks: Sequence[Block], shells: Shells, owner: np.ndarray, wanted: np.ndarray) -> None:

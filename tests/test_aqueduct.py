@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from statics import can_stand, section, stretches
+from statics3d import can_stand as can_stand_in_space
 
 import structures
 from masonry_cd.blocks import Block, mass_properties
@@ -105,6 +106,17 @@ def test_default_is_a_three_span_aqueduct_in_named_parts() -> None:
     assert crown < levels.min()
 
 
+def test_channel_runs_over_the_whole_top() -> None:
+    plain, blocks = build(spans=1), build(spans=1, channel_width=0.8, channel_height=1.0)
+    channel = blocks[len(plain) :]
+    assert {block.group for block in channel} == {"channel"}
+    length, top = 9.0, max(block.vertices[:, 2].max() for block in plain)
+    volume = sum(mass_properties(block.vertices, block.faces).volume for block in channel)
+    assert volume == pytest.approx(length * (1.2 * 1.0 + 2.0 * 0.25), rel=1e-9)
+    assert min(block.vertices[:, 2].min() for block in channel) == pytest.approx(top)
+    assert can_stand_in_space(blocks, mu=0.6)
+
+
 def test_tall_piers_without_abutments_cannot_carry_the_thrust_but_abutments_do() -> None:
     slender: dict[str, object] = {"pier_courses": 30, "pier_width": 1.5, "ring_thickness": 0.6, "spans": 1, "clear_span": 9.0}
     assert not can_stand(build(**slender), mu=0.6)
@@ -141,6 +153,8 @@ def test_same_table_gives_the_same_bits() -> None:
         ({"tiers": 2, "width": [2.0, 2.5]}, "structure.width: tier 2 must be at most as wide as the one below"),
         ({"tiers": 2, "spans": [3, 2], "ends": "abutment"}, "structure.ends: abutments need tiers of one length"),
         ({"tiers": 2, "pier_width": [2.0, 8.0]}, "structure.pier_width: must be below the pitch, 7 m, in tier 2"),
+        ({"channel_width": 1.9}, "structure.channel_width: must be at most 1.8 m, which leaves two walls, got 1.9"),
+        ({"channel_height": 1.0}, "structure.channel_width: missing; it makes the channel whose height is given"),
         ({"pier_corses": 8}, 'structure.pier_corses: unknown key (did you mean "pier_courses"?)'),
     ],
 )

@@ -111,7 +111,7 @@ def test_what_is_wrong_in_a_file_is_named(tmp_path: Path, content: Any, message:
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ({}, "structure.kind: missing; one of arch, aqueduct, file"),
+        ({}, "structure.kind: missing; one of arch, aqueduct, wall, "),
         ({"kind": "aquaduct"}, 'structure.kind: unknown kind "aquaduct" (did you mean "aqueduct"?)'),
         ({"kind": ["arch"]}, "structure.kind: unknown kind"),
         ({"kind": "file"}, "structure.path: missing"),
@@ -134,6 +134,18 @@ def test_scenes_of_the_peers_are_read(tmp_path: Path, kind: str, count: int) -> 
     blocks = blockfile.read(saved(tmp_path, module.KINDS[kind]()), 2000.0)
     assert len(blocks) == count
     assert {block.group for block in blocks} == {"base", "block"}
+
+
+def test_a_bent_block_keeps_its_parts(tmp_path: Path) -> None:
+    blocks = structures.build({"kind": "vault", "form": "cross", "voussoirs": 7}, 2100.0, tmp_path)
+    blockfile.write(tmp_path / "cross.json", blocks)
+    for one, other in zip(blocks, blockfile.read(tmp_path / "cross.json", 1.0), strict=True):
+        assert one.name == other.name
+        assert len(one.parts) == len(other.parts)
+        assert one.vertices.tobytes() == other.vertices.tobytes()
+        for part, again in zip(one.parts, other.parts, strict=True):
+            assert part.faces == again.faces
+            assert part.vertices.tobytes() == again.vertices.tobytes()
 
 
 def test_a_moved_block_changes_nothing_else(tmp_path: Path) -> None:

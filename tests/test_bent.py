@@ -1,0 +1,48 @@
+"""Bent blocks: convex parts that act as one stone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from models import ground
+
+from masonry_cd.blocks import Assembly, mass_properties
+from masonry_cd.errors import InputError
+from masonry_cd.joints import find_joints
+from structures.bent import bent
+from structures.checks import check
+from structures.prism import box
+
+
+def corner() -> list:
+    """An L of three cubes' room in two boxes that share a face."""
+    return [box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), box((1.0, 0.0, 0.0), (2.0, 1.0, 1.0)), box((0.0, 1.0, 0.0), (1.0, 2.0, 1.0))]
+
+
+def test_the_shell_has_no_inner_faces_and_the_mass_of_its_parts() -> None:
+    block = bent("L", corner(), 2000.0, "wall")
+    check([block])
+    assert len(block.faces) == 3 * 6 - 2 * 2
+    whole = mass_properties(block.vertices, block.faces)
+    assert whole.volume == pytest.approx(3.0)
+    assert whole.centre == pytest.approx([2.5 / 3.0, 2.5 / 3.0, 0.5])
+
+
+def test_it_stands_on_all_its_parts() -> None:
+    assembly = Assembly.from_blocks([bent("L", corner(), 2000.0, "wall"), ground()], 0.6)
+    joints = find_joints(assembly)
+    assert joints.area.sum() == pytest.approx(3.0)
+    assert np.allclose(np.abs(joints.normal[:, 2]), 1.0)
+
+
+def test_parts_that_share_no_face_are_refused() -> None:
+    with pytest.raises(RuntimeError, match="do not share whole faces"):
+        bent("two", [box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), box((1.0, 0.0, 0.0), (2.0, 0.5, 1.0))], 2000.0, "wall")
+
+
+def test_parts_that_do_not_fill_the_block_are_refused() -> None:
+    block = bent("L", corner(), 2000.0, "wall")
+    with pytest.raises(InputError, match=r'block "L": its parts have 2 m3, the block has 3 m3'):
+        check([replace(block, parts=block.parts[:2])])

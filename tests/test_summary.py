@@ -1,0 +1,53 @@
+"""The structure report: counts that can be done by hand."""
+
+from __future__ import annotations
+
+import pytest
+from models import box, ground, tower, wall
+from solids import build
+
+import structures
+from masonry_cd.errors import InputError
+from structures.summary import lines
+
+
+def test_a_stack_counted_by_hand() -> None:
+    made = structures.report(tower(5, side=0.5, height=0.25))
+    assert (made["blocks"], made["fixed"], made["joints"], made["contacts"], made["pieces"]) == (5, 1, 5, 20, 1)
+    assert made["mass"] == pytest.approx(5 * 0.5 * 0.5 * 0.25 * 2000.0)
+    assert made["centre_of_mass"] == pytest.approx([0.0, 0.0, 0.625])
+    assert made["hyperstaticity"] == 3 * 20 - 6 * 5
+    assert made["extent"] == pytest.approx([0.5, 0.5, 1.25])
+    assert made["groups"]["block"] == {"blocks": 5, "mass": pytest.approx(625.0)}
+
+
+def test_smallest_and_largest_block_are_named() -> None:
+    made = structures.report(wall(3, 2, length=0.4))
+    assert made["smallest"]["volume"] == pytest.approx(0.5 * made["largest"]["volume"])
+    assert made["smallest"]["name"].startswith("c1.")
+    text = "\n".join(lines(made))
+    assert made["largest"]["name"] in text
+    assert f"hyperstatic to degree {made['hyperstaticity']}" in text
+
+
+def test_two_stacks_are_two_pieces() -> None:
+    blocks = [
+        ground(1.0),
+        box("a", (-0.5, -0.5, 0.0), (0.0, 0.5, 0.5)),
+        box("slab", (4.0, -1.0, -0.5), (5.0, 1.0, 0.0), fixed=True),
+        box("b", (4.2, -0.5, 0.0), (4.8, 0.5, 0.5)),
+    ]
+    assert structures.report(blocks)["pieces"] == 2
+
+
+def test_a_block_that_touches_nothing_is_an_error() -> None:
+    blocks = [*tower(2), box("stray", (5.0, 5.0, 5.0), (5.5, 5.5, 5.5))]
+    with pytest.raises(InputError, match='block "stray": touches no other block'):
+        structures.report(blocks)
+
+
+@pytest.mark.parametrize("kind", ["wall", "column", "vault", "dome"])
+def test_every_kind_is_one_piece_by_default(kind: str) -> None:
+    made = structures.report(build(kind))
+    assert made["hyperstaticity"] > 0
+    assert made["pieces"] == 1
