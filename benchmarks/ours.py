@@ -38,7 +38,7 @@ class Measured:
     first_ms: float  # the first step starts cold
     first_iterations: int
     median_ms: float
-    mean_ms: float
+    mean_ms: float  # over the steps after the first
     iterations: float  # mean over the steps
     error_median: float
     error_max: float
@@ -125,7 +125,7 @@ def _summary(made: BenchScene, machine: Stepper, reports: list[StepReport], dete
         first_ms=1e3 * float(seconds[0]),
         first_iterations=reports[0].iterations,
         median_ms=1e3 * float(np.median(seconds)),
-        mean_ms=1e3 * float(seconds.mean()),
+        mean_ms=1e3 * float((seconds[1:] if len(seconds) > 1 else seconds).mean()),
         iterations=float(np.mean([r.iterations for r in reports])),
         error_median=float(np.median(errors)),
         error_max=float(errors.max()),

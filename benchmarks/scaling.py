@@ -18,7 +18,7 @@ import numpy as np
 from benchmarks.peers import head, run_ours, sitting
 
 HEAD = head(
-    *("scene", "blocks", "contacts", "first step [ms]", "its iterations", "ms/step: median", "mean", "iterations"),
+    *("scene", "blocks", "contacts", "first step [ms]", "its iterations", "ms: median", "mean", "iterations"),
     *("us/step/block", "us/step/contact", "detection", "error"),
 )
 

@@ -84,7 +84,7 @@ def wall(columns: int, courses: int, amplitude: float = 0.2, length: float = 0.4
         edges = np.arange(columns + 1) * length if course % 2 == 0 else np.concatenate([[0.0], inner, [end]])
         low, high = course * height, (course + 1) * height
         blocks += [cuboid(f"c{course}.{k}", (x0, -half, low), (x1, half, high)) for k, (x0, x1) in enumerate(pairwise(edges))]
-    steps = 200 if len(blocks) < 500 else 20
+    steps = 200 if len(blocks) < 500 else 40
     return BenchScene(f"wall {columns} x {courses}", (ground(-length, end + length, 3 * width), *blocks), steps, amplitude=amplitude)
 
 
@@ -114,7 +114,7 @@ def arcade(spans: int, amplitude: float = 0.1, voussoirs: int = 12, courses: int
         blocks += [cuboid(f"p{k}.{j}", (x - half, -half, j * height), (x + half, half, (j + 1) * height)) for j in range(courses)]
     for k in range(spans):
         blocks += _ring(f"a{k}.", voussoirs, radius, thickness, pier, (k + 0.5) * pitch, courses * height)
-    return BenchScene(f"arcade {spans}", tuple(blocks), steps=200 if spans < 20 else 10, amplitude=amplitude)
+    return BenchScene(f"arcade {spans}", tuple(blocks), steps=200 if spans < 100 else 20, amplitude=amplitude)
 
 
 SCENES = {

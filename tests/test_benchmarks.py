@@ -61,7 +61,7 @@ def test_ours_measures_a_run():
     assert out.missed == 0
     assert 0 < out.error_median <= out.error_max <= 1e-6
     assert 0 < out.detection_share < 1
-    assert 0 < out.median_ms <= 20 * out.mean_ms
+    assert min(out.first_ms, out.median_ms, out.mean_ms) > 0
     assert sum(out.reasons.values()) == 20
 
 
@@ -186,9 +186,11 @@ def test_the_table_without_a_peer(capsys, monkeypatch, tmp_path):
 def test_the_table_compares_times():
     peer, own = peers.Rows(), peers.Rows()
     for ms in (9.0, 10.0, 50.0):
-        peer.add(ms, 2 * ms, {"blocks": 4, "steps": 9, "contacts": 8.0, "iterations": 50.0, "error_median": 1e-3, "error_max": 1e-2})
-    own.add(2.0, 5.0, peer.last | {"missed": 0})
-    assert "| 5.0 | 4.0 |" in peers.table_lines("tower3", {"LMGC90": peer, "ours": own})[1]
+        peer.add(
+            3 * ms, ms, 2 * ms, {"blocks": 4, "steps": 9, "contacts": 8.0, "iterations": 50.0, "error_median": 1e-3, "error_max": 1e-2}
+        )
+    own.add(15.0, 2.0, 5.0, peer.last | {"missed": 0})
+    assert "| 2.0 | 5.0 | 4.0 |" in peers.table_lines("tower3", {"LMGC90": peer, "ours": own})[1]
 
 
 def test_a_peer_that_is_not_there_is_told_in_one_line(capsys, monkeypatch):
