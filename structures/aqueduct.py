@@ -5,8 +5,9 @@ Upper tiers stand on the level top of the tier below, by default with the same p
 Roman work in large squared blocks: the default is three openings of 5 m on piers of 2 m.
 
 Groups, for friction and for damage by part: ``base``, ``pier1`` ..., ``arch1`` ..., ``spandrel1`` ... over the pier of that
-number, ``top`` for the courses that run over the crowns, and ``channel`` for the walls and slabs of the channel on top; from a second tier on, ``tier2_pier1`` and so on. The tier
-starts with its left end at x = 0 and is centred on y = 0; the feet of the lowest piers are at z = 0.
+number, ``top`` for the courses that run over the crowns, and ``channel`` for walls and slabs of the channel on top; from a second
+tier on, ``tier2_pier1`` and so on. The tier starts with its left end at x = 0 and is centred on y = 0; the feet of the lowest piers
+are at z = 0.
 """
 
 from __future__ import annotations

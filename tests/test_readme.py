@@ -20,6 +20,13 @@ from masonry_cd.scene import Material, Report, Run, read_scene
 from structures.aqueduct import AqueductTable
 from structures.arch import ArchTable
 from structures.blockfile import read
+from structures.church import ChurchTable
+from structures.column import ColumnTable
+from structures.dome import DomeTable
+from structures.keys import OpeningTable
+from structures.tower import TowerTable
+from structures.vault import VaultTable
+from structures.wall import WallTable
 
 README = Path(__file__).parents[1] / "README.md"
 
@@ -58,6 +65,13 @@ def test_the_block_file_of_the_readme_is_sound(tmp_path):
     [
         ('| `kind = "arch"`', ArchTable),
         ('| `kind = "aqueduct"`', AqueductTable),
+        ('| `kind = "wall"`', WallTable),
+        ("| `[[structure.openings]]`", OpeningTable),
+        ('| `kind = "tower"`', TowerTable),
+        ('| `kind = "column"`', ColumnTable),
+        ('| `kind = "vault"`', VaultTable),
+        ('| `kind = "dome"`', DomeTable),
+        ('| `kind = "church"`', ChurchTable),
         ('| `kind = "sinusoidal"`', SinusoidalTable),
         ('| `kind = "record"`', RecordTable),
         ('| `kind = "sequence"`', SequenceTable),
