@@ -165,12 +165,12 @@ def write_damage(results: Results, folder: Path, settings: Report) -> dict[str, 
 
 def draw_crack_map(results: Results, folder: Path, settings: Report, time: float | None = None) -> None:
     """Draw crack_map.png at the end, or at the frame next to a time [s]."""
-    from reports.crack_map import crack_map
+    from reports.crack_map import Look, crack_map
     from reports.damage import Thresholds
 
     frame = -1 if time is None else int(np.argmin(np.abs(results.time - time)))
-    thresholds = Thresholds(opened=settings.opened, slid=settings.slid)
-    crack_map(results, folder / "crack_map.png", frame=frame, view=settings.view, scale=settings.scale, thresholds=thresholds)
+    look = Look(settings.view, settings.scale, Thresholds(opened=settings.opened, slid=settings.slid))
+    crack_map(results, folder / "crack_map.png", frame=frame, look=look)
 
 
 def _summary(case: Case, report: RunReport) -> dict[str, Any]:

@@ -31,13 +31,19 @@ class Bands:
 
 def joint_bands(joints: Joints, drawn: np.ndarray, solids: Solids, pose: Pose, factor: float, width: float) -> Bands:
     """The bands of the joints drawn (J,) bool, of a least width [m], in the amplified shape."""
+    on_a, on_b = band_corners(joints, solids, pose, factor, width)
+    return _sides(on_a, on_b, joints, np.repeat(np.arange(joints.count), np.diff(joints.polygon_start)), drawn)
+
+
+def band_corners(joints: Joints, solids: Solids, pose: Pose, factor: float, width: float) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (N, 3) of the bands of all joints, on the side of block a and on that of block b."""
     on_a, on_b = joint_corners(joints, solids, pose, factor)
     normal = np.einsum("jik,jk->ji", pose.rotation[joints.block_a], joints.normal)
     corner_joint = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
     n = normal[corner_joint]
     half = 0.5 * np.maximum(((on_b - on_a) * n).sum(axis=1), width)[:, None]
     middle = _grown((on_a + on_b) / 2.0, joints, corner_joint, PROUD * width)
-    return _sides(middle - half * n, middle + half * n, joints, corner_joint, drawn)
+    return middle - half * n, middle + half * n
 
 
 def face_plates(joints: Joints, drawn: Sequence[np.ndarray], solids: Solids, pose: Pose, factor: float, width: float) -> Bands:

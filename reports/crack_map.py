@@ -5,134 +5,176 @@ both happened the dashes lie on the band. So the two are told apart in colour, b
 classes of both scales run 1-2-5 from the threshold of damage to ``largest``: equal thresholds give equal colours, and the maps of
 two runs can be laid side by side. Faces of standing blocks that have parted are dark. Where nothing would be seen at true scale,
 displacements relative to the base are drawn amplified by a factor that the sheet states; the shape at rest lies behind as a pale
-shadow.
+shadow. A cut takes away what lies before a plane (:mod:`reports.cut`); the forces are drawn on request (:mod:`reports.thrust`).
+
+The maps of one :class:`Framing` share view, amplification, window and colours: what changes between them is damage.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from masonry_cd.errors import InputError
 from masonry_cd.joints import Joints
 from masonry_cd.results import Results
-from reports.bands import dashed, face_plates, joint_bands
-from reports.damage import Thresholds, fallen, separated_joints
-from reports.deformed import Pose, Solids, frame_index, joint_frame, solids_of
-from reports.picture import SUPPORT, auto_view, block_layers, box_swatch, rgb, structure_window
-from reports.render import Layer, Surface, View, Window, render, view_named
-from reports.sheet import FAINT, INK, Box, Layout, Paint, Sheet, classes, in_metres, layout, nice
+from reports.bands import Bands, band_corners, dashed, face_plates, joint_bands
+from reports.crack_key import FALLEN, OPENING_COLOURS, PARTED, SHADOW, SLIDING_COLOURS, STONE, Key, Marks, Scale, draw_key
+from reports.cut import FACING, Cut, axis_of, caps_of, clipped, clipped_lines, cut_named, traces
+from reports.damage import Thresholds, fallen
+from reports.deformed import Pose, Solids, frame_index, solids_of
+from reports.parts import Moment
+from reports.picture import EDGE, SUPPORT, auto_view, block_layers, rgb, structure_window
+from reports.render import SAMPLES, Layer, Lines, Surface, View, Window, render, view_named
+from reports.sheet import Layout, Sheet, in_metres, layout, nice
+from reports.thrust import ribbons
 
-STONE, FALLEN, PARTED, SHADOW = "#efe8da", "#c4a491", "#2b2b2b", "#e6e9ec"
-OPENING_COLOURS, SLIDING_COLOURS = ("YlGnBu", 0.4, 1.0), ("OrRd", 0.4, 1.0)  # colour map and the part of it in use
 BAND = 6.0  # width of a closed joint's band [pixels]
 BAND_OF_BLOCK = 0.2  # ... but no more than this share of a block's smallest extent
 LEAST_BAND = 2.5  # ... and no less than this [pixels]
 SEEN = 0.02  # amplified displacements reach at most this share of the picture
 REACH = 0.35  # the picture follows fallen blocks by at most this share of the structure's extent
 MOST = 1000.0  # largest amplification
+CAP = 0.82  # faces of a cut are darker than others by this factor
 
 
-@dataclass(frozen=True, eq=False)
-class Marks:
-    """What is drawn of J joints at a frame."""
+@dataclass(frozen=True)
+class Look:
+    """How crack maps are drawn.
 
-    opening: np.ndarray  # (J,) [m]
-    sliding: np.ndarray  # (J,) [m]
-    separated: np.ndarray  # (J,)
-    opened: np.ndarray  # (J,) beyond the threshold, not separated, not between two fallen blocks
-    slid: np.ndarray  # (J,) likewise
+    Attributes:
+        view: auto (front where all blocks are prisms across y, else isometric), front, back, side, top or isometric.
+        scale: amplification of the displacements; None picks 1, or what makes the largest one visible.
+        thresholds: where an opening and a sliding begin to be drawn.
+        largest: where the last class of the colour scales begins [m].
+        cut: a plane to cut by, ``y=1.5`` or ``y`` for the middle; empty for none. The view is then by default the one that faces it.
+        thrust: draw the way of the forces.
+    """
 
-    @classmethod
-    def at(cls, results: Results, frame: int, thresholds: Thresholds, down: np.ndarray) -> Marks:
-        """The marks at a frame whose fallen blocks are down (B,)."""
-        opening, sliding = joint_frame(results, "opening", frame), joint_frame(results, "sliding", frame)
-        separated = separated_joints(results, frame, thresholds)
-        live = ~separated & ~(down[results.joints.block_a] & down[results.joints.block_b])
-        return cls(opening, sliding, separated, live & (opening >= thresholds.opened), live & (sliding >= thresholds.slid))
+    view: str = "auto"
+    scale: float | None = None
+    thresholds: Thresholds = field(default_factory=Thresholds)
+    largest: float = 0.05
+    cut: str = ""
+    thrust: bool = False
 
-
-class Scale:
-    """Classes of a length from a threshold to a largest value, in steps of 1-2-5, each with a colour; one more class lies beyond."""
-
-    def __init__(self, smallest: float, largest: float, colours: tuple[str, float, float]) -> None:
-        from matplotlib import colormaps
-
-        name, low, high = colours
-        self.bounds = classes(smallest, largest)  # [m]
-        self.colours = np.round(255 * colormaps[name](np.linspace(low, high, len(self.bounds)))[:, :3]).astype(np.uint8)
-
-    def __call__(self, values: np.ndarray) -> np.ndarray:
-        """(N, 3) uint8 colours of lengths (N,) [m]."""
-        return self.colours[np.clip(np.searchsorted(self.bounds, values, side="right") - 1, 0, len(self.colours) - 1)]
+    def __post_init__(self) -> None:
+        if self.scale is not None and not (np.isfinite(self.scale) and self.scale > 0):
+            raise InputError(f"scale: must be positive, got {self.scale!r}")
+        if not self.largest > max(self.thresholds.opened, self.thresholds.slid):
+            raise InputError(f"largest: must lie above the thresholds, got {self.largest!r}")
 
 
-def crack_map(
-    results: Results,
-    path: Path,
-    *,
-    frame: int = -1,
-    view: str = "auto",
-    scale: float | None = None,
-    thresholds: Thresholds | None = None,
-    largest: float = 0.05,
-) -> None:
+def crack_map(results: Results, path: Path, *, frame: int = -1, look: Look | None = None) -> None:
     """Draw the crack map of a frame into a PNG.
 
     Args:
         results: of a run.
         path: of the PNG.
         frame: which; negative ones count from the end.
-        view: auto (front where all blocks are prisms across y, else isometric), front, back, side, top or isometric.
-        scale: amplification of the displacements; None picks 1, or what makes the largest one visible.
-        thresholds: where an opening and a sliding begin to be drawn.
-        largest: where the last class of the colour scales begins [m].
+        look: view, amplification, thresholds and so on.
 
     Raises:
-        InputError: no such frame or view, a scale that is not positive, no off-screen OpenGL, or a path that cannot be written.
+        InputError: no such frame, view or plane, no off-screen OpenGL, or a path that cannot be written.
     """
-    thresholds = thresholds or Thresholds()
-    if scale is not None and not (np.isfinite(scale) and scale > 0):
-        raise InputError(f"scale: must be positive, got {scale!r}")
-    if not largest > max(thresholds.opened, thresholds.slid):
-        raise InputError(f"largest: must lie above the thresholds, got {largest!r}")
-    subject = _subject(results, frame_index(results, frame), view, scale, thresholds)
-    scales = Scale(thresholds.opened, largest, OPENING_COLOURS), Scale(thresholds.slid, largest, SLIDING_COLOURS)
-    colours = np.where(subject.down[:, None], rgb(FALLEN), rgb(STONE))
-    colours[subject.solids.fixed] = rgb(SUPPORT)
-    layers: list[Layer] = [_shadow(subject), *block_layers(subject.solids, subject.drawn, colours, subject.view, subject.window)]
-    layers += _joint_layers(subject, scales)
-    sheet = Sheet(subject.plan)
-    sheet.model(render(layers, subject.view, subject.window, subject.plan.pixels))
-    sheet.head(results.title or "Crack map", _facts(subject))
-    _keys(sheet, subject, scales)
-    sheet.save(path)
+    look = look or Look()
+    frame = frame_index(results, frame)
+    sheet_of(results, frame, framing(results, [frame], look)).save(path)
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
-    """What a sheet shows, and from where."""
+class Framing:
+    """What all maps of a sequence have in common."""
 
-    joints: Joints
-    solids: Solids
-    pose: Pose
-    last: bool  # the last frame
-    down: np.ndarray  # (B,) fallen blocks
-    marks: Marks
-    factor: float  # amplification of displacements
-    drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
+    look: Look
     view: View
+    cut: Cut | None
+    factor: float  # amplification of displacements
     window: Window
     plan: Layout
+    alone: bool  # a single map, whose key names only what it shows
 
     @property
     def pixel(self) -> float:
         """Size of a pixel [m]."""
         return self.window.width / self.plan.pixels[0]
+
+
+def framing(results: Results, frames: Sequence[int], look: Look) -> Framing:
+    """Choose view, amplification and window so that they suit all frames.
+
+    Raises:
+        InputError: no such view or plane.
+    """
+    solids = solids_of(results.blocks)
+    facing = FACING[axis_of(look.cut)] if look.cut else auto_view(solids)
+    view = view_named(facing if look.view == "auto" else look.view)
+    cut = cut_named(look.cut, solids, view) if look.cut else None
+    rest = structure_window(solids, view)
+    poses = [Pose.of(results, solids, frame) for frame in frames]
+    farthest = max(range(len(frames)), key=lambda k: largest_displacement(poses[k], solids))
+    fell = np.any([fallen(results, look.thresholds, frames[k]) for k in {farthest, len(frames) - 1}], axis=0)
+    factor = look.scale if look.scale is not None else amplification(poses[farthest], solids, fell, max(rest.width, rest.height))
+    free, window = ~solids.fixed[solids.vertex_block], rest
+    for pose in poses:
+        moved = pose.moved(solids, solids.vertices[free], solids.vertex_block[free], factor)
+        window = window.joined(followed(rest, view.plane(moved)))
+    plan = layout(window.width / window.height)
+    return Framing(look, view, cut, factor, window.fitted(plan.pixels), plan, alone=len(frames) == 1)
+
+
+def sheet_of(results: Results, frame: int, framed: Framing, samples: int = SAMPLES) -> Sheet:
+    """The sheet of a frame; ``samples`` as in :func:`reports.render.render`."""
+    subject = _subject(results, frame, framed)
+    thresholds, largest = framed.look.thresholds, framed.look.largest
+    scales = Scale(thresholds.opened, largest, OPENING_COLOURS), Scale(thresholds.slid, largest, SLIDING_COLOURS)
+    layers = [_shadow(subject), *_block_layers(subject), *_joint_layers(subject, scales)]
+    force = None
+    if framed.look.thrust:
+        thrust, force = _thrust_layer(results, frame, subject)
+        layers.append(thrust)
+    sheet = Sheet(framed.plan)
+    sheet.model(render(layers, framed.view, framed.window, framed.plan.pixels, samples))
+    sheet.head(results.title or "Crack map", _facts(subject))
+    key = Key(
+        marks=subject.marks,
+        scales=scales,
+        when="Residual" if subject.last and framed.alone else "Present",
+        down=int(subject.down.sum()),
+        outside=_outside(subject),
+        moved=framed.factor * subject.largest > 2 * framed.pixel,
+        alone=framed.alone,
+        force=force,
+        pixel=framed.pixel,
+    )
+    draw_key(sheet, key)
+    return sheet
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What a sheet shows."""
+
+    framed: Framing
+    joints: Joints
+    solids: Solids
+    moment: Moment
+    last: bool  # the last frame
+    marks: Marks
+    drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
+
+    @property
+    def pose(self) -> Pose:
+        """Where the blocks are."""
+        return self.moment.pose
+
+    @property
+    def down(self) -> np.ndarray:
+        """(B,) fallen blocks."""
+        return self.moment.down
 
     @property
     def largest(self) -> float:
@@ -140,28 +182,18 @@ class Subject:
         return largest_displacement(self.pose, self.solids)
 
 
-def _subject(results: Results, frame: int, view: str, scale: float | None, thresholds: Thresholds) -> Subject:
-    """Choose the view, the amplification and the window of a frame."""
-    solids = solids_of(results.blocks)
-    looking = view_named(auto_view(solids) if view == "auto" else view)
-    pose, down = Pose.of(results, solids, frame), fallen(results, thresholds, frame)
-    rest = structure_window(solids, looking)
-    factor = scale if scale is not None else amplification(pose, solids, down, max(rest.width, rest.height))
-    drawn = pose.moved(solids, solids.vertices, solids.vertex_block, factor)
-    window = followed(rest, looking.plane(drawn[~solids.fixed[solids.vertex_block]]))
-    plan = layout(window.width / window.height)
+def _subject(results: Results, frame: int, framed: Framing) -> Subject:
+    """Collect what a frame shows."""
+    solids, thresholds = solids_of(results.blocks), framed.look.thresholds
+    moment = Moment.at(results, frame, thresholds)
     return Subject(
+        framed=framed,
         joints=results.joints,
         solids=solids,
-        pose=pose,
+        moment=moment,
         last=frame == results.frames - 1,
-        down=down,
-        marks=Marks.at(results, frame, thresholds, down),
-        factor=factor,
-        drawn=drawn,
-        view=looking,
-        window=window.fitted(plan.pixels),
-        plan=plan,
+        marks=Marks.of(results.joints, moment, thresholds),
+        drawn=moment.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor),
     )
 
 
@@ -191,8 +223,8 @@ def followed(rest: Window, moved: np.ndarray) -> Window:
 
 def _shadow(subject: Subject) -> Surface:
     """The free blocks at rest, pale, behind everything: seen only where the structure has moved away."""
-    solids, towards = subject.solids, subject.view.towards
-    behind = float((solids.vertices @ towards).max() - (subject.drawn @ towards).min()) + 0.01 * subject.window.height
+    solids, towards = subject.solids, subject.framed.view.towards
+    behind = float((solids.vertices @ towards).max() - (subject.drawn @ towards).min()) + 0.01 * subject.framed.window.height
     free = ~solids.fixed[solids.face_block]
     sides = np.diff(solids.loop_start)
     colours = np.tile((255 * rgb(SHADOW)).astype(np.uint8), (int(free.sum()), 1))
@@ -200,85 +232,99 @@ def _shadow(subject: Subject) -> Surface:
     return Surface(solids.vertices - behind * towards, loops, np.cumsum([0, *sides[free]]), colours, lit=False)
 
 
+def _block_layers(subject: Subject) -> list[Layer]:
+    """Faces and edges of the blocks; where they are cut, with caps in a darker tone."""
+    solids, framed = subject.solids, subject.framed
+    colours = np.where(subject.down[:, None], rgb(FALLEN), rgb(STONE))
+    colours[solids.fixed] = rgb(SUPPORT)
+    whole = block_layers(solids, subject.drawn, colours, framed.view, framed.window)
+    if framed.cut is None:
+        return list(whole)
+    layers: list[Layer] = [
+        clipped(layer, framed.cut) if isinstance(layer, Surface) else clipped_lines(layer, framed.cut) for layer in whole
+    ]
+    caps = caps_of(solids, subject.drawn, framed.cut)
+    shade = (255 * CAP * colours[caps.block]).astype(np.uint8)
+    lift = 5e-4 * framed.window.height * framed.view.towards
+    outline = caps.outline(EDGE, 1.2)
+    return [
+        *layers,
+        Surface(caps.points, caps.loops, caps.loop_start, shade, lit=False),
+        Lines(outline.points + lift, outline.pairs, outline.colour, outline.width),
+    ]
+
+
 def _joint_layers(subject: Subject, scales: tuple[Scale, Scale]) -> list[Surface]:
     """One surface for the bands of opened and slid joints, one for the parted faces of blocks that still stand."""
-    joints, marks, solids, pose, factor = subject.joints, subject.marks, subject.solids, subject.pose, subject.factor
+    joints, marks, solids, framed = subject.joints, subject.marks, subject.solids, subject.framed
     smallest = float(np.median(solids.sizes[~solids.fixed].min(axis=1))) if not solids.fixed.all() else np.inf
-    width = max(LEAST_BAND * subject.pixel, min(BAND * subject.pixel, BAND_OF_BLOCK * smallest))
-    layers = []
-    if (marks.opened | marks.slid).any():
-        white = np.full((joints.count, 3), 255, np.uint8)
-        opening, sliding = scales[0](marks.opening), scales[1](marks.sliding)
-        first = np.where(marks.opened[:, None], opening, sliding)
-        second = np.where(~marks.slid[:, None], opening, np.where(marks.opened[:, None], sliding, white))
-        bands = joint_bands(joints, marks.opened | marks.slid, solids, pose, factor, width)
-        layers.append(dashed(bands, first, second, width))
+    width = max(LEAST_BAND * framed.pixel, min(BAND * framed.pixel, BAND_OF_BLOCK * smallest))
+    marked = marks.opened | marks.slid
     standing = [marks.separated & ~subject.down[block] for block in (joints.block_a, joints.block_b)]
+    layers: list[Surface] = []
+    if marked.any():
+        first, second = _band_colours(marks, scales)
+        bands = joint_bands(joints, marked, solids, subject.pose, framed.factor, width)
+        layers.append(_lifted(dashed(bands, first, second, width), framed, cut=True))
+        if framed.cut is not None:
+            layers.append(_lifted(dashed(_traces(subject, marked, width), first, second, width), framed, cut=False))
     if np.any(standing):
         dark = np.tile((255 * rgb(PARTED)).astype(np.uint8), (joints.count, 1))
-        layers.append(dashed(face_plates(joints, standing, solids, pose, factor, 0.7 * width), dark, dark, width))
-    lift = 1e-3 * subject.window.height * subject.view.towards
-    return [Surface(s.points + lift, s.loops, s.loop_start, s.colours, lit=False) for s in layers]
+        plates = dashed(face_plates(joints, standing, solids, subject.pose, framed.factor, 0.7 * width), dark, dark, width)
+        layers.append(_lifted(plates, framed, cut=True))
+    return layers
 
 
-def _outside(subject: Subject) -> int:
-    """Number of free blocks of which nothing is in the picture."""
-    solids, window = subject.solids, subject.window
-    x, y = subject.view.plane(subject.drawn).T
-    inside = (x > window.left) & (x < window.right) & (y > window.bottom) & (y < window.top)
-    seen = np.bincount(solids.vertex_block, inside, minlength=len(solids.centre)) > 0
-    return int((~seen & ~solids.fixed).sum())
+def _band_colours(marks: Marks, scales: tuple[Scale, Scale]) -> tuple[np.ndarray, np.ndarray]:
+    """(J, 3) the two colours that the dashes of each joint alternate between."""
+    opening, sliding = scales[0](marks.opening), scales[1](marks.sliding)
+    first = np.where(marks.opened[:, None], opening, sliding)
+    white = np.full_like(first, 255)
+    return first, np.where(~marks.slid[:, None], opening, np.where(marks.opened[:, None], sliding, white))
+
+
+def _traces(subject: Subject, marked: np.ndarray, width: float) -> Bands:
+    """The bands of the joints in the plane of the cut."""
+    framed = subject.framed
+    assert framed.cut is not None
+    on_a, on_b = band_corners(subject.joints, subject.solids, subject.pose, framed.factor, width)
+    return traces(subject.joints, on_a, on_b, marked, framed.cut)
+
+
+def _lifted(surface: Surface, framed: Framing, cut: bool) -> Surface:
+    """A surface a little before the blocks; clipped first if it is to be cut."""
+    lift = 1e-3 * framed.window.height * framed.view.towards
+    left = clipped(surface, framed.cut) if cut and framed.cut is not None else surface
+    return Surface(left.points + lift, left.loops, left.loop_start, left.colours, lit=False)
+
+
+def _thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surface, float]:
+    """The way of the forces, before everything else, and the force of the widest ribbon [N]."""
+    framed, towards = subject.framed, subject.framed.view.towards
+    surface, largest = ribbons(results, subject.solids, subject.pose, subject.moment, frame, framed.factor, framed.view, framed.pixel)
+    if framed.cut is not None:
+        surface = clipped(surface, framed.cut)
+    if not len(surface.points):
+        return surface, largest
+    before = float((subject.drawn @ towards).max() - (surface.points @ towards).min()) + 0.01 * framed.window.height
+    return Surface(surface.points + before * towards, surface.loops, surface.loop_start, surface.colours, lit=False), largest
 
 
 def _facts(subject: Subject) -> str:
     """Time, view, amplification and the largest displacement, in a line."""
-    shape = "true shape" if subject.factor == 1 else f"displacements × {subject.factor:g}"
+    framed = subject.framed
+    shape = "true shape" if framed.factor == 1 else f"displacements × {framed.factor:g}"
+    cut = f", cut at {framed.cut.text}" if framed.cut else ""
     return (
-        f"t = {subject.pose.time:.4g} s{' (last frame)' if subject.last else ''} · {subject.view.name} view · {shape}, relative to the base"
-        f" · largest displacement {in_metres(subject.largest)}"
+        f"t = {subject.pose.time:.4g} s{' (last frame)' if subject.last else ''} · {framed.view.name} view{cut} · {shape}, relative to the "
+        f"base · largest displacement {in_metres(subject.largest)}"
     )
 
 
-def _keys(sheet: Sheet, subject: Subject, scales: tuple[Scale, Scale]) -> None:
-    """The two colour scales, the signs with their numbers, and the scale bar."""
-    marks, boxes, when = subject.marks, sheet.plan.keys(4), "Residual" if subject.last else "Present"
-    for box, scale, name, dash in zip(boxes[:2], scales, ("opening", "sliding"), (False, True), strict=True):
-        _scale_key(sheet.axes(*box), box, scale, f"{when} {name} [mm]", dash)
-    middle = [scale.colours[len(scale.colours) // 2] / 255.0 for scale in scales]
-    both, down, outside = marks.opened & marks.slid, int(subject.down.sum()), _outside(subject)
-    rows: list[tuple[Paint, str]] = [
-        (partial(_band_sign, first=middle[0], second=middle[0]), f"joint open ({int((marks.opened & ~both).sum())})"),
-        (partial(_band_sign, first=middle[1], second=np.ones(3)), f"joint slid ({int((marks.slid & ~both).sum())})"),
-        (partial(_band_sign, first=middle[0], second=middle[1]), f"open and slid ({int(both.sum())})"),
-        (partial(_band_sign, first=rgb(PARTED), second=rgb(PARTED)), f"separated ({int(marks.separated.sum())})"),
-    ]
-    if down:
-        rows.append((partial(box_swatch, colour=FALLEN), f"fallen block ({down})" + (f", {outside} not in view" if outside else "")))
-    if subject.factor * subject.largest > 2 * subject.pixel:
-        rows.append((partial(box_swatch, colour=SHADOW), "shape at rest"))
-    sheet.swatches(sheet.axes(*boxes[2]), rows, 0, boxes[2][3] - 4, pitch=29.0)
-    sheet.scale_bar(sheet.axes(*boxes[3]), subject.pixel, 10, boxes[3][3] - 44, boxes[3][2] - 60)
-
-
-def _scale_key(axes: Any, box: Box, scale: Scale, name: str, dash: bool) -> None:
-    """A row of boxes with their bounds below; dashed ones leave a gap, as the dashes of the map do."""
-    from matplotlib.patches import Rectangle
-
-    top, start, width = box[3] - 66, 10, (box[2] - 40) / len(scale.bounds)
-    axes.text(0, box[3] - 24, name, fontsize=14, weight="bold", color=INK, va="center")
-    for k, (bound, colour) in enumerate(zip(scale.bounds, scale.colours, strict=True)):
-        left = start + k * width
-        axes.add_patch(Rectangle((left, top), width * (0.66 if dash else 1.0), 26, facecolor=colour / 255.0, linewidth=0))
-        axes.plot([left, left], [top - 6, top], color=FAINT, linewidth=1.0)
-        axes.text(left, top - 18, f"{bound * 1000:.3g}", fontsize=11, color=INK, ha="center", va="center")
-    axes.text(start + len(scale.bounds) * width + 6, top + 13, "+", fontsize=14, color=INK, va="center")
-
-
-def _band_sign(axes: Any, place: Box, first: np.ndarray, second: np.ndarray) -> None:
-    """A piece of a band, its dashes alternating."""
-    from matplotlib.patches import Rectangle
-
-    left, bottom, width, height = place
-    for k in range(3):
-        colour = first if k % 2 == 0 else second
-        axes.add_patch(Rectangle((left + k * width / 3, bottom + height / 2 - 4), width / 3, 8, facecolor=colour, linewidth=0))
+def _outside(subject: Subject) -> int:
+    """Number of free blocks of which nothing is in the picture."""
+    solids, window = subject.solids, subject.framed.window
+    x, y = subject.framed.view.plane(subject.drawn).T
+    inside = (x > window.left) & (x < window.right) & (y > window.bottom) & (y < window.top)
+    seen = np.bincount(solids.vertex_block, inside, minlength=len(solids.centre)) > 0
+    return int((~seen & ~solids.fixed).sum())

@@ -16,7 +16,7 @@ import numpy as np
 
 from masonry_cd.errors import InputError
 
-SAMPLES = 2  # each pixel is the mean of SAMPLES x SAMPLES rendered ones
+SAMPLES = 2  # of a picture, in each direction
 LIGHTS = (((-0.5, 0.6, 0.9), 0.50), ((0.9, 0.1, 0.5), 0.16), ((0.0, 0.0, 1.0), 0.12))  # towards the light (right, up, viewer), strength
 AMBIENT = 0.45
 NO_CONTEXT = (
@@ -56,6 +56,11 @@ class Window:
     def height(self) -> float:
         """[m]"""
         return self.top - self.bottom
+
+    def joined(self, other: Window) -> Window:
+        """The smallest window around this one and another."""
+        left, right = min(self.left, other.left), max(self.right, other.right)
+        return Window(left, right, min(self.bottom, other.bottom), max(self.top, other.top))
 
     def fitted(self, pixels: tuple[int, int]) -> Window:
         """The smallest window around this one that has the shape of an image (width, height)."""
@@ -112,8 +117,8 @@ def view_named(name: str) -> View:
     return View(name, right, np.cross(viewer, right), viewer)
 
 
-def render(layers: Sequence[Layer], view: View, window: Window, pixels: tuple[int, int]) -> np.ndarray:
-    """Draw layers into an image (height, width, 3) uint8 on white.
+def render(layers: Sequence[Layer], view: View, window: Window, pixels: tuple[int, int], samples: int = SAMPLES) -> np.ndarray:
+    """Draw layers into an image (height, width, 3) uint8 on white; each pixel is the mean of samples x samples rendered ones.
 
     Raises:
         InputError: no off-screen OpenGL; names the packages that bring it.
@@ -121,7 +126,7 @@ def render(layers: Sequence[Layer], view: View, window: Window, pixels: tuple[in
     require_context()
     import pyvista
 
-    size = [SAMPLES * n for n in pixels]
+    size = [samples * n for n in pixels]
     plotter = pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
     context: Any = plotter.render_window
     context.SetMultiSamples(0)  # the samples are taken here, alike on every driver
@@ -129,14 +134,14 @@ def render(layers: Sequence[Layer], view: View, window: Window, pixels: tuple[in
         plotter.set_background("white")  # type: ignore[arg-type]  # a wrapper hides its signature
         _light(plotter, view)
         for layer in layers:
-            _add(plotter, layer)
+            _add(plotter, layer, samples)
         _aim(plotter.camera, layers, view, window)
         image = plotter.screenshot(None, return_img=True)
     finally:
         plotter.close()
     if image is None or image.shape[:2] != (size[1], size[0]):
         raise InputError(NO_CONTEXT)
-    fine = image[..., :3].reshape(pixels[1], SAMPLES, pixels[0], SAMPLES, 3)
+    fine = image[..., :3].reshape(pixels[1], samples, pixels[0], samples, 3)
     return np.asarray(fine.mean(axis=(1, 3)).round().astype(np.uint8))
 
 
@@ -182,7 +187,7 @@ def _light(plotter: Any, view: View) -> None:
         plotter.add_light(pyvista.Light(position=direction, focal_point=(0, 0, 0), light_type="scene light", intensity=strength))
 
 
-def _add(plotter: Any, layer: Layer) -> None:
+def _add(plotter: Any, layer: Layer, samples: int) -> None:
     """Add one layer as one mesh."""
     import pyvista
 
@@ -190,7 +195,7 @@ def _add(plotter: Any, layer: Layer) -> None:
         if len(layer.pairs):
             cells = np.insert(layer.pairs, 0, 2, axis=1).ravel()
             mesh = pyvista.PolyData(layer.points, lines=cells)
-            plotter.add_mesh(mesh, color=layer.colour, line_width=SAMPLES * layer.width, lighting=False)
+            plotter.add_mesh(mesh, color=layer.colour, line_width=samples * layer.width, lighting=False)
         return
     if len(layer.loop_start) < 2:
         return

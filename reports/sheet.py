@@ -146,6 +146,11 @@ class Sheet:
             paint(axes, (left, bottom + 6, 46.0, 16.0))
             axes.text(left + 60, bottom + 13, text, fontsize=13, color=INK, va="center", parse_math=False)
 
+    def pixels(self) -> np.ndarray:
+        """The sheet as an image (height, width, 3) uint8."""
+        self.figure.canvas.draw()
+        return np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
+
     def save(self, path: Path) -> None:
         """Write the PNG.
 
