@@ -13,12 +13,12 @@ import numpy as np
 
 from masonry_cd.errors import InputError
 from masonry_cd.results import Results
+from reports.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Scale
 from reports.crack_map import Look, framing, sheet_of
 
 MOST_FRAMES = 60  # of an animation
 WIDTH = 900  # of an animation [pixels]
 REST = 1500  # how long its last frame stays [ms]
-COLOURS = 128  # of its palette
 
 
 def frames_at(results: Results, times: Sequence[float]) -> list[int]:
@@ -86,7 +86,7 @@ def animation(
         images.append(Image.fromarray(pixels).resize(size, Image.Resampling.BOX if size[0] * 2 == pixels.shape[1] else None))
         if progress is not None:
             progress(k + 1)
-    palette = _palette(images)
+    palette = _palette(images, framed.look)
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     shown = [max(20, round(1000 * step)) for step in np.diff(results.time[frames])] + [REST]
     try:
@@ -96,13 +96,19 @@ def animation(
     return len(images)
 
 
-def _palette(images: Sequence[Any]) -> Any:
-    """One palette for all frames, from a few of them side by side: a palette of its own for each would make colours flicker."""
+def _palette(images: Sequence[Any], look: Look) -> Any:
+    """One palette for all frames, or their colours would flicker: those of the classes exactly, the others from a few of the frames."""
     from PIL import Image
 
+    scales = Scale(look.thresholds.opened, look.largest, OPENING_COLOURS), Scale(look.thresholds.slid, look.largest, SLIDING_COLOURS)
+    exact = np.concatenate([[[255, 255, 255]], *(scale.colours for scale in scales)]).astype(np.uint8)
     picked = [images[k] for k in sorted({0, len(images) // 2, len(images) - 1})]
     width, height = picked[0].size
     joined = Image.new("RGB", (width, height * len(picked)))
     for k, image in enumerate(picked):
         joined.paste(image, (0, k * height))
-    return joined.quantize(colors=COLOURS, method=Image.Quantize.MEDIANCUT)
+    free = 256 - len(exact)
+    others = joined.quantize(colors=free, method=Image.Quantize.MEDIANCUT).getpalette()[: 3 * free]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(exact.ravel().tolist() + others)
+    return palette
