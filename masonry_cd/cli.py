@@ -5,6 +5,7 @@ Exit codes: 0 done, 1 the run could not go on, 2 bad input (one line says what a
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -32,6 +33,7 @@ Changes = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change the scene: run.dt=1e-3, loads[0].amplitude=0.3. As often as needed."),
 ]
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.", show_default=False)]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite what DIR already holds.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but warnings and errors.")]
 
@@ -66,9 +68,7 @@ def run(
     output: Output,
     set_: Changes = None,
     force: Force = False,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with a run that was stopped, from its last checkpoint.")
-    ] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with a run that was stopped, from its last checkpoint.")] = False,
     quiet: Quiet = False,
 ) -> None:
     """Compute a scene and write its results.
@@ -142,20 +142,26 @@ def build(
 
 @app.command()
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.", show_default=False)],
+    folder: Folder,
     crack_map: Annotated[bool, typer.Option(help="Draw crack_map.png.")] = True,
     time: Annotated[float | None, typer.Option(metavar="SECONDS", help="Draw the frame next to this time; the last by default.")] = None,
+    times: Annotated[str | None, typer.Option(metavar="T1,T2,...", help="Draw a map at each of these times, alike in scale.")] = None,
     view: Annotated[str | None, typer.Option(help="front, back, side, top or isometric; the scene's by default.")] = None,
     scale: Annotated[float | None, typer.Option(help="Amplification of displacements; the scene's by default.")] = None,
+    cut: Annotated[str | None, typer.Option(metavar="PLANE", help="Cut by a plane, y=1.5 [m], or y for the middle.")] = None,
+    thrust: Annotated[bool | None, typer.Option("--thrust/--no-thrust", help="Draw the way of the forces.", show_default=False)] = None,
+    animation: Annotated[bool, typer.Option("--animation", help="Draw crack_map.gif, the whole run.")] = False,
 ) -> None:
     """Redo the reports of a run.
 
-    Writes joints.csv and crack_map.png anew from result.h5, also for a run that was stopped or killed.
+    Writes joints.csv, the damage by part (damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json) and crack_map.png anew from
+    result.h5, also for a run that was stopped or killed. Thresholds and grades are those of the scene's [report].
 
     \b
     Examples:
       masonry-cd report out/aqueduct
       masonry-cd report out/aqueduct --time 3.5 --view isometric --scale 20
+      masonry-cd report out/aqueduct --times 1,2,3 --cut y --thrust
     """
     with _told():
         from masonry_cd.results import Results
@@ -163,13 +169,56 @@ def report(
 
         with Results.open(folder / "result.h5") as results:
             from masonry_cd import case
+            from reports import outputs, part_files
 
-            settings = report_of(results.scene, view=view, scale=scale)
+            settings = report_of(results.scene, view=view, scale=scale, cut=cut, thrust=thrust)
+            outputs.check(settings)
             typer.echo(case.damage_line(case.write_damage(results, folder, settings)))
+            damage = outputs.damage_of(results, settings)
+            typer.echo("\n".join(part_files.part_lines(damage)))
+            written = [folder / "joints.csv", *part_files.write_part_damage(damage, folder)]
             if crack_map:
-                case.draw_crack_map(results, folder, settings, time)
-        written = [folder / "joints.csv", folder / "crack_map.png"][: 1 + crack_map]
+                written.append(folder / "crack_map.png")
+                outputs.draw_crack_map(results, written[-1], settings, outputs.frame_at(results, time))
+            if times is not None:
+                written += outputs.draw_times(results, folder, settings, outputs.parse_times(times))
+            if animation:
+                written.append(folder / outputs.ANIMATION)
+                outputs.draw_animation(results, written[-1], settings)
         typer.echo(f"written: {', '.join(map(str, written))}")
+
+
+@app.command()
+def solve(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Friction problem: FCLIB HDF5 or .npz.", show_default=False)],
+    solver: Annotated[str, typer.Option(metavar="NAME", help="auto, nlgs, admm or newton.")] = "auto",
+    tolerance: Annotated[float, typer.Option(metavar="T", help="Natural map error to reach (scaled).")] = 1e-8,
+    max_iterations: Annotated[int | None, typer.Option(metavar="N", min=1, help="The solver's own limit by default.")] = None,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Of random sweep orders.")] = 0,
+    json_: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="SOLUTION.npz", help="Save impulses r, velocities u.")] = None,
+) -> None:
+    """Solve one friction problem from a file and print how exactly.
+
+    The errors are measured outside the solver; a tolerance that was missed is told.
+
+    \b
+    Examples:
+      masonry-cd solve KaplasTower-i1061-4.npz
+      masonry-cd solve problem.hdf5 --solver admm --tolerance 1e-10 --json -o solution.npz
+    """
+    with _told():
+        from masonry_cd.problem_files import solve_file
+
+        found = solve_file(file, solver, tolerance, max_iterations, seed, output)
+        if json_:
+            typer.echo(json.dumps(found))
+        else:
+            typer.echo(f"{file.name}: {found['contacts']} contacts, {found['reason']}")
+            typer.echo(f"error {found['error']:.3e} (unscaled {found['error_unscaled']:.3e}), {found['iterations']} iterations")
+            typer.echo(f"{found['seconds']:.3g} s")
+        if not found["converged"]:
+            typer.echo(f"masonry-cd: warning: the tolerance {tolerance:g} was missed, the error is {found['error']:.1e}", err=True)
 
 
 def _announce(prepared: Case) -> None:

@@ -12,10 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import sparse
 from typer.testing import CliRunner
 
 from masonry_cd import __version__
 from masonry_cd.cli import app
+from masonry_cd.friction import LocalProblem
+from masonry_cd.problem_files import write_problem
 from masonry_cd.results import Results
 
 SUMMARY_KEYS = {
@@ -31,7 +34,7 @@ def masonry_cd(*words: object):
 
 def test_help_names_every_command_and_an_example():
     text = masonry_cd("--help").output
-    for command in ("run", "build", "report"):
+    for command in ("run", "build", "report", "solve"):
         assert f"  {command} " in text
         assert f"masonry-cd {command} " in masonry_cd(command, "--help").output
 
@@ -235,3 +238,24 @@ def test_reports_take_their_settings_from_the_scene_and_from_options(block_on_pl
     refused = masonry_cd("report", tmp_path / "out", "--view", "below")
     assert refused.exit_code == 2
     assert "report.view: input should be" in refused.stderr
+
+
+def test_solve_tells_the_error_of_its_solution(tmp_path):
+    problem = LocalProblem(sparse.identity(3, format="csr"), np.array([[-1.0, 0.2, 0.0]]), np.array([0.5]))  # one contact that sticks
+    write_problem(tmp_path / "one.npz", problem)
+    result = masonry_cd("solve", tmp_path / "one.npz", "--solver", "nlgs", "--json", "-o", tmp_path / "solution.npz")
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    assert found.keys() >= {"error", "error_unscaled", "iterations", "seconds", "converged"}
+    assert found["converged"]
+    solution = np.load(tmp_path / "solution.npz")
+    assert solution["r"] == pytest.approx(np.array([[1.0, -0.2, 0.0]]), abs=1e-8)
+    assert solution["u"] == pytest.approx(np.zeros((1, 3)), abs=1e-8)
+
+
+def test_solve_refuses_what_is_no_problem(tmp_path):
+    (tmp_path / "a.npz").write_text("text")
+    for words in ((tmp_path / "a.npz",), (tmp_path / "none.npz",), (tmp_path / "a.npz", "--solver", "gauss")):
+        result = masonry_cd("solve", *words)
+        assert result.exit_code == 2
+        assert len(result.stderr.splitlines()) == 1
