@@ -657,18 +657,30 @@ def _invert(a, out, work, size_n):
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _minus_product(c, at, a, i, b, size_n):
-    """c[at] -= a[i] b for blocks."""
+    """c[at] -= a[i] b for blocks. Most of a factorisation is spent here, so for n = 6 a row of c is held in registers."""
     n = len(size_n)
     for p in range(n):
-        for r in range(n):
-            x = a[i, p, r]
-            for q in range(n):
-                c[at, p, q] -= x * b[r, q]
+        if n == 6:
+            c0, c1, c2, c3, c4, c5 = c[at, p, 0], c[at, p, 1], c[at, p, 2], c[at, p, 3], c[at, p, 4], c[at, p, 5]
+            for r in range(6):
+                x = a[i, p, r]
+                c0 -= x * b[r, 0]
+                c1 -= x * b[r, 1]
+                c2 -= x * b[r, 2]
+                c3 -= x * b[r, 3]
+                c4 -= x * b[r, 4]
+                c5 -= x * b[r, 5]
+            c[at, p, 0], c[at, p, 1], c[at, p, 2], c[at, p, 3], c[at, p, 4], c[at, p, 5] = c0, c1, c2, c3, c4, c5
+        else:
+            for r in range(n):
+                x = a[i, p, r]
+                for q in range(n):
+                    c[at, p, q] -= x * b[r, q]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _times(a, b, transposed, out, size_n):
     """out = a b, or a b^T."""
     n = len(size_n)
@@ -680,7 +692,7 @@ def _times(a, b, transposed, out, size_n):
             out[p, q] = total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _factorise(column, row, diagonal, lower, upper, pivot, symmetric, size_n):
     """A = L D U in place: diagonal blocks A_jj become D_j, lower A_ij become L_ij, upper A_ji^T become U_ji^T; pivot holds D_j^-1.
 
@@ -727,7 +739,7 @@ def _factorise(column, row, diagonal, lower, upper, pivot, symmetric, size_n):
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _solve_factorised(column, row, lower, upper, pivot, x, size_n):
     """Solve L D U x = x in place, x (size, n)."""
     size, n = len(column) - 1, len(size_n)
@@ -774,7 +786,7 @@ def _in_order(inverse_mass, v_free, order, size_n):
     return inverse, mass, free
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _scales(inverse, jacobian, index, size_m, size_n):
     """d_c = trace(W_cc) / m."""
     m, n, bodies = len(size_m), len(size_n), len(inverse)
@@ -810,7 +822,7 @@ def _rows(jacobian, index, offset, v, u, size_m, size_n):
             u[c, i] = total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _add_push(jacobian, index, p, out, size_m, size_n):
     """out += H^T p; the last row of out, of the supports, is of no use."""
     m, n = len(size_m), len(size_n)
@@ -823,7 +835,7 @@ def _add_push(jacobian, index, p, out, size_m, size_n):
                 out[b, k] += h[1, i, k] * x
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _velocity_of(inverse, free, jacobian, index, p, push, v, size_m, size_n):
     """v = v_free + M^-1 H^T p, with a last row of zeros."""
     n = len(size_n)
@@ -861,7 +873,7 @@ def _size_of(q: np.ndarray, d: np.ndarray) -> float:
     return np.sqrt(total) if total > 0.0 else 1.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n):
     """Norm of the natural map residual for impulses p and body velocities v."""
     m, n = len(size_m), len(size_n)
@@ -892,7 +904,7 @@ def _put_back(v, order, out):
 # --- ADMM over bodies ------------------------------------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n):
     """Diagonal and lower blocks of M + H^T R H."""
     m, n, bodies = len(size_m), len(size_n), len(mass)
@@ -916,7 +928,7 @@ def _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n):
                         lower[spot[c], p, q] += x * h[1, i, q] if a > b else y * h[0, i, q]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size_n):
     """p+ = P_K(p - rho (u + mu |u_t| n)), out += H^T (2 p+ - p). Returns the squared scaled change of p."""
     m, n = len(size_m), len(size_n)
@@ -1049,7 +1061,7 @@ def _tangent(pn, p1, p2, un, u1, u2, mu, d, stiffness, block, target, spatial):
         block[1, 1], block[1, 2], block[2, 1], block[2, 2] = beta * e2 * e2, -beta * e1 * e2, -beta * e1 * e2, beta * e1 * e1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n):
     """Diagonal, lower and transposed upper blocks of M + H^T B H, B one (m, m) block per contact."""
     m, n, bodies = len(size_m), len(size_n), len(mass)

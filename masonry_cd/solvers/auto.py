@@ -40,7 +40,8 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     tally = _recall(start)
     first = ADMM if start is None else _prefer(tally)
     costs = _costs(problem, start)
-    best, total, spent, limits = start, 0, 0.0, (_limit(costs), NEWTON_LIMIT)
+    best, total, limits = start, 0, (_limit(costs), NEWTON_LIMIT)
+    spent = [0.0, 0.0]
     memory: dict[str, np.ndarray] = {} if start is None else start.memory
     error, story = np.inf, []
     for turn in range(2 * ROUNDS):
@@ -51,7 +52,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         begin = None if best is None else Solution(best.impulse, None, 0, memory=memory)
         found = (newton if method == NEWTON else admm).solve(problem, replace(options, max_iterations=limit), begin)
         memory, total = found.memory, total + found.iterations
-        spent += costs[method] * found.iterations
+        spent[method] += costs[method] * found.iterations
         story.append(NAMES[method])
         found_error = natural_map_error(problem, found.impulse)
         if found_error < error or best is None:
@@ -79,10 +80,14 @@ def _prefer(tally: np.ndarray) -> int:
     return 1 - cheaper if other_is_due else cheaper
 
 
-def _learn(tally: np.ndarray, first: int, spent: float) -> None:
-    """Take the cost of a step into account."""
+def _learn(tally: np.ndarray, first: int, spent: list[float]) -> None:
+    """Take the cost of a step into account. If the other method had to help, what that took is a first guess of its own cost."""
     tally[2] += 1.0
-    tally[first] = spent if np.isnan(tally[first]) else 0.8 * tally[first] + 0.2 * spent
+    if sum(spent) == 0.0:  # nothing happened, nothing learnt
+        return
+    tally[first] = sum(spent) if np.isnan(tally[first]) else 0.8 * tally[first] + 0.2 * sum(spent)
+    if spent[1 - first] > 0.0 and not spent[1 - first] > tally[1 - first]:
+        tally[1 - first] = spent[1 - first]
 
 
 def _costs(problem: Problem, start: Solution | None) -> tuple[float, float]:

@@ -1,0 +1,59 @@
+"""auto: solves what one method alone does not, remembers what was cheap, and says what it did."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scenes
+from test_extreme_problems import thrown
+
+from masonry_cd.friction import Solution, natural_map_error
+from masonry_cd.solvers import SOLVERS, Options
+
+solve = SOLVERS["auto"]
+
+
+def test_says_what_it_did() -> None:
+    """The reason names the methods in turn."""
+    assert solve(scenes.wall(3, 4), Options(), None).reason == "admm: converged"
+
+
+def test_newton_takes_over() -> None:
+    """A wall whose ground jerks away is beyond a short run of ADMM; auto solves it."""
+    problem = thrown(0.3)
+    solution = solve(problem, Options(tolerance=1e-11), None)
+    assert natural_map_error(problem, solution.impulse) <= 1e-11
+    assert "newton" in solution.reason
+
+
+def test_limit_bounds_all_methods_together() -> None:
+    """max_iterations counts the iterations of every method."""
+    solution = solve(thrown(0.3), Options(tolerance=1e-14, max_iterations=7), None)
+    assert solution.iterations == 7
+    assert "missed" in solution.reason
+
+
+def test_learns_which_method_to_begin_with() -> None:
+    """After a step that ADMM could not finish, the next one begins with Newton; what is solved at the start teaches nothing."""
+    problem = thrown(0.3)
+    first = solve(problem, Options(tolerance=1e-10), None)
+    assert first.reason.startswith("admm + newton")
+    nearby = replace(problem, v_free=1.001 * problem.v_free)
+    second = solve(nearby, Options(tolerance=1e-10), Solution(first.impulse, None, 0, memory=first.memory))
+    assert second.reason.startswith("newton")
+    again = solve(nearby, Options(tolerance=1e-10), Solution(second.impulse, None, 0, memory=second.memory))
+    assert again.iterations == 0
+    np.testing.assert_array_equal(again.memory["auto_tally"][:2], second.memory["auto_tally"][:2])
+
+
+@pytest.mark.parametrize("solver", ["admm", "newton", "auto"])
+def test_same_inputs_same_bits(solver: str) -> None:
+    """Two steps in a row, done twice, agree to the last bit; no clock has a say."""
+    problem, results = thrown(0.1), []
+    for _ in range(2):
+        first = SOLVERS[solver](problem, Options(), None)
+        second = SOLVERS[solver](problem, Options(tolerance=1e-12), Solution(0.9 * first.impulse, None, 0, memory=first.memory))
+        results.append(second.impulse)
+    np.testing.assert_array_equal(*results)

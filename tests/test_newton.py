@@ -1,0 +1,58 @@
+"""Newton: a few steps from a rough solution to machine precision, and honest failure."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from test_extreme_problems import thrown
+
+from masonry_cd.friction import FrictionProblem, LocalProblem, natural_map_error
+from masonry_cd.solvers import SOLVERS, Options
+
+solve = SOLVERS["newton"]
+
+
+@pytest.mark.parametrize("local", [True, False])
+@pytest.mark.parametrize("speed", [0.0, 0.05])
+def test_finishes_what_others_began(local: bool, speed: float) -> None:
+    """From a natural map error of 1e-4 at most 15 steps lead to 1e-9, at rest and with sliding contacts."""
+    bodies = thrown(speed)
+    problem: FrictionProblem | LocalProblem = bodies.to_local() if local else bodies
+    rough = SOLVERS["admm"](problem, Options(tolerance=1e-4), None)
+    begin = natural_map_error(problem, rough.impulse)
+    fine = solve(problem, Options(tolerance=1e-9), rough)
+    assert begin > 1e-9
+    assert natural_map_error(problem, fine.impulse) <= 1e-9
+    assert fine.iterations <= 15
+
+
+def test_convergence_is_faster_than_linear() -> None:
+    """Once the contacts have found their states, one step gains more than three digits."""
+    problem = thrown(0.05)
+    start = SOLVERS["admm"](problem, Options(tolerance=1e-3), None)
+    errors = []
+    for steps in range(1, 10):
+        errors.append(natural_map_error(problem, solve(problem, Options(tolerance=1e-15, max_iterations=steps), start).impulse))
+    assert min(after / before for before, after in pairwise(errors)) < 1e-3
+    assert errors[-1] < 1e-11
+
+
+def test_never_worse_than_its_start() -> None:
+    """From impulses far off, the best iterate is kept and a failure is said."""
+    problem = thrown(0.3)
+    start = SOLVERS["nlgs"](problem, Options(max_iterations=2), None)
+    begin = natural_map_error(problem, start.impulse)
+    solution = solve(problem, Options(tolerance=1e-12, max_iterations=3), start)
+    error = natural_map_error(problem, solution.impulse)
+    assert error <= begin * (1 + 1e-9)
+    assert ("failed" in solution.reason) == (error > 1e-12)
+
+
+def test_velocity_belongs_to_the_impulses() -> None:
+    """The velocities returned obey the equation of motion with the impulses returned."""
+    problem = thrown(0.05)
+    solution = solve(problem, Options(), None)
+    assert solution.velocity is not None
+    np.testing.assert_allclose(solution.velocity, problem.body_velocity(solution.impulse), atol=1e-12)
