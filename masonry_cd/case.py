@@ -30,7 +30,10 @@ from masonry_cd.stepping import Stepper
 if TYPE_CHECKING:
     from loads import Loading
 
-OUTPUTS = ("result.h5", "joints.csv", "summary.json", "crack_map.png")
+OUTPUTS = (
+    "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
+    "crack_map.png", "crack_map.gif",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +72,10 @@ def prepare(scene: Scene) -> Case:
     begin = time.perf_counter()
     blocks = build_blocks(scene)
     try:
+        if scene.report.asks or scene.report.grades:
+            from reports import outputs
+
+            outputs.check(scene.report)
         assembly = Assembly.from_blocks(blocks, scene.material.friction)
         loading = loads.build(scene.loads, scene.run.dt, scene.run.steps, scene.run.gravity, scene.folder, assembly)
     except InputError as error:
@@ -112,8 +119,8 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False)
     file, saved = folder / "result.h5", folder / checkpoint.NAME
     if not resume:
         folder.mkdir(parents=True, exist_ok=True)
-        for name in (*OUTPUTS, checkpoint.NAME):
-            (folder / name).unlink(missing_ok=True)
+        for old in (*(folder / name for name in (*OUTPUTS, checkpoint.NAME)), *folder.glob("crack_map_*s.png")):
+            old.unlink(missing_ok=True)
     stepper = Stepper(case.assembly, case.loading.support_velocity, case.loading.acceleration, settings)
     interrupt, show = Interrupt(), Progress(settings.steps, quiet)
 
@@ -126,8 +133,10 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False)
     summary = _summary(case, report)
     with Results.open(file) as results:
         summary |= write_damage(results, folder, scene.report)
-        if scene.report.crack_map and not report.stopped:
-            draw_crack_map(results, folder, scene.report)
+        if scene.report.asks and not report.stopped:
+            from reports import outputs
+
+            outputs.write_asked(results, folder, scene.report)
     summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
     write_json(summary, folder / "summary.json")
     return summary
@@ -161,16 +170,6 @@ def write_damage(results: Results, folder: Path, settings: Report) -> dict[str, 
         "opening_max": float(table.max_opening.max(initial=0.0)),
         "sliding_max": float(table.max_sliding.max(initial=0.0)),
     }
-
-
-def draw_crack_map(results: Results, folder: Path, settings: Report, time: float | None = None) -> None:
-    """Draw crack_map.png at the end, or at the frame next to a time [s]."""
-    from reports.crack_map import Look, crack_map
-    from reports.damage import Thresholds
-
-    frame = -1 if time is None else int(np.argmin(np.abs(results.time - time)))
-    look = Look(settings.view, settings.scale, Thresholds(opened=settings.opened, slid=settings.slid))
-    crack_map(results, folder / "crack_map.png", frame=frame, look=look)
 
 
 def _summary(case: Case, report: RunReport) -> dict[str, Any]:

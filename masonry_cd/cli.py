@@ -173,15 +173,17 @@ def report(
 
             settings = report_of(results.scene, view=view, scale=scale, cut=cut, thrust=thrust)
             outputs.check(settings)
+            frame = outputs.frame_at(results, time)
+            moments = outputs.parse_times(results, times) if times is not None else []
             typer.echo(case.damage_line(case.write_damage(results, folder, settings)))
             damage = outputs.damage_of(results, settings)
             typer.echo("\n".join(part_files.part_lines(damage)))
             written = [folder / "joints.csv", *part_files.write_part_damage(damage, folder)]
             if crack_map:
                 written.append(folder / "crack_map.png")
-                outputs.draw_crack_map(results, written[-1], settings, outputs.frame_at(results, time))
-            if times is not None:
-                written += outputs.draw_times(results, folder, settings, outputs.parse_times(times))
+                outputs.draw_crack_map(results, written[-1], settings, frame)
+            if moments:
+                written += outputs.draw_times(results, folder, settings, moments)
             if animation:
                 written.append(folder / outputs.ANIMATION)
                 outputs.draw_animation(results, written[-1], settings)

@@ -39,6 +39,13 @@ def _three_numbers(value: object) -> object:
     raise ValueError(f"should be three numbers [x, y, z], got {value!r}")
 
 
+def _list_of_numbers(value: object) -> object:
+    """A list as a tuple; anything else is told for what it should be."""
+    if isinstance(value, list):
+        return tuple(value)
+    raise ValueError("should be a list of numbers, [1.0, 2.5]")
+
+
 class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -131,6 +138,25 @@ class Report(_Table):
     """Smallest opening of a joint that counts as opened [m]."""
     slid: Annotated[Number, Field(gt=0)] = 1e-4
     """Smallest sliding of a joint that counts as slid [m]."""
+    damage: bool = False
+    """Write the damage by part: damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json."""
+    grades: dict[str, Any] = {}
+    """Thresholds and labels of the grades D0 to D5; checked by the room reports."""
+    largest: Annotated[Number, Field(gt=0)] = 0.05
+    """Where the last class of the crack map's colours begins [m]."""
+    cut: str = ""
+    """Plane by which the crack map is cut: "y=1.5" [m], or "y" for the middle."""
+    thrust: bool = False
+    """Draw the way of the forces in it."""
+    times: Annotated[tuple[Annotated[Number, Field(ge=0)], ...], BeforeValidator(_list_of_numbers)] = ()
+    """Draw crack maps at these times as well [s]."""
+    animation: bool = False
+    """Draw crack_map.gif."""
+
+    @property
+    def asks(self) -> bool:
+        """Whether anything is to be written beside joints.csv."""
+        return self.damage or self.crack_map or bool(self.times) or self.animation
 
 
 class _Tables(_Table):

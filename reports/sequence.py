@@ -31,23 +31,8 @@ def frames_at(results: Results, times: Sequence[float]) -> list[int]:
     slack = 0.51 * float(np.diff(have).max(initial=0.0)) + 1e-9
     for time in times:
         if not (np.isfinite(time) and have[0] - slack <= time <= have[-1] + slack):
-            raise InputError(f"times: {time:g} s lies outside the run, which has frames from {have[0]:g} to {have[-1]:g} s")
+            raise InputError(f"time {time:g} s lies outside the run, which has frames from {have[0]:g} to {have[-1]:g} s")
     return [int(np.argmin(np.abs(have - time))) for time in times]
-
-
-def parse_times(text: str) -> list[float]:
-    """Times given as ``1,2,3`` [s].
-
-    Raises:
-        InputError: something that is no number.
-    """
-    times = []
-    for word in text.split(","):
-        try:
-            times.append(float(word))
-        except ValueError:
-            raise InputError(f'times: "{word.strip()}" is no number; write seconds, 1,2.5,4') from None
-    return times
 
 
 def crack_maps(results: Results, folder: Path, times: Sequence[float], look: Look | None = None) -> list[Path]:
@@ -108,7 +93,7 @@ def _palette(images: Sequence[Any], look: Look) -> Any:
     for k, image in enumerate(picked):
         joined.paste(image, (0, k * height))
     free = 256 - len(exact)
-    others = joined.quantize(colors=free, method=Image.Quantize.MEDIANCUT).getpalette()[: 3 * free]
+    others = (joined.quantize(colors=free, method=Image.Quantize.MEDIANCUT).getpalette() or [])[: 3 * free]
     palette = Image.new("P", (1, 1))
     palette.putpalette(exact.ravel().tolist() + others)
     return palette

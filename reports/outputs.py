@@ -1,0 +1,107 @@
+"""What the folder of a run gets from the reports, by the settings of the scene's ``[report]``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from masonry_cd.errors import InputError
+from masonry_cd.results import Results
+from masonry_cd.scene import Report
+from reports.crack_map import Look, framing, sheet_of
+from reports.damage import Thresholds
+from reports.grades import read_grades
+from reports.part_damage import PartDamage, Settings, part_damage
+from reports.part_files import NAMES_OF_FILES, write_part_damage
+
+ANIMATION = "crack_map.gif"
+FILES = (*NAMES_OF_FILES, ANIMATION)  # beside joints.csv and the crack maps
+
+
+def thresholds_of(settings: Report) -> Thresholds:
+    """What counts as damage."""
+    return Thresholds(opened=settings.opened, slid=settings.slid)
+
+
+def look_of(settings: Report) -> Look:
+    """How crack maps are drawn."""
+    thresholds = thresholds_of(settings)
+    beyond = 10.0 * max(thresholds.opened, thresholds.slid)  # models at another scale set their thresholds, and need not set this as well
+    largest = settings.largest if settings.largest > beyond / 10.0 else beyond
+    return Look(settings.view, settings.scale, thresholds, largest, settings.cut, settings.thrust)
+
+
+def check(settings: Report) -> None:
+    """Check what only the reports know of, before a run takes its time.
+
+    Raises:
+        InputError: names the key.
+    """
+    read_grades(settings.grades)
+    if settings.cut:
+        from reports.cut import axis_of
+
+        axis_of(settings.cut)
+    look_of(settings)
+
+
+def damage_of(results: Results, settings: Report) -> PartDamage:
+    """The damage by part."""
+    return part_damage(results, Settings(thresholds=thresholds_of(settings), grades=read_grades(settings.grades)))
+
+
+def parse_times(results: Results, text: str) -> list[float]:
+    """Times given as ``1,2,3`` [s].
+
+    Raises:
+        InputError: something that is no number, or a time outside the run.
+    """
+    from reports.sequence import frames_at
+
+    times = []
+    for word in text.split(","):
+        try:
+            times.append(float(word))
+        except ValueError:
+            raise InputError(f'--times: "{word.strip()}" is no number; write seconds, 1,2.5,4') from None
+    frames_at(results, times)
+    return times
+
+
+def draw_crack_map(results: Results, path: Path, settings: Report, frame: int = -1) -> None:
+    """Draw one crack map."""
+    frame = frame % results.frames
+    sheet_of(results, frame, framing(results, [frame], look_of(settings))).save(path)
+
+
+def frame_at(results: Results, time: float | None) -> int:
+    """The frame next to a time [s]; the last for None."""
+    from reports.sequence import frames_at
+
+    return -1 if time is None else frames_at(results, [time])[0]
+
+
+def draw_times(results: Results, folder: Path, settings: Report, times: Sequence[float]) -> list[Path]:
+    """Draw crack maps at times [s], all in one framing."""
+    from reports.sequence import crack_maps
+
+    return crack_maps(results, folder, times, look_of(settings))
+
+
+def draw_animation(results: Results, path: Path, settings: Report, progress: Callable[[int], None] | None = None) -> int:
+    """Draw the animation; return its number of frames."""
+    from reports.sequence import animation
+
+    return animation(results, path, look_of(settings), progress=progress)
+
+
+def write_asked(results: Results, folder: Path, settings: Report) -> None:
+    """Write the tables and pictures that a scene asks for, beside joints.csv."""
+    if settings.damage:
+        write_part_damage(damage_of(results, settings), folder)
+    if settings.crack_map:
+        draw_crack_map(results, folder / "crack_map.png", settings)
+    if settings.times:
+        draw_times(results, folder, settings, [time for time in settings.times if time <= results.time[-1]])
+    if settings.animation and results.frames > 1:
+        draw_animation(results, folder / ANIMATION, settings)
