@@ -82,10 +82,11 @@ def measure(made: BenchScene, steps: int | None = None, solver: str = "auto", to
 
 
 def _warm_up(solver: str, tolerance: float, settings: dict[str, Any]) -> None:
-    """Have the kernels compiled, or loaded from their cache."""
-    machine = stepper(tower(2), 3, solver, tolerance, **settings)
-    for _ in range(3):
-        machine.step()
+    """Have the kernels compiled, or loaded from their cache: of the solver, and of all that it may turn to on the way."""
+    for name in [solver, *SOLVERS]:
+        machine = stepper(tower(2), 3, name, tolerance, **settings)
+        for _ in range(3):
+            machine.step()
 
 
 class _Clock:
