@@ -14,13 +14,14 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.blocks import Block, Faces, Polyhedron
 from masonry_cd.errors import InputError, parse_table, suggest
+from structures import meshfile
 from structures.checks import check
 from structures.tidy import tidy
 
@@ -34,6 +35,10 @@ class FileTable(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     path: str = Field(description="of the block file, relative to the scene file")
+    units: Literal["m", "cm", "mm"] | None = Field(None, description="of an OBJ, STL or VTU file, which does not say")
+    up: Literal["y", "z"] | None = Field(None, description="which axis of such a file points upwards")
+    fixed: tuple[str, ...] = Field((), strict=False, description="names of the supports in such a file; * stands for anything")
+    repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
 
 
 Vertices = Annotated[list[Annotated[list[Finite], Field(min_length=3, max_length=3)]], Field(min_length=4)]
@@ -65,10 +70,27 @@ class Entry(BaseModel):
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
     """Read the block file that a [structure] table names."""
-    path = Path(parse_table(FileTable, table, "structure").path)
+    keys = parse_table(FileTable, table, "structure")
+    path = Path(keys.path)
     if not (folder / path).is_file():
         raise InputError(f'structure.path: no file "{path}" in {folder}' if not path.is_absolute() else f'structure.path: no file "{path}"')
+    if path.suffix.lower() in meshfile.FORMATS:
+        return _from_mesh(keys, folder / path, density)
+    for key in ("units", "up", "fixed", "repair"):
+        if key in keys.model_fields_set:
+            raise InputError(f"structure.{key}: belongs to {', '.join(meshfile.FORMATS)} files; {path.name} states it itself")
     return read(folder / path, density)
+
+
+def _from_mesh(keys: FileTable, path: Path, density: float) -> list[Block]:
+    """Read a mesh file whose unit and axes the table states."""
+    for key, known in (("units", METRES), ("up", ("y", "z"))):
+        if getattr(keys, key) is None:
+            raise InputError(f"structure.{key}: missing; {path.name} does not say it, so take one of {', '.join(known)}")
+    blocks = meshfile.read(path, density, METRES[keys.units or "m"], keys.up or "z", keys.repair)
+    blocks = meshfile.with_supports(blocks, keys.fixed, "structure.fixed")
+    check(blocks, path.name)
+    return tidy(blocks)
 
 
 def read(path: Path, density: float) -> list[Block]:

@@ -1,0 +1,109 @@
+"""Meshes in and out: the same blocks come back, units and axes are stated, damage that can be mended is mended."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from models import box, tower
+from solids import build
+
+import structures
+from masonry_cd.blocks import Block, mass_properties
+from masonry_cd.errors import InputError
+from structures import meshfile
+
+
+def file(folder: Path, name: str, **keys: object) -> list[Block]:
+    return structures.build({"kind": "file", "path": name, "units": "m", "up": "z", **keys}, 2000.0, folder)
+
+
+def volumes(blocks: list[Block]) -> list[float]:
+    return sorted(mass_properties(block.vertices, block.faces).volume for block in blocks)
+
+
+@pytest.mark.parametrize("suffix", ["obj", "stl", "vtu"])
+def test_blocks_come_back(tmp_path: Path, suffix: str) -> None:
+    blocks = build("arch", span=4.0, thickness=0.5, voussoirs=9)
+    apart = (
+        [Block(b.name, b.vertices + [0.001 * i, 0.0, 0.0], b.faces, b.density) for i, b in enumerate(blocks)] if suffix == "stl" else blocks
+    )
+    meshfile.write(tmp_path / f"arch.{suffix}", apart)
+    again = file(tmp_path, f"arch.{suffix}")
+    assert len(again) == len(blocks)
+    assert volumes(again) == pytest.approx(volumes(blocks), rel=1e-5 if suffix == "stl" else 1e-12)  # STL has single precision
+    assert [len(b.faces) for b in again] == [6] * len(blocks)  # triangles of one plane are one face again
+
+
+def test_bent_blocks_keep_their_parts_in_a_vtu(tmp_path: Path) -> None:
+    blocks = build("vault", form="cross", voussoirs=7)
+    meshfile.write(tmp_path / "cross.vtu", blocks)
+    again = file(tmp_path, "cross.vtu")
+    assert sorted(len(b.parts) for b in again) == sorted(len(b.parts) for b in blocks)
+    assert volumes(again) == pytest.approx(volumes(blocks), rel=1e-12)
+
+
+def test_units_and_axes(tmp_path: Path) -> None:
+    meshfile.write(tmp_path / "box.obj", [box("a", (0.0, 0.0, 0.0), (1.0, 2.0, 3.0))])
+    (metres,) = file(tmp_path, "box.obj")
+    (small,) = file(tmp_path, "box.obj", units="mm", up="y")
+    assert np.ptp(metres.vertices, axis=0) == pytest.approx([1.0, 2.0, 3.0])
+    assert np.ptp(small.vertices, axis=0) == pytest.approx([0.001, 0.003, 0.002])
+    assert small.vertices[:, 2].min() == 0.0  # the y axis of the file points upwards
+    assert mass_properties(small.vertices, small.faces).volume > 0
+
+
+def test_supports_are_named(tmp_path: Path) -> None:
+    meshfile.write(tmp_path / "stack.obj", tower(3))
+    blocks = file(tmp_path, "stack.obj", fixed=["gro*"])
+    assert [(b.name, b.fixed, b.group) for b in blocks if b.fixed] == [("ground", True, "base")]
+
+
+def test_repair_welds_corners_and_turns_faces(tmp_path: Path) -> None:
+    (block,) = tower(1)[1:]
+    lines = ["o b"]
+    for number, face in enumerate(block.faces):  # every face with corners of its own, every second one reversed
+        corners = block.vertices[list(face)]
+        lines += [f"v {x + 1e-8 * number} {y} {z}" for x, y, z in (corners if number % 2 else corners[::-1])]
+        lines.append("f -4 -3 -2 -1")
+    (tmp_path / "soup.obj").write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r'soup\.obj: block "b": open shell'):
+        file(tmp_path, "soup.obj")
+    (again,) = file(tmp_path, "soup.obj", repair=True)
+    assert len(again.vertices) == 8
+    assert mass_properties(again.vertices, again.faces).volume == pytest.approx(0.5 * 0.5 * 0.25, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("keys", "text", "message"),
+    [
+        ({"units": None}, "", "structure.units: missing; bad.obj does not say it, so take one of m, cm, mm"),
+        ({"up": None}, "", "structure.up: missing; bad.obj does not say it, so take one of y, z"),
+        ({"units": "inch"}, "", "structure.units: input should be 'm', 'cm' or 'mm', got 'inch'"),
+        ({}, "o a\nv 0 0 zero\n", "bad.obj: line 2: no number where one belongs"),
+        ({}, "o a\nv 0 0 0\nf 1 2 3\n", 'bad.obj: block "a": a face names a vertex outside 1 to 1'),
+        ({}, "# nothing\n", "bad.obj: no blocks in it"),
+        ({"fixed": ["base"]}, "good", 'structure.fixed: no block is named "base"; the first are ground, b0'),
+    ],
+)
+def test_what_is_wrong_is_named(tmp_path: Path, keys: dict[str, object], text: str, message: str) -> None:
+    if text == "good":
+        meshfile.write(tmp_path / "bad.obj", tower(1))
+    else:
+        (tmp_path / "bad.obj").write_text(text)
+    with pytest.raises(InputError) as failure:
+        file(tmp_path, "bad.obj", **keys)
+    assert str(failure.value).startswith(message)
+
+
+def test_files_that_are_none_are_named(tmp_path: Path) -> None:
+    for name in ("bad.vtu", "bad.stl"):
+        (tmp_path / name).write_text("nonsense")
+        with pytest.raises(InputError, match=name.replace(".", r"\.")):
+            file(tmp_path, name)
+    with pytest.raises(InputError, match=r"structure\.units: belongs to \.obj, \.stl, \.vtu files"):
+        (tmp_path / "b.json").write_text("{}")
+        file(tmp_path, "b.json")
+    with pytest.raises(InputError, match=r"b\.dxf: blocks are written as"):
+        meshfile.write(tmp_path / "b.dxf", tower(1))
