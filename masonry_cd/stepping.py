@@ -87,6 +87,9 @@ class Stepper:
         self._handover: np.ndarray | None = None  # generalised impulse left over from an impact, see impacts.py
         self._pull = float(np.linalg.norm(acceleration, axis=1).max())
         bodies, n = int((~assembly.fixed).sum()), len(self._columns)
+        self._radius = np.zeros(assembly.count)
+        np.maximum.at(self._radius, assembly.shapes.part_block, assembly.shapes.radius)
+        self._radius = self._radius[~assembly.fixed]
         self._width = float(assembly.shapes.size[~assembly.fixed[assembly.shapes.part_block]].min())
         self._inverse_mass, self._v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
         self._v = self.state.velocity[~assembly.fixed][:, self._columns]
@@ -109,9 +112,10 @@ class Stepper:
         """
         begin = clock.perf_counter()
         h, theta, state = self.settings.dt, self.settings.theta, self.state
-        before, handover = state.position.copy(), self._handover
+        before = state.position.copy()
         kinematics.drift(state.position, state.orientation, state.velocity, h * (1.0 - theta))
         problem, start = self.friction_problem()
+        handover = self._handover  # as far as it was taken
         lifted = self._correct_overlaps(problem)
         error = self._solve(problem, start)
         self._new_velocities(problem)
@@ -165,11 +169,20 @@ class Stepper:
         return problem, Solution(impulse[:count], None, 0, memory=self.solution.memory)
 
     def _take_handover(self) -> None:
-        """Add what an impact of the last step left over to the free velocity."""
-        if self._handover is not None:
-            self._v_free += np.einsum("bij,bj->bi", self._inverse_mass, self._handover)
-            turning = self._columns >= 3
-            self._spin[np.ix_(~self.assembly.fixed, self._columns[turning] - 3)] += self._handover[:, turning]
+        """Add what an impact of the last step left over to the free velocity.
+
+        It is the weight of half a step at most. Where the impulses of the last step were a jam's, self-balanced and of any size, the
+        part of them that is handed over must not become motion: no block gets more than gravity gives it in a step.
+        """
+        if self._handover is None:
+            return
+        gain = np.einsum("bij,bj->bi", self._inverse_mass, self._handover)
+        turning = self._columns >= 3
+        speed = np.linalg.norm(gain[:, ~turning], axis=1) + np.linalg.norm(gain[:, turning], axis=1) * self._radius
+        share = np.minimum(1.0, self._pull * self.settings.dt / np.maximum(speed, 1e-300))[:, None]
+        self._handover = share * self._handover
+        self._v_free += share * gain
+        self._spin[np.ix_(~self.assembly.fixed, self._columns[turning] - 3)] += self._handover[:, turning]
 
     def _support_displacement(self) -> np.ndarray:
         """How far the supports have moved, (3,) [m]: what moves with them has not moved for the broad phase."""
