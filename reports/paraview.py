@@ -1,0 +1,222 @@
+"""A run for ParaView: the blocks and the joints as polygons over time.
+
+Two meshes, each with its own file, so that either can be switched off: ``blocks``, the faces of all blocks in the world frame, and
+``joints``, the interface polygons halfway between the two blocks. Formats:
+
+- ``vtkhdf``: blocks.vtkhdf and joints.vtkhdf, all times in one file each (VTKHDF 2.0, PolyData). The polygons never change, so they are
+  stored once: NumberOfPoints and the like have one entry, PartOffsets and CellOffsets are zero, and only points and data advance.
+- ``pvd``: blocks.pvd and joints.pvd, lists of one .vtp file per time, for older readers.
+
+Arrays: of points ``displacement`` relative to the base [m]; of block faces ``block``, ``group``, ``fixed``, ``fallen``, ``velocity`` [m/s];
+of joints ``joint``, ``block_a``, ``block_b``, ``area`` [m2], ``opening``, ``sliding`` [m], ``rotation`` [rad], ``contact_area`` [m2],
+``normal_force``, ``shear_force`` [N] and ``state`` (0 intact, 1 opened, 2 slid, 3 separated, at that time). ``names.csv`` tells the names
+of blocks and groups by their numbers: as field data that lasts through all times, VTK 9.7 fails to read texts from VTKHDF.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import h5py
+import numpy as np
+
+from masonry_cd.errors import InputError
+from masonry_cd.results import JOINT_HISTORIES, Results
+from masonry_cd.state import rotation_matrices
+from reports.damage import Thresholds, classify
+from reports.deformed import Pose, base_shift, joint_corners, solids_of
+from reports.parts import Moment
+
+Format = Literal["vtkhdf", "pvd"]
+Arrays = dict[str, np.ndarray]
+Instant = tuple[np.ndarray, Arrays, Arrays]  # points (N, 3), data of points, data of cells
+KINDS = ("Vertices", "Lines", "Polygons", "Strips")  # of the cells of a PolyData, in the order in which cell data list them
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Polygons that move and carry data."""
+
+    name: str
+    loops: np.ndarray  # (L,) indices of points
+    loop_start: np.ndarray  # (C + 1,)
+    fixed: Arrays  # data of cells that do not change
+    at: Callable[[int], Instant]  # of a frame
+
+
+def export(results: Results, folder: Path, form: str = "vtkhdf", thresholds: Thresholds | None = None) -> list[Path]:
+    """Write a run for ParaView into a folder, which is made if need be.
+
+    Args:
+        results: of a run.
+        folder: for the files.
+        form: ``vtkhdf`` or ``pvd``.
+        thresholds: of the joints' states.
+
+    Returns:
+        the files to open, and names.csv.
+
+    Raises:
+        InputError: another format.
+    """
+    if form not in ("vtkhdf", "pvd"):
+        raise InputError(f'--format: "{form}" is none; formats: vtkhdf, pvd')
+    folder.mkdir(parents=True, exist_ok=True)
+    write = _write_vtkhdf if form == "vtkhdf" else _write_pvd
+    meshes = [_blocks(results, thresholds or Thresholds())]
+    if results.joints.count:
+        meshes.append(_joints(results, thresholds or Thresholds()))
+    files = [write(mesh, results.time, folder / f"{mesh.name}.{form}") for mesh in meshes]
+    return [*files, _write_names(results, folder / "names.csv")]
+
+
+def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
+    """The faces of the blocks."""
+    solids = solids_of(results.blocks)
+    groups = list(dict.fromkeys(block.group for block in results.blocks))
+    group = np.array([groups.index(block.group) for block in results.blocks], dtype=np.int32)
+
+    def at(frame: int) -> Instant:
+        position = np.asarray(results.position[frame], dtype=float)
+        rotation = rotation_matrices(np.asarray(results.orientation[frame], dtype=float))
+        world = Pose(float(results.time[frame]), position, rotation)
+        points = world.moved(solids, solids.vertices, solids.vertex_block)
+        moved = points - solids.vertices - base_shift(solids, position)
+        down = Moment.at(results, frame, thresholds).down
+        velocity = np.asarray(results.file["velocity"][frame, :, :3])
+        faces = solids.face_block
+        return points, {"displacement": moved}, {"fallen": down[faces].astype(np.uint8), "velocity": velocity[faces]}
+
+    return Mesh(
+        name="blocks",
+        loops=solids.loops,
+        loop_start=solids.loop_start,
+        fixed={
+            "block": solids.face_block.astype(np.int32),
+            "group": group[solids.face_block],
+            "fixed": solids.fixed[solids.face_block].astype(np.uint8),
+        },
+        at=at,
+    )
+
+
+def _joints(results: Results, thresholds: Thresholds) -> Mesh:
+    """The interface polygons."""
+    solids, joints = solids_of(results.blocks), results.joints
+    histories = [name for name in JOINT_HISTORIES if f"joints/{name}" in results.file]
+
+    def at(frame: int) -> Instant:
+        position = np.asarray(results.position[frame], dtype=float)
+        moment = Moment.at(results, frame, thresholds)
+        on_a, on_b = joint_corners(joints, solids, moment.pose)
+        points = (on_a + on_b) / 2.0
+        data: Arrays = {name: np.asarray(results.file[f"joints/{name}"][frame]) for name in histories}
+        data["state"] = classify(moment.opening, moment.sliding, moment.separated, thresholds).astype(np.uint8)
+        return points + base_shift(solids, position), {"displacement": points - joints.polygon}, data
+
+    return Mesh(
+        name="joints",
+        loops=np.arange(len(joints.polygon)),
+        loop_start=joints.polygon_start,
+        fixed={
+            "joint": np.arange(joints.count, dtype=np.int32),
+            "block_a": joints.block_a.astype(np.int32),
+            "block_b": joints.block_b.astype(np.int32),
+            "area": joints.area.astype(np.float32),
+        },
+        at=at,
+    )
+
+
+def _write_vtkhdf(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
+    """All times of a mesh in one file."""
+    frames, cells = len(times), len(mesh.loop_start) - 1
+    with h5py.File(path, "w", libver=("earliest", "v110")) as file:
+        root = file.create_group("VTKHDF")
+        root.attrs["Version"] = np.array([2, 0], dtype=np.int64)
+        root.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
+        steps = root.create_group("Steps")
+        steps.attrs["NSteps"] = np.int64(frames)
+        steps["Values"] = times.astype(float)
+        for name, shape in (("PartOffsets", (frames,)), ("CellOffsets", (frames, 4)), ("ConnectivityIdOffsets", (frames, 4))):
+            steps[name] = np.zeros(shape, dtype=np.int64)
+        steps["NumberOfParts"] = np.ones(frames, dtype=np.int64)
+        for kind in KINDS:
+            _write_cells(root.create_group(kind), mesh if kind == "Polygons" else None)
+        for frame in range(frames):
+            points, of_points, of_cells = mesh.at(frame)
+            if frame == 0:
+                root["NumberOfPoints"] = np.array([len(points)], dtype=np.int64)
+                steps["PointOffsets"] = np.arange(frames, dtype=np.int64) * len(points)
+                for name, values in mesh.fixed.items():
+                    root[f"CellData/{name}"] = values
+                    steps[f"CellDataOffsets/{name}"] = np.zeros(frames, dtype=np.int64)
+            _put(root, "Points", points, frame, frames)
+            for kind, arrays, rows in (("PointData", of_points, len(points)), ("CellData", of_cells, cells)):
+                for name, values in arrays.items():
+                    _put(root, f"{kind}/{name}", values, frame, frames)
+                    if frame == 0:
+                        steps[f"{kind}Offsets/{name}"] = np.arange(frames, dtype=np.int64) * rows
+    return path
+
+
+def _write_cells(group: h5py.Group, mesh: Mesh | None) -> None:
+    """The polygons of a mesh, or no cells of this kind."""
+    offsets = mesh.loop_start if mesh is not None else np.zeros(1)
+    loops = mesh.loops if mesh is not None else np.zeros(0)
+    group["NumberOfCells"] = np.array([len(offsets) - 1], dtype=np.int64)
+    group["NumberOfConnectivityIds"] = np.array([len(loops)], dtype=np.int64)
+    group["Offsets"] = offsets.astype(np.int64)
+    group["Connectivity"] = loops.astype(np.int64)
+
+
+def _put(root: h5py.Group, name: str, values: np.ndarray, frame: int, frames: int) -> None:
+    """Write the rows of a frame, in single precision where they are real numbers."""
+    rows, dtype = len(values), np.float32 if values.dtype.kind == "f" else values.dtype
+    if name not in root:
+        shape = (frames * rows, *values.shape[1:])
+        chunk = (max(1, min(rows, 1 << 14)), *values.shape[1:])
+        root.create_dataset(name, shape, dtype, chunks=chunk, compression="gzip", compression_opts=1, shuffle=True)
+    root[name][frame * rows : (frame + 1) * rows] = values
+
+
+def _write_pvd(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
+    """A list of one file per time, in a folder beside it."""
+    import pyvista
+
+    folder = path.with_suffix("")
+    folder.mkdir(exist_ok=True)
+    faces = np.insert(mesh.loops, mesh.loop_start[:-1], np.diff(mesh.loop_start))
+    lines = []
+    for frame, time in enumerate(times):
+        points, of_points, of_cells = mesh.at(frame)
+        data = pyvista.PolyData(points.astype(np.float32), faces=faces)
+        for name, values in of_points.items():
+            data.point_data[name] = _single(values)
+        for name, values in (mesh.fixed | of_cells).items():
+            data.cell_data[name] = _single(values)
+        file = folder / f"{mesh.name}_{frame:05d}.vtp"
+        data.save(file)
+        lines.append(f'    <DataSet timestep="{float(time)!r}" part="0" file="{folder.name}/{file.name}"/>')
+    head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n  <Collection>\n'
+    path.write_text(head + "\n".join(lines) + "\n  </Collection>\n</VTKFile>\n", encoding="utf-8")
+    return path
+
+
+def _write_names(results: Results, path: Path) -> Path:
+    """Numbers and names of blocks and groups."""
+    groups = list(dict.fromkeys(block.group for block in results.blocks))
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("block", "name", "group", "group_name"))
+        writer.writerows((k, block.name, groups.index(block.group), block.group) for k, block in enumerate(results.blocks))
+    return path
+
+
+def _single(values: np.ndarray) -> np.ndarray:
+    """Real numbers in single precision."""
+    return values.astype(np.float32) if values.dtype.kind == "f" else values
