@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
-    "crack_map.png", "crack_map.gif",
+    "crack_map.png", "crack_map.gif", "report.html",
 )  # fmt: skip
 
 
@@ -136,7 +136,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False)
         if scene.report.asks and not report.stopped:
             from reports import outputs
 
-            outputs.write_asked(results, folder, scene.report)
+            outputs.write_asked(results, folder, scene.report, summary)
     summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
     write_json(summary, folder / "summary.json")
     return summary

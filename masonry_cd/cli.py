@@ -151,6 +151,7 @@ def report(
     cut: Annotated[str | None, typer.Option(metavar="PLANE", help="Cut by a plane, y=1.5 [m], or y for the middle.")] = None,
     thrust: Annotated[bool | None, typer.Option("--thrust/--no-thrust", help="Draw the way of the forces.", show_default=False)] = None,
     animation: Annotated[bool, typer.Option("--animation", help="Draw crack_map.gif, the whole run.")] = False,
+    html: Annotated[bool, typer.Option("--html", help="Write report.html, a page that shows the run and needs no network.")] = False,
 ) -> None:
     """Redo the reports of a run.
 
@@ -162,6 +163,7 @@ def report(
       masonry-cd report out/aqueduct
       masonry-cd report out/aqueduct --time 3.5 --view isometric --scale 20
       masonry-cd report out/aqueduct --times 1,2,3 --cut y --thrust
+      masonry-cd report out/aqueduct --html --no-crack-map
     """
     with _told():
         from masonry_cd.results import Results
@@ -175,7 +177,8 @@ def report(
             outputs.check(settings)
             frame = outputs.frame_at(results, time)
             moments = outputs.parse_times(results, times) if times is not None else []
-            typer.echo(case.damage_line(case.write_damage(results, folder, settings)))
+            summary = outputs.read_summary(folder) | case.write_damage(results, folder, settings)
+            typer.echo(case.damage_line(summary))
             damage = outputs.damage_of(results, settings)
             typer.echo("\n".join(part_files.part_lines(damage)))
             written = [folder / "joints.csv", *part_files.write_part_damage(damage, folder)]
@@ -187,6 +190,9 @@ def report(
             if animation:
                 written.append(folder / outputs.ANIMATION)
                 outputs.draw_animation(results, written[-1], settings)
+            if html:
+                written.append(folder / outputs.PAGE)
+                outputs.write_page(results, written[-1], settings, summary, damage)
         typer.echo(f"written: {', '.join(map(str, written))}")
 
 

@@ -152,11 +152,13 @@ class Report(_Table):
     """Draw crack maps at these times as well [s]."""
     animation: bool = False
     """Draw crack_map.gif."""
+    html: bool = False
+    """Write report.html, a page that shows the run."""
 
     @property
     def asks(self) -> bool:
         """Whether anything is to be written beside joints.csv."""
-        return self.damage or self.crack_map or bool(self.times) or self.animation
+        return self.damage or self.crack_map or bool(self.times) or self.animation or self.html
 
 
 class _Tables(_Table):

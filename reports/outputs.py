@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import json
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from masonry_cd.errors import InputError
 from masonry_cd.results import Results
@@ -15,7 +17,8 @@ from reports.part_damage import PartDamage, Settings, part_damage
 from reports.part_files import NAMES_OF_FILES, write_part_damage
 
 ANIMATION = "crack_map.gif"
-FILES = (*NAMES_OF_FILES, ANIMATION)  # beside joints.csv and the crack maps
+PAGE = "report.html"
+FILES = (*NAMES_OF_FILES, ANIMATION, PAGE)  # beside joints.csv and the crack maps
 
 
 def thresholds_of(settings: Report) -> Thresholds:
@@ -95,10 +98,30 @@ def draw_animation(results: Results, path: Path, settings: Report, progress: Cal
     return animation(results, path, look_of(settings), progress=progress)
 
 
-def write_asked(results: Results, folder: Path, settings: Report) -> None:
-    """Write the tables and pictures that a scene asks for, beside joints.csv."""
-    if settings.damage:
-        write_part_damage(damage_of(results, settings), folder)
+def read_summary(folder: Path) -> dict[str, Any]:
+    """summary.json of a run; empty where the run has written none, or has not come to its end."""
+    try:
+        return dict(json.loads((folder / "summary.json").read_text(encoding="utf-8")))
+    except (OSError, ValueError):
+        return {}
+
+
+def write_page(results: Results, path: Path, settings: Report, summary: Mapping[str, Any], damage: PartDamage) -> None:
+    """Write the page that shows a run."""
+    from reports import page
+
+    look = look_of(settings)
+    page.write_page(results, path, summary, thresholds_of(settings), settings.scale, look.largest, damage)
+
+
+def write_asked(results: Results, folder: Path, settings: Report, summary: Mapping[str, Any]) -> None:
+    """Write the tables, pictures and the page that a scene asks for, beside joints.csv."""
+    if settings.damage or settings.html:
+        damage = damage_of(results, settings)
+        if settings.damage:
+            write_part_damage(damage, folder)
+        if settings.html:
+            write_page(results, folder / PAGE, settings, summary, damage)
     if settings.crack_map:
         draw_crack_map(results, folder / "crack_map.png", settings)
     if settings.times:

@@ -56,7 +56,11 @@ class Browser:
 
     def click_at(self, x: float, y: float) -> None:
         """Click a place of the window, in CSS pixels."""
-        moves = [{"type": "pointerMove", "x": round(x), "y": round(y)}, {"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}]
+        moves = [
+            {"type": "pointerMove", "x": round(x), "y": round(y)},
+            {"type": "pointerDown", "button": 0},
+            {"type": "pointerUp", "button": 0},
+        ]
         _call("POST", f"{self._at}/actions", {"actions": [{"type": "pointer", "id": "mouse", "actions": moves}]})
 
     def drag(self, x: float, y: float, dx: float, dy: float) -> None:
@@ -92,8 +96,16 @@ def browser(folder: Path, width: int = 1500, height: int = 1000) -> Iterator[Bro
     driver = subprocess.Popen(["chromedriver", f"--port={port}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         _wait_for(port)
-        options = {"args": [*FLAGS, f"--user-data-dir={folder / 'profile'}", f"--window-size={width},{height}"], "binary": shutil.which("chromium")}
-        wanted = {"browserName": "chrome", "goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}, "timeouts": {"script": 60000}}
+        options = {
+            "args": [*FLAGS, f"--user-data-dir={folder / 'profile'}", f"--window-size={width},{height}"],
+            "binary": shutil.which("chromium"),
+        }
+        wanted = {
+            "browserName": "chrome",
+            "goog:chromeOptions": options,
+            "goog:loggingPrefs": {"browser": "ALL"},
+            "timeouts": {"script": 60000},
+        }
         session = _call("POST", f"http://127.0.0.1:{port}/session", {"capabilities": {"alwaysMatch": wanted}})["sessionId"]
         try:
             yield Browser(port, session)

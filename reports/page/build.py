@@ -17,15 +17,17 @@ import numpy as np
 from masonry_cd.errors import InputError
 from masonry_cd.results import Results
 from reports import damage
-from reports.crack_map import FALLEN, MOST, OPENING_COLOURS, PARTED, SEEN, SLIDING_COLOURS, STONE, Scale
+from reports.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
+from reports.crack_map import MOST, SEEN
 from reports.damage import JointDamage, Thresholds
 from reports.deformed import Solids, solids_of
 from reports.page import motion, series, words
-from reports.page.pack import packed
+from reports.page.pack import packed, packed_length
+from reports.part_damage import PartDamage
 from reports.picture import EDGE, SUPPORT, auto_view, families_of
 from reports.sheet import nice
 
-LIMIT = 14 << 20  # of the packed data [bytes]
+LIMIT = 13_500_000  # of the packed data [bytes]: with names and scripts the page stays below 15 MB
 FRAMES = 600  # sent at most
 LARGEST = 0.05  # where the last class of the colour scales begins, as in the crack map [m]
 SCRIPTS = ("unpack.js", "motion.js", "camera.js", "shaders.js", "viewer.js", "plots.js", "charts.js", "table.js", "main.js")
@@ -40,6 +42,8 @@ def write_page(
     summary: Mapping[str, Any] | None = None,
     thresholds: Thresholds | None = None,
     scale: float | None = None,
+    largest: float = LARGEST,
+    parts: PartDamage | None = None,
     limit: int = LIMIT,
 ) -> None:
     """Write a run as one HTML file that needs nothing else.
@@ -50,6 +54,8 @@ def write_page(
         summary: as in summary.json; what it lacks is left out.
         thresholds: of damage; the colour classes begin there.
         scale: amplification of the displacements at first; None picks 1, or what makes the largest one visible.
+        largest: where the last class of the colour scales begins [m].
+        parts: the damage by part, for a table of its own.
         limit: of the packed data [bytes]; frames are left out to keep it.
 
     Raises:
@@ -72,8 +78,9 @@ def write_page(
         steps=steps,
         tolerance=tolerance,
         summary=summary,
+        parts=parts,
     )
-    facts, text = _data(results, solids, table, thresholds, missed_times, limit)
+    facts, text = _data(results, solids, table, (thresholds, largest), missed_times, limit)
     facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
     facts["factor"] = scale if scale is not None else _amplification(solids, story.displacement_max, bool(story.fallen))
     page = _filled(story, facts, text)
@@ -105,31 +112,31 @@ def _amplification(solids: Solids, largest: float, any_fallen: bool) -> float:
 
 
 def _data(
-    results: Results, solids: Solids, table: JointDamage, thresholds: Thresholds, missed: np.ndarray, limit: int
+    results: Results, solids: Solids, table: JointDamage, classes: tuple[Thresholds, float], missed: np.ndarray, limit: int
 ) -> tuple[dict[str, Any], str]:
     """The numbers: what fits into JSON, and the arrays as one packed text."""
-    facts, arrays = _still(results, solids, table, thresholds)
+    facts, arrays = _still(results, solids, table)
     curves = series.base_motion(results, solids) | series.step_curves(results)
     for name, curve in curves.items():
         arrays |= {f"{name}/time": curve.time, f"{name}/value": curve.value}
     arrays["missed"] = missed
-    count = FRAMES
-    moved = motion.read_motion(results, solids, thresholds, motion.frames_shown(results.frames, count))
+    moved = motion.read_motion(results, solids, motion.frames_shown(results.frames, FRAMES))
+    count = len(moved.frames)
     while True:
-        moving, scales = _moving(moved, thresholds)
-        contents, text = packed(arrays | moving[0], moving[1])
-        count = len(moved.frames)
-        if len(text) <= limit or count <= 2:
+        histories, units, scales = _histories(moved, *classes)
+        length = packed_length(arrays, histories)
+        if length <= limit or count <= 2:
             break
-        fewer = motion.frames_shown(count, max(2, min(count - 1, int(0.95 * count * limit / len(text)))))
-        moved = moved.only(fewer)
+        count = max(2, min(count - 1, int(0.97 * count * limit / length)))
+        moved = moved.only(motion.frames_shown(len(moved.frames), count))
+    down, apart = motion.read_losses(results, solids, moved, classes[0])
+    flags = {"fallen": motion.bits(down), "separated": motion.bits(apart)}
+    contents, text = packed(arrays | units | flags, histories)
     facts |= {"contents": contents, "frames": len(moved.frames), "frames_written": results.frames, "scales": scales}
     return facts, text
 
 
-def _still(
-    results: Results, solids: Solids, table: JointDamage, thresholds: Thresholds
-) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def _still(results: Results, solids: Solids, table: JointDamage) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """What does not move: blocks and joints at rest, the damage table, colours and names."""
     joints, free = results.joints, ~solids.fixed if not solids.fixed.all() else solids.fixed
     drawn = solids.vertices[free[solids.vertex_block]]
@@ -174,27 +181,23 @@ def _still(
     return facts, arrays
 
 
-def _moving(moved: motion.Motion, thresholds: Thresholds) -> tuple[tuple[dict[str, np.ndarray], dict[str, np.ndarray]], dict[str, Any]]:
-    """The histories in whole numbers with their units, and the classes of the two colour scales."""
+def _histories(
+    moved: motion.Motion, thresholds: Thresholds, largest: float
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, Any]]:
+    """The histories in whole numbers, their times and units, and the classes of the two colour scales."""
     displacement, metre = motion.whole(moved.displacement)
     rotation, radian = motion.whole(moved.rotation)
-    plain = {
-        "time": moved.time.astype(np.float32),
-        "displacement_unit": metre,
-        "rotation_unit": radian,
-        "fallen": motion.bits(moved.fallen),
-        "separated": motion.bits(moved.separated),
-    }
+    units = {"time": moved.time.astype(np.float32), "displacement_unit": metre, "rotation_unit": radian}
     histories, scales = {"displacement": displacement, "rotation": rotation}, {}
     measures = (("opening", thresholds.opened, OPENING_COLOURS), ("sliding", thresholds.slid, SLIDING_COLOURS))
     for name, threshold, colours in measures:
         codes, lowest, per_e = motion.logarithms(getattr(moved, name), threshold)
         histories[name] = codes
-        scale = Scale(threshold, max(LARGEST, 2.0 * threshold), colours)
+        scale = Scale(threshold, max(largest, 2.0 * threshold), colours)
         bounds = [1 + int(np.floor(np.log(bound / lowest) * per_e + 1e-9)) for bound in scale.bounds]
         hues = ["#" + "".join(f"{c:02x}" for c in colour) for colour in scale.colours.tolist()]
         scales[name] = {"lowest": lowest, "per_e": per_e, "bounds": scale.bounds, "codes": bounds, "colours": hues}
-    return (plain, histories), scales
+    return histories, units, scales
 
 
 def _filled(story: words.Story, facts: Mapping[str, Any], text: str) -> str:
@@ -207,6 +210,7 @@ def _filled(story: words.Story, facts: Mapping[str, Any], text: str) -> str:
         "outcome": words.outcome(story),
         "notices": words.notices(story),
         "tiles": words.tiles(story),
+        "parts": words.parts(story),
         "settings": words.settings(story),
         "scene": words.escaped(story.results.scene or "The result keeps no scene."),
         "style": (here / "style.css").read_text(encoding="utf-8"),

@@ -124,7 +124,8 @@ function chooseJoint(joint, fromModel = false) {
   table.mark(state.joint, fromModel);
   if (viewer && state.joint >= 0 && !fromModel) {
     const place = jointPlace(state.joint);
-    if (camera.project(place).some((v) => Math.abs(v) > 0.95)) { camera.target = place; camera.fitted = false; }
+    const away = Math.hypot(...place.map((v, k) => v - (camera.low[k] + camera.high[k]) / 2)) > 2 * camera.size; /* flung away: not followed */
+    if (!away && camera.project(place).some((v) => Math.abs(v) > 0.95)) { camera.target = place; camera.fitted = false; }
     if (window.matchMedia("(max-width: 1099px)").matches) by("stage").scrollIntoView({ block: "nearest" });
   }
   changed();

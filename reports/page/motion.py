@@ -17,8 +17,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from masonry_cd.results import Results
-from reports.damage import Thresholds, fallen, separated_joints
-from reports.deformed import Solids, base_shift, joint_frame
+from reports.damage import Thresholds, fallen_in, parted
+from reports.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap
 
 LARGEST = 8191  # whole number of a block's largest component
 BELOW = 64.0  # lowest value sent, as a share of the threshold
@@ -36,8 +36,6 @@ class Motion:
     rotation: np.ndarray  # (F, B, 3) rotation vectors [rad]
     opening: np.ndarray  # (F, J) [m]
     sliding: np.ndarray  # (F, J) [m]
-    fallen: np.ndarray  # (F, B) bool
-    separated: np.ndarray  # (F, J) bool
 
     def only(self, frames: np.ndarray) -> Motion:
         """Some of the frames, given as indices into these."""
@@ -49,31 +47,37 @@ def frames_shown(count: int, most: int) -> np.ndarray:
     return np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(np.int64))
 
 
-def read_motion(results: Results, solids: Solids, thresholds: Thresholds, frames: np.ndarray) -> Motion:
+def read_motion(results: Results, solids: Solids, frames: np.ndarray) -> Motion:
     """Read the frames shown, one by one, so that memory holds no more than what is sent."""
     count, blocks, joints = len(frames), len(solids.centre), results.joints.count
     displacement, rotation = np.empty((count, blocks, 3)), np.empty((count, blocks, 3))
     opening, sliding = np.empty((count, joints)), np.empty((count, joints))
-    down, apart = np.zeros((count, blocks), bool), np.zeros((count, joints), bool)
     for k, frame in enumerate(frames.tolist()):
         position = np.asarray(results.position[frame], dtype=float)
         displacement[k] = position - base_shift(solids, position) - solids.centre
         rotation[k] = rotation_vectors(np.asarray(results.orientation[frame], dtype=float))
         opening[k], sliding[k] = joint_frame(results, "opening", frame), joint_frame(results, "sliding", frame)
-        lost = joint_frame(results, "contact_area", frame) <= thresholds.lost * results.joints.area
-        if lost.any():
-            apart[k] = separated_joints(results, frame, thresholds)
-        if lost.any() or _may_be_down(displacement[k], rotation[k], solids, thresholds):
-            down[k] = fallen(results, thresholds, frame)
-    time = np.asarray(results.time, dtype=float)[frames]
-    return Motion(frames, time, displacement, rotation, opening, sliding, down, apart)
+    return Motion(frames, np.asarray(results.time, dtype=float)[frames], displacement, rotation, opening, sliding)
 
 
-def _may_be_down(displacement: np.ndarray, rotation: np.ndarray, solids: Solids, thresholds: Thresholds) -> bool:
-    """Whether any block has dropped or turned by half of what makes it fallen: the frames where it is worth looking closer."""
-    dropped = -displacement[:, 2] > 0.5 * thresholds.drop * solids.sizes[:, 2]
-    turned = np.linalg.norm(rotation, axis=1) > np.radians(0.5 * thresholds.tilt)
-    return bool((dropped | turned).any())
+def read_losses(results: Results, solids: Solids, moved: Motion, thresholds: Thresholds) -> tuple[np.ndarray, np.ndarray]:
+    """Which blocks have fallen (F, B) and which joints are separated (F, J) at the frames of a motion.
+
+    A frame is looked at closely only where a joint has lost its contact, or a block half of what makes it fallen.
+    """
+    joints = results.joints
+    down, apart = np.zeros(moved.displacement.shape[:2], bool), np.zeros(moved.opening.shape, bool)
+    dropped = np.any(-moved.displacement[..., 2] > 0.5 * thresholds.drop * solids.sizes[:, 2], axis=1)
+    turned = np.any(np.linalg.norm(moved.rotation, axis=2) > np.radians(0.5 * thresholds.tilt), axis=1)
+    suspect = np.asarray(dropped | turned)
+    for k, frame in enumerate(moved.frames.tolist()):
+        area = joint_frame(results, "contact_area", frame)
+        if not (suspect[k] or (area <= thresholds.lost * joints.area).any()):
+            continue
+        pose = Pose.of(results, solids, frame)
+        apart[k] = parted(joints, smallest_gap(joints, solids, pose), joint_frame(results, "sliding", frame), area, thresholds)
+        down[k] = fallen_in(joints, solids, pose, apart[k], thresholds)
+    return down, apart
 
 
 def rotation_vectors(orientation: np.ndarray) -> np.ndarray:

@@ -16,6 +16,7 @@ import numpy as np
 
 KINDS = {"uint8": "u1", "uint16": "u2", "int16": "i2", "uint32": "u4", "float32": "f4"}
 LEVEL = 7  # of the deflation
+SAMPLE = 1 << 18  # values of a history by which its length is judged
 
 
 def packed(arrays: Mapping[str, np.ndarray], histories: Mapping[str, np.ndarray]) -> tuple[list[dict[str, Any]], str]:
@@ -31,6 +32,17 @@ def packed(arrays: Mapping[str, np.ndarray], histories: Mapping[str, np.ndarray]
         contents.append({"name": name, "kind": KINDS[array.dtype.name], "shape": list(array.shape), "history": history})
         parts.append(_differences(array) if history else np.ascontiguousarray(array).tobytes())
     return contents, base64.urlsafe_b64encode(zlib.compress(b"".join(parts), LEVEL)).decode("ascii")
+
+
+def packed_length(arrays: Mapping[str, np.ndarray], histories: Mapping[str, np.ndarray]) -> int:
+    """About how long the text of :func:`packed` will be, from every so-manieth row of long histories."""
+    still = sum(len(zlib.compress(np.ascontiguousarray(array).tobytes(), 1)) for array in arrays.values())
+    moving = 0.0
+    for array in histories.values():
+        rows = array.reshape(-1, array.shape[-1])
+        some = rows[:: max(1, rows.size // SAMPLE)]
+        moving += len(zlib.compress(_differences(some), LEVEL)) * len(rows) / max(1, len(some))
+    return int((still + moving) * 4 / 3)
 
 
 def _differences(array: np.ndarray) -> bytes:

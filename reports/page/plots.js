@@ -9,8 +9,9 @@ const safe = (text) => String(text).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "
 function short(value, digits = 4) {
   if (value === null || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
-  if (size !== 0 && (size < 1e-3 || size >= 1e5)) return value.toExponential(Math.min(2, digits - 1)).replace("e", "×10^").replace("+", "");
-  return String(Number(value.toPrecision(digits)));
+  if (size === 0 || (size >= 1e-3 && size < 1e5)) return String(Number(value.toPrecision(digits))).replace("-", "−");
+  const [mantissa, power] = value.toExponential(Math.min(2, digits - 1)).split("e");
+  return `${Number(mantissa)}·10${[...power.replace("+", "")].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]).join("")}`.replace("-", "−");
 }
 
 /* Round numbers between two bounds, about so many. */
@@ -87,7 +88,7 @@ class Plot {
     }
     for (const v of levels) {
       const y = this.y(v), exponent = Math.round(Math.log10(v));
-      const text = this.spec.log ? `10<tspan dy="-5" font-size="9">${exponent}</tspan>` : safe(short(v).replace("-", "−"));
+      const text = this.spec.log ? `10<tspan dy="-5" font-size="9">${exponent}</tspan>` : safe(short(v));
       out.push(`<line class="grid" x1="${BOX.left}" x2="${BOX.width - BOX.right}" y1="${y}" y2="${y}"></line><text x="${BOX.left - 6}" y="${y + 4}" text-anchor="end">${text}</text>`);
     }
     const times = ticks(this.span[0], this.span[1], 6);

@@ -3,12 +3,15 @@
 const ROWS = 20;
 const PRINTED = 40; /* rows in print */
 const HEADS = [
-  /* name, heading, unit, factor, digits, title */
+  /* name, heading, unit, factor */
   ["joint", "joint"], ["a", "block a"], ["b", "block b"], ["state", "state"],
-  ["max_opening", "opening, largest", "mm", 1e3], ["residual_opening", "at the end", "mm", 1e3],
-  ["max_sliding", "sliding, largest", "mm", 1e3], ["residual_sliding", "at the end", "mm", 1e3],
-  ["max_rotation", "rotation, largest", "°", 180 / Math.PI], ["contact_area_loss", "contact lost", "%", 100], ["first_opening_time", "first opened", "s", 1],
+  ["max_opening", "largest opening", "mm", 1e3], ["residual_opening", "opening at end", "mm", 1e3],
+  ["max_sliding", "largest sliding", "mm", 1e3], ["residual_sliding", "sliding at end", "mm", 1e3],
+  ["max_rotation", "largest rotation", "°", 180 / Math.PI], ["contact_area_loss", "contact lost", "%", 100], ["first_opening_time", "first opened", "s", 1],
 ];
+
+/* A number in the table; what is below a thousandth is as good as nothing. */
+const cell = (value) => (Number.isNaN(value) ? "" : value > 0 && value < 1e-3 ? "&lt;0.001" : short(value, 3));
 
 class Table {
   constructor(facts, data, choose) {
@@ -112,7 +115,7 @@ class Table {
       const value = this.value(name, j);
       if (name === "joint") return `<th scope="row"><button type="button" aria-pressed="${j === this.chosen}" title="Show this joint in the model">${j}</button></th>`;
       if (name === "state") return `<td><span class="state s${value}">${this.facts.states[value]}</span></td>`;
-      return unit ? `<td class="number">${Number.isNaN(value) ? "" : short(by * value, 3)}</td>` : `<td>${safe(value)}</td>`;
+      return unit ? `<td class="number">${cell(by * value)}</td>` : `<td>${safe(value)}</td>`;
     }).join("");
     row.addEventListener("click", () => this.choose(j));
     return row;

@@ -17,6 +17,7 @@ import numpy as np
 from masonry_cd.results import Results
 from reports.damage import JointDamage
 from reports.deformed import Solids
+from reports.part_damage import PartDamage
 from reports.sheet import in_metres
 
 TABLES = {"structure": "Structure", "material": "Material", "run": "Computation", "report": "Report"}
@@ -35,6 +36,7 @@ class Story:
     steps: int  # steps whose error is known
     tolerance: float
     summary: Mapping[str, Any]  # as in summary.json; empty where there is none
+    parts: PartDamage | None = None
 
     @property
     def tables(self) -> dict[str, Any]:
@@ -65,16 +67,17 @@ def number(value: float, unit: str = "") -> str:
 def lead(story: Story) -> str:
     """What stands and what was computed, in a paragraph."""
     blocks, solids = story.results.blocks, story.solids
-    groups = [name for name in dict.fromkeys(b.group for b, fixed in zip(blocks, solids.fixed, strict=True) if not fixed)]
+    groups = list(dict.fromkeys(b.group for b, fixed in zip(blocks, solids.fixed, strict=True) if not fixed))
     named = f" ({escaped(', '.join(groups[:6]))}{' …' if len(groups) > 6 else ''})" if groups else ""
     free = solids.vertices[~solids.fixed[solids.vertex_block]]
     extent = " × ".join(in_metres(v) for v in np.ptp(free, axis=0)) if len(free) else "nothing free"
     time = story.results.time
+    span = f"{number(float(time[0]), 's')} to {number(float(time[-1]), 's')}"
     dt = story.summary.get("dt")
     steps = f", {story.steps} steps" + (f" of {number(1e3 * dt)} ms" if dt else "") if story.steps else ""
     return (
         f"{len(blocks)} blocks{named} and {story.results.joints.count} joints, {extent} (x, y, z) without supports; "
-        f"{int(solids.fixed.sum())} blocks are supports. Computed from {number(float(time[0]), 's')} to {number(float(time[-1]), 's')}{steps}."
+        f"{int(solids.fixed.sum())} blocks are supports. Computed from {span}{steps}."
     )
 
 
@@ -126,6 +129,31 @@ def tiles(story: Story) -> str:
     return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in rows)
 
 
+def parts(story: Story) -> str:
+    """The damage of the named parts, the gravest first; empty where there is none."""
+    if story.parts is None:
+        return ""
+    whole, labels = story.parts.parts[-1], story.parts.settings.grades.labels
+    rows = [*sorted(story.parts.parts[:-1], key=lambda row: str(row["grade"]), reverse=True), whole]
+    body = "".join(_part(row, row is whole) for row in rows)
+    names = ("part", "grade", "mechanism", "opened", "slid", "separated", "lost", "crack left [mm]", "drift left [%]")
+    head = "".join(f'<th scope="col">{name}</th>' for name in names)
+    meaning = "; ".join(f"D{k} {escaped(label)}" for k, label in enumerate(labels))
+    return (
+        '<section aria-labelledby="parts-title"><h2 id="parts-title">Damage by part</h2><div class="scroll short">'
+        f'<table class="parts"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+        f'<p class="hint">Grades by the thresholds of the scene: {meaning}.</p></section>'
+    )
+
+
+def _part(row: Mapping[str, Any], whole: bool) -> str:
+    """A row of the table of parts."""
+    cells = [f'<td><span class="grade {row["grade"]}">{row["grade"]}</span></td>', f"<td>{escaped(row['mechanism'])}</td>"]
+    numbers = [row["opened"], row["slid"], row["separated"], row["lost_blocks"], 1e3 * row["residual_opening"], 1e2 * row["residual_drift"]]
+    cells += [f'<td class="number">{number(float(value))}</td>' for value in numbers]
+    return f'<tr{" class=whole" if whole else ""}><th scope="row">{escaped(row["part"])}</th>{"".join(cells)}</tr>'
+
+
 def settings(story: Story) -> str:
     """The scene's tables, the loads with what they amount to, and the versions, as lists of terms."""
     tables = story.tables
@@ -139,8 +167,8 @@ def settings(story: Story) -> str:
 
 
 def _peaks(after: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """The peaks of a base motion, as terms."""
-    known = {"pga": ("peak ground acceleration", "m/s²"), "pgv": ("peak ground velocity", "m/s"), "pgd": ("peak ground displacement", "m")}
+    """The peaks of a base motion (acceleration, velocity, displacement), as terms."""
+    known = {"pga": ("PGA", "m/s²"), "pgv": ("PGV", "m/s"), "pgd": ("PGD", "m")}
     return [(name, number(after[key], unit)) for key, (name, unit) in known.items() if isinstance(after.get(key), (int, float))]
 
 
