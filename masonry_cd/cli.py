@@ -197,6 +197,61 @@ def report(
 
 
 @app.command()
+def export(
+    folder: Folder,
+    format_: Annotated[str, typer.Option("--format", metavar="NAME", help="vtkhdf, or pvd for older readers.")] = "vtkhdf",
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="OUT", help="Folder for the files.", show_default="DIR/paraview")
+    ] = None,
+) -> None:
+    """Write a run for ParaView: blocks and joints over time.
+
+    OUT gets blocks and joints as VTKHDF, or as PVD collections of VTP files, with openings, slidings, forces, states and displacements,
+    and names.csv, which tells the names of blocks and groups by their numbers.
+
+    \b
+    Examples:
+      masonry-cd export out/aqueduct
+      masonry-cd export out/aqueduct --format pvd -o out/view
+    """
+    with _told():
+        from masonry_cd.results import Results
+        from masonry_cd.scene import report_of
+
+        with Results.open(folder / "result.h5") as results:
+            from reports import outputs, paraview
+
+            thresholds = outputs.thresholds_of(report_of(results.scene))
+            written = paraview.export(results, output or folder / "paraview", format_, thresholds)
+        typer.echo(f"written: {', '.join(map(str, written))}")
+
+
+@app.command()
+def compare(
+    folders: Annotated[list[Path], typer.Argument(metavar="DIR1 DIR2 ...", help="Folders of runs.", show_default=False)],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="OUT", help="Write comparison.csv, .md and .png there.", show_default=False)
+    ] = None,
+) -> None:
+    """Lay runs side by side: what differs in their scenes, their damage and their response.
+
+    Prints a table; with -o it is written as CSV and Markdown, with a picture. Damage is judged by the thresholds of the first run.
+
+    \b
+    Examples:
+      masonry-cd compare out/weak out/strong
+      masonry-cd compare out/mu0.5 out/mu0.6 out/mu0.7 -o out/friction
+    """
+    with _told():
+        from reports import compare as comparing
+
+        found = comparing.compare(folders)
+        typer.echo(comparing.markdown(found), nl=False)
+        if output is not None:
+            typer.echo(f"written: {', '.join(map(str, comparing.write_comparison(found, output)))}")
+
+
+@app.command()
 def solve(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Friction problem: FCLIB HDF5 or .npz.", show_default=False)],
     solver: Annotated[str, typer.Option(metavar="NAME", help="auto, nlgs, admm or newton.")] = "auto",
