@@ -29,7 +29,7 @@ from masonry_cd.errors import InputError, parse_table
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Count = Annotated[int, Strict()]
-SolverName = Literal["auto", "nlgs", "admm", "newton"]
+SolverName = Literal["auto", "nlgs", "admm", "newton", "interior"]
 
 
 def _three_numbers(value: object) -> object:
