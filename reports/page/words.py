@@ -60,7 +60,7 @@ def number(value: float, unit: str = "") -> str:
     text = f"{value:.4g}"
     if "e" in text:
         mantissa, power = text.split("e")
-        text = (f"{mantissa} × " if mantissa != "1" else "") + f"10<sup>{int(power)}</sup>"
+        text = (f"{mantissa} × " if mantissa != "1" else "") + f"10<sup>{str(int(power)).replace('-', '−')}</sup>"
     return f"{text} {unit}".strip()
 
 
