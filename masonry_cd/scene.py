@@ -296,6 +296,18 @@ def _override(tables: dict[str, Any], override: str) -> None:
     place[str(parts[-1])] = _toml_value(value)
 
 
+def parse_change(change: str) -> tuple[str, Any]:
+    """Split ``key=value`` as --set takes it; the value is TOML, or else text.
+
+    Raises:
+        InputError: no key, or no equals sign.
+    """
+    key, equals, value = (part.strip() for part in change.partition("="))
+    if not key or not equals:
+        raise InputError(f"--set {change}: write key=value")
+    return key, _toml_value(value)
+
+
 def _toml_value(value: str) -> Any:
     """A TOML value, or the bare text where it is none."""
     try:

@@ -212,7 +212,7 @@ def test_build_writes_blocks_that_a_scene_reads_back(tmp_path):
     arch = Path(__file__).parents[1] / "examples" / "arch.toml"
     result = masonry_cd("build", arch, "-o", tmp_path, "--no-picture", "--set", "structure.voussoirs=9")
     assert result.exit_code == 0, result.output
-    assert "11 blocks (arch 9, base 2), 10 joints, 2 fixed" in result.stdout
+    assert "9 blocks and 2 fixed ones, 10 joints" in result.stdout
     text = arch.read_text()
     head, tail = text[: text.index("[structure]")], text[text.index("[material]") :]
     (tmp_path / "again.toml").write_text(head + '[structure]\nkind = "file"\npath = "blocks.json"\n' + tail)
@@ -259,3 +259,29 @@ def test_solve_refuses_what_is_no_problem(tmp_path):
         result = masonry_cd("solve", *words)
         assert result.exit_code == 2
         assert len(result.stderr.splitlines()) == 1
+
+
+def test_modal_prints_both_models_and_refuses_what_it_does_not_know(tmp_path):
+    arch = Path(__file__).parents[1] / "examples" / "arch.toml"
+    asked = ("modal", arch, "-o", tmp_path / "m", "--set", "structure.voussoirs=7", "--modes", "2", "--pictures", "0", "--method", "joints")
+    result = masonry_cd(*asked, "--young", "3e9")
+    assert result.exit_code == 0, result.output
+    assert "Hz" in result.stdout
+    assert (tmp_path / "m" / "modal.json").exists()
+    result = masonry_cd(*asked, "--force", "--young", "stiff")
+    assert result.exit_code == 2
+    assert "young" in result.output
+
+
+def test_record_draws_a_picture_and_names_a_misspelt_key(tmp_path):
+    file = tmp_path / "shock.csv"
+    times = np.arange(0.0, 2.0, 0.01)
+    rows = "\n".join(f"{t:.2f},{np.sin(9 * t) * np.exp(-t):.6f}" for t in times)
+    file.write_text(f"time_s,a_m_s2\n{rows}\n")
+    result = masonry_cd("record", file, "-o", tmp_path / "shock.png")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "shock.png").stat().st_size > 10_000
+    result = masonry_cd("record", file, "-o", tmp_path / "other.png", "--set", "colum=a_m_s2")
+    assert result.exit_code == 2
+    assert 'did you mean "column"' in result.output
+    assert not (tmp_path / "other.png").exists()
