@@ -254,6 +254,18 @@ def damage_line(s: dict[str, Any]) -> str:
     )
 
 
+def describe(blocks: list[Block]) -> str:
+    """What was built, in one line."""
+    assembly = Assembly.from_blocks(blocks, 0.0)
+    groups = ", ".join(f"{name} {int((assembly.group_of == i).sum())}" for i, name in enumerate(assembly.groups))
+    free = ~assembly.fixed
+    return (
+        f"{assembly.count} blocks ({groups}), {find_joints(assembly).count} joints, {int(assembly.fixed.sum())} fixed; "
+        f"the free ones weigh {assembly.mass[free].sum() / 1000:.4g} t, volumes {assembly.volume[free].min():.3g} to "
+        f"{assembly.volume[free].max():.3g} m3"
+    )
+
+
 def warnings(summary: dict[str, Any]) -> list[str]:
     """What must not pass in silence."""
     solver, lines = summary["solver"], []

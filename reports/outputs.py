@@ -18,7 +18,8 @@ from reports.part_files import NAMES_OF_FILES, write_part_damage
 
 ANIMATION = "crack_map.gif"
 PAGE = "report.html"
-FILES = (*NAMES_OF_FILES, ANIMATION, PAGE)  # beside joints.csv and the crack maps
+PRINT = "report.pdf"
+FILES = (*NAMES_OF_FILES, ANIMATION, PAGE, PRINT)  # beside joints.csv and the crack maps
 
 
 def thresholds_of(settings: Report) -> Thresholds:
@@ -112,6 +113,13 @@ def write_page(results: Results, path: Path, settings: Report, summary: Mapping[
 
     look = look_of(settings)
     page.write_page(results, path, summary, thresholds_of(settings), settings.scale, look.largest, damage)
+
+
+def write_pdf(page: Path, path: Path) -> None:
+    """Print the page."""
+    from reports.page import pdf
+
+    pdf.write_pdf(page, path)
 
 
 def write_asked(results: Results, folder: Path, settings: Report, summary: Mapping[str, Any]) -> None:

@@ -88,7 +88,8 @@ function overlay() {
   by("axes").innerHTML = `<svg viewBox="-40 -40 80 80">${axes.join("")}</svg>`;
   const wide = by("stage").clientWidth, metre = by("stage").clientHeight / camera.height, power = 10 ** Math.floor(Math.log10((0.25 * wide) / metre));
   const length = power * [5, 2, 1].find((s) => s * power * metre <= 0.25 * wide);
-  by("ruler-bar").style.width = `${length * metre}px`;
+  by("ruler").style.width = `${(100 * length * metre) / wide}%`; /* in print the picture keeps its shape, not its size */
+  by("stage").style.setProperty("--aspect", camera.aspect.toFixed(4));
   by("ruler-text").textContent = length >= 1 ? `${short(length)} m` : `${short(1e3 * length)} mm`;
   const pin = by("pin");
   pin.hidden = state.joint < 0;

@@ -1,0 +1,38 @@
+"""The page in print: Chromium, or a browser of its family, prints it to PDF without a display."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+from masonry_cd.errors import InputError
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge", "chrome", "msedge")
+FLAGS = (
+    "--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--no-pdf-header-footer", "--virtual-time-budget=30000",
+)  # fmt: skip
+PATIENCE = 300.0  # [s]
+
+
+def write_pdf(page: Path, path: Path) -> None:
+    """Print a page to a PDF.
+
+    Raises:
+        InputError: no browser of the family here, or one that prints nothing.
+    """
+    browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+    if browser is None:
+        raise InputError("--pdf: no Chromium here to print with (Debian: apt-get install chromium); or print report.html from any browser")
+    path.unlink(missing_ok=True)
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        command = [browser, *FLAGS, f"--user-data-dir={profile}", f"--print-to-pdf={path.resolve()}", page.resolve().as_uri()]
+        try:
+            subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=PATIENCE, check=False)
+        except subprocess.TimeoutExpired:
+            raise InputError(f"--pdf: {browser} did not end within {PATIENCE:g} s") from None
+    if not path.exists():
+        raise InputError(f"--pdf: {browser} printed nothing")
