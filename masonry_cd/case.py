@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
-    "crack_map.png", "crack_map.gif", "report.html", "report.pdf",
+    "crack_map.png", "crack_map.gif", "report.html", "report.pdf", "report.pdf",
 )  # fmt: skip
 
 
@@ -251,18 +251,6 @@ def damage_line(s: dict[str, Any]) -> str:
         f"joints: {s['joints']}, of which {s['joints_opened']} opened (at most {length(s['opening_max'])}), {s['joints_slid']} slid "
         f"(at most {length(s['sliding_max'])}), {s['joints_separated']} separated; {fallen}; "
         f"largest displacement relative to the base {length(s['displacement_max'])}"
-    )
-
-
-def describe(blocks: list[Block]) -> str:
-    """What was built, in one line."""
-    assembly = Assembly.from_blocks(blocks, 0.0)
-    groups = ", ".join(f"{name} {int((assembly.group_of == i).sum())}" for i, name in enumerate(assembly.groups))
-    free = ~assembly.fixed
-    return (
-        f"{assembly.count} blocks ({groups}), {find_joints(assembly).count} joints, {int(assembly.fixed.sum())} fixed; "
-        f"the free ones weigh {assembly.mass[free].sum() / 1000:.4g} t, volumes {assembly.volume[free].min():.3g} to "
-        f"{assembly.volume[free].max():.3g} m3"
     )
 
 

@@ -126,11 +126,12 @@ def build(
         from masonry_cd.scene import read_scene
 
         asked = read_scene(scene, set_ or ())
+        import structures
         from masonry_cd import case
-        from structures import blockfile
+        from structures import blockfile, summary
 
         blocks = case.build_blocks(asked)
-        typer.echo(case.describe(blocks))
+        typer.echo("\n".join(summary.lines(structures.report(blocks))))
         output.mkdir(parents=True, exist_ok=True)
         blockfile.write(output / "blocks.json", blocks)
         if picture:
@@ -256,9 +257,79 @@ def compare(
 
 
 @app.command()
+def modal(
+    scene: SceneFile,
+    output: Output,
+    set_: Changes = None,
+    young: Annotated[
+        list[str] | None,
+        typer.Option(metavar="E", help="Modulus [Pa]: 3e9, or by group of blocks: pier=4e9, default=2e9."),
+    ] = None,
+    poisson: Annotated[float, typer.Option(metavar="NU", help="Poisson's ratio.")] = 0.2,
+    method: Annotated[str, typer.Option(metavar="NAME", help="continuum, joints or both.")] = "both",
+    modes: Annotated[int, typer.Option(metavar="N", help="Modes to compute.")] = 6,
+    mesh_size: Annotated[float | None, typer.Option(metavar="H", help="Of the tetrahedra [m].", show_default="thickness")] = None,
+    restraint: Annotated[list[str] | None, typer.Option(metavar="GROUP=DIRECTIONS", help="What supports hold: pier1=z.")] = None,
+    reference: Annotated[Path | None, typer.Option(metavar="CSV", help="Measured modes to compare with.")] = None,
+    fit: Annotated[bool, typer.Option("--fit", help="Fit E to the first measured frequency.")] = False,
+    pictures: Annotated[int, typer.Option(metavar="N", help="Modes to draw.")] = 6,
+    force: Force = False,
+) -> None:
+    """Check modal frequencies: the bonded elastic continuum, and rigid blocks on elastic joints, on the blocks of a scene.
+
+    Rigid blocks with unilateral contacts have no elastic frequency; these two companions stand in for the structure before it cracks.
+
+    \b
+    Examples:
+      masonry-cd modal aqueduct.toml -o out/modal --young 3e9
+      masonry-cd modal church.toml -o out/modal --reference measured.csv --fit
+    """
+    with _told():
+        from reports.modal_case import OUTPUTS, by_group, modal_case
+
+        _free_folder(output, OUTPUTS, force)
+        asked = {
+            "young": by_group(young, "young") if young else None, "poisson": poisson, "method": method, "modes": modes,
+            "mesh_size": mesh_size, "restraint": by_group(restraint, "restraint") if restraint else {}, "reference": reference,
+            "fit": fit, "pictures": pictures,
+        }  # fmt: skip
+        found = modal_case(scene, asked, output, set_ or ())
+        typer.echo("\n".join(found["lines"]))
+        for line in found["warnings"]:
+            typer.echo(f"masonry-cd: warning: {line}", err=True)
+        typer.echo(f"written: {', '.join(map(str, found['written']))}")
+
+
+@app.command()
+def record(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Record of accelerations.", show_default=False)],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="PNG", help="Picture to draw.", show_default=False)],
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help='A key of [[loads]] kind = "record": units=g, window=[5,17].')
+    ] = None,
+) -> None:
+    """Draw a record: acceleration, velocity, displacement and response spectrum, before and after its correction.
+
+    \b
+    Examples:
+      masonry-cd record elcentro.AT2 -o elcentro.png
+      masonry-cd record aqv.csv -o aqv.png --set column=ns_m_s2 --set window=[5.0,17.0]
+    """
+    with _told():
+        from loads.picture import file_picture
+        from masonry_cd.errors import InputError
+        from masonry_cd.scene import parse_change
+
+        if not file.exists():
+            raise InputError(f"{file}: no such record")
+        file_picture(file, output, **dict(parse_change(change) for change in set_ or ()))
+        typer.echo(f"written: {output}")
+
+
+@app.command()
 def solve(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Friction problem: FCLIB HDF5 or .npz.", show_default=False)],
-    solver: Annotated[str, typer.Option(metavar="NAME", help="auto, nlgs, admm or newton.")] = "auto",
+    solver: Annotated[str, typer.Option(metavar="NAME", help="auto, nlgs, admm, newton or interior.")] = "auto",
     tolerance: Annotated[float, typer.Option(metavar="T", help="Natural map error to reach (scaled).")] = 1e-8,
     max_iterations: Annotated[int | None, typer.Option(metavar="N", min=1, help="The solver's own limit by default.")] = None,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Of random sweep orders.")] = 0,
