@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
-    "crack_map.png", "crack_map.gif", "report.html", "report.pdf", "report.pdf",
+    "crack_map.png", "crack_map.gif", "report.html", "report.pdf",
 )  # fmt: skip
 
 
