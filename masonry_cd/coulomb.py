@@ -26,16 +26,17 @@ import numpy as np
 from numba import njit
 
 GROUP = 16  # contacts visited in a row by a sweep, see _groups
+EPSILON = 2.2e-16  # relative rounding error of a float
 LAW_SIZE = 11  # numbers per contact in the table of local laws, see _law_row
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _length(x: float, y: float) -> float:
     """Length of a tangential vector."""
     return np.sqrt(x * x + y * y)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _slip(
     mu: float, qn: float, a1: float, a2: float, winv: float, c1: float, c2: float, s11: float, s12: float, s22: float
 ) -> tuple[float, float, float]:
@@ -78,7 +79,7 @@ def _slip(
     return pn, mu * pn * p1, mu * pn * p2
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _local_step(mu: float, qn: float, q1: float, q2: float, law: np.ndarray, c: int) -> tuple[float, float, float]:
     """The exact answer of one contact to the velocity (qn, q1, q2) that it sees without its own impulse."""
     if qn >= 0.0:
@@ -96,7 +97,7 @@ def _local_step(mu: float, qn: float, q1: float, q2: float, law: np.ndarray, c: 
     return _slip(mu, qn, a1, a2, winv, c1, c2, law[c, 3], law[c, 4], law[c, 5])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _law_row(w: np.ndarray, m: int, law: np.ndarray, c: int) -> None:
     """Prepare the local law of contact c from W (3, 3): 1/W_nn, w/W_nn (2), A (3), A^-1 (3), d = trace/m, W_nn."""
     wnn = w[0, 0]
@@ -117,7 +118,7 @@ def _law_row(w: np.ndarray, m: int, law: np.ndarray, c: int) -> None:
     law[c, 10] = wnn
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _own_velocity(pn: float, p1: float, p2: float, law: np.ndarray, c: int) -> tuple[float, float, float]:
     """W p of a contact from its law row: with w = c W_nn and W_tt = A + w w^T / W_nn."""
     c1, c2 = law[c, 1], law[c, 2]
@@ -125,7 +126,7 @@ def _own_velocity(pn: float, p1: float, p2: float, law: np.ndarray, c: int) -> t
     return un, c1 * un + law[c, 3] * p1 + law[c, 4] * p2, c2 * un + law[c, 4] * p1 + law[c, 5] * p2
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def local_solve(w: np.ndarray, q: np.ndarray, mu: float) -> np.ndarray:
     """The impulse (m,) of one contact with u = W p + q, for W (m, m) and q (m,): the local step as a function, for tests."""
     m = len(q)
@@ -144,7 +145,7 @@ def local_solve(w: np.ndarray, q: np.ndarray, mu: float) -> np.ndarray:
 # --- the natural map -------------------------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _project(xn: float, x1: float, x2: float, mu: float) -> tuple[float, float, float]:
     """Project (xn, x1, x2) onto Coulomb's cone |x_t| <= mu x_n."""
     tangent = _length(x1, x2)
@@ -157,15 +158,19 @@ def _project(xn: float, x1: float, x2: float, mu: float) -> tuple[float, float, 
     return height, scale * x1, scale * x2
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _natural_map2(pn: float, p1: float, p2: float, un: float, u1: float, u2: float, mu: float, d: float) -> float:
-    """Squared natural map residual of a contact in the scaled variables r = p sqrt(d), w = u / sqrt(d)."""
+    """Squared natural map residual of a contact in the scaled variables r = p sqrt(d), w = u / sqrt(d).
+
+    What rounding hides counts as error: where p has grown beyond all bounds, r - w is r, and the residual alone would be zero.
+    """
     xn, x1, x2 = _project(d * pn - un - mu * _length(u1, u2), d * p1 - u1, d * p2 - u2, mu)
     en, e1, e2 = d * pn - xn, d * p1 - x1, d * p2 - x2
-    return (en * en + e1 * e1 + e2 * e2) / d
+    hidden = EPSILON * d
+    return (en * en + e1 * e1 + e2 * e2 + hidden * hidden * (pn * pn + p1 * p1 + p2 * p2)) / d
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def natural_map_norms(p: np.ndarray, u: np.ndarray, q: np.ndarray, mu: np.ndarray, d: np.ndarray) -> tuple[float, float]:
     """Norms of the natural map residual and of q / sqrt(d), for impulses p, velocities u, q (C, m) and scales d (C,)."""
     residual, size = 0.0, 0.0
@@ -182,7 +187,7 @@ def natural_map_norms(p: np.ndarray, u: np.ndarray, q: np.ndarray, mu: np.ndarra
 # --- random order ----------------------------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _random(state: np.ndarray) -> np.uint64:
     """Next number of a xorshift64* generator (Marsaglia, J. Stat. Softw. 8, 2003; Vigna, ACM Trans. Math. Softw. 42, 2016)."""
     x = state[0]
@@ -193,7 +198,7 @@ def _random(state: np.ndarray) -> np.uint64:
     return x * np.uint64(2685821657736338717)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _seeded(seed: int) -> np.ndarray:
     """Generator state for a seed, scrambled so that small seeds differ at once; never zero."""
     state = np.empty(1, dtype=np.uint64)
@@ -203,7 +208,7 @@ def _seeded(seed: int) -> np.ndarray:
     return state
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _shuffle(order: np.ndarray, state: np.ndarray) -> None:
     """Fisher-Yates shuffle; the 32 high bits times the range replace a division."""
     for i in range(len(order) - 1, 0, -1):
@@ -214,7 +219,7 @@ def _shuffle(order: np.ndarray, state: np.ndarray) -> None:
 # --- a problem over bodies, prepared for sweeping -----------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _cholesky_small(a: np.ndarray, factor: np.ndarray, n: int) -> None:
     """Lower Cholesky factor of a symmetric (n, n) block, written into factor."""
     for i in range(n):
@@ -230,7 +235,7 @@ def _cholesky_small(a: np.ndarray, factor: np.ndarray, n: int) -> None:
             factor[i, j] = 0.0
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _scale_rows(jacobian, factor, side, c, body, m, n, scaled):
     """scaled = H L for one contact and side, L lower triangular."""
     for i in range(m):
@@ -241,7 +246,7 @@ def _scale_rows(jacobian, factor, side, c, body, m, n, scaled):
             scaled[c, side, i, j] = total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset):
     """Scale by mass: M^-1 = L L^T, G = H L, so that u = q + G y and y = G^T p, and one array of rows serves both ways.
 
@@ -271,7 +276,7 @@ def _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset):
     return factor, g, q, index
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _laws(g: np.ndarray, index: np.ndarray) -> np.ndarray:
     """The local laws of all contacts, from W_cc = sum over sides of G G^T (both sides on one body add up)."""
     contacts, _, m, n = g.shape
@@ -291,7 +296,7 @@ def _laws(g: np.ndarray, index: np.ndarray) -> np.ndarray:
     return law
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _groups(index: np.ndarray) -> np.ndarray:
     """Starts of the groups that a sweep visits in random order, with the end appended.
 
@@ -310,7 +315,7 @@ def _groups(index: np.ndarray) -> np.ndarray:
     return starts[: count + 1]
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _relative(g, q, y, c, a, b, i, n):
     """One component of u = q + G y."""
     total = q[c, i]
@@ -319,7 +324,7 @@ def _relative(g, q, y, c, a, b, i, n):
     return total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _sweep_spatial(g, q, y, index, law, mu, p, starts, order):
     """One Gauss-Seidel sweep for m = 3, n = 6: what a contact sees, its exact answer, the push on its two bodies.
 
@@ -366,7 +371,7 @@ def _sweep_spatial(g, q, y, index, law, mu, p, starts, order):
             y[b, 5] = b5 + (g[c, 1, 0, 5] * d0 + g[c, 1, 1, 5] * d1 + g[c, 1, 2, 5] * d2)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _sweep_any(g, q, y, index, law, mu, p, starts, order):
     """The same for any size; planar problems (m = 2, n = 3) come here."""
     m, n = g.shape[2], g.shape[3]
@@ -387,7 +392,7 @@ def _sweep_any(g, q, y, index, law, mu, p, starts, order):
                     y[b, k] += g[c, 1, i, k] * change
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _sweep(g, q, y, index, law, mu, p, starts, order):
     """One Gauss-Seidel sweep, group after group in the given order."""
     if g.shape[2] == 3 and g.shape[3] == 6:
@@ -396,7 +401,7 @@ def _sweep(g, q, y, index, law, mu, p, starts, order):
         _sweep_any(g, q, y, index, law, mu, p, starts, order)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _collect(g: np.ndarray, index: np.ndarray, p: np.ndarray, y: np.ndarray) -> None:
     """y = G^T p from scratch, which also clears the rounding of many sweeps."""
     contacts, _, m, n = g.shape
@@ -409,7 +414,7 @@ def _collect(g: np.ndarray, index: np.ndarray, p: np.ndarray, y: np.ndarray) -> 
                     y[body, k] += g[c, side, i, k] * p[c, i]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _residual(g, q, y, index, law, mu, p):
     """Natural map error of p, whose y = G^T p is given."""
     contacts, m = p.shape
@@ -426,7 +431,7 @@ def _residual(g, q, y, index, law, mu, p):
     return np.sqrt(residual / size) if size > 0.0 else np.sqrt(residual)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, scaled):
     """Norms of the natural map residual and of q for impulses p over a FrictionProblem; scaled by d, or with d = 1."""
     contacts, m = offset.shape
@@ -449,7 +454,7 @@ def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, scaled):
     return natural_map_norms(p, u, q, mu, d)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def nlgs_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, v, tolerance, limit, seed, every):
     """Gauss-Seidel over a FrictionProblem. p (C, m) holds the start and then the answer, v (B, n) the velocities.
 
@@ -483,7 +488,7 @@ def nlgs_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, v, tolera
 # --- a local problem, W as sparse blocks ---------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _row_velocity(data, indices, indptr, q, p, c, i):
     """One component of u = W p + q."""
     total = q[c, i]
@@ -494,7 +499,7 @@ def _row_velocity(data, indices, indptr, q, p, c, i):
     return total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _local_residual(data, indices, indptr, q, mu, p, law):
     """Natural map error of p for a local problem."""
     contacts, m = p.shape
@@ -509,7 +514,7 @@ def _local_residual(data, indices, indptr, q, mu, p, law):
     return np.sqrt(residual / size) if size > 0.0 else np.sqrt(residual)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed, every):
     """Gauss-Seidel over a LocalProblem with W in blocks (nnz, m, m). p holds the start and then the answer."""
     contacts, m = p.shape
@@ -550,7 +555,7 @@ def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed
 # size_m and size_n are tuples of m and n zeros: their lengths are part of their types, so the compiler knows m and n and unrolls.
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def neighbours_below(first: np.ndarray, second: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
     """Adjacency of a graph of given edges: for each node i its neighbours k < i, as starts (size + 1,) and neighbours."""
     start = np.zeros(size + 1, dtype=np.int64)
@@ -567,7 +572,7 @@ def neighbours_below(first: np.ndarray, second: np.ndarray, size: int) -> tuple[
     return start, neighbour
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def fill_in(start: np.ndarray, neighbour: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pattern of L by columns: starts (size + 1,) and rows below the diagonal, ascending, found along the elimination tree."""
     size = len(start) - 1
@@ -598,7 +603,7 @@ def fill_in(start: np.ndarray, neighbour: np.ndarray) -> tuple[np.ndarray, np.nd
     return column, row
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def locate(bodies: np.ndarray, place: np.ndarray, column: np.ndarray, row: np.ndarray, index: np.ndarray, spot: np.ndarray) -> bool:
     """Places of the bodies of each contact (supports: one past the last) and the block that couples them, -1 for none.
 
@@ -625,7 +630,7 @@ def locate(bodies: np.ndarray, place: np.ndarray, column: np.ndarray, row: np.nd
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _invert(a, out, work, size_n):
     """Inverse of an (n, n) block by Gauss-Jordan with row pivoting; False if it is singular or not finite."""
     n = len(size_n)
@@ -657,7 +662,7 @@ def _invert(a, out, work, size_n):
     return True
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _minus_product(c, at, a, i, b, size_n):
     """c[at] -= a[i] b for blocks. Most of a factorisation is spent here, so for n = 6 a row of c is held in registers."""
     n = len(size_n)
@@ -680,7 +685,7 @@ def _minus_product(c, at, a, i, b, size_n):
                     c[at, p, q] -= x * b[r, q]
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _times(a, b, transposed, out, size_n):
     """out = a b, or a b^T."""
     n = len(size_n)
@@ -692,7 +697,7 @@ def _times(a, b, transposed, out, size_n):
             out[p, q] = total
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _factorise(column, row, diagonal, lower, upper, pivot, symmetric, size_n):
     """A = L D U in place: diagonal blocks A_jj become D_j, lower A_ij become L_ij, upper A_ji^T become U_ji^T; pivot holds D_j^-1.
 
@@ -739,7 +744,7 @@ def _factorise(column, row, diagonal, lower, upper, pivot, symmetric, size_n):
     return True
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _solve_factorised(column, row, lower, upper, pivot, x, size_n):
     """Solve L D U x = x in place, x (size, n)."""
     size, n = len(column) - 1, len(size_n)
@@ -771,7 +776,7 @@ def _solve_factorised(column, row, lower, upper, pivot, x, size_n):
 # --- bodies in the order of the factorisation --------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _in_order(inverse_mass, v_free, order, size_n):
     """M^-1, M and v_free with the bodies in elimination order."""
     bodies, n = len(order), len(size_n)
@@ -786,7 +791,7 @@ def _in_order(inverse_mass, v_free, order, size_n):
     return inverse, mass, free
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _scales(inverse, jacobian, index, size_m, size_n):
     """d_c = trace(W_cc) / m."""
     m, n, bodies = len(size_m), len(size_n), len(inverse)
@@ -809,7 +814,7 @@ def _scales(inverse, jacobian, index, size_m, size_n):
     return d
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _rows(jacobian, index, offset, v, u, size_m, size_n):
     """u = H v + b; v (bodies + 1, n) with a last row of zeros for the supports."""
     m, n = len(size_m), len(size_n)
@@ -822,7 +827,7 @@ def _rows(jacobian, index, offset, v, u, size_m, size_n):
             u[c, i] = total
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _add_push(jacobian, index, p, out, size_m, size_n):
     """out += H^T p; the last row of out, of the supports, is of no use."""
     m, n = len(size_m), len(size_n)
@@ -835,7 +840,7 @@ def _add_push(jacobian, index, p, out, size_m, size_n):
                 out[b, k] += h[1, i, k] * x
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _velocity_of(inverse, free, jacobian, index, p, push, v, size_m, size_n):
     """v = v_free + M^-1 H^T p, with a last row of zeros."""
     n = len(size_n)
@@ -850,7 +855,7 @@ def _velocity_of(inverse, free, jacobian, index, p, push, v, size_m, size_n):
     v[-1] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _missing_momentum(mass, free, v, out, size_n):
     """out = M (v_free - v)."""
     n = len(size_n)
@@ -863,7 +868,7 @@ def _missing_momentum(mass, free, v, out, size_n):
     out[-1] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _size_of(q: np.ndarray, d: np.ndarray) -> float:
     """|q / sqrt(d)|, by which errors are divided; 1 if it is zero."""
     total = 0.0
@@ -873,7 +878,7 @@ def _size_of(q: np.ndarray, d: np.ndarray) -> float:
     return np.sqrt(total) if total > 0.0 else 1.0
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n):
     """Norm of the natural map residual for impulses p and body velocities v."""
     m, n = len(size_m), len(size_n)
@@ -893,7 +898,7 @@ def _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n):
     return np.sqrt(total)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _put_back(v, order, out):
     """Velocities from elimination order to the order of the problem."""
     for b in range(len(order)):
@@ -904,7 +909,7 @@ def _put_back(v, order, out):
 # --- ADMM over bodies ------------------------------------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n):
     """Diagonal and lower blocks of M + H^T R H."""
     m, n, bodies = len(size_m), len(size_n), len(mass)
@@ -928,7 +933,7 @@ def _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n):
                         lower[spot[c], p, q] += x * h[1, i, q] if a > b else y * h[0, i, q]
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size_n):
     """p+ = P_K(p - rho (u + mu |u_t| n)), out += H^T (2 p+ - p). Returns the squared scaled change of p."""
     m, n = len(size_m), len(size_n)
@@ -961,7 +966,7 @@ def _augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size
     return change
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def admm_bodies(
     inverse_mass, v_free, bodies, jacobian, offset, mu, order, column, row, index, spot, lower, pivot, rho, p, v_out, k, fresh,
     tolerance, limit, size_m, size_n,
@@ -1032,7 +1037,7 @@ def admm_bodies(
 # --- semismooth Newton over bodies ---------------------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _tangent(pn, p1, p2, un, u1, u2, mu, d, stiffness, block, target, spatial):
     """Linearised law of one contact, p+ = target - block (u+ - u), for contact stiffness ``stiffness`` / d; see solvers/newton.py."""
     block[:] = 0.0
@@ -1061,7 +1066,7 @@ def _tangent(pn, p1, p2, un, u1, u2, mu, d, stiffness, block, target, spatial):
         block[1, 1], block[1, 2], block[2, 1], block[2, 2] = beta * e2 * e2, -beta * e1 * e2, -beta * e1 * e2, beta * e1 * e1
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n):
     """Diagonal, lower and transposed upper blocks of M + H^T B H, B one (m, m) block per contact."""
     m, n, bodies = len(size_m), len(size_n), len(mass)
@@ -1096,7 +1101,7 @@ def _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper,
                         upper[spot[c], q, p] += x_low * turned[high, i, q]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool, float]:
     """Whether a Newton step that changed the error so is accepted, and the stiffness of the next one."""
     if not (new < 1.5 * error or (first and new < np.inf)):
@@ -1106,7 +1111,7 @@ def _damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool
     return True, 2.0 * stiffness if new <= error else 0.5 * stiffness
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def newton_bodies(
     inverse_mass, v_free, bodies, jacobian, offset, mu, order, column, row, index, spot, p, v_out, stiffness, tolerance, limit,
     size_m, size_n,
@@ -1176,7 +1181,7 @@ def newton_bodies(
 # --- ADMM and Newton for local problems ------------------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _product(data, indices, indptr, p, out, size_m):
     """out = W p."""
     m = len(size_m)
@@ -1189,7 +1194,7 @@ def _product(data, indices, indptr, p, out, size_m):
             out[c, i] = total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _local_norm(data, indices, indptr, q, mu, d, p, u, size_m):
     """u = W p + q, and the norm of the natural map residual."""
     m, total = len(size_m), 0.0
@@ -1201,13 +1206,13 @@ def _local_norm(data, indices, indptr, q, mu, d, p, u, size_m):
     return np.sqrt(total)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _block_at(column: np.ndarray, row: np.ndarray, low: int, high: int) -> int:
     """Index of block (high, low) below the diagonal."""
     return column[low] + np.searchsorted(row[column[low] : column[low + 1]], high)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _place_blocks(data, indices, indptr, scale, place, column, row, symmetric, diagonal, lower, upper, size_m):
     """Diagonal, lower and transposed upper blocks of S W, S one block per contact; or the symmetric part of W into lower alone."""
     m = len(size_m)
@@ -1232,7 +1237,7 @@ def _place_blocks(data, indices, indptr, scale, place, column, row, symmetric, d
                         upper[at, s, r] += block[r, s]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _identities(count, size_m):
     """Unit blocks (count, m, m)."""
     out = np.zeros((count, len(size_m), len(size_m)))
@@ -1242,7 +1247,7 @@ def _identities(count, size_m):
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def admm_local(data, indices, indptr, q, mu, d, order, place, column, row, p, k, tolerance, limit, size_m):
     """ADMM over a LocalProblem: pi stands for the velocities, u = W pi + q, and (W + R^-1) (pi+ - pi) = R^-1 (2 p+ - p - pi).
 
@@ -1310,7 +1315,7 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, column, row, p, k,
     return iterations, smallest
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def newton_local(data, indices, indptr, own, q, mu, d, place, column, row, p, stiffness, tolerance, limit, size_m):
     """Semismooth Newton over a LocalProblem: (I + B W) (p+ - p) = g - p, its rows scaled to unit diagonal blocks.
 
@@ -1371,3 +1376,171 @@ def newton_local(data, indices, indptr, own, q, mu, d, place, column, row, p, st
             best[:] = p
     p[:] = best
     return iterations, smallest, begin
+
+
+# --- interior point over bodies -------------------------------------------------------------------------------------------------------
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _cone_det(x0: float, x1: float, x2: float) -> float:
+    """x_0^2 - |x_t|^2, positive inside the second-order cone; written so that it does not cancel."""
+    t = _length(x1, x2)
+    return (x0 - t) * (x0 + t)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _way_out(x0: float, x1: float, x2: float, d0: float, d1: float, d2: float) -> float:
+    """Largest step from x inside the second-order cone along d that stays inside, at most 1e10."""
+    best = -x0 / d0 if d0 < 0.0 else 1e10
+    a, b, c = d0 * d0 - d1 * d1 - d2 * d2, x0 * d0 - x1 * d1 - x2 * d2, max(_cone_det(x0, x1, x2), 0.0)
+    root = b * b - a * c  # of a t^2 + 2 b t + c = 0
+    if root < 0.0:
+        return best
+    far = -(b + np.sqrt(root)) if b >= 0.0 else -(b - np.sqrt(root))
+    if far != 0.0 and c / far > 0.0:
+        best = min(best, c / far)
+    if a != 0.0 and far / a > 0.0:
+        best = min(best, far / a)
+    return best
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _nt_scaling(w0: float, w1: float, w2: float, z0: float, z1: float, z2: float) -> tuple[float, float, float, float]:
+    """Nesterov and Todd's scaling W of the pair (w, z): eta and b with W = eta (2 v v^T - J), v = (b + e) / sqrt(2 (b_0 + 1))."""
+    root_w, root_z = np.sqrt(_cone_det(w0, w1, w2)), np.sqrt(_cone_det(z0, z1, z2))
+    half = np.sqrt(2.0 * (1.0 + (w0 * z0 + w1 * z1 + w2 * z2) / (root_w * root_z)))
+    b0, b1, b2 = (w0 / root_w + z0 / root_z) / half, (w1 / root_w - z1 / root_z) / half, (w2 / root_w - z2 / root_z) / half
+    return np.sqrt(root_w / root_z), b0, b1, b2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _second_order(eta, b0, b1, b2, w, z, dw, dz, out):
+    """out = W^-1 (lambda \\ ((W^-1 dw) o (W dz))), lambda = W z: Mehrotra's correction for one contact."""
+    root = np.sqrt(2.0 * (b0 + 1.0))
+    v0, v1, v2 = (b0 + 1.0) / root, b1 / root, b2 / root
+    back, forth, own = v0 * dw[0] - v1 * dw[1] - v2 * dw[2], v0 * dz[0] + v1 * dz[1] + v2 * dz[2], v0 * z[0] + v1 * z[1] + v2 * z[2]
+    x0, x1, x2 = (2.0 * v0 * back - dw[0]) / eta, (-2.0 * v1 * back + dw[1]) / eta, (-2.0 * v2 * back + dw[2]) / eta
+    y0, y1, y2 = (2.0 * v0 * forth - dz[0]) * eta, (2.0 * v1 * forth + dz[1]) * eta, (2.0 * v2 * forth + dz[2]) * eta
+    l0, l1, l2 = (2.0 * v0 * own - z[0]) * eta, (2.0 * v1 * own + z[1]) * eta, (2.0 * v2 * own + z[2]) * eta
+    c0, c1, c2 = x0 * y0 + x1 * y1 + x2 * y2, x0 * y1 + y0 * x1, x0 * y2 + y0 * x2
+    t0 = (l0 * c0 - l1 * c1 - l2 * c2) / _cone_det(l0, l1, l2)
+    t1, t2 = (c1 - l1 * t0) / l0, (c2 - l2 * t0) / l0
+    back = v0 * t0 - v1 * t1 - v2 * t2
+    out[0], out[1], out[2] = (2.0 * v0 * back - t0) / eta, (-2.0 * v1 * back + t1) / eta, (-2.0 * v2 * back + t2) / eta
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def interior_bodies(
+    inverse_mass, v_free, bodies, jacobian, offset, friction, order, column, row, index, spot, p, v_out, tolerance, limit, size_m, size_n
+):
+    """Interior point method over a FrictionProblem, see solvers/interior.py. p receives the best answer found; its start is not used.
+
+    Returns iterations and natural map error.
+    """
+    count, m, n, contacts = len(order), len(size_m), len(size_n), len(friction)
+    inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
+    d = _scales(inverse, jacobian, index, size_m, size_n)
+    v, out, own_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.zeros((count + 1, n))
+    u, target = np.empty((contacts, m)), np.empty((contacts, m))
+    blocks, scale = np.empty((contacts, m, m)), np.empty((contacts, 4))
+    w, z, dw, dz = np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros((contacts, 3))
+    miss, goal, second = np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros(3)
+    diagonal, pivot = np.empty((count, n, n)), np.empty((count, n, n))
+    lower, upper = np.empty((len(row), n, n)), np.empty((len(row), n, n))
+    v[:count] = free
+    _rows(jacobian, index, offset, v, u, size_m, size_n)
+    size = _size_of(u, d)
+    largest = np.abs(u).max()
+    best, best_v = np.zeros(p.shape), v.copy()
+    smallest = _map_norm(jacobian, index, offset, friction, d, best, v, size_m, size_n) / size
+    mu = np.maximum(friction, 1e-6)  # a cone without width has no inside
+    for c in range(contacts):
+        w[c, 0], z[c, 0] = largest, largest / d[c]
+    step, iterations = 1.0, 0
+    while iterations < limit and smallest > tolerance:
+        # where the iterate stands: complementarity, and what w misses of u + mu |u_t| n, in coordinates in which the cone is round
+        _rows(jacobian, index, offset, v, u, size_m, size_n)
+        gap = 0.0
+        for c in range(contacts):
+            gap += (w[c, 0] * z[c, 0] + w[c, 1] * z[c, 1] + w[c, 2] * z[c, 2]) / contacts
+        for c in range(contacts):
+            u2 = u[c, 2] if m == 3 else 0.0
+            smooth = 3.0 * np.sqrt(gap * d[c])  # |u_t| without its kink, which shrinks on the way
+            slip = np.sqrt(u[c, 1] * u[c, 1] + u2 * u2 + smooth * smooth) - smooth
+            miss[c, 0], miss[c, 1], miss[c, 2] = u[c, 0] / mu[c] + slip - w[c, 0], u[c, 1] - w[c, 1], u2 - w[c, 2]
+            eta, b0, b1, b2 = _nt_scaling(w[c, 0], w[c, 1], w[c, 2], z[c, 0], z[c, 1], z[c, 2])
+            scale[c, 0], scale[c, 1], scale[c, 2], scale[c, 3] = eta, b0, b1, b2
+            b = (b0, -b1, -b2)
+            for i in range(m):
+                for j in range(m):
+                    entry = 2.0 * b[i] * b[j] - ((1.0 if i == 0 else -1.0) if i == j else 0.0)
+                    blocks[c, i, j] = entry / (eta * eta) / (mu[c] if i == 0 else 1.0) / (mu[c] if j == 0 else 1.0)
+        _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
+        if not (gap > 0.0) or not _factorise(column, row, diagonal, lower, lower, pivot, True, size_n):
+            break
+        iterations += 1
+        # predictor (no centring), then corrector with the centring that the predictor asks for
+        centring, longest = 0.0, 0.0
+        for correcting in range(2):
+            for c in range(contacts):
+                if correcting:
+                    _second_order(scale[c, 0], scale[c, 1], scale[c, 2], scale[c, 3], w[c], z[c], dw[c], dz[c], second)
+                aim = centring * gap / _cone_det(w[c, 0], w[c, 1], w[c, 2])
+                goal[c, 0] = aim * w[c, 0] - z[c, 0] - second[0]
+                goal[c, 1] = -aim * w[c, 1] - z[c, 1] - second[1]
+                goal[c, 2] = -aim * w[c, 2] - z[c, 2] - second[2]
+                for i in range(m):
+                    total = goal[c, i] * (1.0 / mu[c] if i == 0 else 1.0) + z[c, i] * (1.0 / mu[c] if i == 0 else 1.0)
+                    for j in range(m):
+                        total -= blocks[c, i, j] * miss[c, j] * (mu[c] if j == 0 else 1.0)
+                    target[c, i] = total  # p + its change at u+ = u
+            _missing_momentum(mass, free, v, out, size_n)
+            _add_push(jacobian, index, target, out, size_m, size_n)
+            _solve_factorised(column, row, lower, lower, pivot, out, size_n)
+            out[count] = 0.0
+            longest = 1e10
+            for c in range(contacts):
+                a, b_, h = index[c, 0], index[c, 1], jacobian[c]
+                for i in range(m):
+                    change = 0.0
+                    for k in range(n):
+                        change += h[0, i, k] * out[a, k] + h[1, i, k] * out[b_, k]
+                    dw[c, i] = change / mu[c] if i == 0 else change
+                for i in range(m):
+                    total = target[c, i]
+                    for j in range(m):
+                        total -= blocks[c, i, j] * dw[c, j] * (mu[c] if j == 0 else 1.0)
+                    dz[c, i] = total * (mu[c] if i == 0 else 1.0) - z[c, i]
+                for i in range(m):
+                    dw[c, i] += miss[c, i]
+                longest = min(longest, _way_out(w[c, 0], w[c, 1], w[c, 2], dw[c, 0], dw[c, 1], dw[c, 2]))
+                longest = min(longest, _way_out(z[c, 0], z[c, 1], z[c, 2], dz[c, 0], dz[c, 1], dz[c, 2]))
+            if not correcting:
+                ahead, reach = 0.0, min(1.0, longest)
+                for c in range(contacts):
+                    for i in range(3):
+                        ahead += (w[c, i] + reach * dw[c, i]) * (z[c, i] + reach * dz[c, i]) / contacts
+                centring = max(min(1.0, max(ahead / gap, 0.0)) ** 3, 1e-6 if step > 0.2 else (0.5 if step > 0.05 else 1.0))
+        second[:] = 0.0
+        step = min(1.0, 0.99 * longest)
+        for c in range(contacts):
+            for i in range(m):
+                w[c, i] += step * dw[c, i]
+                z[c, i] += step * dz[c, i]
+                p[c, i] = z[c, i] / mu[c] if i == 0 else z[c, i]
+            if friction[c] == 0.0:
+                p[c, 1:] = 0.0
+        for b_ in range(count):
+            for i in range(n):
+                v[b_, i] += step * out[b_, i]
+        _velocity_of(inverse, free, jacobian, index, p, out, own_v, size_m, size_n)
+        error = _map_norm(jacobian, index, offset, friction, d, p, own_v, size_m, size_n) / size
+        if error < smallest:
+            smallest = error
+            best[:] = p
+            best_v[:] = own_v
+        if not error < np.inf:
+            break
+    p[:] = best
+    _put_back(best_v, order, v_out)
+    return iterations, smallest

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from masonry_cd.friction import Problem, Solution
-from masonry_cd.solvers import admm, auto, newton, nlgs
+from masonry_cd.solvers import admm, auto, interior, newton, nlgs
 from masonry_cd.solvers.options import Options
 
 Solver = Callable[[Problem, Options, Solution | None], Solution]
@@ -13,6 +13,7 @@ Solver = Callable[[Problem, Options, Solution | None], Solution]
 SOLVERS: dict[str, Solver] = {
     "admm": admm.solve,
     "auto": auto.solve,
+    "interior": interior.solve,
     "newton": newton.solve,
     "nlgs": nlgs.solve,
 }

@@ -2,8 +2,9 @@
 
 ADMM carries news through the structure in every iteration and is cheap by the iteration; Newton is dear by the iteration but needs few,
 also where much slides or lifts off, if it starts close. So a step begins with the one that did better in the steps before (ADMM at first,
-the other one is tried again now and then), within a limit at which Newton would surely have been cheaper. What is not solved then
-goes to the other one, and on in turns with growing limits; each starts from the best impulses so far.
+the other one is tried again now and then), within a limit at which the other would surely have been cheaper, and goes on with the other.
+What neither solves (a whole structure that jerks loose) goes to the interior point method, which comes near from anywhere, and from there
+to Newton again; last, long runs of ADMM.
 
 Costs are counted, not timed: floating-point operations by the pattern of the factorisation. The choice, and with it every bit of the
 result, is then the same on every machine.
@@ -16,15 +17,17 @@ from dataclasses import replace
 import numpy as np
 
 from masonry_cd.friction import FrictionProblem, Problem, Solution, natural_map_error
-from masonry_cd.solvers import admm, newton, nlgs
+from masonry_cd.solvers import admm, interior, newton, nlgs
 from masonry_cd.solvers.options import Options
 from masonry_cd.solvers.pattern import Pattern
 
-ROUNDS = 5  # turns of ADMM and Newton before giving up
-NEWTON_LIMIT = 16
 TRIAL = 50  # steps between two trials of the solver that is not preferred
-ADMM, NEWTON = 0, 1
-NAMES = ("admm", "newton")
+STALLED = 1e-5  # natural map error below which a round of methods that does not halve it is the last
+ADMM, NEWTON, INTERIOR = 0, 1, 2
+METHODS = (admm, newton, interior)
+NAMES = ("admm", "newton", "interior")
+Round = tuple[tuple[int, int], ...]  # methods and their limits of iterations
+LAST_RESORT: tuple[Round, ...] = (((INTERIOR, 40), (NEWTON, 40)), ((ADMM, 600), (NEWTON, 40)), ((ADMM, 1200), (NEWTON, 40)))
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -37,33 +40,59 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     """
     if problem.contacts == 0:
         return nlgs.solve(problem, options, start)
-    tally = _recall(start)
+    tally, costs = _recall(start), _costs(problem, start)
     first = ADMM if start is None else _prefer(tally)
-    costs = _costs(problem, start)
-    best, total, limits = start, 0, (_limit(costs), NEWTON_LIMIT)
-    spent = [0.0, 0.0]
-    memory: dict[str, np.ndarray] = {} if start is None else start.memory
-    error, story = np.inf, []
-    for turn in range(2 * ROUNDS):
-        method = (first + turn) % 2
-        limit = limits[method] * (1 + turn // 2 * 2)
-        if options.max_iterations is not None:
-            limit = min(limit, options.max_iterations - total)
-        begin = None if best is None else Solution(best.impulse, None, 0, memory=memory)
-        found = (newton if method == NEWTON else admm).solve(problem, replace(options, max_iterations=limit), begin)
-        memory, total = found.memory, total + found.iterations
-        spent[method] += costs[method] * found.iterations
-        story.append(NAMES[method])
-        found_error = natural_map_error(problem, found.impulse)
-        if found_error < error or best is None:
-            best, error = found, found_error
-        if error <= options.tolerance or total == options.max_iterations:
+    limits = {ADMM: _limit(costs), NEWTON: 16}
+    search = _Search(problem, options, start)
+    rest = LAST_RESORT if isinstance(problem, FrictionProblem) else LAST_RESORT[1:]
+    for turns in (((first, limits[first]), (1 - first, limits[1 - first])), *rest):
+        before = search.error
+        for method, limit in turns:
+            if not search.ended:
+                search.turn(method, limit)
+        if search.ended or 0.5 * before < search.error < STALLED:
             break
-    assert best is not None
-    _learn(tally, first, spent)
-    best.iterations, best.memory = total, memory | {"auto_tally": tally}
-    best.reason = _reason(story, error, options)
-    return best
+    _learn(tally, first, [costs[method] * search.iterations[method] for method in (ADMM, NEWTON)])
+    return search.solution(tally)
+
+
+class _Search:
+    """The best answer so far, and the way to it."""
+
+    def __init__(self, problem: Problem, options: Options, start: Solution | None) -> None:
+        self.problem, self.options = problem, options
+        self.best = self.last = start
+        self.error = np.inf
+        self.iterations = [0, 0, 0]  # by method
+        self.story: list[str] = []
+
+    @property
+    def ended(self) -> bool:
+        """Whether the tolerance or the limit of iterations is reached."""
+        return self.error <= self.options.tolerance or sum(self.iterations) == self.options.max_iterations
+
+    def turn(self, method: int, limit: int) -> None:
+        """Give a method its turn, from the best impulses so far; Newton goes on from the interior point, which may only look worse."""
+        if self.options.max_iterations is not None:
+            limit = min(limit, self.options.max_iterations - sum(self.iterations))
+        begin = self.last if self.story[-1:] == ["interior"] else self.best
+        if begin is not None and self.last is not None:
+            begin = Solution(begin.impulse, None, 0, memory=self.last.memory)
+        self.last = METHODS[method].solve(self.problem, replace(self.options, max_iterations=limit), begin)
+        self.iterations[method] += self.last.iterations
+        self.story.append(NAMES[method])
+        error = natural_map_error(self.problem, self.last.impulse)
+        if error < self.error:
+            self.best, self.error = self.last, error
+
+    def solution(self, tally: np.ndarray) -> Solution:
+        """The best answer, with the memory of all."""
+        assert self.best is not None
+        assert self.last is not None
+        tried = " + ".join(self.story[:4]) + (" and so on" if len(self.story) > 4 else "")
+        end = "converged" if self.error <= self.options.tolerance else f"missed, error {self.error:.1e}"
+        memory = self.last.memory | {"auto_tally": tally}
+        return Solution(self.best.impulse, self.best.velocity, sum(self.iterations), f"{tried}: {end}", memory)
 
 
 def _recall(start: Solution | None) -> np.ndarray:
@@ -105,9 +134,3 @@ def _costs(problem: Problem, start: Solution | None) -> tuple[float, float]:
 def _limit(costs: tuple[float, float]) -> int:
     """Iterations of ADMM after which Newton would have been cheaper."""
     return int(np.clip(10.0 * costs[NEWTON] / costs[ADMM], 50, 200))
-
-
-def _reason(story: list[str], error: float, options: Options) -> str:
-    """What was tried, and how it ended."""
-    tried = " + ".join(story[:2]) + (" and so on" if len(story) > 2 else "")
-    return f"{tried}: converged" if error <= options.tolerance else f"{tried}: missed, error {error:.1e}"
