@@ -96,9 +96,11 @@ def _turn(x, y, z, ax, ay, az, c, s):
 @njit(cache=True, nogil=True)
 def contact_rows(
     blocks, point, normal, gap, previous, last_impulse, plane_axis, plane_at, position, support_velocity, support_of, free_index,
-    group_of, friction, columns, step, chosen, bodies, jacobian, offset, mu, impulse,
+    group_of, friction, columns, step, closed, chosen, bodies, jacobian, offset, mu, impulse,
 ):  # fmt: skip
     """Fill the friction problem, and the impulses to start from; return the number of its contacts.
+
+    Gaps up to ``closed`` [m] count as closed: positions at rest carry rounding, and gaps of that size only keep contacts undecided.
 
     In a plane only the contacts on one side of the middle plane count, moved into it: the others are their mirror images.
     """
@@ -115,7 +117,7 @@ def contact_rows(
         for i in range(m):
             offset[count, i] = 0.0
             impulse[count, i] = last_impulse[previous[c], i] if previous[c] >= 0 else 0.0
-        offset[count, 0] = max(gap[c], 0.0) / step
+        offset[count, 0] = gap[c] / step if gap[c] > closed else 0.0
         for side in range(2):
             block, sign = blocks[c, side], 1.0 - 2.0 * side
             for d in range(3):

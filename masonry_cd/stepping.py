@@ -35,7 +35,8 @@ from masonry_cd.solvers import SOLVERS, Options
 from masonry_cd.state import State, rotation_matrices
 
 ENERGIES = ("kinetic", "friction", "impact", "base_work", "gravity_work", "correction", "balance")
-OVERLAP = 1e-6  # overlaps up to this share of a block's width are left alone
+TOUCHING = 1e-8  # gaps up to this share of the smallest width are none
+OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone
 CORRECTED = 0.2  # share of what is beyond that which one step takes away
 
 
@@ -162,6 +163,7 @@ class Stepper:
         count = kinematics.contact_rows(
             found.bodies, found.point, found.normal, found.gap, found.previous, self._impulse, axis, at, state.position,
             self._support_velocity[self.steps + 1], a.support_of, self._free_index, a.group_of, a.friction, self._columns, h,
+            TOUCHING * self._width,
             chosen, bodies, jacobian, offset, mu, impulse,
         )  # fmt: skip
         self.chosen = chosen[:count]
