@@ -604,30 +604,31 @@ def fill_in(start: np.ndarray, neighbour: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def locate(bodies: np.ndarray, place: np.ndarray, column: np.ndarray, row: np.ndarray, index: np.ndarray, spot: np.ndarray) -> bool:
+def locate(bodies, last, place, column, row, index, spot) -> int:
     """Places of the bodies of each contact (supports: one past the last) and the block that couples them, -1 for none.
 
-    Returns False if a pair of bodies has no block in the pattern.
+    Returns -1 if a pair of bodies has no block in the pattern, 1 if the bodies are those of the ``last`` contacts, else 0.
     """
-    size = len(place)
+    size, same = len(place), len(bodies) == len(last)
     for c in range(len(bodies)):
         for side in range(2):
             index[c, side] = place[bodies[c, side]] if bodies[c, side] >= 0 else size
+            same = same and bodies[c, side] == last[c, side]
         low, high = min(index[c, 0], index[c, 1]), max(index[c, 0], index[c, 1])
         spot[c] = -1
         if high == size or low == high:
             continue
-        first, last = column[low], column[low + 1]
-        while first < last:
-            middle = (first + last) // 2
+        first, end = column[low], column[low + 1]
+        while first < end:
+            middle = (first + end) // 2
             if row[middle] < high:
                 first = middle + 1
             else:
-                last = middle
+                end = middle
         if first == column[low + 1] or row[first] != high:
-            return False
+            return -1
         spot[c] = first
-    return True
+    return 1 if same else 0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -42,7 +42,8 @@ PROBE = 40  # steps between two trials of a neighbouring k
 class Memory:
     """What the next step can use: the symbolic analysis, the factors, and the k that did best.
 
-    It travels in ``Solution.memory`` as a dict of arrays, so that a checkpoint can hold it.
+    It travels in ``Solution.memory`` as a dict of arrays, so that a checkpoint can hold it; the factors in it are overwritten by the next
+    step.
     """
 
     pattern: Pattern
@@ -67,6 +68,7 @@ class Memory:
             return None
         own = {name.removeprefix("admm_"): array for name, array in arrays.items() if name.startswith("admm_")}
         pattern = Pattern(**{name: own.pop(name) for name in ("pairs", "order", "place", "column", "row")})
+        own["tally"] = own["tally"].copy()
         return cls(pattern, **own)
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -113,16 +115,17 @@ def recall(bodies: np.ndarray, count: int, n: int, start: Solution | None) -> tu
     memory = Memory.read(start.memory) if start is not None else None
     if memory is None or memory.pattern.nodes != count:
         memory = Memory.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1]), bodies, n)
-    found = memory.pattern.locate(bodies)
+    found = memory.pattern.locate(bodies, memory.bodies)
     if found is None:  # a new pair of bodies: those that were in touch may be again
         pattern = Pattern.of(count, bodies[:, 0], bodies[:, 1], memory.pattern.pairs)
         memory = Memory.empty(pattern, bodies, n, memory.tally)
-        found = pattern.locate(bodies)
+        found = pattern.locate(bodies, bodies)
         assert found is not None
-    if not np.array_equal(memory.bodies, bodies):
-        memory.bodies, memory.rho = bodies, np.empty(len(bodies))
+    index, spot, same = found
+    if not same:
+        memory.bodies, memory.rho = bodies.copy(), np.empty(len(bodies))
         memory.tally[1] = 1.0
-    return memory, *found
+    return memory, index, spot
 
 
 def _next_k(tally: np.ndarray) -> float:

@@ -40,7 +40,8 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     """
     if problem.contacts == 0:
         return nlgs.solve(problem, options, start)
-    tally, costs = _recall(start), _costs(problem, start)
+    tally = _recall(start)
+    costs = _costs(problem, tally, start)
     first = ADMM if start is None else _prefer(tally)
     limits = {ADMM: _limit(costs), NEWTON: 16}
     search = _Search(problem, options, start)
@@ -96,10 +97,10 @@ class _Search:
 
 
 def _recall(start: Solution | None) -> np.ndarray:
-    """(3,) mean cost of steps begun with ADMM and with Newton, nan if unknown, and the number of steps."""
+    """(6,) mean cost of steps begun with ADMM and with Newton, nan if unknown, the number of steps, and what :func:`_costs` counted."""
     if start is not None and "auto_tally" in start.memory:
         return start.memory["auto_tally"].copy()
-    return np.array([np.nan, np.nan, 0.0])
+    return np.array([np.nan, np.nan, 0.0, -1.0, 0.0, 0.0])
 
 
 def _prefer(tally: np.ndarray) -> int:
@@ -119,18 +120,23 @@ def _learn(tally: np.ndarray, first: int, spent: list[float]) -> None:
         tally[1 - first] = spent[1 - first]
 
 
-def _costs(problem: Problem, start: Solution | None) -> tuple[float, float]:
-    """Operations of one iteration of ADMM and of one of Newton, from the pattern of the last step's factorisation."""
+def _costs(problem: Problem, tally: np.ndarray, start: Solution | None) -> tuple[float, float]:
+    """Operations of one iteration of ADMM and of one of Newton, from the pattern of the last step's factorisation.
+
+    Counted anew only when the number of contacts changes.
+    """
     if not isinstance(problem, FrictionProblem):
         return 1.0, 10.0
-    memory = admm.Memory.read(start.memory) if start is not None else None
-    n, rows = problem.v_free.shape[1], problem.contacts * problem.dimension
-    pattern = memory.pattern if memory is not None else Pattern.of(len(problem.v_free), problem.bodies[:, 0], problem.bodies[:, 1])
-    below = np.diff(pattern.column).astype(float)
-    iteration = 8.0 * rows * n + 4.0 * n * n * below.sum()
-    return iteration, iteration + 2.0 * n**3 * float(below @ (below + 1.0)) + 8.0 * rows * n * n
+    if tally[3] != problem.contacts:
+        memory = admm.Memory.read(start.memory) if start is not None else None
+        n, rows = problem.v_free.shape[1], problem.contacts * problem.dimension
+        pattern = memory.pattern if memory is not None else Pattern.of(len(problem.v_free), problem.bodies[:, 0], problem.bodies[:, 1])
+        below = np.diff(pattern.column).astype(float)
+        iteration = 8.0 * rows * n + 4.0 * n * n * below.sum()
+        tally[3:] = problem.contacts, iteration, iteration + 2.0 * n**3 * float(below @ (below + 1.0)) + 8.0 * rows * n * n
+    return float(tally[4]), float(tally[5])
 
 
 def _limit(costs: tuple[float, float]) -> int:
     """Iterations of ADMM after which Newton would have been cheaper."""
-    return int(np.clip(10.0 * costs[NEWTON] / costs[ADMM], 50, 200))
+    return min(max(int(10.0 * costs[NEWTON] / costs[ADMM]), 50), 200)

@@ -50,10 +50,14 @@ class Pattern:
         """Number of nodes N."""
         return len(self.order)
 
-    def locate(self, bodies: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """Places (C, 2) of the bodies of each contact and the block (C,) that couples them; None if a block is missing."""
+    def locate(self, bodies: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool] | None:
+        """Places (C, 2) of the bodies of each contact, the block (C,) that couples them, and whether they are those of the last contacts.
+
+        None if a block is missing.
+        """
         index, spot = np.empty((len(bodies), 2), dtype=np.int64), np.empty(len(bodies), dtype=np.int64)
-        return (index, spot) if coulomb.locate(bodies, self.place, self.column, self.row, index, spot) else None
+        found = coulomb.locate(bodies, last, self.place, self.column, self.row, index, spot)
+        return None if found < 0 else (index, spot, found == 1)
 
 
 def _minimum_degree(nodes: int, low: np.ndarray, high: np.ndarray) -> np.ndarray:
