@@ -176,7 +176,7 @@ def report(
             from reports import outputs, part_files
 
             settings = report_of(results.scene, view=view, scale=scale, cut=cut, thrust=thrust)
-            outputs.check(settings)
+            outputs.check(settings, results)
             frame = outputs.frame_at(results, time)
             moments = outputs.parse_times(results, times) if times is not None else []
             summary = outputs.read_summary(folder) | case.write_damage(results, folder, settings)

@@ -159,7 +159,9 @@ class Results:
             raise InputError(f"{path}: no such result file")
         try:
             file = h5py.File(path, "r")
-        except OSError:
+        except OSError as failure:
+            if "truncated file" in str(failure):  # HDF5 would retry for hours to read what is not there as if it were being written
+                raise InputError(f"{path}: cut off: parts of the file are missing, as after a copy that broke") from None
             file = _open_unfinished(path)
         if "time" not in file or "joints" not in file:
             raise InputError(f"{path}: not the result of a run, or one that ended before its first frame")

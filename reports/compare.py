@@ -116,7 +116,6 @@ def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
     moved = np.asarray(results.position[: results.frames, highest], dtype=float) - solids.centre[highest] - shift
     farthest = moved[np.argmax(np.hypot(*moved[:, :2].T)), :2]
     along = farthest / max(float(np.hypot(*farthest)), 1e-300)
-    file = folder / "summary.json"
     return Run(
         name=name,
         scene=flat(tomllib.loads(results.scene)),
@@ -125,8 +124,25 @@ def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
         top=moved[:, :2] @ (along * (np.sign(along[np.argmax(np.abs(along))]) or 1.0)),
         displacement=displacement_max(results),
         height=float(np.ptp(solids.vertices[~solids.fixed[solids.vertex_block], 2])),
-        summary=json.loads(file.read_text(encoding="utf-8")) if file.exists() else {},
+        summary=_summary(folder / "summary.json"),
     )
+
+
+def _summary(path: Path) -> dict[str, Any]:
+    """The summary of a run, empty where it was killed before it wrote one.
+
+    Raises:
+        InputError: a file that is no JSON object.
+    """
+    if not path.exists():
+        return {}
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError:
+        found = None
+    if not isinstance(found, dict):
+        raise InputError(f"{path}: not a summary, or one that was cut off")
+    return found
 
 
 def flat(table: Mapping[str, Any], before: str = "") -> dict[str, Any]:

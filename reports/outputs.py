@@ -35,8 +35,8 @@ def look_of(settings: Report) -> Look:
     return Look(settings.view, settings.scale, thresholds, largest, settings.cut, settings.thrust)
 
 
-def check(settings: Report) -> None:
-    """Check what only the reports know of, before a run takes its time.
+def check(settings: Report, results: Results | None = None) -> None:
+    """Check what only the reports know of, before a run takes its time; with results, also what depends on the structure.
 
     Raises:
         InputError: names the key.
@@ -46,7 +46,9 @@ def check(settings: Report) -> None:
         from reports.cut import axis_of
 
         axis_of(settings.cut)
-    look_of(settings)
+    look = look_of(settings)
+    if results is not None:
+        framing(results, [0], look)
 
 
 def damage_of(results: Results, settings: Report) -> PartDamage:

@@ -3,7 +3,7 @@ r"""The way of the forces: ribbons through the blocks, from joint to joint, as w
 A result file holds the size of the normal force N_j of a joint, not the place where it acts. A joint that is open at one side carries
 it at the edge where it still touches, and the ribbon goes through that edge; in a closed joint it goes through the middle, which is
 known to lie within the joint and no more. In each block the ribbons of its joints meet at the mean of these points weighted by N_j:
-for a voussoir, whose two joints carry nearly equal forces, that makes a straight line from joint to joint.
+for a voussoir, whose two joints carry nearly equal forces, that makes a straight line from joint to joint. A block with one joint has none.
 So in an arch on its hinges this is the line of thrust; elsewhere it shows which way the load goes, and not how eccentric it is.
 """
 
@@ -53,7 +53,8 @@ def ribbons(
         ends.append(np.stack([place, hub[block]], axis=1)[drawn])
         strength.append(force[drawn])
     lines, width = np.concatenate(ends), WIDEST * pixel * np.concatenate(strength) / max(largest, 1e-300)
-    return _facing(lines, width, view), largest
+    long = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > 0.5 * pixel  # a block on a single joint has nowhere to lead its force
+    return _facing(lines[long], width[long], view), largest
 
 
 def _places(results: Results, solids: Solids, pose: Pose, moment: Moment, factor: float) -> np.ndarray:

@@ -285,3 +285,65 @@ def test_record_draws_a_picture_and_names_a_misspelt_key(tmp_path):
     assert result.exit_code == 2
     assert 'did you mean "column"' in result.output
     assert not (tmp_path / "other.png").exists()
+
+
+def test_reports_write_the_damage_by_part_and_maps_at_times(block_on_plate, tmp_path):
+    out = tmp_path / "out"
+    masonry_cd("run", block_on_plate(duration="duration = 0.1"), "-o", out, "-q")
+    result = masonry_cd("report", out, "--no-crack-map", "--times", "0.02,0.1", "--cut", "y")
+    assert result.exit_code == 0, result.output
+    assert {"crack_map_0.02s.png", "crack_map_0.1s.png", "damage.csv", "damage.json", "hinges.csv", "drift.csv"} <= {
+        path.name for path in out.iterdir()
+    }
+    document = json.loads((out / "damage.json").read_text())
+    assert [row["part"] for row in document["parts"]] == ["block", "structure"]
+    assert document["parts"][0]["mechanism"] == "sliding"
+    assert "block                D2    sliding" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--times", "1,x"), '--times: "x" is no number'),
+        (("--times", "7"), "time 7 s lies outside the run"),
+        (("--cut", "q"), 'cut: "q" is no plane'),
+        (("--cut", "y", "--view", "side"), "edge-on"),
+    ],
+)
+def test_bad_report_options_are_one_line(block_on_plate, tmp_path, options, message):
+    masonry_cd("run", block_on_plate(duration="duration = 0.02"), "-o", tmp_path / "out", "-q")
+    result = masonry_cd("report", tmp_path / "out", *options)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in result.stderr and len(result.stderr.splitlines()) == 1
+
+
+def test_what_the_scene_asks_of_the_reports_is_checked_first_and_written_after(block_on_plate, tmp_path):
+    asked = '[report]\ndamage = true\ngrades.width = [{}]\ngrades.labels = ["a", "b", "c", "d", "e", "f"]'
+    refused = masonry_cd("run", block_on_plate(report=asked.format("1, 2")), "-o", tmp_path / "out")
+    assert refused.exit_code == 2
+    assert "report.grades.width: should be five numbers" in refused.stderr
+    assert not (tmp_path / "out").exists()
+    scene = block_on_plate(duration="duration = 0.05", report=asked.format("1e-9, 1e-8, 1, 2, inf"))
+    modules, errors = modules_loaded_by(tmp_path, "run", scene, "-o", "out", "-q")
+    document = json.loads((tmp_path / "out" / "damage.json").read_text())
+    assert (document["parts"][-1]["grade"], document["parts"][-1]["grade_label"]) == ("D2", "c"), errors
+    assert not {"matplotlib", "vtk", "vtkmodules", "pyvista"} & modules
+    asked = tmp_path / "out" / "damage.json"
+    masonry_cd("run", block_on_plate(duration="duration = 0.02"), "-o", tmp_path / "out", "-q", "--force")
+    assert not asked.exists(), "what a former run left must not pass for this one's"
+
+
+def test_runs_are_exported_and_compared(block_on_plate, tmp_path):
+    for name, friction in (("smooth", 0.0), ("rough", 0.6)):
+        scene = block_on_plate(duration="duration = 0.1", friction=f"friction = {friction}")
+        masonry_cd("run", scene, "-o", tmp_path / name, "-q")
+    result = masonry_cd("export", tmp_path / "smooth")
+    assert result.exit_code == 0, result.output
+    assert {path.name for path in (tmp_path / "smooth" / "paraview").iterdir()} == {"blocks.vtkhdf", "joints.vtkhdf", "names.csv"}
+    assert masonry_cd("export", tmp_path / "smooth", "--format", "obj").exit_code == 2
+    result = masonry_cd("compare", tmp_path / "smooth", tmp_path / "rough")
+    assert result.exit_code == 0, result.output
+    lines = {line.split("|")[1].strip(): line.split("|")[3:5] for line in result.stdout.splitlines()}
+    assert [cell.strip() for cell in lines["material.friction"]] == ["0", "0.6"]
+    assert [cell.strip() for cell in lines["joints slid"]] == ["1", "0"]
+    assert masonry_cd("compare", tmp_path / "smooth", tmp_path / "none").exit_code == 2

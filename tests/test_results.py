@@ -87,3 +87,15 @@ def test_what_is_no_result_is_named(tmp_path):
         file["time"] = [0.0]
     with pytest.raises(InputError, match=r"other\.h5: not the result of a run"):
         Results.open(tmp_path / "other.h5")
+
+
+@pytest.mark.parametrize("share", [0.01, 0.5, 0.98])
+def test_a_file_that_was_cut_off_is_told_at_once(tmp_path, share):
+    machine = stepper(tower(2), 5)
+    joints = find_joints(machine.assembly)
+    with ResultWriter(tmp_path / "whole.h5", machine.assembly, joints) as writer:
+        run(machine, joints, writer, 5)
+    whole = (tmp_path / "whole.h5").read_bytes()
+    (tmp_path / "cut.h5").write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(InputError, match=r"cut\.h5: cut off: parts of the file are missing"):
+        Results.open(tmp_path / "cut.h5")
