@@ -56,7 +56,7 @@ def test_the_base_of_the_aqueduct_moves_as_the_scene_says(tmp_path):
         fixed = np.array([block.fixed for block in results.blocks])
         moved = results.position[results.frames - 1][fixed, 0] - results.position[0][fixed, 0]
     omega = 2 * math.pi * 1.5
-    assert moved == pytest.approx(0.25 / omega * (1 - math.cos(omega * 0.1)), rel=1e-4)
+    assert moved == pytest.approx(0.25 / omega * (1 - math.cos(omega * 0.1)), rel=5e-4)  # steps of 4 ms: (omega dt)^2 / 12
 
 
 def test_the_aqueduct_stands_on_its_piers_at_rest(tmp_path):
