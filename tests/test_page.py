@@ -296,3 +296,16 @@ def test_an_unknown_block_is_told(page):
 
 def test_it_prints(page):
     assert page.pdf().startswith(b"%PDF")
+
+
+@pytest.mark.skipif(bool(browsers.missing()), reason=browsers.missing())
+def test_the_command_line_prints_the_page(folder):
+    asked = CliRunner().invoke(app, ["report", str(folder), "--pdf", "--no-crack-map"])
+    assert "report.pdf" in asked.stdout, asked.stderr
+    assert (folder / "report.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_printing_without_a_browser_is_told(folder, monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    asked = CliRunner().invoke(app, ["report", str(folder), "--pdf", "--no-crack-map"])
+    assert asked.exit_code == 2 and "--pdf: no Chromium here" in asked.stderr

@@ -35,7 +35,7 @@ class Camera {
     this.target = this.low.map((v, k) => (v + this.high[k]) / 2);
     const half = this.low.map((v, k) => (this.high[k] - v) / 2);
     const reach = (axis) => half.reduce((sum, h, k) => sum + h * Math.abs(axis[k]), 0);
-    this.height = 2.3 * Math.max(reach(this.up), reach(this.right) / this.aspect, 1e-6 * this.size);
+    this.height = Math.max(2.5 * reach(this.up), (2.2 * reach(this.right)) / this.aspect, 1e-6 * this.size);
     this.fitted = true;
   }
 
