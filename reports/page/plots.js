@@ -1,6 +1,6 @@
 /* Curves over time as SVG, with a cursor that follows the model's time. */
 
-const BOX = { width: 600, height: 190, left: 62, right: 18, top: 10, bottom: 24 };
+const BOX = { width: 600, height: 190, left: 68, right: 22, top: 12, bottom: 24 };
 const HUES = ["#0072b2", "#d55e00", "#009e73", "#b3589a", "#8a6d00", "#56b4e9", "#555555"]; /* apart for colour-blind readers too */
 
 const safe = (text) => String(text).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
