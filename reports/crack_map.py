@@ -223,13 +223,16 @@ def followed(rest: Window, moved: np.ndarray) -> Window:
 
 def _shadow(subject: Subject) -> Surface:
     """The free blocks at rest, pale, behind everything: seen only where the structure has moved away."""
-    solids, towards = subject.solids, subject.framed.view.towards
-    behind = float((solids.vertices @ towards).max() - (subject.drawn @ towards).min()) + 0.01 * subject.framed.window.height
+    solids, framed = subject.solids, subject.framed
+    towards = framed.view.towards
+    behind = float((solids.vertices @ towards).max() - (subject.drawn @ towards).min()) + 0.01 * framed.window.height
     free = ~solids.fixed[solids.face_block]
     sides = np.diff(solids.loop_start)
     colours = np.tile((255 * rgb(SHADOW)).astype(np.uint8), (int(free.sum()), 1))
     loops = solids.loops[np.repeat(free, sides)]
-    return Surface(solids.vertices - behind * towards, loops, np.cumsum([0, *sides[free]]), colours, lit=False)
+    whole = Surface(solids.vertices, loops, np.cumsum([0, *sides[free]]), colours, lit=False)
+    left = clipped(whole, framed.cut) if framed.cut is not None else whole
+    return Surface(left.points - behind * towards, left.loops, left.loop_start, left.colours, lit=False)
 
 
 def _block_layers(subject: Subject) -> list[Layer]:
@@ -246,7 +249,7 @@ def _block_layers(subject: Subject) -> list[Layer]:
     caps = caps_of(solids, subject.drawn, framed.cut)
     shade = (255 * CAP * colours[caps.block]).astype(np.uint8)
     lift = 5e-4 * framed.window.height * framed.view.towards
-    outline = caps.outline(EDGE, 1.2)
+    outline = caps.outline(EDGE, 1.2 if len(caps.block) < 2000 else 0.7)
     return [
         *layers,
         Surface(caps.points, caps.loops, caps.loop_start, shade, lit=False),

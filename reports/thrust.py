@@ -19,7 +19,8 @@ from reports.render import Surface, View
 
 COLOUR = (90, 20, 110)
 WIDEST = 12.0  # of the largest force [pixels]
-THINNEST = 1.0  # forces whose ribbons would be thinner are left out [pixels]
+WIDEST_OF_BLOCK = 0.3  # ... but no more than this share of a block's smallest extent
+THINNEST = 0.08  # forces below this share of the largest are left out
 
 
 def ribbons(
@@ -49,10 +50,11 @@ def ribbons(
     ends, strength = [], []
     for block in (joints.block_a, joints.block_b):
         hub = _hubs(joints.block_a, joints.block_b, place, force, len(solids.centre))
-        drawn = ~solids.fixed[block] & (force * WIDEST >= THINNEST * max(largest, 1e-300))
+        drawn = ~solids.fixed[block] & (force >= THINNEST * max(largest, 1e-300))
         ends.append(np.stack([place, hub[block]], axis=1)[drawn])
         strength.append(force[drawn])
-    lines, width = np.concatenate(ends), WIDEST * pixel * np.concatenate(strength) / max(largest, 1e-300)
+    widest = min(WIDEST * pixel, WIDEST_OF_BLOCK * float(np.median(solids.sizes[~solids.fixed].min(axis=1))))
+    lines, width = np.concatenate(ends), widest * np.concatenate(strength) / max(largest, 1e-300)
     long = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > 0.5 * pixel  # a block on a single joint has nowhere to lead its force
     return _facing(lines[long], width[long], view), largest
 
