@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import scenes
@@ -9,7 +11,7 @@ from test_friction import project
 
 from masonry_cd import coulomb
 from masonry_cd.friction import Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.solvers import SOLVERS, Options, nlgs
 
 solve = SOLVERS["nlgs"]
 
@@ -91,3 +93,25 @@ def test_limit_is_said() -> None:
     solution = solve(scenes.tower(50), Options(max_iterations=100), None)
     assert solution.iterations == 100
     assert "limit reached" in solution.reason
+
+
+def test_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Coloured sweeps on one thread and on two give the same bits, and they converge as the others do."""
+    monkeypatch.setattr(nlgs, "COLOURED", 100)
+    problem = scenes.wall(6, 4)
+    one, two = (solve(problem, Options(max_iterations=200, threads=threads), None) for threads in (1, 2))
+    np.testing.assert_array_equal(one.impulse, two.impulse)
+    assert natural_map_error(problem, one.impulse) < 1e-2
+
+
+def test_colours_share_no_block() -> None:
+    """Joints of a colour touch no moving block twice, and every joint has a colour."""
+    problem = scenes.wall(6, 4)
+    bodies = len(problem.v_free)
+    index = np.where(problem.bodies < 0, bodies, problem.bodies)
+    start, order, ends = coulomb.colour_joints(index, bodies)
+    assert sorted(order) == list(range(len(start) - 1))
+    for low, high in pairwise(ends):
+        touched = index[start[order[low:high]]].ravel()
+        moving = touched[touched < bodies]
+        assert len(set(moving)) == len(moving)

@@ -8,11 +8,15 @@ G = H L,
 
 One sweep carries news by about one joint, so tall stacks need many. The order is drawn anew each sweep, joint by joint (the
 contacts of a joint stay together), from a seed: equal seeds give equal bits.
+
+From ``COLOURED`` contacts on, the joints are coloured so that no two of a colour share a moving block; a sweep takes the colours in random
+order and the joints of a colour in parallel. The number of contacts decides it, not the number of threads, so threads change no bit.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numba import config, set_num_threads
 
 from masonry_cd import coulomb
 from masonry_cd.friction import FrictionProblem, LocalProblem, Problem, Solution
@@ -20,6 +24,8 @@ from masonry_cd.solvers.options import Options
 
 LIMIT = 10_000  # sweeps
 EVERY = 10  # sweeps between two measurements of the error
+COLOURED = 5000  # contacts
+CHUNK = 32  # joints that a thread takes at a time
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -34,6 +40,8 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     if start is not None:
         impulse[:] = start.impulse
     limit = LIMIT if options.max_iterations is None else options.max_iterations
+    if isinstance(problem, FrictionProblem) and problem.contacts >= COLOURED:
+        return _solve_coloured(problem, options, impulse, limit)
     if isinstance(problem, FrictionProblem):
         velocity = np.empty(problem.v_free.shape)
         sweeps, error = coulomb.nlgs_bodies(*problem.arrays(), impulse, velocity, options.tolerance, limit, options.seed, EVERY)
@@ -42,6 +50,25 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         *block_arrays(problem), problem.q, problem.mu, impulse, options.tolerance, limit, options.seed, EVERY
     )
     return Solution(impulse, None, sweeps, _reason(error, options))
+
+
+def _solve_coloured(problem: FrictionProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
+    """Sweep colour by colour, on as many threads as asked for."""
+    arrays, mu = problem.arrays()[:5], problem.arrays()[5]
+    factor, g, q, index, law = coulomb.prepare_sweeps(*arrays)
+    bodies, n = problem.v_free.shape
+    start, order, ends = coulomb.colour_joints(index, bodies)
+    colours = np.flatnonzero(np.diff(ends))
+    y, velocity, random = np.empty((bodies + 1, n)), np.empty((bodies, n)), np.random.default_rng(options.seed)
+    set_num_threads(max(1, min(options.threads, config.NUMBA_NUM_THREADS)))
+    error, sweeps = coulomb.collect_and_measure(g, q, y, index, law, mu, impulse), 0
+    while error > options.tolerance and sweeps < limit:
+        for _ in range(min(EVERY, limit - sweeps)):
+            coulomb.sweep_coloured(g, q, y, index, law, mu, impulse, start, order, random.permutation(colours), ends[:-1], ends[1:], CHUNK)
+            sweeps += 1
+        error = coulomb.collect_and_measure(g, q, y, index, law, mu, impulse)
+    coulomb.velocities(factor, problem.v_free, y, velocity)
+    return Solution(impulse, velocity, sweeps, _reason(error, options))
 
 
 def block_arrays(problem: LocalProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
