@@ -20,12 +20,15 @@ from masonry_cd import __version__, checkpoint
 from masonry_cd.blocks import Assembly, Block
 from masonry_cd.errors import InputError
 from masonry_cd.joints import Joints, find_joints
+from masonry_cd.planar import find_plane
 from masonry_cd.progress import Interrupt, Progress, in_words, said_if_slow
 from masonry_cd.results import Results, ResultWriter
 from masonry_cd.runner import RunReport
 from masonry_cd.runner import run as run_steps
 from masonry_cd.scene import Report, Run, Scene
+from masonry_cd.state import State
 from masonry_cd.stepping import Stepper
+from masonry_cd.warmup import compile_kernels
 
 if TYPE_CHECKING:
     from loads import Loading
@@ -86,17 +89,13 @@ def prepare(scene: Scene) -> Case:
         assembly = replace(assembly, support_of=loading.support_of)
     with said_if_slow("compiling the kernels, once: this takes about a minute and is kept for later runs"):
         joints = find_joints(assembly)
-        _compile(scene.run)
+        compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run))
     return Case(scene, assembly, joints, loading, time.perf_counter() - begin)
 
 
-def _compile(settings: Run) -> None:
-    """Take a step of two cubes, so that what numba compiles on first use is not counted as time of the run."""
-    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
-    faces = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-    cubes = [Block("base", corners, faces, 2000.0, fixed=True), Block("cube", corners + [0.1, 0.0, 1.0], faces, 2000.0)]
-    gravity = np.tile([0.0, 0.0, -9.81], (2, 1))
-    Stepper(Assembly.from_blocks(cubes, 0.5), np.zeros((2, 1, 3)), gravity, settings.model_copy(update={"dt": 1e-3})).step()
+def _is_planar(assembly: Assembly, loading: Loading, settings: Run) -> bool:
+    """Whether the run will be solved in a plane."""
+    return settings.planar and find_plane(assembly, State.at_rest(assembly), loading.support_velocity, loading.acceleration) is not None
 
 
 def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False) -> dict[str, Any]:
