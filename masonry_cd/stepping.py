@@ -101,6 +101,11 @@ class Stepper:
         self._impulse = np.zeros((1, self.rows))  # of all contacts of the last step
 
     @property
+    def closed_gap(self) -> float:
+        """Gaps up to this one are none [m]."""
+        return TOUCHING * self._width
+
+    @property
     def rows(self) -> int:
         """Rows per contact: 3 in space, 2 in a plane."""
         return 3 if self.plane is None else 2
@@ -163,7 +168,7 @@ class Stepper:
         count = kinematics.contact_rows(
             found.bodies, found.point, found.normal, found.gap, found.previous, self._impulse, axis, at, state.position,
             self._support_velocity[self.steps + 1], a.support_of, self._free_index, a.group_of, a.friction, self._columns, h,
-            TOUCHING * self._width,
+            self.closed_gap,
             chosen, bodies, jacobian, offset, mu, impulse,
         )  # fmt: skip
         self.chosen = chosen[:count]

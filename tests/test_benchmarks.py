@@ -94,7 +94,8 @@ def as_lmgc90(made, steps: int, tolerance: float) -> tuple[dict[str, np.ndarray]
         frame = np.stack([found.normal, *tangents(found.normal)], axis=1)
         force = impulse_in(frame, found, impulse, machine) / made.dt
         out[f"icdbdy_{k}"], out[f"ianbdy_{k}"] = (found.bodies + 1).T
-        out[f"coor_{k}"], out[f"gap_{k}"] = found.point.copy(), found.gap[:, None].copy()
+        gap = np.where(found.gap > machine.closed_gap, found.gap, np.minimum(found.gap, 0.0))  # as the contact law saw it
+        out[f"coor_{k}"], out[f"gap_{k}"] = found.point.copy(), gap[:, None]
         out[f"uc_{k}"] = frame[:, [1, 0, 2]].reshape(-1, 9)
         out[f"rloc_{k}"], out[f"vloc_{k}"] = force[:, [1, 0, 2]], np.zeros((found.count, 3))
     return out | {"sampled": np.arange(1, steps + 1), "position": np.array(position), "axes": np.array(axes)}, errors
