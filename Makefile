@@ -7,7 +7,7 @@ PYTHON ?= python3
 VENV   := .venv
 STAMP  := $(VENV)/.installed
 DEMO   := out/demo/crack_map.png
-CODE   := $(wildcard masonry_cd/*.py masonry_cd/*/*.py structures/*.py loads/*.py loads/*/*.py reports/*.py)
+CODE   := $(wildcard masonry_cd/*.py masonry_cd/*/*.py structures/*.py loads/*.py loads/*/*.py reports/*.py reports/page/*)
 
 # Debian package and the library that it brings, for gmsh (first five, OpenMP) and off-screen VTK (EGL)
 LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.so.1 libxft2:libXft.so.2 \
