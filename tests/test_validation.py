@@ -129,16 +129,16 @@ def test_smallest_overturning_pulse(frequency, amplitude):
 
 
 @pytest.mark.parametrize("count", [10, 50])
-def test_towers_at_rest_do_not_sink(count):
+def test_towers_at_rest_do_not_sink(count, capsys):
     machine = stepper(tower(count), 4000, dt=5e-3, **AUTO)
-    halfway = 0.0
-    for k in range(4000):
-        machine.step()
-        if k == 2000:
-            halfway = np.abs(machine.state.position - machine.assembly.centre).max()
+    deepest = 0.0
+    for _ in range(4000):
+        deepest = max(deepest, machine.step().penetration)
     moved = np.abs(machine.state.position - machine.assembly.centre).max()
-    assert moved < 1e-6
-    assert moved < 2 * halfway + 1e-9
+    with capsys.disabled():
+        print(f"\ntower of {count} at rest for 20 s: moved {1e6 * moved:.4f} um, penetration {1e6 * deepest:.4f} um", end=" ")
+    assert deepest < 1e-6
+    assert moved < 2e-7  # what a tolerance of 1e-8 leaves of g h in every one of 4,000 steps adds up to 2 um at worst
 
 
 @pytest.mark.parametrize("ratio", [10.0, 1e3, 1e5])
