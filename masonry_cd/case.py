@@ -132,12 +132,14 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False)
     summary = _summary(case, report)
     with Results.open(file) as results:
         summary |= write_damage(results, folder, scene.report)
+        summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
+        write_json(summary, folder / "summary.json")  # before the pictures, which may fail for want of a library
         if scene.report.asks and not report.stopped:
             from reports import outputs
 
             outputs.write_asked(results, folder, scene.report, summary)
-    summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
-    write_json(summary, folder / "summary.json")
+            summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
+            write_json(summary, folder / "summary.json")
     return summary
 
 

@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 
 from masonry_cd import __version__
 from masonry_cd.cli import app
+from masonry_cd.errors import InputError
 from masonry_cd.friction import LocalProblem
 from masonry_cd.problem_files import write_problem
 from masonry_cd.results import Results
@@ -347,3 +348,18 @@ def test_runs_are_exported_and_compared(block_on_plate, tmp_path):
     assert [cell.strip() for cell in lines["material.friction"]] == ["0", "0.6"]
     assert [cell.strip() for cell in lines["joints slid"]] == ["1", "0"]
     assert masonry_cd("compare", tmp_path / "smooth", tmp_path / "none").exit_code == 2
+
+
+def test_numbers_are_kept_when_a_picture_fails(block_on_plate, tmp_path, monkeypatch):
+    from reports import outputs
+
+    def fail(*_: object) -> None:
+        raise InputError("no off-screen OpenGL")
+
+    monkeypatch.setattr(outputs, "write_asked", fail)
+    scene = block_on_plate(duration="duration = 0.01", report="[report]\ncrack_map = true")
+    result = masonry_cd("run", scene, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "no off-screen OpenGL" in result.stderr
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["steps"] == 10
+    assert (tmp_path / "out" / "joints.csv").exists()
