@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -198,21 +197,12 @@ def _summary(case: Case, report: RunReport) -> dict[str, Any]:
             "error_max": report.error_max,
             "error_mean": report.error_mean,
             "steps_missed": report.steps_missed,
-            "reasons": _reasons(report.solver_reasons),
+            "reasons": report.solver_reasons,
         },
         "penetration_max": report.penetration_max,
         "energy": energy | {"balance_error": report.balance_error},
         "loads": case.loading.summary,
     }
-
-
-def _reasons(counts: dict[str, int]) -> dict[str, int]:
-    """The solver's reasons without their numbers, so that like counts with like."""
-    out: dict[str, int] = {}
-    for reason, count in counts.items():
-        kind = re.sub(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", "#", reason)
-        out[kind] = out.get(kind, 0) + count
-    return out
 
 
 def write_json(summary: dict[str, Any], path: Path) -> None:

@@ -18,6 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numba import njit
 
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 
@@ -47,15 +48,36 @@ def open_contacts(problem: FrictionProblem, gap: np.ndarray, pair: np.ndarray, s
         step: h [s].
         gravity: magnitude of the body acceleration [m/s2].
     """
-    if not (gap > 0.0).any():
-        return None
-    ahead = problem.free_relative_velocity()[:, 0]  # negative when the gap closes before the next q_m
-    closing = np.maximum(gap, 0.0) / step - ahead
-    fast = (closing > FAST * gravity * step) & (ahead < 0.0)
-    hit = fast & (gap > AT_ONCE * closing * step)
-    if not hit.any():
-        return None
-    return (fast & np.isin(pair, pair[hit])) | (gap > CLOSED * gravity * step * step)
+    is_open = np.empty(len(gap), dtype=np.bool_)
+    hit = _impacts(gap, pair, problem.bodies, problem.jacobian, problem.offset, problem.v_free, step, gravity, is_open)
+    return is_open if hit else None
+
+
+@njit(cache=True, nogil=True)
+def _impacts(gap, pair, bodies, jacobian, offset, v_free, step, gravity, is_open):
+    """Fill ``is_open`` (C,), see :func:`open_contacts`; return whether there is an impact. The contacts of a pair follow each other."""
+    contacts, any_hit = len(gap), False
+    first = 0
+    while first < contacts:
+        last, hit = first, False
+        while last < contacts and pair[last] == pair[first]:
+            is_open[last] = False  # for now: whether it is hit hard
+            ahead = offset[last, 0]  # negative when the gap closes before the next q_m
+            for side in range(2):
+                body = bodies[last, side]
+                if body >= 0:
+                    for k in range(v_free.shape[1]):
+                        ahead += jacobian[last, side, 0, k] * v_free[body, k]
+            closing = max(gap[last], 0.0) / step - ahead
+            if closing > FAST * gravity * step and ahead < 0.0:
+                is_open[last] = True
+                hit = hit or gap[last] > AT_ONCE * closing * step
+            last += 1
+        for c in range(first, last):
+            is_open[c] = (hit and is_open[c]) or gap[c] > CLOSED * gravity * step * step
+        any_hit = any_hit or hit
+        first = last
+    return any_hit
 
 
 def solve_apart(

@@ -211,16 +211,21 @@ def _contact_area(flat, apart, shift, corners, work):
 def _cut(points, count, ax, ay, az, x0, y0, z0, kept):
     """Keep the part of a convex polygon where ax (x - x0) + ay (y - y0) + az (z - z0) >= 0."""
     out = 0
+    if count == 0:
+        return 0
+    px, py, pz = points[count - 1, 0], points[count - 1, 1], points[count - 1, 2]
+    fp = ax * (px - x0) + ay * (py - y0) + az * (pz - z0)
     for k in range(count):
-        p, q = points[k], points[(k + 1) % count]
-        fp = ax * (p[0] - x0) + ay * (p[1] - y0) + az * (p[2] - z0)
-        fq = ax * (q[0] - x0) + ay * (q[1] - y0) + az * (q[2] - z0)
-        if fp >= 0.0:
-            kept[out] = p
-            out += 1
+        qx, qy, qz = points[k, 0], points[k, 1], points[k, 2]
+        fq = ax * (qx - x0) + ay * (qy - y0) + az * (qz - z0)
         if (fp > 0.0 and fq < 0.0) or (fp < 0.0 and fq > 0.0):
-            kept[out] = p + (fp / (fp - fq)) * (q - p)
+            t = fp / (fp - fq)
+            kept[out, 0], kept[out, 1], kept[out, 2] = px + t * (qx - px), py + t * (qy - py), pz + t * (qz - pz)
             out += 1
+        if fq >= 0.0:
+            kept[out, 0], kept[out, 1], kept[out, 2] = qx, qy, qz
+            out += 1
+        px, py, pz, fp = qx, qy, qz, fq
     return out
 
 

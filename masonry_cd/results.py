@@ -53,6 +53,7 @@ class ResultWriter:
             group.create_dataset(f"peak/{name}", data=np.full(joints.count, np.nan))
         self._pending: dict[str, list[np.ndarray]] = {}
         self._pending_bytes = 0
+        self._known: set[str] = set()  # datasets that are there: asking HDF5 for each row would cost as much as a small step
         self._started = False
 
     @classmethod
@@ -66,7 +67,7 @@ class ResultWriter:
         """
         aside = path.with_suffix(".part")
         new = cls.__new__(cls)
-        new.path, new._pending, new._pending_bytes, new._started = path, {}, 0, False
+        new.path, new._pending, new._pending_bytes, new._started, new._known = path, {}, 0, False, set(rows)
         with Results.open(path) as old, h5py.File(aside, "w", libver="latest") as file:
             file.attrs.update(old.file.attrs)
             for name in ("blocks", "joints/peak", *(f"joints/{name}" for name in Joints.__dataclass_fields__)):
@@ -106,7 +107,7 @@ class ResultWriter:
 
     def _extend(self, rows: Mapping[str, np.ndarray]) -> None:
         for name, array in rows.items():
-            if name not in self._file:
+            if name not in self._known:
                 self._create(name, array)
             self._pending.setdefault(name, []).append(np.array(array))
             self._pending_bytes += array.nbytes
@@ -115,6 +116,7 @@ class ResultWriter:
 
     def _create(self, name: str, array: np.ndarray) -> None:
         _growing(self._file, name, array.shape[1:], array.dtype)
+        self._known.add(name)
 
     def flush(self) -> None:
         """Write what waits in the buffers; from here on it survives a kill."""

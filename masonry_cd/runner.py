@@ -6,6 +6,7 @@ matter: a resumed run gives the same bits as an unbroken one (but for the second
 
 from __future__ import annotations
 
+import re
 import time as clock
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
@@ -21,6 +22,8 @@ from masonry_cd.results import JOINT_PEAKS, ResultWriter
 from masonry_cd.stepping import ENERGIES, RunStopped, Stepper, StepReport
 
 CHECKPOINT_SECONDS = 30.0
+ROWS_AT_ONCE = 256  # steps whose numbers are handed to the writer together
+NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
 @dataclass
@@ -40,7 +43,7 @@ class RunReport:
     energy: dict[str, float] = field(default_factory=dict)  # totals at the end [J]
     balance_max: float = 0.0  # largest |balance| so far [J]
     planar: bool = False
-    solver_reasons: dict[str, int] = field(default_factory=dict)  # how often each reason was given
+    solver_reasons: dict[str, int] = field(default_factory=dict)  # how often each reason was given, # for its numbers
     stopped: str = ""  # why the run ended early; empty when it did not
 
     work_max: float = 0.0  # largest work of the base or of gravity, or kinetic energy, so far [J]
@@ -63,7 +66,8 @@ class RunReport:
         self.error_max = max(self.error_max, step.error)
         self.penetration_max = max(self.penetration_max, step.penetration)
         self.steps_missed += not step.error <= tolerance
-        self.solver_reasons[step.reason] = self.solver_reasons.get(step.reason, 0) + 1
+        kind = NUMBER.sub("#", step.reason)  # like counts with like, and the dict stays small
+        self.solver_reasons[kind] = self.solver_reasons.get(kind, 0) + 1
         self.energy = dict(energy)
         self.work_max = max(self.work_max, abs(energy["base_work"]), abs(energy["gravity_work"]), energy["kinetic"])
         self.balance_max = max(self.balance_max, abs(energy["balance"]))
@@ -81,6 +85,7 @@ class Recorder:
     def __init__(self, writer: ResultWriter, stepper: Stepper, joints: Joints) -> None:
         self._writer, self._stepper, self._joints = writer, stepper, joints
         self.peaks = JointPeaks(joints)
+        self._rows: list[tuple[float, ...]] = []  # of steps, not yet with the writer
         self._pairs: np.ndarray | None = None
         self._pair_joint = np.empty(0, dtype=np.int64)
         writer.extend({name: np.empty(0) for name in STEP_FIELDS})  # every dataset exists before the first flush
@@ -89,8 +94,9 @@ class Recorder:
         """Record a step; return the measures of the joints after it."""
         stepper = self._stepper
         solver = (report.iterations, report.error, report.seconds, report.contacts)
-        values = (stepper.state.time, report.penetration, *solver, *(stepper.energy[name] for name in ENERGIES))
-        self._writer.append({name: float(value) for name, value in zip(STEP_FIELDS, values, strict=True)})
+        self._rows.append((stepper.state.time, report.penetration, *solver, *(stepper.energy[name] for name in ENERGIES)))
+        if len(self._rows) == ROWS_AT_ONCE:
+            self._hand_over()
         now = measure_joints(self._joints, stepper.assembly, stepper.state)
         self.peaks.update(now, stepper.state.time)
         return now
@@ -110,8 +116,15 @@ class Recorder:
 
     def close(self) -> None:
         """Write the peaks and what waits in the buffers."""
+        self._hand_over()
         self._writer.flush()
         self._writer.write_peaks({name: getattr(self.peaks, name) for name in JOINT_PEAKS})
+
+    def _hand_over(self) -> None:
+        """Give the numbers of the last steps to the writer."""
+        if self._rows:
+            self._writer.extend(dict(zip(STEP_FIELDS, np.array(self._rows).T, strict=True)))
+            self._rows.clear()
 
     def _joint_of_pairs(self) -> np.ndarray:
         """The joint of each pair of the detector, -1 for pairs that are none; made anew when the list of pairs is."""

@@ -9,7 +9,8 @@ from masonry_cd import checkpoint, runner
 from masonry_cd.errors import InputError
 from masonry_cd.joints import find_joints
 from masonry_cd.results import ResultWriter
-from masonry_cd.runner import run
+from masonry_cd.runner import RunReport, run
+from masonry_cd.stepping import ENERGIES, StepReport
 
 STEPS = 60
 
@@ -104,3 +105,11 @@ def test_the_report_adds_up(unbroken):
         assert len(file["time"]) == 1 + STEPS // 7 + 1  # the first state, every seventh, and the last
         assert file["step_time"][...] == pytest.approx(np.arange(1, STEPS + 1) * 1e-3)
     assert report.balance_error < 1e-10
+
+
+def test_reasons_are_counted_without_their_numbers():
+    energy = dict.fromkeys(ENERGIES, 0.0)
+    report = RunReport()
+    for k in range(50):
+        report.add(StepReport(3, 1e-3, 0.1, 4, 0.0, f"newton: missed, error {k}.5e-03"), 1e-8, energy)
+    assert report.solver_reasons == {"newton: missed, error #": 50}
