@@ -96,7 +96,8 @@ def _problem(
     v_free = old[~fixed] + scene.dt * np.array([0.0, 0.0, -GRAVITY, 0.0, 0.0, 0.0])
     number = np.where(fixed, -1, np.cumsum(~fixed) - 1)
     mu = np.full(len(blocks), scene.friction)
-    return FrictionProblem(inverse_mass, v_free, number[blocks], jacobian, offset, mu), scene.dt * found["rloc"][:, [1, 0, 2]]
+    problem = FrictionProblem(inverse_mass, v_free, number[blocks], jacobian, offset, mu, np.zeros_like(offset))
+    return problem, scene.dt * found["rloc"][:, [1, 0, 2]]
 
 
 def _own_error(problem: FrictionProblem, impulse: np.ndarray, found: dict[str, np.ndarray], dt: float) -> float:

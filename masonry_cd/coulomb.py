@@ -445,14 +445,14 @@ def _velocities(factor: np.ndarray, v_free: np.ndarray, y: np.ndarray, v: np.nda
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, scaled):
+def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, scaled):
     """Norms of the natural map residual and of q for impulses p over a FrictionProblem; scaled by d, or with d = 1."""
     contacts, m = offset.shape
     n = v_free.shape[1]
     _, g, q, index = _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset)
     y = np.empty((v_free.shape[0] + 1, n))
     _collect(g, index, p, y)
-    u = q.copy()
+    w = q.copy()
     d = np.ones(contacts)
     for c in range(contacts):
         a, b = index[c, 0], index[c, 1]
@@ -460,15 +460,18 @@ def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, scaled):
         for i in range(m):
             for k in range(n):
                 first, second = g[c, 0, i, k], g[c, 1, i, k]
-                u[c, i] += first * y[a, k] + second * y[b, k]
+                w[c, i] += first * y[a, k] + second * y[b, k]
                 trace += first * first + second * second + (2.0 * first * second if a == b else 0.0)
+            if len(compliance):
+                w[c, i] += compliance[c, i] * p[c, i]
+                trace += compliance[c, i]
         if scaled:
             d[c] = trace / m
-    return natural_map_norms(p, u, q, mu, d)
+    return natural_map_norms(p, w, q, mu, d)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def nlgs_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, p, v, tolerance, limit, seed, every):
+def nlgs_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, v, tolerance, limit, seed, every):
     """Gauss-Seidel over a FrictionProblem. p (C, m) holds the start and then the answer, v (B, n) the velocities.
 
     Returns the sweeps made and the natural map error measured last.
@@ -1056,7 +1059,7 @@ def _augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def admm_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, mu, order, column, row, index, spot, lower, pivot, rho, p, v_out, k, fresh,
+    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, column, row, index, spot, lower, pivot, rho, p, v_out, k, fresh,
     tolerance, limit, size_m, size_n,
 ):  # fmt: skip
     """ADMM over a FrictionProblem, see solvers/admm.py. p holds the start and then the best answer found.
@@ -1201,7 +1204,7 @@ def _damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def newton_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, mu, order, column, row, index, spot, p, v_out, stiffness, tolerance, limit,
+    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, column, row, index, spot, p, v_out, stiffness, tolerance, limit,
     size_m, size_n,
 ):  # fmt: skip
     """Semismooth Newton over a FrictionProblem, see solvers/newton.py. p holds the start and then the best answer found.
@@ -1519,8 +1522,9 @@ def _second_order(eta, b0, b1, b2, w, z, dw, dz, out):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def interior_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, friction, order, column, row, index, spot, p, v_out, tolerance, limit, size_m, size_n
-):
+    inverse_mass, v_free, bodies, jacobian, offset, friction, compliance, order, column, row, index, spot, p, v_out, tolerance, limit,
+    size_m, size_n,
+):  # fmt: skip
     """Interior point method over a FrictionProblem, see solvers/interior.py. p receives the best answer found; its start is not used.
 
     Returns iterations and natural map error.

@@ -2,17 +2,18 @@ r"""The friction problem of one time step, its solution, and the error measures,
 
 Find velocities v and contact impulses p such that
 
-    M v = M v_free + H^T p,      u = H v + b,      K* contains u + mu |u_t| n,  K contains p,  the two orthogonal,
+    M v = M v_free + H^T p,      w = H v + b + C p,      K* contains w + mu |w_t| n,  K contains p,  the two orthogonal,
 
-with K the product of Coulomb's cones |p_t| <= mu p_n, K* its dual |u_t| <= u_n / mu (De Saxce & Feng, Math. Comput.
-Modelling 28, 1998). b holds the velocity of the supports and, on the normal, the gap over the time step. In the impulses
-alone, with the Delassus operator W = H M^-1 H^T and q = H v_free + b:
+with K the product of Coulomb's cones |p_t| <= mu p_n, K* its dual |w_t| <= w_n / mu (De Saxce & Feng, Math. Comput.
+Modelling 28, 1998). b holds the velocity of the supports and, on the normal, the gap over the time step. C >= 0 is diagonal: zero for rigid
+contacts, for which w = u = H v + b; for elastic ones the velocity that a unit impulse takes out of w, so that w = 0 is a spring. In the
+impulses alone, with the Delassus operator W = H M^-1 H^T and q = H v_free + b:
 
-    u = W p + q.
+    w = (W + C) p + q.
 
-**Natural map error.** With d_c = trace(W_cc) / m per contact (m = 3, planar 2) and r = p sqrt(d), w = u / sqrt(d):
+**Natural map error.** With d_c = trace(W_cc + C_cc) / m per contact (m = 3, planar 2) and r = p sqrt(d), z = w / sqrt(d):
 
-    error = | r - P_K( r - (w + mu |w_t| n) ) | / | q / sqrt(d) |
+    error = | r - P_K( r - (z + mu |z_t| n) ) | / | q / sqrt(d) |
 
 It has no unit, does not change when masses or lengths are rescaled, and is zero exactly at a solution. Norms over all
 contacts; if q = 0 the numerator alone is the error. The rounding error of r is added, or else impulses that have grown without bound
@@ -43,6 +44,7 @@ class FrictionProblem:
     jacobian: np.ndarray  # (C, 2, m, n) H by contact and body
     offset: np.ndarray  # (C, m) b [m/s]
     mu: np.ndarray  # (C,) coefficients of friction
+    compliance: np.ndarray  # (C, m) diagonal of C, not negative [m/s per N s]; zeros: rigid contacts
 
     @property
     def contacts(self) -> int:
@@ -55,7 +57,11 @@ class FrictionProblem:
         return int(self.offset.shape[1])
 
     def arrays(self) -> tuple[np.ndarray, ...]:
-        """The arrays in the order and layout of the compiled kernels: contiguous, so that each kernel is compiled once."""
+        """The arrays in the order and layout of the compiled kernels: contiguous, so that each kernel is compiled once.
+
+        If all contacts are rigid the compliance is left out, as (0, m): the kernels then save reading it.
+        """
+        compliance = self.compliance if self.compliance.any() else self.compliance[:0]
         return (
             np.ascontiguousarray(self.inverse_mass, dtype=np.float64),
             np.ascontiguousarray(self.v_free, dtype=np.float64),
@@ -63,6 +69,7 @@ class FrictionProblem:
             np.ascontiguousarray(self.jacobian, dtype=np.float64),
             np.ascontiguousarray(self.offset, dtype=np.float64),
             np.ascontiguousarray(self.mu, dtype=np.float64),
+            np.ascontiguousarray(compliance, dtype=np.float64),
         )
 
     def relative_velocity(self, v: np.ndarray) -> np.ndarray:
@@ -86,12 +93,12 @@ class FrictionProblem:
         return self.relative_velocity(self.v_free)
 
     def apply(self, impulse: np.ndarray) -> np.ndarray:
-        """u = W p + q, (C, m)."""
-        return self.relative_velocity(self.body_velocity(impulse))
+        """w = (W + C) p + q, (C, m): the velocity that the law is about."""
+        return self.relative_velocity(self.body_velocity(impulse)) + self.compliance * impulse
 
     def delassus_diagonal(self) -> np.ndarray:
-        """W_cc, (C, m, m)."""
-        out = np.zeros((self.contacts, self.dimension, self.dimension))
+        """W_cc + C_cc, (C, m, m)."""
+        out = self.compliance[:, :, None] * np.eye(self.dimension)
         for side in range(2):
             on = self.bodies[:, side] >= 0
             h = self.jacobian[on, side]
@@ -100,7 +107,10 @@ class FrictionProblem:
 
     def subset(self, kept: np.ndarray) -> FrictionProblem:
         """The problem with some of its contacts only: a mask (C,) or their indices."""
-        return replace(self, bodies=self.bodies[kept], jacobian=self.jacobian[kept], offset=self.offset[kept], mu=self.mu[kept])
+        return replace(
+            self, bodies=self.bodies[kept], jacobian=self.jacobian[kept], offset=self.offset[kept], mu=self.mu[kept],
+            compliance=self.compliance[kept],
+        )  # fmt: skip
 
     def jacobian_matrix(self) -> sparse.csr_matrix:
         """H as a sparse matrix (C m, B n)."""
@@ -116,10 +126,13 @@ class FrictionProblem:
         return sparse.csr_matrix(entries, (self.contacts * m, self.v_free.size))
 
     def to_local(self) -> LocalProblem:
-        """The same problem with W assembled as a sparse matrix."""
+        """The same problem with W + C assembled as a sparse matrix."""
         h, n, blocks = self.jacobian_matrix(), self.v_free.shape[1], len(self.inverse_mass)
         inverse = sparse.bsr_matrix((self.inverse_mass, np.arange(blocks), np.arange(blocks + 1)), (blocks * n, blocks * n))
-        return LocalProblem((h @ inverse @ h.T).tocsr(), self.free_relative_velocity(), self.mu)
+        delassus = h @ inverse @ h.T
+        if self.compliance.any():
+            delassus += sparse.diags(self.compliance.ravel())
+        return LocalProblem(delassus.tocsr(), self.free_relative_velocity(), self.mu)
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +190,7 @@ class Solution:
 def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True) -> float:
     """The natural map error of impulses (C, m), see the head of this file.
 
-    u is computed from the impulses, u = W p + q, so the equation of motion holds by construction. Compiled, since it is asked once
+    w is computed from the impulses, w = (W + C) p + q, so the equation of motion holds by construction. Compiled, since it is asked once
     per time step.
     """
     if problem.contacts == 0:

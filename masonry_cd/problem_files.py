@@ -343,4 +343,4 @@ def _as_bodies(mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray, w: 
         at = rows.indptr[on] + side
         bodies[on, side], jacobian[on, side] = rows.indices[at], rows.data[at]
     v_free = np.einsum("bij,bj->bi", inverse, f.reshape(count, n))
-    return FrictionProblem(inverse, v_free, bodies, jacobian, w.copy(), mu)
+    return FrictionProblem(inverse, v_free, bodies, jacobian, w.copy(), mu, np.zeros_like(w))

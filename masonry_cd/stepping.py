@@ -172,7 +172,8 @@ class Stepper:
             chosen, bodies, jacobian, offset, mu, impulse,
         )  # fmt: skip
         self.chosen = chosen[:count]
-        problem = FrictionProblem(self._inverse_mass, self._v_free, bodies[:count], jacobian[:count], offset[:count], mu[:count])
+        rigid = np.zeros((count, m))
+        problem = FrictionProblem(self._inverse_mass, self._v_free, bodies[:count], jacobian[:count], offset[:count], mu[:count], rigid)
         return problem, Solution(impulse[:count], None, 0, memory=self.solution.memory)
 
     def _take_handover(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -44,7 +45,8 @@ def assemble(
     offset = np.zeros((len(n), 3))
     if gap is not None:
         offset[:, 0] = np.maximum(gap, 0.0) / step
-    return FrictionProblem(inverse_mass, v_free, bodies, jacobian, offset, np.broadcast_to(mu, (len(n),)).astype(float).copy())
+    friction = np.broadcast_to(mu, (len(n),)).astype(float).copy()
+    return FrictionProblem(inverse_mass, v_free, bodies, jacobian, offset, friction, np.zeros_like(offset))
 
 
 def _corners(low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -98,6 +100,14 @@ def boxes(low: np.ndarray, high: np.ndarray, mu: float = 0.6, density: float | n
         mu,
         v_free,
     )
+
+
+def softened(problem: FrictionProblem, softness: float, every: int = 2) -> FrictionProblem:
+    """Elastic contacts, one in so many: C_n = softness trace(W_cc) / m, and twice that along the tangents."""
+    own = np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / problem.dimension
+    compliance = np.outer(softness * own, [1.0, 2.0, 2.0][: problem.dimension])
+    compliance[np.arange(problem.contacts) % every > 0] = 0.0
+    return replace(problem, compliance=compliance)
 
 
 def tower(blocks: int, **kwargs: float) -> FrictionProblem:

@@ -36,9 +36,10 @@ def plain_error(problem: FrictionProblem | LocalProblem, impulse: np.ndarray, sc
 
 @pytest.mark.parametrize("scaled", [True, False])
 @pytest.mark.parametrize("local", [True, False])
-def test_error_agrees_with_its_definition(local: bool, scaled: bool) -> None:
-    """The compiled measure equals the formula at random impulses inside and outside the cones."""
-    problem = scenes.wall(3, 4)
+@pytest.mark.parametrize("softness", [0.0, 3.0])
+def test_error_agrees_with_its_definition(softness: float, local: bool, scaled: bool) -> None:
+    """The compiled measure equals the formula at random impulses inside and outside the cones, with every second contact elastic too."""
+    problem = scenes.softened(scenes.wall(3, 4), softness)
     impulse = np.random.default_rng(1).normal(size=(problem.contacts, 3))
     checked = problem.to_local() if local else problem
     assert natural_map_error(checked, impulse, scaled) == pytest.approx(plain_error(problem, impulse, scaled), rel=1e-12)
@@ -46,7 +47,7 @@ def test_error_agrees_with_its_definition(local: bool, scaled: bool) -> None:
 
 def test_error_has_no_unit() -> None:
     """Lengths in millimetres and masses in grams leave the scaled error as it is; the unscaled one changes."""
-    problem = scenes.wall(2, 3)
+    problem = scenes.softened(scenes.wall(2, 3), 0.7)
     impulse = np.random.default_rng(2).normal(size=(problem.contacts, 3))
     length, mass = 1e3, 1e3
     turn = np.array([1.0] * 3 + [1.0 / length] * 3)  # angular velocity keeps its unit when lengths grow
@@ -57,6 +58,7 @@ def test_error_has_no_unit() -> None:
         problem.jacobian / turn,
         problem.offset * length,
         problem.mu,
+        problem.compliance / mass,
     )
     scaled_impulse = impulse * mass * length
     assert natural_map_error(other, scaled_impulse) == pytest.approx(natural_map_error(problem, impulse), rel=1e-12)
@@ -64,8 +66,8 @@ def test_error_has_no_unit() -> None:
 
 
 def test_local_and_body_form_agree() -> None:
-    """u = W p + q with W assembled equals the matrix-free product, and the diagonal blocks agree."""
-    problem = scenes.wall(3, 3)
+    """w = (W + C) p + q with W + C assembled equals the matrix-free product, and the diagonal blocks agree."""
+    problem = scenes.softened(scenes.wall(3, 3), 0.5)
     local = problem.to_local()
     impulse = np.random.default_rng(3).normal(size=(problem.contacts, 3))
     np.testing.assert_allclose(local.apply(impulse), problem.apply(impulse), atol=1e-12)
