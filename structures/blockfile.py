@@ -22,7 +22,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from masonry_cd.blocks import Block, Faces, Polyhedron
 from masonry_cd.errors import InputError, parse_table, suggest
 from structures import meshfile
-from structures.checks import check
+from structures.checks import Unsound, check, check_shells
+from structures.convex import split
 from structures.tidy import tidy
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
@@ -35,7 +36,7 @@ class FileTable(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     path: str = Field(description="of the block file, relative to the scene file")
-    units: Literal["m", "cm", "mm"] | None = Field(None, description="of an OBJ, STL or VTU file, which does not say")
+    units: Literal["m", "cm", "mm"] | None = Field(None, description="of an OBJ, STL, VTU or VTM file, which does not say")
     up: Literal["y", "z"] | None = Field(None, description="which axis of such a file points upwards")
     fixed: tuple[str, ...] = Field((), strict=False, description="names of the supports in such a file; * stands for anything")
     repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
@@ -89,8 +90,22 @@ def _from_mesh(keys: FileTable, path: Path, density: float) -> list[Block]:
             raise InputError(f"structure.{key}: missing; {path.name} does not say it, so take one of {', '.join(known)}")
     blocks = meshfile.read(path, density, METRES[keys.units or "m"], keys.up or "z", keys.repair)
     blocks = meshfile.with_supports(blocks, keys.fixed, "structure.fixed")
-    check(blocks, path.name)
-    return tidy(blocks)
+    return sound(blocks, path.name)
+
+
+def sound(blocks: Sequence[Block], source: str) -> list[Block]:
+    """Blocks of any shape, checked, those that are not convex split into convex parts.
+
+    Raises:
+        Unsound: one line that names the block.
+    """
+    check_shells(blocks, source)
+    try:
+        parted = [split(block) for block in blocks]
+    except RuntimeError as failure:
+        raise Unsound(f"{source}: {failure}", [str(failure).split('"')[1]], blocks) from None
+    check(parted, source)
+    return tidy(parted)
 
 
 def read(path: Path, density: float) -> list[Block]:

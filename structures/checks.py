@@ -7,7 +7,8 @@ face. All tests run over flat arrays of all blocks at once, so that thousands of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -21,6 +22,14 @@ FILLED = 1e-6  # volume of the convex parts of a block, relative to its own
 THIN = 1e-6  # width of a face, relative to the size of the block
 
 
+class Unsound(InputError):
+    """Blocks that are not sound; ``faulty`` are the names of those that share the fault, ``blocks`` the whole structure."""
+
+    def __init__(self, message: str, faulty: Sequence[str] = (), blocks: Sequence[Block] = ()) -> None:
+        super().__init__(message)
+        self.faulty, self.blocks = tuple(faulty), tuple(blocks)
+
+
 def check(blocks: Sequence[Block], source: str = "") -> None:
     """Check a structure.
 
@@ -29,18 +38,35 @@ def check(blocks: Sequence[Block], source: str = "") -> None:
         source: what the message begins with, such as the name of the file they come from.
 
     Raises:
-        InputError: one line that names the block, or the two blocks that overlap.
+        Unsound: one line that names the block, or the two blocks that overlap.
     """
-    prefix = f"{source}: " if source else ""
-    try:
+    with _told(blocks, source):
         _check(blocks)
-    except InputError as failure:
-        raise InputError(f"{prefix}{failure}") from None
 
 
-def _check(blocks: Sequence[Block]) -> None:
+def check_shells(blocks: Sequence[Block], source: str = "") -> None:
+    """Check names and shells alone: closed, outward, with planar faces. They may overlap, and need not be convex.
+
+    Raises:
+        Unsound: one line that names the block.
+    """
+    with _told(blocks, source):
+        _check_shells(blocks)
+
+
+@contextmanager
+def _told(blocks: Sequence[Block], source: str) -> Iterator[None]:
+    """Put the source before the message of a fault, and the structure beside it."""
+    try:
+        yield
+    except Unsound as failure:
+        raise Unsound(f"{source}: {failure}" if source else str(failure), failure.faulty, blocks) from None
+
+
+def _check_shells(blocks: Sequence[Block]) -> tuple[Shells, np.ndarray, list[tuple[int, Polyhedron]]]:
+    """The shells of all blocks and, after these, of their parts: flat, with the owner of each, and as they are."""
     if not blocks:
-        raise InputError("structure: no blocks")
+        raise Unsound("structure: no blocks")
     _check_names(blocks)
     whole = [(i, _checked(Polyhedron(block.vertices, block.faces), block)) for i, block in enumerate(blocks)]
     parts = [(i, _checked(part, block)) for i, block in enumerate(blocks) for part in block.parts]
@@ -48,6 +74,12 @@ def _check(blocks: Sequence[Block]) -> None:
     _check_closed(blocks, shells, owner)
     _check_faces(blocks, shells, owner)
     _check_volume(blocks, shells, owner)
+    return shells, owner, whole + parts
+
+
+def _check(blocks: Sequence[Block]) -> None:
+    shells, owner, items = _check_shells(blocks)
+    whole, parts = items[: len(blocks)], items[len(blocks) :]
     convex = np.array([not blocks[i].parts for i in owner[: len(whole)]] + [True] * len(parts))
     _check_convex(blocks, shells, owner, convex)
     if parts:
@@ -61,28 +93,30 @@ def _check_names(blocks: Sequence[Block]) -> None:
     seen: set[str] = set()
     for block in blocks:
         if block.name in seen:
-            raise InputError(f'block "{block.name}": two blocks have this name')
+            raise Unsound(f'block "{block.name}": two blocks have this name', [block.name])
         seen.add(block.name)
         if not 0 < block.density < np.inf:
-            raise InputError(f'block "{block.name}": density must be above 0 kg/m3, got {block.density:g}')
+            raise Unsound(f'block "{block.name}": density must be above 0 kg/m3, got {block.density:g}', [block.name])
 
 
 def _checked(shell: Polyhedron, block: Block) -> Polyhedron:
     """Refuse what cannot be put into arrays: wrong shapes, indices out of range, coordinates that are not finite."""
     vertices = shell.vertices
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 4:
-        raise InputError(f'block "{block.name}": vertices must be at least 4 points of 3 coordinates, got shape {vertices.shape}')
+        raise Unsound(
+            f'block "{block.name}": vertices must be at least 4 points of 3 coordinates, got shape {vertices.shape}', [block.name]
+        )
     if not np.isfinite(vertices).all():
         row = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
-        raise InputError(f'block "{block.name}": vertex {row} is not finite')
+        raise Unsound(f'block "{block.name}": vertex {row} is not finite', [block.name])
     if len(shell.faces) < 4:
-        raise InputError(f'block "{block.name}": open shell, it has only {len(shell.faces)} faces')
+        raise Unsound(f'block "{block.name}": open shell, it has only {len(shell.faces)} faces', [block.name])
     last = len(vertices) - 1
     for number, face in enumerate(shell.faces):
         if len(face) < 3 or len(set(face)) < len(face):
-            raise InputError(f'block "{block.name}": face {number} is degenerate, it needs 3 or more different vertices')
+            raise Unsound(f'block "{block.name}": face {number} is degenerate, it needs 3 or more different vertices', [block.name])
         if min(face) < 0 or max(face) > last:
-            raise InputError(f'block "{block.name}": face {number} names a vertex outside 0 to {last}')
+            raise Unsound(f'block "{block.name}": face {number} names a vertex outside 0 to {last}', [block.name])
     return shell
 
 
@@ -133,13 +167,16 @@ def _check_closed(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) ->
     if not len(bad):
         return
     entry = int(bad[0])
-    shell = int(_shell_of_face(shells)[face_of[entry]])
+    shell_of = _shell_of_face(shells)[face_of]
+    shell, faulty = int(shell_of[entry]), _names(blocks, owner[shell_of[bad]])
     name, face = blocks[owner[shell]].name, int(face_of[entry] - shells.face_start[shell])
     start = shells.vertex_start[shell]
     ends = f"{shells.loops[entry] - start}-{after[entry] - start}"
     if (counts > 1).any():
-        raise InputError(f'block "{name}": two faces run the same way along edge {ends}; one of them, such as face {face}, is reversed')
-    raise InputError(f'block "{name}": open shell, edge {ends} of face {face} has no face on its other side')
+        raise Unsound(
+            f'block "{name}": two faces run the same way along edge {ends}; one of them, such as face {face}, is reversed', faulty
+        )
+    raise Unsound(f'block "{name}": open shell, edge {ends} of face {face} has no face on its other side', faulty)
 
 
 def _check_faces(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) -> None:
@@ -154,14 +191,19 @@ def _check_faces(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) -> 
     if thin.any():
         face = int(np.flatnonzero(thin)[0])
         number = face - shells.face_start[shell[face]]
-        raise InputError(f'block "{blocks[owner[shell[face]]].name}": face {number} is degenerate, its area is {area[face]:.3g} m2')
+        raise Unsound(
+            f'block "{blocks[owner[shell[face]]].name}": face {number} is degenerate, its area is {area[face]:.3g} m2',
+            _names(blocks, owner[shell[thin]]),
+        )
     off = np.abs(np.einsum("li,li->l", points - first, np.repeat(shells.normals, counts, axis=0)))
     bent = np.maximum.reduceat(off, shells.loop_start[:-1])
-    if (bent > FLATNESS * shells.size[shell]).any():
+    not_flat = bent > FLATNESS * shells.size[shell]
+    if not_flat.any():
         face = int(np.argmax(bent / shells.size[shell]))
         number = face - shells.face_start[shell[face]]
-        raise InputError(
-            f'block "{blocks[owner[shell[face]]].name}": face {number} is not planar, a corner is {1e3 * bent[face]:.3g} mm off'
+        raise Unsound(
+            f'block "{blocks[owner[shell[face]]].name}": face {number} is not planar, a corner is {1e3 * bent[face]:.3g} mm off',
+            _names(blocks, owner[shell[not_flat]]),
         )
 
 
@@ -175,7 +217,7 @@ def _check_volume(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) ->
     if (volume <= 0).any():
         worst = int(np.flatnonzero(volume <= 0)[0])
         what = "its faces are reversed, they must run counter-clockwise seen from outside" if volume[worst] < 0 else "it has no volume"
-        raise InputError(f'block "{blocks[owner[worst]].name}": {what}')
+        raise Unsound(f'block "{blocks[owner[worst]].name}": {what}', _names(blocks, owner[volume <= 0]))
 
 
 def _check_filled(blocks: Sequence[Block]) -> None:
@@ -185,7 +227,7 @@ def _check_filled(blocks: Sequence[Block]) -> None:
             whole = mass_properties(block.vertices, block.faces).volume
             filled = sum(mass_properties(part.vertices, part.faces).volume for part in block.parts)
             if abs(filled - whole) > FILLED * whole:
-                raise InputError(f'block "{block.name}": its parts have {filled:.6g} m3, the block has {whole:.6g} m3')
+                raise Unsound(f'block "{block.name}": its parts have {filled:.6g} m3, the block has {whole:.6g} m3', [block.name])
 
 
 def _check_convex(blocks: Sequence[Block], shells: Shells, owner: np.ndarray, wanted: np.ndarray) -> None:
@@ -202,8 +244,9 @@ def _check_convex(blocks: Sequence[Block], shells: Shells, owner: np.ndarray, wa
     if above[worst] > FLATNESS:
         s = int(shell[face[worst]])
         number, corner = face[worst] - shells.face_start[s], vertex[worst] - shells.vertex_start[s]
-        raise InputError(
-            f'block "{blocks[owner[s]].name}": not convex, vertex {corner} lies outside face {number}; split it into convex blocks'
+        raise Unsound(
+            f'block "{blocks[owner[s]].name}": not convex, vertex {corner} lies outside face {number}; split it into convex blocks',
+            _names(blocks, owner[shell[face[above > FLATNESS]]]),
         )
 
 
@@ -216,4 +259,9 @@ def _check_overlap(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) -
     deepest = int(np.argmax(depths))
     a, b = (blocks[i].name for i in sorted(owner[pairs[deepest]]))
     more = f"; {len(depths) - 1} more pairs overlap" if len(depths) > 1 else ""
-    raise InputError(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.4g} mm{more}')
+    raise Unsound(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.4g} mm{more}', _names(blocks, owner[pairs].ravel()))
+
+
+def _names(blocks: Sequence[Block], indices: np.ndarray) -> list[str]:
+    """Names of blocks given by their indices, each once."""
+    return [blocks[i].name for i in np.unique(indices)]

@@ -1,4 +1,4 @@
-"""Blocks from and to meshes: OBJ with an object per block, STL with a closed shell per block, VTU with a cell per block.
+"""Blocks from and to meshes: OBJ with an object per block, STL with a closed shell per block, VTU with a cell per block, VTM.
 
 Such files state neither their unit nor which way is up, so the user does; z is up here. OBJ keeps polygons and names. An STL is
 a soup of triangles: shells that share no corner are different blocks, ``b0``, ``b1`` ... in the order of the file. In a VTU every
@@ -21,9 +21,11 @@ from scipy.spatial import cKDTree
 
 from masonry_cd.blocks import Block, Faces, triangles
 from masonry_cd.errors import InputError
+from structures import vtkfile
 from structures.bent import bent
 
-FORMATS = (".obj", ".stl", ".vtu")
+FORMATS = (".obj", ".stl", ".vtu", ".vtm")
+WRITTEN = (*FORMATS, ".vtkhdf")
 CELLS: dict[str, tuple[tuple[int, ...], ...]] = {  # faces of the volume cells of VTK, from outside
     "tetra": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)),
     "pyramid": ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)),
@@ -50,7 +52,7 @@ def read(path: Path, density: float, scale: float, up: str, repair: bool = False
     Raises:
         InputError: one line that names the file, and the line or block.
     """
-    reader = {".obj": _read_obj, ".stl": _read_stl, ".vtu": _read_vtu}[path.suffix.lower()]
+    reader = {".obj": _read_obj, ".stl": _read_stl, ".vtu": _read_vtu, ".vtm": vtkfile.read_vtm}[path.suffix.lower()]
     blocks = []
     for name, shells in reader(path):
         parts = [(_placed(vertices, scale, up), faces) for vertices, faces in shells]
@@ -219,7 +221,9 @@ def _volume(vertices: np.ndarray, faces: Faces) -> float:
 
 
 def write(path: Path, blocks: Sequence[Block]) -> None:
-    """Write blocks, z up, in metres: OBJ (an object each), STL, or VTU (a polyhedron per convex part; arrays block, fixed, group).
+    """Write blocks, z up, in metres: OBJ (an object each), STL, VTM (a data set each), or VTU and VTKHDF (a polyhedron per convex part).
+
+    STL has single precision and no names; VTU and VTKHDF have the arrays block, fixed and group.
 
     Raises:
         InputError: another format.
@@ -234,8 +238,12 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
         trimesh.util.concatenate(meshes).export(path)
     elif suffix == ".vtu":
         _write_vtu(path, blocks)
+    elif suffix == ".vtm":
+        vtkfile.write_vtm(path, blocks)
+    elif suffix == ".vtkhdf":
+        vtkfile.write_vtkhdf(path, blocks)
     else:
-        raise InputError(f"{path.name}: blocks are written as {', '.join(FORMATS)}, or as .json")
+        raise InputError(f"{path.name}: blocks are written as {', '.join(WRITTEN)}, or as .json")
 
 
 def _obj(blocks: Sequence[Block]) -> str:

@@ -10,9 +10,11 @@ from models import box, tower
 from solids import build
 
 import structures
-from masonry_cd.blocks import Block, mass_properties
+from masonry_cd.blocks import Assembly, Block, mass_properties
 from masonry_cd.errors import InputError
+from masonry_cd.joints import find_joints
 from structures import meshfile
+from structures.prism import prism_xz
 
 
 def file(folder: Path, name: str, **keys: object) -> list[Block]:
@@ -23,7 +25,7 @@ def volumes(blocks: list[Block]) -> list[float]:
     return sorted(mass_properties(block.vertices, block.faces).volume for block in blocks)
 
 
-@pytest.mark.parametrize("suffix", ["obj", "stl", "vtu"])
+@pytest.mark.parametrize("suffix", ["obj", "stl", "vtu", "vtm"])
 def test_blocks_come_back(tmp_path: Path, suffix: str) -> None:
     blocks = build("arch", span=4.0, thickness=0.5, voussoirs=9)
     apart = (
@@ -36,12 +38,39 @@ def test_blocks_come_back(tmp_path: Path, suffix: str) -> None:
     assert [len(b.faces) for b in again] == [6] * len(blocks)  # triangles of one plane are one face again
 
 
-def test_bent_blocks_keep_their_parts_in_a_vtu(tmp_path: Path) -> None:
+@pytest.mark.parametrize("suffix", ["vtu", "vtm"])
+def test_bent_blocks_keep_their_parts(tmp_path: Path, suffix: str) -> None:
     blocks = build("vault", form="cross", voussoirs=7)
-    meshfile.write(tmp_path / "cross.vtu", blocks)
-    again = file(tmp_path, "cross.vtu")
+    meshfile.write(tmp_path / f"cross.{suffix}", blocks)
+    again = file(tmp_path, f"cross.{suffix}")
     assert sorted(len(b.parts) for b in again) == sorted(len(b.parts) for b in blocks)
     assert volumes(again) == pytest.approx(volumes(blocks), rel=1e-12)
+
+
+def test_a_vtkhdf_holds_every_part_and_whose_it_is(tmp_path: Path) -> None:
+    import pyvista
+
+    blocks = build("vault", form="cross", voussoirs=7)
+    meshfile.write(tmp_path / "cross.vtkhdf", blocks)
+    grid = pyvista.read(tmp_path / "cross.vtkhdf")
+    assert np.bincount(grid.cell_data["block"]).tolist() == [len(b.convex_parts) for b in blocks]
+    sizes = grid.compute_cell_sizes().cell_data["Volume"]
+    assert np.bincount(grid.cell_data["block"], sizes) == pytest.approx([mass_properties(b.vertices, b.faces).volume for b in blocks])
+
+
+@pytest.mark.parametrize("suffix", ["obj", "vtm"])
+def test_names_come_back(tmp_path: Path, suffix: str) -> None:
+    meshfile.write(tmp_path / f"stack.{suffix}", tower(2))
+    assert [block.name for block in file(tmp_path, f"stack.{suffix}")] == ["ground", "b0", "b1"]
+
+
+def test_a_mesh_that_is_not_convex_gets_parts(tmp_path: Path) -> None:
+    lintel = np.array([[0, 0], [3, 0], [3, 2], [2, 2], [2, 1], [1, 1], [1, 2], [0, 2]], dtype=float)  # a U
+    vertices, faces = prism_xz(lintel, 0.0, 1.0)
+    meshfile.write(tmp_path / "u.obj", [Block("u", vertices, faces, 2000.0), box("in it", (1.0, 0.0, 1.0), (2.0, 1.0, 2.0))])
+    u, cube = file(tmp_path, "u.obj")
+    assert (len(u.parts), len(cube.parts)) == (3, 0)
+    assert find_joints(Assembly.from_blocks([u, cube], 0.6)).area == pytest.approx([1.0, 1.0, 1.0])  # three faces, no more
 
 
 def test_units_and_axes(tmp_path: Path) -> None:
@@ -98,11 +127,11 @@ def test_what_is_wrong_is_named(tmp_path: Path, keys: dict[str, object], text: s
 
 
 def test_files_that_are_none_are_named(tmp_path: Path) -> None:
-    for name in ("bad.vtu", "bad.stl"):
+    for name in ("bad.vtu", "bad.stl", "bad.vtm"):
         (tmp_path / name).write_text("nonsense")
         with pytest.raises(InputError, match=name.replace(".", r"\.")):
             file(tmp_path, name)
-    with pytest.raises(InputError, match=r"structure\.units: belongs to \.obj, \.stl, \.vtu files"):
+    with pytest.raises(InputError, match=r"structure\.units: belongs to \.obj, \.stl, \.vtu, \.vtm files"):
         (tmp_path / "b.json").write_text("{}")
         file(tmp_path, "b.json")
     with pytest.raises(InputError, match=r"b\.dxf: blocks are written as"):
