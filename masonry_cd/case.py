@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ import numpy as np
 
 from masonry_cd import __version__, checkpoint
 from masonry_cd.blocks import Assembly, Block
+from masonry_cd.dump import FILES, Dump
 from masonry_cd.errors import InputError
 from masonry_cd.joints import Joints, find_joints
 from masonry_cd.planar import find_plane
@@ -97,7 +99,7 @@ def _is_planar(assembly: Assembly, loading: Loading, settings: Run) -> bool:
     return settings.planar and find_plane(assembly, State.at_rest(assembly), loading.support_velocity, loading.acceleration) is not None
 
 
-def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False) -> dict[str, Any]:
+def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False, dump: Sequence[int] = ()) -> dict[str, Any]:
     """Run a case and write everything into a folder, which is made if need be.
 
     Args:
@@ -105,9 +107,10 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False)
         folder: for the results.
         quiet: no progress.
         resume: go on from the folder's checkpoint, with the scene that it was made by.
+        dump: steps whose friction problems are written, see :mod:`masonry_cd.dump`.
 
     Raises:
-        InputError: with ``resume``, a folder without a checkpoint or with one of another scene.
+        InputError: with ``resume``, a folder without a checkpoint or with one of another scene; a step to dump that the run does not make.
 
     Returns:
         the summary, as in summary.json; its ``stopped`` says why the run ended early, empty when it did not.
@@ -115,11 +118,12 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False)
     begin = time.perf_counter()
     scene, settings = case.scene, case.scene.run
     file, saved = folder / "result.h5", folder / checkpoint.NAME
+    dumped = Dump(folder, dump)
+    dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1 if resume else 1, settings.steps)
     if not resume:
-        folder.mkdir(parents=True, exist_ok=True)
-        for old in (*(folder / name for name in (*OUTPUTS, checkpoint.NAME)), *folder.glob("crack_map_*s.png")):
-            old.unlink(missing_ok=True)
+        _clear(folder)
     stepper = Stepper(case.assembly, case.loading.support_velocity, case.loading.acceleration, settings)
+    stepper.watch = dumped if dump else None
     interrupt, show = Interrupt(), Progress(settings.steps, quiet)
 
     def progress(done: int) -> None:
@@ -128,7 +132,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False)
 
     with interrupt, _writer(case, file, saved, resume) as writer, show:
         report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume)
-    summary = _summary(case, report)
+    summary = _summary(case, report) | {"dumped": [path.name for path in dumped.written], "warnings": dumped.warnings()}
     with Results.open(file) as results:
         summary |= write_damage(results, folder, scene.report)
         summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
@@ -140,6 +144,14 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False)
             summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
             write_json(summary, folder / "summary.json")
     return summary
+
+
+def _clear(folder: Path) -> None:
+    """Make the folder of a run, without what a former run left there."""
+    folder.mkdir(parents=True, exist_ok=True)
+    former = (name for pattern in ("crack_map_*s.png", FILES) for name in folder.glob(pattern))
+    for old in (*(folder / name for name in (*OUTPUTS, checkpoint.NAME)), *former):
+        old.unlink(missing_ok=True)
 
 
 def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
@@ -255,7 +267,7 @@ def warnings(summary: dict[str, Any]) -> list[str]:
         )
     if summary["stopped"]:
         lines.append(f"the run ended early, {summary['stopped']}; the results hold all frames up to there")
-    return lines
+    return lines + summary["warnings"]
 
 
 def length(value: float, unit: str = "m") -> str:

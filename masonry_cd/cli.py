@@ -5,15 +5,13 @@ Exit codes: 0 done, 1 the run could not go on, 2 bad input (one line says what a
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from masonry_cd import __version__
+from masonry_cd import __version__, cli_numerics
+from masonry_cd.cli_shared import Changes, Folder, Force, Output, Quiet, SceneFile, free_folder, told
 
 if TYPE_CHECKING:
     from masonry_cd.case import Case
@@ -26,16 +24,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
 )
-
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).", show_default=False)]
-Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results; made if need be.", show_default=False)]
-Changes = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Change the scene: run.dt=1e-3, loads[0].amplitude=0.3. As often as needed."),
-]
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.", show_default=False)]
-Force = Annotated[bool, typer.Option("--force", help="Overwrite what DIR already holds.")]
-Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but warnings and errors.")]
 
 
 def main() -> None:
@@ -69,13 +57,17 @@ def run(
     set_: Changes = None,
     force: Force = False,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with a run that was stopped, from its last checkpoint.")] = False,
+    dump_problem: Annotated[
+        list[str] | None, typer.Option("--dump-problem", metavar="STEP", help="Write the friction problem of this step; 1 or 1,2,9.")
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Compute a scene and write its results.
 
     DIR gets result.h5, joints.csv, summary.json, and the pictures that the scene asks for. The whole scene is checked first; bad input
     is told in one line, with exit code 2, and nothing is written. Ctrl-C ends a run after the current step: the results stay readable
-    up to there, and --resume goes on to the same numbers as an unbroken run.
+    up to there, and --resume goes on to the same numbers as an unbroken run. Problems are written to problem_STEP.npz, or where impacts
+    are solved apart to problem_STEP_forces.npz and problem_STEP_impacts.npz, for masonry-cd solve and accuracy.
 
     \b
     Examples:
@@ -84,20 +76,24 @@ def run(
       masonry-cd run aqueduct.toml -o out/strong --set loads[0].amplitude=0.4 --set run.duration=5
       masonry-cd run aqueduct.toml -o out/aqueduct --force --set run.solver=nlgs --set run.tolerance=1e-6
     """
-    with _told():
-        _free_folder(output, ("result.h5", "summary.json"), force or resume)
+    with told():
+        free_folder(output, ("result.h5", "summary.json"), force or resume)
         from masonry_cd.scene import read_scene
 
         asked = read_scene(scene, set_ or ())
         from masonry_cd import case  # numba and the kernels come with it, after the cheap checks
+        from masonry_cd.dump import parse_steps
+
+        steps = parse_steps(dump_problem or ())
 
         prepared = case.prepare(asked)
         if not quiet:
             _announce(prepared)
-        summary = case.run_case(prepared, output, quiet, resume)
+        summary = case.run_case(prepared, output, quiet, resume, steps)
         if not quiet:
             typer.echo("\n".join(case.closing_lines(summary)))
-            typer.echo(f"results: {', '.join(str(output / name) for name in case.OUTPUTS if (output / name).exists())}")
+            written = (name for name in (*case.OUTPUTS, *summary["dumped"]) if (output / name).exists())
+            typer.echo(f"results: {', '.join(str(output / name) for name in written)}")
         for line in case.warnings(summary):
             typer.echo(f"masonry-cd: warning: {line}", err=True)
     if summary["stopped"]:
@@ -121,8 +117,8 @@ def build(
       masonry-cd build aqueduct.toml -o out/aqueduct
       masonry-cd build aqueduct.toml -o out/five --set structure.spans=5 --no-picture
     """
-    with _told():
-        _free_folder(output, ("blocks.json",), force)
+    with told():
+        free_folder(output, ("blocks.json",), force)
         from masonry_cd.scene import read_scene
 
         asked = read_scene(scene, set_ or ())
@@ -167,7 +163,7 @@ def report(
       masonry-cd report out/aqueduct --times 1,2,3 --cut y --thrust
       masonry-cd report out/aqueduct --html --no-crack-map
     """
-    with _told():
+    with told():
         from masonry_cd.results import Results
         from masonry_cd.scene import report_of
 
@@ -219,7 +215,7 @@ def export(
       masonry-cd export out/aqueduct
       masonry-cd export out/aqueduct --format pvd -o out/view
     """
-    with _told():
+    with told():
         from masonry_cd.results import Results
         from masonry_cd.scene import report_of
 
@@ -247,7 +243,7 @@ def compare(
       masonry-cd compare out/weak out/strong
       masonry-cd compare out/mu0.5 out/mu0.6 out/mu0.7 -o out/friction
     """
-    with _told():
+    with told():
         from reports import compare as comparing
 
         found = comparing.compare(folders)
@@ -284,10 +280,10 @@ def modal(
       masonry-cd modal aqueduct.toml -o out/modal --young 3e9
       masonry-cd modal church.toml -o out/modal --reference measured.csv --fit
     """
-    with _told():
+    with told():
         from reports.modal_case import OUTPUTS, by_group, modal_case
 
-        _free_folder(output, OUTPUTS, force)
+        free_folder(output, OUTPUTS, force)
         asked = {
             "young": by_group(young, "young") if young else None, "poisson": poisson, "method": method, "modes": modes,
             "mesh_size": mesh_size, "restraint": by_group(restraint, "restraint") if restraint else {}, "reference": reference,
@@ -315,7 +311,7 @@ def record(
       masonry-cd record elcentro.AT2 -o elcentro.png
       masonry-cd record aqv.csv -o aqv.png --set column=ns_m_s2 --set window=[5.0,17.0]
     """
-    with _told():
+    with told():
         from loads.picture import file_picture
         from masonry_cd.errors import InputError
         from masonry_cd.scene import parse_change
@@ -326,37 +322,7 @@ def record(
         typer.echo(f"written: {output}")
 
 
-@app.command()
-def solve(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Friction problem: FCLIB HDF5 or .npz.", show_default=False)],
-    solver: Annotated[str, typer.Option(metavar="NAME", help="auto, nlgs, admm, newton or interior.")] = "auto",
-    tolerance: Annotated[float, typer.Option(metavar="T", help="Natural map error to reach (scaled).")] = 1e-8,
-    max_iterations: Annotated[int | None, typer.Option(metavar="N", min=1, help="The solver's own limit by default.")] = None,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Of random sweep orders.")] = 0,
-    json_: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
-    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="SOLUTION.npz", help="Save impulses r, velocities u.")] = None,
-) -> None:
-    """Solve one friction problem from a file and print how exactly.
-
-    The errors are measured outside the solver; a tolerance that was missed is told.
-
-    \b
-    Examples:
-      masonry-cd solve KaplasTower-i1061-4.npz
-      masonry-cd solve problem.hdf5 --solver admm --tolerance 1e-10 --json -o solution.npz
-    """
-    with _told():
-        from masonry_cd.problem_files import solve_file
-
-        found = solve_file(file, solver, tolerance, max_iterations, seed, output)
-        if json_:
-            typer.echo(json.dumps(found))
-        else:
-            typer.echo(f"{file.name}: {found['contacts']} contacts, {found['reason']}")
-            typer.echo(f"error {found['error']:.3e} (unscaled {found['error_unscaled']:.3e}), {found['iterations']} iterations")
-            typer.echo(f"{found['seconds']:.3g} s")
-        if not found["converged"]:
-            typer.echo(f"masonry-cd: warning: the tolerance {tolerance:g} was missed, the error is {found['error']:.1e}", err=True)
+app.command()(cli_numerics.solve)
 
 
 def _announce(prepared: Case) -> None:
@@ -366,34 +332,6 @@ def _announce(prepared: Case) -> None:
     typer.echo(f"{prepared.scene.title}: {joints}, {settings.steps} steps of {settings.dt:g} s, solver {settings.solver}")
     for line in prepared.loading.lines:
         typer.echo(line)
-
-
-def _free_folder(folder: Path, marks: tuple[str, ...], force: bool) -> None:
-    """Refuse a folder that holds results, or is none."""
-    from masonry_cd.errors import InputError
-
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file; -o names a folder")
-    if not force and any((folder / mark).exists() for mark in marks):
-        raise InputError(f"{folder}: holds results already; choose another folder, or --force to overwrite them")
-
-
-@contextmanager
-def _told() -> Iterator[None]:
-    """Tell errors in one line and set the exit code."""
-    from masonry_cd.errors import InputError
-
-    try:
-        yield
-    except InputError as error:
-        typer.echo(f"masonry-cd: error: {error}", err=True)
-        raise typer.Exit(2) from None
-    except OSError as error:
-        typer.echo(f"masonry-cd: error: {error}", err=True)
-        raise typer.Exit(1) from None
-    except KeyboardInterrupt:
-        typer.echo("masonry-cd: interrupted", err=True)
-        raise typer.Exit(130) from None
 
 
 if __name__ == "__main__":

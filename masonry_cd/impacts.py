@@ -34,6 +34,8 @@ class ImpactStep:
     solution: Solution  # impulses of both solves together
     error: float  # the larger natural map error of the two
     handover: np.ndarray  # (B, n) generalised impulse for the next step
+    forces: FrictionProblem  # the two problems as they were solved
+    impacts: FrictionProblem
 
 
 def open_contacts(problem: FrictionProblem, gap: np.ndarray, pair: np.ndarray, step: float, gravity: float) -> np.ndarray | None:
@@ -109,7 +111,7 @@ def solve_apart(
     handover = _handover(impacts, force, second.impulse, is_open, gap, step)
     reason = first.reason if first.reason == second.reason else f"{first.reason}; impacts: {second.reason}"
     total = Solution(force + second.impulse, None, first.iterations + second.iterations, reason, first.memory)
-    return ImpactStep(total, error, handover)
+    return ImpactStep(total, error, handover, forces, impacts)
 
 
 def _handover(

@@ -18,7 +18,7 @@ is not pushed out through the velocity: that would feed energy.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,6 +85,7 @@ class Stepper:
         inertia = self._rotation @ assembly.inertia @ self._rotation.transpose(0, 2, 1)
         self._spin = np.einsum("bij,bj->bi", inertia, self.state.velocity[:, 3:])  # angular momentum [kg m2/s]
         self._solver = SOLVERS[settings.solver]
+        self.watch: Callable[[int, str, FrictionProblem], None] | None = None  # told the step and all that is solved in it, by name
         self._handover: np.ndarray | None = None  # generalised impulse left over from an impact, see impacts.py
         self._pull = float(np.linalg.norm(acceleration, axis=1).max())
         bodies, n = int((~assembly.fixed).sum()), len(self._columns)
@@ -143,10 +144,18 @@ class Stepper:
         if is_open is None:
             self.solution = self._solver(problem, options, start)
             self._handover = None
+            self._show("", problem)
             return natural_map_error(problem, self.solution.impulse)
         both = solve_apart(problem, is_open, gap, s.dt, start, lambda part, begin: self._solver(part, options, begin))
         self.solution, self._handover = both.solution, both.handover
+        self._show("forces", both.forces)
+        self._show("impacts", both.impacts)
         return both.error
+
+    def _show(self, name: str, problem: FrictionProblem) -> None:
+        """Let whoever watches see a problem that was solved: the only one of the step (no name), its forces or its impacts."""
+        if self.watch is not None:
+            self.watch(self.steps + 1, name, problem)
 
     def friction_problem(self) -> tuple[FrictionProblem, Solution]:
         """The friction problem of the state, which stands at q_m, and the solution of the last step to start from."""

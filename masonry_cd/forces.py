@@ -1,0 +1,23 @@
+"""Forces on single blocks, as the step asks for them. Point loads and ties of the room ``loads`` have this shape."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+
+class BlockForces(Protocol):
+    """Forces that depend on where the blocks are and how they move; B blocks, T ties. World frame."""
+
+    def wrench(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: int) -> np.ndarray:
+        """Force [N] and moment about the centre of mass [N m] on every block, (B, 6), at a step of the loads.
+
+        Positions (B, 3) [m], rotations (B, 3, 3) body to world, velocities (B, 6) [m/s, rad/s].
+        """
+
+    def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+        """Tension of each tie, (T,) [N]."""
+
+    def leaves_plane(self, axis: int, at: float, centre: np.ndarray) -> bool:
+        """True when a force moves blocks out of the plane where coordinate ``axis`` equals ``at``; centres (B, 3) at the start [m]."""
