@@ -88,7 +88,6 @@ def build(
     gravity: Sequence[float],
     folder: Path,
     assembly: Assembly | None = None,
-    applies_forces: bool = False,
 ) -> Loading:
     """Sum all [[loads]] tables.
 
@@ -99,7 +98,6 @@ def build(
         gravity: (3,) [m/s2].
         folder: the scene file's folder, to which paths are relative.
         assembly: the blocks; without them no load may name one.
-        applies_forces: the caller applies ``Loading.forces``; without that, tables that bring such forces are refused, not ignored.
 
     Raises:
         InputError: an unknown kind, a bad key, or a bad record file.
@@ -107,9 +105,6 @@ def build(
     grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly)
     asked = [_parse(table, f"loads[{i}]") for i, table in enumerate(tables)]
     falls = _gravity_tables(asked)
-    for i, table in enumerate(asked):
-        if isinstance(table, (PointTable, TieTable)) and not applies_forces:
-            raise InputError(f'loads[{i}].kind: "{table.kind}": forces on single blocks are not applied in this run')
     parts = [KINDS[table.kind][1](table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
     if not falls:
         parts.append(KINDS["gravity"][1](GravityTable(), grid, "gravity"))
@@ -129,7 +124,7 @@ def build(
     pauses = sorted((pause for part in parts for pause in part.pauses), key=lambda pause: pause.first)
     quiet = tuple(pause for pause in pauses if _nothing_changes(pause, velocity, acceleration))
     lines += [f'rest after "{pause.after}": not ended early, since other loads act in it' for pause in pauses if pause not in quiet]
-    return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, collect(parts))
+    return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, collect(parts, grid))
 
 
 def _parse(table: Mapping[str, Any], where: str) -> LoadTable:

@@ -11,13 +11,17 @@ m_e is the mass that the bar feels at its ends, d its direction:  1 / m_e = sum 
 
 **In the step.** The forces are taken at the middle positions q_m with the velocities of the step's beginning, and enter the free velocity,
 v_free = v + h M^-1 (f + wrench). For theta = 1/2 that is the leapfrog scheme, which keeps the energy of an elastic bar bounded as
-long as w h < 2 with w = sqrt(k / m_e); a run with w h > 1 is refused, with the dt that would do.
+long as w h < 2 with w = sqrt(k / m_e), and less where it is damped; a run with w h (1 + xi) > 1 is refused, with the dt that would do.
+
+Ties that share a block stiffen one another. With g_i the row that maps the velocities of the blocks to L_i', w^2 is the largest
+eigenvalue of sqrt(k_i k_j) g_i M^-1 g_j^T over all ties, and the same limit holds.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -28,7 +32,7 @@ from loads.supports import select
 from masonry_cd.blocks import Assembly
 from masonry_cd.errors import InputError
 
-LARGEST_PHASE = 1.0  # w h of a bar
+LARGEST_PHASE = 1.0  # w h (1 + xi) of a bar, and of all together
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -121,25 +125,15 @@ class Tie:
     blocks: tuple[int, int]
     arms: np.ndarray  # (2, 3) from the centres of mass, body frames [m]
     length: float  # L_0 [m]
+    section: float  # A [m2]
     stiffness: float  # k [N/m]
     tension: float  # N_0 [N]
     damping: float  # c [N s/m]
 
-    def pull(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """N [N], the unit vector from the first end to the second (3,), and the arms in the world (2, 3)."""
-        ends = list(self.blocks)
-        arms = np.einsum("eij,ej->ei", rotation[ends], self.arms)
-        line = position[ends[1]] + arms[1] - position[ends[0]] - arms[0]
-        length = float(np.sqrt(line @ line))
-        along = line / length
-        speed = velocity[ends, :3] + np.cross(velocity[ends, 3:], arms)
-        force = self.tension + self.stiffness * (length - self.length) + self.damping * float(along @ (speed[1] - speed[0]))
-        return (max(0.0, force) if length > self.length - self.tension / self.stiffness else 0.0), along, arms
-
 
 @dataclass(frozen=True, eq=False)
 class Forces:
-    """All forces on single blocks."""
+    """All forces on single blocks: P point loads and T ties."""
 
     points: tuple[PointLoad, ...]
     ties: tuple[Tie, ...]
@@ -155,16 +149,46 @@ class Forces:
         """
         out = np.zeros((len(position), 6))
         for load in self.points:
-            _add(out[load.block], rotation[load.block] @ load.arm, load.factor[step] * load.force)
-        for tie in self.ties:
-            force, along, arms = tie.pull(position, rotation, velocity)
-            _add(out[tie.blocks[0]], arms[0], force * along)
-            _add(out[tie.blocks[1]], arms[1], -force * along)
+            force = load.factor[step] * load.force
+            out[load.block] += np.concatenate([force, np.cross(rotation[load.block] @ load.arm, force)])
+        if self.ties:
+            tension, along, arms = self._pull(position, rotation, velocity)
+            force = tension[:, None] * along
+            for end, pull in enumerate((force, -force)):
+                np.add.at(out, self._ends[:, end], np.concatenate([pull, np.cross(arms[:, end], pull)], axis=1))
         return out
 
     def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-        """N of each tie [N]."""
-        return np.array([tie.pull(position, rotation, velocity)[0] for tie in self.ties])
+        """N of each tie, (T,) [N]."""
+        return self._pull(position, rotation, velocity)[0] if self.ties else np.zeros(0)
+
+    def _pull(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """N (T,) [N], unit vectors from the first end to the second (T, 3), and the arms in the world (T, 2, 3)."""
+        ends, rest, bars = self._ends, self._arms, self._bars
+        arms = (rotation[ends] @ rest[..., None])[..., 0]
+        places = position[ends] + arms
+        line = places[:, 1] - places[:, 0]
+        length = np.sqrt(np.sum(line * line, axis=1))
+        along = line / length[:, None]
+        speed = velocity[ends, :3] + np.cross(velocity[ends, 3:], arms)
+        stretch = bars["tension"] + bars["stiffness"] * (length - bars["length"])
+        force = stretch + bars["damping"] * np.sum(along * (speed[:, 1] - speed[:, 0]), axis=1)
+        return np.where(stretch > 0.0, np.maximum(force, 0.0), 0.0), along, arms
+
+    @cached_property
+    def _ends(self) -> np.ndarray:
+        """(T, 2) blocks."""
+        return np.array([tie.blocks for tie in self.ties])
+
+    @cached_property
+    def _arms(self) -> np.ndarray:
+        """(T, 2, 3) in the body frames [m]."""
+        return np.array([tie.arms for tie in self.ties])
+
+    @cached_property
+    def _bars(self) -> dict[str, np.ndarray]:
+        """Numbers of the bars, (T,) each."""
+        return {name: np.array([getattr(tie, name) for tie in self.ties]) for name in ("length", "stiffness", "tension", "damping")}
 
     def leaves_plane(self, axis: int, at: float, centre: np.ndarray) -> bool:
         """True when a force or a point of attack lies outside the plane where coordinate ``axis`` equals ``at`` (centres (B, 3) [m])."""
@@ -215,42 +239,83 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
     if length == 0.0:
         raise InputError(f"{where}.points: both ends are at one point")
     stiffness = table.modulus * table.section / length
-    mass = felt_mass(assembly, ends, points)
-    phase = grid.dt * np.sqrt(stiffness / mass)
-    if phase > LARGEST_PHASE:
-        needs = f"run.dt {grid.dt:g} s is too long for its {np.sqrt(stiffness / mass) / (2 * np.pi):.3g} Hz between these blocks"
-        raise InputError(f"{where}: {needs}; at most {grid.dt * LARGEST_PHASE / phase:.2g} s will do")
-    bar = Tie(ends, points - centres, length, stiffness, table.tension, 2.0 * table.damping * float(np.sqrt(stiffness * mass)))
+    omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
+    _check_phase(omega, table.damping, grid.dt, f"{where}: run.dt {grid.dt:g} s is too long for its", "between these blocks")
+    damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
+    bar = Tie(ends, points - centres, length, table.section, stiffness, table.tension, damping)
     return Part(
         forces=(bar,),
         lines=(f'{where} tie from "{table.blocks[0]}" to "{table.blocks[1]}": {length:.4g} m, {stiffness:.4g} N/m, {table.tension:g} N',),
-        summary={"kind": "tie", "blocks": list(table.blocks), "length": length, "stiffness": stiffness, "tension": table.tension},
+        summary={
+            "kind": "tie",
+            "blocks": list(table.blocks),
+            "length": length,
+            "section": table.section,
+            "stiffness": stiffness,
+            "tension": table.tension,
+        },
     )
 
 
-def collect(parts: Sequence[Part]) -> Forces | None:
-    """The forces of all tables, None where there are none."""
+def collect(parts: Sequence[Part], grid: RunGrid) -> Forces | None:
+    """The forces of all tables, None where there are none.
+
+    Raises:
+        InputError: ties that are too stiff together for the time step.
+    """
     every: list[Any] = [force for part in parts for force in part.forces]
     if not every:
         return None
-    return Forces(tuple(f for f in every if isinstance(f, PointLoad)), tuple(f for f in every if isinstance(f, Tie)))
+    forces = Forces(tuple(f for f in every if isinstance(f, PointLoad)), tuple(f for f in every if isinstance(f, Tie)))
+    if len(forces.ties) > 1:
+        assert grid.assembly is not None
+        omega, xi = _highest(forces.ties, grid.assembly)
+        _check_phase(omega, xi, grid.dt, f"loads: run.dt {grid.dt:g} s is too long for the", "of ties on the same blocks")
+    return forces
 
 
 def felt_mass(assembly: Assembly, ends: tuple[int, int], points: np.ndarray) -> float:
     """m_e of the head of this file [kg]; blocks that lean on others feel heavier, so this is the smallest it can be."""
+    rows = _rows(assembly, ends, points)
+    return 1.0 / sum(float(row @ _accelerated(assembly, block, row)) for block, row in rows.items())
+
+
+def _rows(assembly: Assembly, ends: tuple[int, int], points: np.ndarray) -> dict[int, np.ndarray]:
+    """g of the head of this file, (6,) for each free block at the ends of a tie: what its velocity adds to L'."""
     along = (points[1] - points[0]) / np.linalg.norm(points[1] - points[0])
-    inverse = 0.0
-    for block, place in zip(ends, points, strict=True):
-        if not assembly.fixed[block]:
-            turning = np.cross(place - assembly.centre[block], along)
-            inverse += 1.0 / assembly.mass[block] + float(turning @ np.linalg.solve(assembly.inertia[block], turning))
-    return 1.0 / inverse
+    sides = zip(ends, points, (-1.0, 1.0), strict=True)
+    return {
+        block: sign * np.concatenate([along, np.cross(place - assembly.centre[block], along)])
+        for block, place, sign in sides
+        if not assembly.fixed[block]
+    }
 
 
-def _add(wrench: np.ndarray, arm: np.ndarray, force: np.ndarray) -> None:
-    """Add a force at an arm to (6,)."""
-    wrench[:3] += force
-    wrench[3:] += np.cross(arm, force)
+def _accelerated(assembly: Assembly, block: int, row: np.ndarray) -> np.ndarray:
+    """M^-1 g^T of a block, (6,)."""
+    return np.concatenate([row[:3] / assembly.mass[block], np.linalg.solve(assembly.inertia[block], row[3:])])
+
+
+def _highest(ties: Sequence[Tie], assembly: Assembly) -> tuple[float, float]:
+    """The largest w of all ties together [rad/s], and the largest damping ratio of one."""
+    rows = [_rows(assembly, tie.blocks, assembly.centre[list(tie.blocks)] + tie.arms) for tie in ties]
+    coupled = np.zeros((len(ties), len(ties)))
+    for i, first in enumerate(rows):
+        for block, row in first.items():
+            gain = _accelerated(assembly, block, row)
+            for j, second in enumerate(rows):
+                if block in second:
+                    coupled[i, j] += np.sqrt(ties[i].stiffness * ties[j].stiffness) * float(second[block] @ gain)
+    ratios = [0.5 * tie.damping * np.sqrt(coupled[i, i]) / tie.stiffness for i, tie in enumerate(ties)]
+    return float(np.sqrt(np.linalg.eigvalsh(coupled)[-1])), max(map(float, ratios))
+
+
+def _check_phase(omega: float, damping: float, dt: float, before: str, after: str) -> None:
+    """Refuse a time step that is too long for bars of angular frequency omega."""
+    phase = omega * dt * (1.0 + damping)
+    if phase > LARGEST_PHASE:
+        needs = f"{omega / (2.0 * np.pi):.3g} Hz {after}; at most {dt * LARGEST_PHASE / phase:.2g} s will do"
+        raise InputError(f"{before} {needs}")
 
 
 def _blocks(grid: RunGrid, where: str) -> Assembly:

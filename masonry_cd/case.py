@@ -96,7 +96,8 @@ def prepare(scene: Scene) -> Case:
 
 def _is_planar(assembly: Assembly, loading: Loading, settings: Run) -> bool:
     """Whether the run will be solved in a plane."""
-    return settings.planar and find_plane(assembly, State.at_rest(assembly), loading.support_velocity, loading.acceleration) is not None
+    motion = (State.at_rest(assembly), loading.support_velocity, loading.acceleration, loading.forces)
+    return settings.planar and find_plane(assembly, *motion) is not None
 
 
 def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False, dump: Sequence[int] = ()) -> dict[str, Any]:
@@ -122,7 +123,8 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1 if resume else 1, settings.steps)
     if not resume:
         _clear(folder)
-    stepper = Stepper(case.assembly, case.loading.support_velocity, case.loading.acceleration, settings)
+    loading = case.loading
+    stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
     stepper.watch = dumped if dump else None
     interrupt, show = Interrupt(), Progress(settings.steps, quiet)
 
@@ -134,7 +136,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
         report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume)
     summary = _summary(case, report) | {"dumped": [path.name for path in dumped.written], "warnings": dumped.warnings()}
     with Results.open(file) as results:
-        summary |= write_damage(results, folder, scene.report)
+        summary |= write_damage(results, folder, scene.report) | _tie_numbers(case, results)
         summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
         write_json(summary, folder / "summary.json")  # before the pictures, which may fail for want of a library
         if scene.report.asks and not report.stopped:
@@ -182,6 +184,28 @@ def write_damage(results: Results, folder: Path, settings: Report) -> dict[str, 
         "opening_max": float(table.max_opening.max(initial=0.0)),
         "sliding_max": float(table.max_sliding.max(initial=0.0)),
     }
+
+
+def _tie_numbers(case: Case, results: Results) -> dict[str, Any]:
+    """What each tie had to bear, for the summary; nothing where there are none."""
+    forces = case.loading.forces
+    if forces is None or not forces.ties:
+        return {}
+    tension, time = results.per_step("ties/tension"), results.per_step("step_time")
+    rows = []
+    for i, tie in enumerate(forces.ties):
+        worst = int(np.argmax(tension[:, i])) if len(tension) else 0
+        most, last = (float(tension[worst, i]), float(tension[-1, i])) if len(tension) else (0.0, 0.0)
+        rows.append(
+            {
+                "blocks": [case.assembly.names[block] for block in tie.blocks],
+                "tension_max": most,
+                "tension_max_time": float(time[worst]) if len(tension) else 0.0,
+                "stress_max": most / tie.section,
+                "tension_end": last,
+            }
+        )
+    return {"ties": rows}
 
 
 def _summary(case: Case, report: RunReport) -> dict[str, Any]:
@@ -244,7 +268,14 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         f"solver {solver['name']}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
         f"energy: balance closed to {energy['balance_error']:.1e} of the largest work done",
+        *(_tie_line(tie) for tie in s.get("ties", ())),
     ]
+
+
+def _tie_line(tie: dict[str, Any]) -> str:
+    """What a tie had to bear, in words."""
+    most = f"{tie['tension_max'] / 1e3:.3g} kN ({tie['stress_max'] / 1e6:.3g} MPa) at {tie['tension_max_time']:.3g} s"
+    return f'tie "{tie["blocks"][0]}" to "{tie["blocks"][1]}": at most {most}, {tie["tension_end"] / 1e3:.3g} kN at the end'
 
 
 def damage_line(s: dict[str, Any]) -> str:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.blocks import Assembly
+from masonry_cd.forces import BlockForces
 from masonry_cd.state import State
 
 FLAT = 1e-9  # relative to the size of the structure
@@ -29,7 +30,9 @@ class Plane:
         return np.array([d for d in range(3) if d != self.axis] + [3 + self.axis])
 
 
-def find_plane(assembly: Assembly, state: State, support_velocity: np.ndarray, acceleration: np.ndarray) -> Plane | None:
+def find_plane(
+    assembly: Assembly, state: State, support_velocity: np.ndarray, acceleration: np.ndarray, forces: BlockForces | None = None
+) -> Plane | None:
     """The plane in which the scene moves, or None if it needs all three dimensions.
 
     Args:
@@ -37,6 +40,7 @@ def find_plane(assembly: Assembly, state: State, support_velocity: np.ndarray, a
         state: at the start.
         support_velocity: (N + 1, S, 3) [m/s].
         acceleration: (N + 1, 3) [m/s2].
+        forces: on single blocks.
     """
     for axis in range(3):
         if np.any(support_velocity[..., axis]) or np.any(acceleration[..., axis]):
@@ -44,7 +48,7 @@ def find_plane(assembly: Assembly, state: State, support_velocity: np.ndarray, a
         if not _moves_in_plane(assembly, state, axis):
             continue
         at = _middle(assembly, axis)
-        if at is not None:
+        if at is not None and not (forces is not None and forces.leaves_plane(axis, at, assembly.centre)):
             return Plane(axis, at)
     return None
 

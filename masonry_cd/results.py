@@ -7,6 +7,7 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /joints/{opening, sliding, rotation, contact_area, normal_force, shear_force} (F, J)
     /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
     /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]   /step_time (N,) [s]
+    /ties/tension (N, T) [N]   in the order of the scene's tables; absent without ties
     /blocks/*   the blocks as they were built: a report needs no scene
     attributes: scene (the text of the scene file), title, versions (JSON)
 

@@ -46,7 +46,7 @@ class RunReport:
     solver_reasons: dict[str, int] = field(default_factory=dict)  # how often each reason was given, # for its numbers
     stopped: str = ""  # why the run ended early; empty when it did not
 
-    work_max: float = 0.0  # largest work of the base or of gravity, or kinetic energy, so far [J]
+    work_max: float = 0.0  # largest work of the base, gravity or forces, or kinetic energy, so far [J]
 
     @property
     def balance_error(self) -> float:
@@ -69,7 +69,8 @@ class RunReport:
         kind = NUMBER.sub("#", step.reason)  # like counts with like, and the dict stays small
         self.solver_reasons[kind] = self.solver_reasons.get(kind, 0) + 1
         self.energy = dict(energy)
-        self.work_max = max(self.work_max, abs(energy["base_work"]), abs(energy["gravity_work"]), energy["kinetic"])
+        works = (abs(energy[name]) for name in ("base_work", "gravity_work", "force_work"))
+        self.work_max = max(self.work_max, *works, energy["kinetic"])
         self.balance_max = max(self.balance_max, abs(energy["balance"]))
 
 
@@ -86,15 +87,19 @@ class Recorder:
         self._writer, self._stepper, self._joints = writer, stepper, joints
         self.peaks = JointPeaks(joints)
         self._rows: list[tuple[float, ...]] = []  # of steps, not yet with the writer
+        self._tensions: list[np.ndarray] = []  # likewise
         self._pairs: np.ndarray | None = None
         self._pair_joint = np.empty(0, dtype=np.int64)
         writer.extend({name: np.empty(0) for name in STEP_FIELDS})  # every dataset exists before the first flush
+        if len(stepper.tensions):
+            writer.extend({"ties/tension": np.empty((0, len(stepper.tensions)))})
 
     def step(self, report: StepReport) -> JointMeasures:
         """Record a step; return the measures of the joints after it."""
         stepper = self._stepper
         solver = (report.iterations, report.error, report.seconds, report.contacts)
         self._rows.append((stepper.state.time, report.penetration, *solver, *(stepper.energy[name] for name in ENERGIES)))
+        self._tensions.append(stepper.tensions)
         if len(self._rows) == ROWS_AT_ONCE:
             self._hand_over()
         now = measure_joints(self._joints, stepper.assembly, stepper.state)
@@ -124,7 +129,10 @@ class Recorder:
         """Give the numbers of the last steps to the writer."""
         if self._rows:
             self._writer.extend(dict(zip(STEP_FIELDS, np.array(self._rows).T, strict=True)))
+            if len(self._tensions[0]):
+                self._writer.extend({"ties/tension": np.array(self._tensions)})
             self._rows.clear()
+            self._tensions.clear()
 
     def _joint_of_pairs(self) -> np.ndarray:
         """The joint of each pair of the detector, -1 for pairs that are none; made anew when the list of pairs is."""

@@ -3,7 +3,7 @@ r"""The Moreau-Jean step.
 One step of length h from (q, v) to (q+, v+), theta in [1/2, 1] (Jean, Comput. Methods Appl. Mech. Engrg. 177, 1999):
 
     q_m    = q + h (1 - theta) v                                 contacts are found at q_m, supports moved as prescribed
-    v_free = v + h M^-1 f                                        gravity; the free rotation keeps the angular momentum
+    v_free = v + h M^-1 f(q_m, v)                                gravity, point loads, ties; the free rotation keeps the angular momentum
     M v+   = M v_free + H^T p,   0 <= u_n + max(g, 0)/h  _|_  p_n >= 0,   |p_t| <= mu p_n, opposed to the slip
     q+     = q_m + h theta v+
 
@@ -12,7 +12,9 @@ is not pushed out through the velocity: that would feed energy.
 
 **Energy balance**, closed each step with mean velocities (exact for theta = 1/2 up to the turning of the inertia):
 
-    kinetic + friction + impact  =  work of the supports + work of gravity  (+ balance, what is left over)
+    kinetic + friction + impact  =  work of the supports + work of gravity + work of point loads and ties  (+ balance, what is left over)
+
+What a tie stores in its stretch counts as work until it gives it back.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ from masonry_cd import kinematics
 from masonry_cd.blocks import Assembly
 from masonry_cd.checkpoint import part, prefixed
 from masonry_cd.detection import ContactSet, Detector
+from masonry_cd.forces import BlockForces
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 from masonry_cd.impacts import open_contacts, solve_apart
 from masonry_cd.planar import find_plane
@@ -34,7 +37,7 @@ from masonry_cd.scene import Run
 from masonry_cd.solvers import SOLVERS, Options
 from masonry_cd.state import State, rotation_matrices
 
-ENERGIES = ("kinetic", "friction", "impact", "base_work", "gravity_work", "correction", "balance")
+ENERGIES = ("kinetic", "friction", "impact", "base_work", "gravity_work", "force_work", "correction", "balance")
 TOUCHING = 1e-8  # gaps up to this share of the smallest width are none
 OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone
 CORRECTED = 0.2  # share of what is beyond that which one step takes away
@@ -65,29 +68,39 @@ class Stepper:
         acceleration: (N + 1, 3) body acceleration at t_k, gravity included [m/s2].
         settings: time step, theta, solver, tolerance, seed.
         start: where the run begins; None: at rest, as built.
+        forces: on single blocks; None for none.
     """
 
     def __init__(
-        self, assembly: Assembly, support_velocity: np.ndarray, acceleration: np.ndarray, settings: Run, start: State | None = None
+        self,
+        assembly: Assembly,
+        support_velocity: np.ndarray,
+        acceleration: np.ndarray,
+        settings: Run,
+        start: State | None = None,
+        forces: BlockForces | None = None,
     ) -> None:
         self.assembly, self.settings = assembly, settings
         self.state = State.at_rest(assembly) if start is None else start.copy()
         self.steps = 0
         self.detector = Detector(assembly)
-        self.plane = find_plane(assembly, self.state, support_velocity, acceleration) if settings.planar else None
+        self.plane = find_plane(assembly, self.state, support_velocity, acceleration, forces) if settings.planar else None
         self.energy = dict.fromkeys(ENERGIES, 0.0)
-        self._support_velocity, self._acceleration = support_velocity, acceleration
+        self._support_velocity, self._acceleration, self._forces = support_velocity, acceleration, forces
         self._columns = np.arange(6) if self.plane is None else self.plane.columns
         self._free_index = np.where(assembly.fixed, -1, np.cumsum(~assembly.fixed) - 1)
         self._support_block = int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1
         self._inverse_inertia = np.linalg.inv(assembly.inertia)
         self._rotation = rotation_matrices(self.state.orientation)  # at q_m of the last step
+        now = (self.state.position, self._rotation, self.state.velocity)
+        self.tensions = np.zeros(0) if forces is None else forces.tensions(*now)  # of the ties, as applied in the last step [N]
         inertia = self._rotation @ assembly.inertia @ self._rotation.transpose(0, 2, 1)
         self._spin = np.einsum("bij,bj->bi", inertia, self.state.velocity[:, 3:])  # angular momentum [kg m2/s]
         self._solver = SOLVERS[settings.solver]
         self.watch: Callable[[int, str, FrictionProblem], None] | None = None  # told the step and all that is solved in it, by name
         self._handover: np.ndarray | None = None  # generalised impulse left over from an impact, see impacts.py
-        self._pull = float(np.linalg.norm(acceleration, axis=1).max())
+        self._gravity = float(np.linalg.norm(acceleration, axis=1).max())
+        self._pull = self._gravity  # largest acceleration of a block by gravity and forces, in this step [m/s2]
         bodies, n = int((~assembly.fixed).sum()), len(self._columns)
         self._radius = np.zeros(assembly.count)
         np.maximum.at(self._radius, assembly.shapes.part_block, assembly.shapes.radius)
@@ -95,7 +108,7 @@ class Stepper:
         self._width = float(assembly.shapes.size[~assembly.fixed[assembly.shapes.part_block]].min())
         self._inverse_mass, self._v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
         self._v = self.state.velocity[~assembly.fixed][:, self._columns]
-        self._v_old = np.zeros_like(self._v)
+        self._v_old, self._push = np.zeros_like(self._v), np.zeros_like(self._v)  # _push: generalised impulse of the forces
         self.contacts = ContactSet.none()
         self.chosen = np.empty(0, dtype=np.int64)  # contacts of the friction problem; all, but half of them in a plane
         self.solution = Solution(np.zeros((0, self.rows)), None, 0)
@@ -166,6 +179,7 @@ class Stepper:
             self._rotation, state.velocity, self._spin, a.mass, self._inverse_inertia, self._free_index, self._columns, gravity, h,
             self._inverse_mass, self._v_free,
         )  # fmt: skip
+        self._apply_forces()
         self._take_handover()
         slack = 4.0 * h * h * self._pull
         found = self.detector.detect(state.position, self._rotation, state.velocity, h, slack, self._support_displacement())
@@ -184,6 +198,19 @@ class Stepper:
         rigid = np.zeros((count, m))
         problem = FrictionProblem(self._inverse_mass, self._v_free, bodies[:count], jacobian[:count], offset[:count], mu[:count], rigid)
         return problem, Solution(impulse[:count], None, 0, memory=self.solution.memory)
+
+    def _apply_forces(self) -> None:
+        """Add the impulses of the forces on single blocks to the free velocity and to the angular momentum."""
+        if self._forces is None:
+            return
+        now, free = (self.state.position, self._rotation, self.state.velocity), ~self.assembly.fixed
+        wrench = self._forces.wrench(*now, self.steps + 1)[free]
+        self.tensions = self._forces.tensions(*now)
+        self._pull = self._gravity + float((np.linalg.norm(wrench[:, :3], axis=1) / self.assembly.mass[free]).max())
+        self._push = self.settings.dt * wrench[:, self._columns]
+        self._v_free += np.einsum("bij,bj->bi", self._inverse_mass, self._push)
+        turning = self._columns >= 3
+        self._spin[np.ix_(free, self._columns[turning] - 3)] += self._push[:, turning]
 
     def _take_handover(self) -> None:
         """Add what an impact of the last step left over to the free velocity.
@@ -257,7 +284,9 @@ class Stepper:
         energy["impact"] += work[1]
         energy["base_work"] += work[2]
         energy["gravity_work"] += float(a.mass[free] @ (moved[free] @ self._acceleration[self.steps + 1]))  # without the corrections
-        energy["balance"] = energy["base_work"] + energy["gravity_work"] - energy["kinetic"] - energy["friction"] - energy["impact"]
+        energy["force_work"] += 0.5 * float(np.sum(self._push * (self._v_old + self._v)))
+        put_in = energy["base_work"] + energy["gravity_work"] + energy["force_work"]
+        energy["balance"] = put_in - energy["kinetic"] - energy["friction"] - energy["impact"]
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that the next step depends on, as arrays for a checkpoint."""

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from models import box
+from models import box, ground
 
 import loads
 from loads.forces import Forces, felt_mass
-from masonry_cd.blocks import Assembly
+from masonry_cd.blocks import Assembly, Block
+from masonry_cd.case import closing_lines, prepare, run_case
 from masonry_cd.errors import InputError
+from masonry_cd.results import Results
+from masonry_cd.scene import Run, read_scene
+from masonry_cd.stepping import Stepper
+from structures import blockfile
+from structures.prism import prism_xz
 
 G = (0.0, 0.0, -9.81)
 
@@ -23,12 +30,7 @@ def pair() -> Assembly:
 
 
 def build(assembly: Assembly | None, *tables: dict, dt: float = 1e-3, steps: int = 2000) -> loads.Loading:
-    return loads.build(tables, dt, steps, G, Path("."), assembly, applies_forces=True)
-
-
-def test_a_caller_that_does_not_apply_forces_is_told(pair: Assembly) -> None:
-    with pytest.raises(InputError, match=r'loads\[0\].kind: "tie": forces on single blocks are not applied in this run'):
-        loads.build([BAR], 1e-3, 100, G, Path("."), pair)
+    return loads.build(tables, dt, steps, G, Path("."), assembly)
 
 
 def forces(assembly: Assembly, *tables: dict, **keys: float) -> Forces:
@@ -117,6 +119,123 @@ def test_the_mass_a_bar_feels(pair: Assembly) -> None:
     assert felt_mass(pair, (0, 1), pair.centre) == pytest.approx(2000.0)
     off = pair.centre + [[0, 0, 0.5], [0, 0, 0.5]]  # 1/m + r^2 / I with I = m / 6: 1 + 0.25 * 6 = 2.5 times as easy to move
     assert felt_mass(pair, (0, 1), off) == pytest.approx(2000.0 / 2.5)
+
+
+def test_ties_on_one_block_stiffen_one_another(pair: Assembly) -> None:
+    one = {**BAR, "area": 0.03, "points": [[1.0, 0.5, 0.5], [4.0, 0.5, 0.5]]}  # 3 m: k = 2e9 N/m, w = 1000 rad/s: at the limit alone
+    assert len(forces(pair, one, dt=0.999e-3).ties) == 1
+    with pytest.raises(
+        InputError, match=r"^loads: run.dt 0.000999 s is too long for the 225 Hz of ties on the same blocks; at most 0.00071"
+    ):
+        forces(pair, one, one, dt=0.999e-3)
+    with pytest.raises(InputError, match=r"at most 0.0008 s will do"):
+        forces(pair, {**one, "damping": 0.25}, dt=0.999e-3)
+
+
+def run_step(blocks: list[Block], tables: list[dict], dt: float, seconds: float, mu: float = 0.6, **settings: object) -> Stepper:
+    """A run under gravity and the forces, to its end."""
+    steps, assembly = round(seconds / dt), Assembly.from_blocks(blocks, mu)
+    loading = loads.build(tables, dt, steps, G, Path("."), assembly)
+    if loading.support_of is not None:
+        assembly = replace(assembly, support_of=loading.support_of)
+    run = Run.model_validate({"dt": dt, "duration": seconds, "solver": "nlgs", "tolerance": 1e-9} | settings)
+    machine = Stepper(assembly, loading.support_velocity, loading.acceleration, run, forces=loading.forces)
+    largest = 0.0
+    for _ in range(steps):
+        machine.step()
+        largest = max(largest, abs(machine.energy["balance"]))
+    works = [abs(machine.energy[name]) for name in ("base_work", "gravity_work", "force_work", "friction", "impact")]
+    assert largest < 1e-9 * (max(works) + 1.0)
+    return machine
+
+
+PULLED = box("b", (0, -0.5, 0), (1, 0.5, 0.2))  # 400 kg
+
+
+@pytest.mark.parametrize("planar", [True, False])
+@pytest.mark.parametrize(("share", "mu"), [(0.7, 0.5), (0.45, 0.5)])
+def test_a_pulled_block_slides_as_coulomb_says_and_the_balance_closes(share: float, mu: float, planar: bool) -> None:
+    """a = (share - mu) g: the block moves by a t^2 / 2, and the force has worked share m g times that."""
+    weight, seconds = 400.0 * 9.81, 0.3
+    pull = {"kind": "point", "block": "b", "force": [share * weight, 0.0, 0.0], "point": [1.0, 0.0, 0.05]}
+    machine = run_step([ground(), PULLED], [pull], 1e-3, seconds, mu, planar=planar)
+    assert (machine.plane is not None) == planar
+    moved = machine.state.position[1] - machine.assembly.centre[1]
+    wanted = max(0.0, 0.5 * (share - mu) * 9.81 * seconds**2)
+    assert moved == pytest.approx([wanted, 0.0, 0.0], abs=1e-7)
+    assert machine.energy["force_work"] == pytest.approx(share * weight * wanted, abs=1e-3)
+
+
+def test_a_force_off_the_plane_turns_a_block_in_space_and_one_in_it_leaves_it_planar() -> None:
+    push = {"kind": "point", "block": "b", "force": [300.0, 0.0, 0.0]}
+    inside = run_step([ground(), PULLED], [push], 1e-3, 0.01, mu=0.0)
+    assert inside.plane is not None
+    assert inside.state.velocity[1, 0] == pytest.approx(300.0 / 400.0 * 0.01)
+    off = run_step([ground(), PULLED], [{**push, "point": [0.5, 0.5, 0.1]}], 1e-3, 0.01, mu=0.0)
+    assert off.plane is None
+    about_z = 400.0 / 6.0
+    assert off.state.velocity[1, 5] == pytest.approx(-0.5 * 300.0 / about_z * 0.01, rel=1e-6)
+
+
+def test_a_hung_block_stretches_its_tie_by_its_weight_and_swings_at_its_frequency() -> None:
+    """k = 2e6 N/m and 400 kg: w = 70.7 rad/s; let go at the tie's own length it swings between 0 and 2 m g / k without a contact."""
+    blocks = [box("beam", (0, -0.5, 3), (1, 0.5, 4), fixed=True), PULLED]
+    bar = {"kind": "tie", "blocks": ["beam", "b"], "points": [[0.5, 0.0, 3.0], [0.5, 0.0, 0.2]], "area": 2.8e-5, "modulus": 2e11}
+    period = 2 * np.pi / np.sqrt(2e6 / 400.0)
+    machine = run_step(blocks, [{**bar, "damping": 0.0}], period / 400, 5.5 * period)
+    down = machine.assembly.centre[1, 2] - machine.state.position[1, 2]
+    assert down == pytest.approx(2.0 * 400.0 * 9.81 / 2e6, rel=1e-3)  # after half a swing more than five
+    assert machine.tensions == pytest.approx([2.0 * 400.0 * 9.81], rel=1e-3)
+    damped = run_step(blocks, [{**bar, "damping": 0.2}], period / 100, 12 * period)
+    assert damped.tensions == pytest.approx([400.0 * 9.81], rel=1e-4)
+    assert damped.energy["force_work"] < -damped.energy["gravity_work"] * 0.99
+
+
+def rafters() -> list[Block]:
+    """Two stones that lean on each other, on level feet: an arch of three hinges."""
+    left = Block("left", *prism_xz(np.array([[-2.0, 0.0], [-1.4, 0.0], [0.0, 1.6], [0.0, 2.2]]), 0.0, 0.5), 2000.0)
+    right = Block("right", *prism_xz(np.array([[2.0, 0.0], [0.0, 2.2], [0.0, 1.6], [1.4, 0.0]]), 0.0, 0.5), 2000.0)
+    return [box("foot1", (-3.0, 0, -0.5), (-1.0, 0.5, 0), fixed=True), box("foot2", (1.0, 0, -0.5), (3.0, 0.5, 0), fixed=True), left, right]
+
+
+def test_a_tie_bears_the_thrust_of_an_arch_on_smooth_supports() -> None:
+    """Without friction below, the thrust is the tie's alone: H = W x_G / rise of the line of thrust, between its extremes."""
+    blocks = rafters()
+    tie = {"kind": "tie", "blocks": ["left", "right"], "points": [[-1.7, 0.25, 0.05], [1.7, 0.25, 0.05]], "area": 4e-4, "damping": 0.1}
+    loose = run_step(blocks, [], 1e-3, 0.4, mu=0.0)
+    assert loose.state.position[3, 0] - loose.assembly.centre[3, 0] > 0.05  # it spreads and falls
+    held = run_step(blocks, [tie], 2e-4, 0.4, mu=0.0)
+    assert np.abs(held.state.position - held.assembly.centre).max() < 2e-3
+    weight, arm = held.assembly.mass[3] * 9.81, held.assembly.centre[3, 0]
+    thrust = [weight * (foot - arm) / (crown - 0.05) for foot, crown in ((1.4, 2.2), (2.0, 1.6))]
+    assert thrust[0] < held.tensions[0] < thrust[1]
+
+
+def test_a_run_tells_what_its_ties_had_to_bear(tmp_path: Path) -> None:
+    blockfile.write(tmp_path / "blocks.json", rafters())
+    (tmp_path / "scene.toml").write_text(
+        """
+structure = {kind = "file", path = "blocks.json"}
+material = {density = 2000.0, friction = 0.2}
+run = {dt = 5e-4, duration = 0.1, solver = "nlgs", tolerance = 1e-6}
+[[loads]]
+kind = "tie"
+blocks = ["left", "right"]
+points = [[-1.7, 0.25, 0.05], [1.7, 0.25, 0.05]]
+diameter = 0.02
+tension = 500.0
+"""
+    )
+    prepared = prepare(read_scene(tmp_path / "scene.toml"))
+    summary = run_case(prepared, tmp_path / "out")
+    (tie,) = summary["ties"]
+    assert tie["blocks"] == ["left", "right"]
+    with Results.open(tmp_path / "out" / "result.h5") as results:
+        tension = results.per_step("ties/tension")
+        assert tension.shape == (200, 1)
+        assert tie["tension_max"] == tension.max() > tension[-1] == tie["tension_end"] > 500.0
+    assert tie["stress_max"] == pytest.approx(tie["tension_max"] / (np.pi * 1e-4))
+    assert closing_lines(summary)[-1].startswith('tie "left" to "right": at most ')
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ ENERGIES = {
     "kinetic": "kinetic",
     "base_work": "work of the base",
     "gravity_work": "work of gravity",
+    "force_work": "work of point loads and ties",
     "correction": "lift of corrected overlaps",
     "friction": "lost to friction",
     "impact": "lost in impacts",
