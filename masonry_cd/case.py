@@ -48,11 +48,17 @@ class Case:
     assembly: Assembly
     joints: Joints
     loading: Loading
+    notes: tuple[str, ...]  # what was changed in making the blocks, in words
     seconds: float  # to build it
 
 
 def build_blocks(scene: Scene) -> list[Block]:
-    """The blocks of a scene's structure.
+    """The blocks of a scene's structure, see :func:`build_structure`."""
+    return build_structure(scene)[0]
+
+
+def build_structure(scene: Scene) -> tuple[list[Block], list[str]]:
+    """The blocks of a scene's structure, and lines on what was changed in making them.
 
     Raises:
         InputError: with file and line of the scene where a key is at fault.
@@ -60,7 +66,7 @@ def build_blocks(scene: Scene) -> list[Block]:
     import structures
 
     try:
-        return structures.build(scene.structure, scene.material.density, scene.folder)
+        return structures.build_with_notes(scene.structure, scene.material.density, scene.folder)
     except InputError as error:
         raise scene.at_fault(error) from None
 
@@ -74,7 +80,7 @@ def prepare(scene: Scene) -> Case:
     import loads
 
     begin = time.perf_counter()
-    blocks = build_blocks(scene)
+    blocks, notes = build_structure(scene)
     try:
         if scene.report.asks or scene.report.grades:
             from reports import outputs
@@ -91,7 +97,7 @@ def prepare(scene: Scene) -> Case:
     with said_if_slow("compiling the kernels, once: this takes about a minute and is kept for later runs"):
         joints = find_joints(assembly)
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run))
-    return Case(scene, assembly, joints, loading, time.perf_counter() - begin)
+    return Case(scene, assembly, joints, loading, tuple(notes), time.perf_counter() - begin)
 
 
 def _is_planar(assembly: Assembly, loading: Loading, settings: Run) -> bool:

@@ -126,8 +126,8 @@ def build(
         from masonry_cd import case
         from structures import blockfile, summary
 
-        blocks = case.build_blocks(asked)
-        typer.echo("\n".join(summary.lines(structures.report(blocks))))
+        blocks, notes = case.build_structure(asked)
+        typer.echo("\n".join([*summary.lines(structures.report(blocks)), *notes]))
         output.mkdir(parents=True, exist_ok=True)
         blockfile.write(output / "blocks.json", blocks)
         if picture:
@@ -330,7 +330,7 @@ def _announce(prepared: Case) -> None:
     settings = prepared.scene.run
     joints = f"{prepared.assembly.count} blocks, {prepared.joints.count} joints"
     typer.echo(f"{prepared.scene.title}: {joints}, {settings.steps} steps of {settings.dt:g} s, solver {settings.solver}")
-    for line in prepared.loading.lines:
+    for line in (*prepared.notes, *prepared.loading.lines):
         typer.echo(line)
 
 

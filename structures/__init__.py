@@ -1,8 +1,8 @@
 """Structures: from the [structure] table of a scene to checked blocks.
 
 Each kind has a module with a function ``build(table, density, folder) -> list[Block]``, named in :data:`KINDS` and
-imported when it is asked for. Whatever a kind builds passes :mod:`structures.checks` before it is returned, and
-:func:`report` says what it is.
+imported when it is asked for; one that has something to tell has ``build_with_notes`` instead, which returns lines besides. Whatever a
+kind builds passes :mod:`structures.checks` before it is returned, and :func:`report` says what it is.
 """
 
 from __future__ import annotations
@@ -25,16 +25,25 @@ KINDS = {
     "dome": "structures.dome",
     "church": "structures.church",
     "file": "structures.blockfile",
+    "solid": "structures.coursed",
 }
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
+    """The blocks of a structure, see :func:`build_with_notes`."""
+    return build_with_notes(table, density, folder)[0]
+
+
+def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
     """Build the blocks of a structure and check them.
 
     Args:
         table: the scene's [structure] table, ``kind`` included.
         density: of the material [kg/m3]; the entries of a block file may state their own.
         folder: where the scene file lies; the path of a block file is relative to it.
+
+    Returns:
+        the blocks, and lines on what was changed in making them: curved faces made flat, gaps closed.
 
     Raises:
         InputError: an unknown kind, a key of that kind that is wrong, or blocks that are unsound.
@@ -47,8 +56,11 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         hint = suggest(kind, KINDS)
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
     rest = {key: value for key, value in table.items() if key != "kind"}
-    blocks: list[Block] = import_module(KINDS[kind]).build(rest, density, folder)
-    return blocks
+    module = import_module(KINDS[kind])
+    if hasattr(module, "build_with_notes"):
+        told: tuple[list[Block], list[str]] = module.build_with_notes(rest, density, folder)
+        return told
+    return module.build(rest, density, folder), []
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:

@@ -55,7 +55,7 @@ def read(path: Path, density: float, scale: float, up: str, repair: bool = False
     reader = {".obj": _read_obj, ".stl": _read_stl, ".vtu": _read_vtu, ".vtm": vtkfile.read_vtm}[path.suffix.lower()]
     blocks = []
     for name, shells in reader(path):
-        parts = [(_placed(vertices, scale, up), faces) for vertices, faces in shells]
+        parts = [(placed(vertices, scale, up), faces) for vertices, faces in shells]
         if repair:
             parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
         try:
@@ -67,7 +67,7 @@ def read(path: Path, density: float, scale: float, up: str, repair: bool = False
     return blocks
 
 
-def _placed(vertices: np.ndarray, scale: float, up: str) -> np.ndarray:
+def placed(vertices: np.ndarray, scale: float, up: str) -> np.ndarray:
     """Metres, with z up: y up is turned about x."""
     turned = vertices if up == "z" else np.stack([vertices[:, 0], -vertices[:, 2], vertices[:, 1]], axis=1)
     return np.asarray(turned * scale, dtype=float)
