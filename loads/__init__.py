@@ -71,15 +71,6 @@ class Loading:
         """lambda at the times t_k, (N + 1,): body force across gravity over that along it; of a tilt, the tangent of its angle."""
         return load_factors(self.acceleration, np.asarray(gravity, dtype=float))
 
-    def after_rest(self, step: int, quiet: int) -> int:
-        """The step of the loads at which to go on: the end of a pause when the structure is still, else the same step.
-
-        Args:
-            step: k, of which the loads have been applied.
-            quiet: steps in a row in which no standing block was faster than the pause's speed, since the pause began.
-        """
-        return next((p.last for p in self.pauses if p.first <= step < p.last and quiet >= p.hold), step)
-
 
 def build(
     tables: Sequence[Mapping[str, Any]],

@@ -20,12 +20,12 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
 from loads.baseline import ORDERS, History, correct, integrate
 from loads.code_spectrum import CodeSpectrum, ec8, ntc
 from loads.intensity import in_words, intensity
-from loads.motion import DirectionKey, Part, RunGrid, describe, smooth_step
+from loads.motion import DirectionKey, Part, RunGrid, describe, smooth_step, strict
 from loads.record import sample
 from loads.response import Oscillators, response_spectrum
 from loads.supports import ShakingTable
@@ -55,11 +55,11 @@ def _range(value: object) -> tuple[float, float] | None:
     return float(numbers[0]), float(numbers[1])
 
 
-class ArtificialTable(ShakingTable):
-    """Keys of ``kind = "artificial"``."""
+class SpectrumMatch(BaseModel):
+    """The keys that say which accelerogram is drawn."""
 
-    kind: Literal["artificial"] = "artificial"
-    direction: DirectionKey
+    model_config = strict
+
     spectrum: Literal["EC8", "NTC"]
     ag: Positive  # on rock [m/s2]
     ground: Literal["A", "B", "C", "D", "E"] = "A"
@@ -113,6 +113,13 @@ class ArtificialTable(ShakingTable):
         return ntc(self.ag, self.f0, self.tc_star, self.ground, self.topography or "T1", self.vertical)
 
 
+class ArtificialTable(SpectrumMatch, ShakingTable):
+    """Keys of ``kind = "artificial"``."""
+
+    kind: Literal["artificial"] = "artificial"
+    direction: DirectionKey
+
+
 @dataclass(frozen=True, eq=False)
 class Match:
     """An accelerogram and how well it meets its target."""
@@ -128,11 +135,7 @@ def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> Part:
     Raises:
         InputError: no noise was found that meets the tolerance.
     """
-    try:
-        match = accelerogram(table)
-    except ValueError as failure:
-        raise InputError(f"{where}: {failure}") from None
-    motion, target, direction = match.motion, table.target, table.direction
+    motion, target, direction = drawn(table, where), table.target, table.direction
     low, high = table.range
     periods = np.geomspace(low, high, 200)
     ratio = response_spectrum(motion.acceleration, STEP, periods, DAMPING).acceleration / target.at(periods)
@@ -163,7 +166,19 @@ def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> Part:
     )
 
 
-def accelerogram(table: ArtificialTable) -> Match:
+def drawn(table: SpectrumMatch, where: str) -> History:
+    """The accelerogram of a table, from rest to rest.
+
+    Raises:
+        InputError: no noise was found that meets the tolerance.
+    """
+    try:
+        return accelerogram(table).motion
+    except ValueError as failure:
+        raise InputError(f"{where}: {failure}") from None
+
+
+def accelerogram(table: SpectrumMatch) -> Match:
     """Draw noise until it can be brought to the target; equal seeds give equal samples.
 
     Raises:
@@ -187,7 +202,7 @@ def accelerogram(table: ArtificialTable) -> Match:
 class _Judge:
     """Measures how far a spectrum strays from its target, at closely spaced periods inside the range asked for."""
 
-    def __init__(self, table: ArtificialTable) -> None:
+    def __init__(self, table: SpectrumMatch) -> None:
         periods = np.geomspace(*table.range, FINE)
         self._oscillators = Oscillators(periods, STEP, DAMPING)
         self._of_target = (2.0 * np.pi / periods) ** 2 / table.target.at(periods)
@@ -204,7 +219,7 @@ def envelope(times: np.ndarray, rise: float, level: float, duration: float) -> n
     return np.asarray(np.minimum(times / rise, 1.0) ** 2 * fall * smooth_step((duration - times) / FADE))
 
 
-def _brought_to_target(table: ArtificialTable, random: np.random.Generator) -> Match:
+def _brought_to_target(table: SpectrumMatch, random: np.random.Generator) -> Match:
     """Turns of scaling in the frequency domain, until good enough; the best of them."""
     low, high = table.range
     count = round(table.duration / STEP) + 1

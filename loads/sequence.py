@@ -5,6 +5,8 @@ a fixed time, or until the structure is still,
 
     max |v| of the blocks that still stand < still   over ``hold`` seconds,   at most ``longest_rest``.
 
+A component is a recorded accelerogram, or an artificial one where it names a ``spectrum`` instead of a ``path``.
+
 **Load time and run time.** How long a rest until still takes is only known in the run. So the arrays of loads are laid out in a load
 time in which every such rest has its full length, and say where it lies: a :class:`Pause` from step ``first`` to step ``last``. The run
 loop keeps the step of the load k beside its own, and in a pause, once the structure has been still for ``hold`` steps, goes on at
@@ -22,9 +24,12 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
 from loads.accelerogram import Accelerogram, Processed, describe_both, process, size_factor
-from loads.motion import Direction, DirectionKey, Part, RunGrid, strict
+from loads.artificial import SpectrumMatch, drawn
+from loads.intensity import in_words
+from loads.motion import Direction, DirectionKey, Part, RunGrid, describe, strict
 from loads.record import FADE, sample
 from loads.supports import ShakingTable
+from masonry_cd.errors import parse_table
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -38,8 +43,14 @@ def _rest(value: object) -> float | str:
     raise ValueError('must be a time in seconds, or "still": until the structure is')
 
 
-class Component(Accelerogram):
-    """One component of a shock."""
+class Recorded(Accelerogram):
+    """A recorded component of a shock."""
+
+    direction: DirectionKey
+
+
+class Artificial(SpectrumMatch):
+    """An artificial component of a shock."""
 
     direction: DirectionKey
 
@@ -49,8 +60,8 @@ class ShockTable(BaseModel):
 
     model_config = strict
 
-    name: str | None = None
-    components: Annotated[list[Component], Field(min_length=1)]
+    name: Annotated[str, Field(min_length=1, max_length=40)] | None = None
+    components: Annotated[list[dict[str, Any]], Field(min_length=1)]  # of Recorded or Artificial
     rotate: float = 0.0  # of all directions about z, counter-clockwise seen from above [degrees]
     scale: float | None = None
     target_pga: Positive | None = None  # of the strongest component [m/s2]
@@ -152,19 +163,41 @@ def sequence(table: SequenceTable, grid: RunGrid, where: str) -> Part:
 def _prepare(shock: ShockTable, grid: RunGrid, where: str, place: int) -> tuple[_Ready, list[str]]:
     """Read and scale the components of a shock; with the lines that tell of them."""
     keys = [f"{where}.components[{j}]" for j in range(len(shock.components))]
-    raw = [process(component, grid.folder, grid.dt, key) for component, key in zip(shock.components, keys, strict=True)]
+    components = [_component(table, key) for table, key in zip(shock.components, keys, strict=True)]
+    raw = [_read(component, grid, key) for component, key in zip(components, keys, strict=True)]
     factor = size_factor(shock.scale, shock.target_pga, max(one.after.numbers()["pga"] for one in raw))
     scaled = [one.scaled(factor) for one in raw]
-    directions = [component.direction.turned(shock.rotate) for component in shock.components]
-    lines = []
-    for component, direction, one, key in zip(shock.components, directions, scaled, keys, strict=True):
-        lines.append(f"{key} {component.path}{f' [{one.column}]' if one.column else ''} along {direction.label}, times {factor:.6g}")
-        lines += describe_both(key, one, component.correction)
-    length = max(
-        one.after.duration + (FADE if component.correction == "none" else 0.0)
-        for component, one in zip(shock.components, scaled, strict=True)
-    )
+    directions = [component.direction.turned(shock.rotate) for component in components]
+    lines, length = [], 0.0
+    for component, direction, one, key in zip(components, directions, scaled, keys, strict=True):
+        lines += _told(component, direction, one, factor, key)
+        fades = isinstance(component, Recorded) and component.correction == "none"
+        length = max(length, one.after.duration + (FADE if fades else 0.0))
     return _Ready(shock.name or f"shock {place + 1}", tuple(zip(directions, scaled, strict=True)), factor, length), lines
+
+
+def _told(component: Recorded | Artificial, direction: Direction, processed: Processed, factor: float, where: str) -> list[str]:
+    """The lines that tell of a component at its final size."""
+    how = f"along {direction.label}, times {factor:.6g}"
+    if isinstance(component, Recorded):
+        column = f" [{processed.column}]" if processed.column else ""
+        return [f"{where} {component.path}{column} {how}", *describe_both(where, processed, component.correction)]
+    numbers = processed.numbers()["after"]
+    origin = f"artificial, {component.spectrum} spectrum, ground {component.ground}, seed {component.seed}"
+    return [f"{where} {origin} {how}: {describe(numbers)}", f"{where}   {in_words(numbers)}"]
+
+
+def _component(table: dict[str, Any], where: str) -> Recorded | Artificial:
+    """A component by its keys: one with a ``spectrum`` is artificial."""
+    return parse_table(Artificial, table, where) if "spectrum" in table else parse_table(Recorded, table, where)
+
+
+def _read(component: Recorded | Artificial, grid: RunGrid, where: str) -> Processed:
+    """The motion of a component, not scaled yet."""
+    if isinstance(component, Recorded):
+        return process(component, grid.folder, grid.dt, where)
+    motion = drawn(component, where)
+    return Processed(motion, motion, 0.0, "artificial", "")
 
 
 def _lay_out(table: SequenceTable, ready: list[_Ready], grid: RunGrid, latest: float) -> tuple[list[Shock], list[Pause]]:

@@ -23,6 +23,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.joints import Joints, find_joints
 from masonry_cd.planar import find_plane
 from masonry_cd.progress import Interrupt, Progress, in_words, said_if_slow
+from masonry_cd.rests import Rests
 from masonry_cd.results import Results, ResultWriter
 from masonry_cd.runner import RunReport
 from masonry_cd.runner import run as run_steps
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
-    "crack_map.png", "crack_map.gif", "report.html", "report.pdf",
+    "damage_shocks.csv", "crack_map.png", "crack_map.gif", "report.html", "report.pdf",
 )  # fmt: skip
 
 
@@ -132,6 +133,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     loading = case.loading
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
     stepper.watch = dumped if dump else None
+    rests = Rests(case.assembly, loading.pauses, loading.shocks, settings.steps) if loading.shocks else None
     interrupt, show = Interrupt(), Progress(settings.steps, quiet)
 
     def progress(done: int) -> None:
@@ -139,7 +141,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
         interrupt.check()
 
     with interrupt, _writer(case, file, saved, resume) as writer, show:
-        report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume)
+        report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, rests)
     summary = _summary(case, report) | {"dumped": [path.name for path in dumped.written], "warnings": dumped.warnings()}
     with Results.open(file) as results:
         summary |= write_damage(results, folder, scene.report) | _tie_numbers(case, results)
@@ -174,22 +176,26 @@ def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
 
 
 def write_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:
-    """Write joints.csv and return the numbers of damage for the summary."""
+    """Write joints.csv and return the numbers of damage for the summary, those after each shock of a sequence among them."""
     from reports import damage
 
     thresholds = damage.Thresholds(opened=settings.opened, slid=settings.slid)
     table = damage.joint_damage(results, thresholds)
     damage.write_joints_csv(table, folder / "joints.csv")
     fallen = damage.collapsed_blocks(results, thresholds)
-    return damage.summary(table) | {
-        "blocks": len(results.blocks),
-        "joints": results.joints.count,
-        "collapsed_blocks": len(fallen),
-        "collapsed_block_names": list(fallen),
-        "displacement_max": damage.displacement_max(results),
-        "opening_max": float(table.max_opening.max(initial=0.0)),
-        "sliding_max": float(table.max_sliding.max(initial=0.0)),
-    }
+    return (
+        damage.summary(table)
+        | {
+            "blocks": len(results.blocks),
+            "joints": results.joints.count,
+            "collapsed_blocks": len(fallen),
+            "collapsed_block_names": list(fallen),
+            "displacement_max": damage.displacement_max(results),
+            "opening_max": float(table.max_opening.max(initial=0.0)),
+            "sliding_max": float(table.max_sliding.max(initial=0.0)),
+        }
+        | ({"shocks": damage.shock_rows(results, thresholds)} if results.shocks else {})
+    )
 
 
 def _tie_numbers(case: Case, results: Results) -> dict[str, Any]:
@@ -268,6 +274,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     per_step = s["stepping_seconds"] / max(1, s["steps"])
     return [
         f"{s['title']}: {s['steps']} steps of {length(s['dt'], 's')} in {in_words(s['wall_seconds'])}, {length(per_step, 's')} per step",
+        *(shock_line(shock) for shock in s.get("shocks", ())),
         damage_line(s),
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
         f"largest penetration {length(s['penetration_max'])}",
@@ -291,6 +298,16 @@ def damage_line(s: dict[str, Any]) -> str:
         f"joints: {s['joints']}, of which {s['joints_opened']} opened (at most {length(s['opening_max'])}), {s['joints_slid']} slid "
         f"(at most {length(s['sliding_max'])}), {s['joints_separated']} separated; {fallen}; "
         f"largest displacement relative to the base {length(s['displacement_max'])}"
+    )
+
+
+def shock_line(shock: dict[str, Any]) -> str:
+    """The damage after a shock of a sequence in one line."""
+    when = f"{shock['start']:.4g} to {shock['end']:.4g} s, rest to {shock['rest_end']:.4g} s"
+    return (
+        f'after "{shock["name"]}" ({when}): {shock["joints_opened"]} joints opened (at most {length(shock["opening_max"])}), '
+        f"{shock['joints_slid']} slid (at most {length(shock['sliding_max'])}), {shock['joints_separated']} separated; "
+        f"{shock['collapsed_blocks'] or 'no'} blocks fell"
     )
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
-from typing import Any, TypeVar
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
@@ -42,9 +42,9 @@ def _first_line(failure: ValidationError, model: type[BaseModel], where: str) ->
     """Turn pydantic's report into one line; misspelt keys come first, since they explain missing ones."""
     errors = sorted(failure.errors(), key=lambda e: e["type"] != "extra_forbidden")
     first = errors[0]
-    key = ".".join([where, *(str(part) for part in first["loc"])]) if where else ".".join(map(str, first["loc"]))
+    key = _path(where, first["loc"])
     if first["type"] == "extra_forbidden":
-        known = [field.alias or name for name, field in model.model_fields.items()]
+        known = _keys(model, first["loc"][:-1])
         hint = suggest(str(first["loc"][-1]), known)
         return f"{key}: unknown key{hint or '; known keys: ' + ', '.join(known)}"
     if first["type"] == "missing":
@@ -53,3 +53,26 @@ def _first_line(failure: ValidationError, model: type[BaseModel], where: str) ->
     given = first.get("input")
     shown = f", got {given!r}" if isinstance(given, (str, int, float, bool)) else ""
     return f"{key}: {message[0].lower()}{message[1:]}{shown}"
+
+
+def _path(where: str, parts: Sequence[str | int]) -> str:
+    """A key as the user would address it: ``structure.openings[1].width``."""
+    for part in parts:
+        where += f"[{part}]" if isinstance(part, int) else f".{part}" if where else part
+    return where
+
+
+def _keys(model: type[BaseModel], parts: Sequence[str | int]) -> list[str]:
+    """The keys of the table that is found by following keys and places from a model."""
+    for part in parts:
+        if isinstance(part, str) and part in model.model_fields:
+            model = next(_models(model.model_fields[part].annotation), model)
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _models(annotation: Any) -> Iterator[type[BaseModel]]:
+    """The models inside an annotation such as ``list[Opening] | None``."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from _models(inner)

@@ -8,6 +8,8 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
     /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]   /step_time (N,) [s]
     /ties/tension (N, T) [N]   in the order of the scene's tables; absent without ties
+    /shocks/{name, start, end, frame} (S,)   of a sequence: times [s], and the frame at the end of the rest after each shock
+    /shocks/{opening, sliding, rotation, contact_area_loss, first_opening_time} (S, J)   the peaks of the joints up to there
     /blocks/*   the blocks as they were built: a report needs no scene
     attributes: scene (the text of the scene file), title, versions (JSON)
 
@@ -32,6 +34,7 @@ import numpy as np
 from masonry_cd.blocks import Assembly, Block
 from masonry_cd.errors import InputError
 from masonry_cd.joints import Joints
+from masonry_cd.rests import Aftermath
 
 FRAME_FIELDS = ("time", "position", "orientation", "velocity")
 JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_force", "shear_force")
@@ -215,6 +218,19 @@ class Results:
     def peaks(self) -> dict[str, np.ndarray]:
         """Largest joint measures over all steps, (J,) each; NaN where a run was killed before its first flush."""
         return {name: self.file[f"joints/peak/{name}"][...] for name in JOINT_PEAKS}
+
+    @cached_property
+    def shocks(self) -> tuple[Aftermath, ...]:
+        """The shocks of a sequence whose rests are over; none for any other run."""
+        group = self.file.get("shocks", {})
+        if "frame" not in group:
+            return ()
+        columns = (group[name][: len(group["frame"])] for name in ("name", "start", "end", "frame"))
+        return tuple(Aftermath(n.decode(), float(a), float(b), int(f)) for n, a, b, f in zip(*columns, strict=True))
+
+    def peaks_after(self, shock: int) -> dict[str, np.ndarray]:
+        """Largest joint measures up to the end of the rest after a shock, (J,) each."""
+        return {name: self.file[f"shocks/{name}"][shock] for name in JOINT_PEAKS}
 
     def per_step(self, name: str) -> np.ndarray:
         """(N,) a value per step, e.g. ``solver/error``, ``energy/kinetic``, ``penetration``."""

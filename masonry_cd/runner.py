@@ -18,6 +18,7 @@ import numpy as np
 from masonry_cd import checkpoint
 from masonry_cd.errors import InputError
 from masonry_cd.joints import JointMeasures, JointPeaks, Joints, measure_joints
+from masonry_cd.rests import Aftermath, Rests, Shock
 from masonry_cd.results import JOINT_PEAKS, ResultWriter
 from masonry_cd.stepping import ENERGIES, RunStopped, Stepper, StepReport
 
@@ -78,13 +79,15 @@ STEP_FIELDS = (
     "step_time", "penetration", "solver/iterations", "solver/error", "solver/seconds", "solver/contacts",
     *(f"energy/{name}" for name in ENERGIES),
 )  # fmt: skip
+NAME_BYTES = 160  # of a shock, in UTF-8: 40 letters of any script
 
 
 class Recorder:
     """Writes what the run yields: scalars of every step, frames at the chosen rate, peaks of the joints."""
 
-    def __init__(self, writer: ResultWriter, stepper: Stepper, joints: Joints) -> None:
+    def __init__(self, writer: ResultWriter, stepper: Stepper, joints: Joints, shocks: bool = False) -> None:
         self._writer, self._stepper, self._joints = writer, stepper, joints
+        self.frames = 0
         self.peaks = JointPeaks(joints)
         self._rows: list[tuple[float, ...]] = []  # of steps, not yet with the writer
         self._tensions: list[np.ndarray] = []  # likewise
@@ -93,6 +96,8 @@ class Recorder:
         writer.extend({name: np.empty(0) for name in STEP_FIELDS})  # every dataset exists before the first flush
         if len(stepper.tensions):
             writer.extend({"ties/tension": np.empty((0, len(stepper.tensions)))})
+        if shocks:
+            writer.extend({f"shocks/{name}": rows[:0] for name, rows in self._aftermath(Aftermath("", 0.0, 0.0, 0)).items()})
 
     def step(self, report: StepReport) -> JointMeasures:
         """Record a step; return the measures of the joints after it."""
@@ -113,6 +118,18 @@ class Recorder:
         writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
         force = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
         writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1]})
+        self.frames += 1
+
+    def shock(self, shock: Aftermath) -> None:
+        """Write when a shock acted, the frame at the end of its rest, and the peaks of the joints so far."""
+        self._writer.extend({f"shocks/{name}": rows for name, rows in self._aftermath(shock).items()})
+
+    def _aftermath(self, shock: Aftermath) -> dict[str, np.ndarray]:
+        """A row of each dataset of /shocks."""
+        row: dict[str, Any] = {"start": shock.start, "end": shock.end, "frame": shock.frame}
+        row |= {name: getattr(self.peaks, name) for name in JOINT_PEAKS}
+        name = np.array([shock.name.encode()], dtype=f"S{NAME_BYTES}")
+        return {"name": name} | {key: np.asarray(value)[None] for key, value in row.items()}
 
     def flushed_rows(self) -> dict[str, int]:
         """Write all that waits, and the peaks; return how many rows each dataset now has."""
@@ -154,8 +171,9 @@ def run(
     progress: Callable[[int], None] | None = None,
     save_to: Path | None = None,
     resume: bool = False,
+    rests: Rests | None = None,
 ) -> RunReport:
-    """Advance to a number of steps and write the results as they come.
+    """Advance to a number of steps of the loads and write the results as they come.
 
     A run that cannot go on, or is interrupted from the keyboard, ends early: the report says why, and all frames so far are kept.
 
@@ -163,39 +181,46 @@ def run(
         stepper: at the start of the run.
         joints: of the stepper's assembly at rest, see :func:`masonry_cd.joints.find_joints`.
         writer: of the result file.
-        steps: how many in all, those before a resumption included.
+        steps: of the loads, how many in all, those before a resumption included.
         frame_every: steps between two frames; the first and the last state are always written.
-        progress: called after each step with the number of steps done.
+        progress: called after each step with the number of steps of the loads done.
         save_to: file for checkpoints; None takes none. It is removed when the run has come to its end.
         resume: go on from the checkpoint in ``save_to``; the writer must come from :meth:`ResultWriter.resumed`.
+        rests: of loads that come as shocks in a row: steps of the loads may be left out. None: each step is one of the loads.
 
     Raises:
         InputError: a checkpoint that is missing, unreadable, or of another scene.
     """
-    report, recorder = RunReport(planar=stepper.plane is not None), Recorder(writer, stepper, joints)
+    report, recorder = RunReport(planar=stepper.plane is not None), Recorder(writer, stepper, joints, rests is not None)
     if resume and save_to is not None:
-        report = _resumed(save_to, stepper, recorder)
+        report = _resumed(save_to, stepper, recorder, rests)
     else:
         recorder.frame(measure_joints(joints, stepper.assembly, stepper.state))
     saved = clock.monotonic()
     try:
-        for k in range(stepper.steps + 1, steps + 1):
+        while stepper.load_step < steps:
             step = stepper.step()
+            before, shock = stepper.load_step - 1, None
+            if rests is not None:
+                stepper.load_step = rests.next_step(stepper.load_step, stepper.state)
+                shock = rests.over(before, stepper.load_step)
             report.add(step, stepper.settings.tolerance, stepper.energy)
             now = recorder.step(step)
-            if k % frame_every == 0 or k == steps:
+            if stepper.steps % frame_every == 0 or stepper.load_step == steps or shock is not None:
                 recorder.frame(now)
+            if shock is not None:
+                recorder.shock(_aftermath(shock, before, stepper, recorder.frames - 1))
             if save_to is not None and clock.monotonic() - saved > CHECKPOINT_SECONDS:
-                _save(save_to, stepper, recorder, report)
+                _save(save_to, stepper, recorder, report, rests)
                 saved = clock.monotonic()
             if progress is not None:
-                progress(k)
+                progress(stepper.load_step)
     except RunStopped as reason:
         report.stopped = str(reason)
     except KeyboardInterrupt:
         report.stopped = f"interrupted after step {report.steps}"
         if save_to is not None and stepper.steps == report.steps:
-            _save(save_to, stepper, recorder, report)
+            _save(save_to, stepper, recorder, report, rests)
     finally:
         recorder.close()
     if save_to is not None and not report.stopped:
@@ -203,19 +228,29 @@ def run(
     return report
 
 
-def _save(path: Path, stepper: Stepper, recorder: Recorder, report: RunReport) -> None:
+def _aftermath(shock: Shock, load_step: int, stepper: Stepper, frame: int) -> Aftermath:
+    """A shock whose rest has ended with the step that began at a step of the loads, in the time of the run."""
+    skipped, dt = load_step - (stepper.steps - 1), stepper.settings.dt
+    return Aftermath(shock.name, (shock.first - skipped) * dt, (shock.last - skipped) * dt, frame)
+
+
+def _save(path: Path, stepper: Stepper, recorder: Recorder, report: RunReport, rests: Rests | None) -> None:
     """Write the results so far to disk, then a checkpoint that counts their rows."""
     rows = recorder.flushed_rows()
     arrays = stepper.snapshot() | checkpoint.prefixed("peaks", vars(recorder.peaks))
-    checkpoint.save(path, arrays, {"report": asdict(report), "rows": rows})
+    quiet = 0 if rests is None else rests.quiet
+    checkpoint.save(path, arrays, {"report": asdict(report), "rows": rows, "frames": recorder.frames, "quiet": quiet})
 
 
-def _resumed(path: Path, stepper: Stepper, recorder: Recorder) -> RunReport:
+def _resumed(path: Path, stepper: Stepper, recorder: Recorder, rests: Rests | None) -> RunReport:
     """Put the stepper and the peaks where the checkpoint left them, and return the report so far."""
     arrays, numbers = checkpoint.load(path)
     if arrays["position"].shape != stepper.state.position.shape:
         raise InputError(f"{path}: made by another structure ({len(arrays['position'])} blocks); resume with the scene of that run")
     stepper.restore(arrays)
     vars(recorder.peaks).update(checkpoint.part("peaks", arrays))
+    recorder.frames = numbers["frames"]
+    if rests is not None:
+        rests.quiet = numbers["quiet"]
     report: dict[str, Any] = numbers["report"] | {"stopped": ""}
     return RunReport(**report)

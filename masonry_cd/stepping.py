@@ -83,6 +83,7 @@ class Stepper:
         self.assembly, self.settings = assembly, settings
         self.state = State.at_rest(assembly) if start is None else start.copy()
         self.steps = 0
+        self.load_step = 0  # k of the loads; it may run ahead of the steps, see rests.py
         self.detector = Detector(assembly)
         self.plane = find_plane(assembly, self.state, support_velocity, acceleration, forces) if settings.planar else None
         self.energy = dict.fromkeys(ENERGIES, 0.0)
@@ -142,6 +143,7 @@ class Stepper:
         kinematics.drift(state.position, state.orientation, state.velocity, h * theta)
         self._balance(problem, state.position - before - lifted, handover)
         self.steps += 1
+        self.load_step += 1
         state.time = self.steps * h
         penetration = max(0.0, -float(self.contacts.gap.min(initial=0.0)))
         return StepReport(
@@ -173,7 +175,7 @@ class Stepper:
     def friction_problem(self) -> tuple[FrictionProblem, Solution]:
         """The friction problem of the state, which stands at q_m, and the solution of the last step to start from."""
         a, state, h = self.assembly, self.state, self.settings.dt
-        gravity = self._acceleration[self.steps + 1]
+        gravity = self._acceleration[self.load_step + 1]
         self._rotation = rotation_matrices(state.orientation)
         kinematics.free_motion(
             self._rotation, state.velocity, self._spin, a.mass, self._inverse_inertia, self._free_index, self._columns, gravity, h,
@@ -190,7 +192,7 @@ class Stepper:
         axis, at = (-1, 0.0) if self.plane is None else (self.plane.axis, self.plane.at)
         count = kinematics.contact_rows(
             found.bodies, found.point, found.normal, found.gap, found.previous, self._impulse, axis, at, state.position,
-            self._support_velocity[self.steps + 1], a.support_of, self._free_index, a.group_of, a.friction, self._columns, h,
+            self._support_velocity[self.load_step + 1], a.support_of, self._free_index, a.group_of, a.friction, self._columns, h,
             self.closed_gap,
             chosen, bodies, jacobian, offset, mu, impulse,
         )  # fmt: skip
@@ -204,7 +206,7 @@ class Stepper:
         if self._forces is None:
             return
         now, free = (self.state.position, self._rotation, self.state.velocity), ~self.assembly.fixed
-        wrench = self._forces.wrench(*now, self.steps + 1)[free]
+        wrench = self._forces.wrench(*now, self.load_step + 1)[free]
         self.tensions = self._forces.tensions(*now)
         self._pull = self._gravity + float((np.linalg.norm(wrench[:, :3], axis=1) / self.assembly.mass[free]).max())
         self._push = self.settings.dt * wrench[:, self._columns]
@@ -248,7 +250,7 @@ class Stepper:
         before = self.state.position.copy()
         kinematics.drift(self.state.position, self.state.orientation, velocity, 1.0)
         moved = self.state.position - before
-        self.energy["correction"] -= float(self.assembly.mass @ (moved @ self._acceleration[self.steps + 1]))
+        self.energy["correction"] -= float(self.assembly.mass @ (moved @ self._acceleration[self.load_step + 1]))
         return moved
 
     def _new_velocities(self, problem: FrictionProblem) -> None:
@@ -263,7 +265,7 @@ class Stepper:
         self._v_old, self._v = self._v, self._v_old
         kinematics.new_velocity(impulse, problem.bodies, problem.jacobian, problem.inverse_mass, problem.v_free, self._v)
         self.energy["kinetic"] = kinematics.finish(
-            self._v, problem.v_free, self._columns, self._free_index, a.support_of, self._support_velocity[self.steps + 1],
+            self._v, problem.v_free, self._columns, self._free_index, a.support_of, self._support_velocity[self.load_step + 1],
             self._rotation, a.mass, a.inertia, self.state.velocity, self._spin,
         )  # fmt: skip
         if not np.isfinite(self.energy["kinetic"]):
@@ -275,7 +277,7 @@ class Stepper:
         a, energy, work = self.assembly, self.energy, np.zeros(3)
         kinematics.dissipation(
             self.solution.impulse, self.chosen, self.contacts.bodies, self.contacts.normal, problem.bodies, problem.jacobian, self._v_old,
-            self._v, self._support_velocity[self.steps], self._support_velocity[self.steps + 1], a.support_of, work,
+            self._v, self._support_velocity[self.load_step], self._support_velocity[self.load_step + 1], a.support_of, work,
         )  # fmt: skip
         if handover is not None:
             work[1] -= 0.5 * float(np.sum(handover * (self._v_old + self._v)))
@@ -283,7 +285,7 @@ class Stepper:
         energy["friction"] += work[0]
         energy["impact"] += work[1]
         energy["base_work"] += work[2]
-        energy["gravity_work"] += float(a.mass[free] @ (moved[free] @ self._acceleration[self.steps + 1]))  # without the corrections
+        energy["gravity_work"] += float(a.mass[free] @ (moved[free] @ self._acceleration[self.load_step + 1]))  # without the corrections
         energy["force_work"] += 0.5 * float(np.sum(self._push * (self._v_old + self._v)))
         put_in = energy["base_work"] + energy["gravity_work"] + energy["force_work"]
         energy["balance"] = put_in - energy["kinetic"] - energy["friction"] - energy["impact"]
@@ -291,7 +293,7 @@ class Stepper:
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that the next step depends on, as arrays for a checkpoint."""
         state = {name: getattr(self.state, name) for name in ("position", "orientation", "velocity")}
-        own = {"spin": self._spin, "v": self._v, "impulse": self._impulse, "steps": np.array(self.steps)}
+        own = {"spin": self._spin, "v": self._v, "impulse": self._impulse, "steps": np.array([self.steps, self.load_step])}
         own["energy"] = np.array([self.energy[name] for name in ENERGIES])
         if self._handover is not None:
             own["handover"] = self._handover
@@ -299,7 +301,7 @@ class Stepper:
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Go on from what :meth:`snapshot` gave, in a stepper of the same scene."""
-        self.steps = int(arrays["steps"])
+        self.steps, self.load_step = map(int, arrays["steps"])
         self.state = State(self.steps * self.settings.dt, arrays["position"], arrays["orientation"], arrays["velocity"])
         self._spin, self._v, self._impulse = arrays["spin"], arrays["v"], arrays["impulse"]
         self.energy = dict(zip(ENERGIES, arrays["energy"].tolist(), strict=True))

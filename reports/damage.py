@@ -29,6 +29,7 @@ import numpy as np
 from masonry_cd.errors import InputError
 from masonry_cd.joints import OPENED as OPENING_IN_RUN
 from masonry_cd.joints import Joints
+from masonry_cd.rests import DROP, TILT
 from masonry_cd.results import Results
 from reports.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap, solids_of
 
@@ -55,8 +56,8 @@ class Thresholds:
     slid: float = 1e-4
     apart: float = 0.1
     lost: float = 0.01
-    drop: float = 0.5
-    tilt: float = 45.0
+    drop: float = DROP
+    tilt: float = TILT
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -83,19 +84,20 @@ class JointDamage:
     state: np.ndarray  # (J,) one of STATES
 
 
-def joint_damage(results: Results, thresholds: Thresholds | None = None) -> JointDamage:
-    """The damage of all joints of a run.
+def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: int | None = None) -> JointDamage:
+    """The damage of all joints at the end of a run, or after the rest that followed a shock of a sequence.
 
     A run that was killed before it wrote its peaks is judged by its frames.
     """
     thresholds = thresholds or Thresholds()
     joints = results.joints
     names = np.array([block.name for block in results.blocks], dtype=object)
-    peaks = _peaks(results, thresholds)
-    opening, sliding = (joint_frame(results, name) for name in ("opening", "sliding"))
+    frame = -1 if shock is None else results.shocks[shock].frame
+    peaks = _peaks(results, thresholds, shock)
+    opening, sliding = (joint_frame(results, name, frame) for name in ("opening", "sliding"))
     # a peak is over the steps and a residual over the frames: never let the one fall below the other
     largest_opening, largest_sliding = np.maximum(peaks["opening"], opening), np.maximum(peaks["sliding"], sliding)
-    codes = classify(largest_opening, largest_sliding, separated_joints(results, -1, thresholds), thresholds)
+    codes = classify(largest_opening, largest_sliding, separated_joints(results, frame, thresholds), thresholds)
     return JointDamage(
         joint=np.arange(joints.count),
         block_a=names[joints.block_a],
@@ -179,6 +181,26 @@ def summary(table: JointDamage) -> dict[str, int]:
     return {f"joints_{state}": int(np.count_nonzero(table.state == state)) for state in STATES[1:]}
 
 
+def shock_rows(results: Results, thresholds: Thresholds | None = None) -> list[dict[str, Any]]:
+    """What the structure had suffered after each shock of a sequence and its rest, those before included."""
+    rows = []
+    for i, shock in enumerate(results.shocks):
+        table = joint_damage(results, thresholds, i)
+        rest_end = float(results.time[shock.frame])
+        rows.append(
+            {"name": shock.name, "start": shock.start, "end": shock.end, "rest_end": rest_end}
+            | summary(table)
+            | {
+                "collapsed_blocks": len(collapsed_blocks(results, thresholds, shock.frame)),
+                "opening_max": float(table.max_opening.max(initial=0.0)),
+                "sliding_max": float(table.max_sliding.max(initial=0.0)),
+                "residual_opening_max": float(table.residual_opening.max(initial=0.0)),
+                "residual_sliding_max": float(table.residual_sliding.max(initial=0.0)),
+            }
+        )
+    return rows
+
+
 def write_joints_csv(table: JointDamage, path: Path) -> None:
     """Write one row per joint; the columns are the fields of :class:`JointDamage`, an unknown time is left empty."""
     columns = [item.name for item in fields(table)]
@@ -195,12 +217,14 @@ def _text(value: Any) -> str:
     return str(value)
 
 
-def _peaks(results: Results, thresholds: Thresholds) -> dict[str, np.ndarray]:
-    """Peaks over all steps; over the frames where the run was killed before it wrote them."""
-    peaks = {name: np.array(values, dtype=float) for name, values in results.peaks.items()}
+def _peaks(results: Results, thresholds: Thresholds, shock: int | None) -> dict[str, np.ndarray]:
+    """Peaks over all steps, or those up to the rest after a shock; over the frames where the run was killed before it wrote them."""
+    found = results.peaks if shock is None else results.peaks_after(shock)
+    peaks = {name: np.array(values, dtype=float) for name, values in found.items()}
     if not np.isnan(peaks["opening"]).any():
         if thresholds.opened != OPENING_IN_RUN:  # the run noted the times of its own threshold only
-            peaks["first_opening_time"] = _first_time(results, thresholds.opened)
+            first, last = _first_time(results, thresholds.opened), len(results.time) - 1 if shock is None else results.shocks[shock].frame
+            peaks["first_opening_time"] = np.where(first <= results.time[last], first, np.nan)
         return peaks
     for name in ("opening", "sliding", "rotation"):
         peaks[name] = results.joint_history(name).max(axis=0)

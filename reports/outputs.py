@@ -14,12 +14,12 @@ from reports.crack_map import Look, framing, sheet_of
 from reports.damage import Thresholds
 from reports.grades import read_grades
 from reports.part_damage import PartDamage, Settings, part_damage
-from reports.part_files import NAMES_OF_FILES, write_part_damage
+from reports.part_files import BY_SHOCK, NAMES_OF_FILES, write_part_damage
 
 ANIMATION = "crack_map.gif"
 PAGE = "report.html"
 PRINT = "report.pdf"
-FILES = (*NAMES_OF_FILES, ANIMATION, PAGE, PRINT)  # beside joints.csv and the crack maps
+FILES = (*NAMES_OF_FILES, BY_SHOCK, ANIMATION, PAGE, PRINT)  # beside joints.csv and the crack maps
 
 
 def thresholds_of(settings: Report) -> Thresholds:

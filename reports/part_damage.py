@@ -50,6 +50,7 @@ class PartDamage:
     settings: Settings
     width_classes: tuple[float, ...]  # lower bounds [m]
     parts: list[Row]  # one per part, then the structure
+    shocks: list[Row]  # the same after each shock of a sequence and its rest; empty for any other run
     history: list[Row]  # one per frame and part
     hinges: list[Row]  # one per joint that was a hinge at a frame
     levels: list[Row]  # one per part and level
@@ -64,19 +65,30 @@ def part_damage(results: Results, settings: Settings | None = None) -> PartDamag
     settings = settings or Settings()
     view = _View.of(results, settings)
     watch = _Watch(view)
-    frames = np.unique(np.linspace(0, results.frames - 1, min(results.frames, FRAMES)).round().astype(int))
+    evenly = np.linspace(0, results.frames - 1, min(results.frames, FRAMES)).round().astype(int)
+    after = {shock.frame: i for i, shock in enumerate(results.shocks)}
     history: list[Row] = []
-    for frame in frames:
+    shocks: list[Row] = []
+
+    def parts(table: JointDamage, moment: Moment) -> list[Row]:
+        last = history[-view.parts.count :]
+        return [_part_row(view, watch, table, moment, p, last[p]) for p in range(view.parts.count)]
+
+    for frame in np.unique([*evenly, *after]):
         moment = Moment.at(results, int(frame), settings.thresholds)
         history += watch.add(moment)
+        if frame in after:
+            i = after[frame]
+            named = {"shock": results.shocks[i].name}
+            shocks += [named | row for row in parts(joint_damage(results, settings.thresholds, i), moment)]
     table = joint_damage(results, settings.thresholds)
-    last = history[-view.parts.count :]
     return PartDamage(
         title=results.title,
         time=float(results.time[-1]),
         settings=settings,
         width_classes=view.widths,
-        parts=[_part_row(view, watch, table, moment, p, last[p]) for p in range(view.parts.count)],
+        parts=parts(table, moment),
+        shocks=shocks,
         history=history,
         hinges=_hinge_rows(view, watch, table, moment),
         levels=watch.level_rows(),

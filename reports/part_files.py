@@ -1,9 +1,10 @@
-"""Writes the damage of parts: four CSV tables for spreadsheets, and one JSON file with the same numbers.
+"""Writes the damage of parts: four or five CSV tables for spreadsheets, and one JSON file with the same numbers.
 
 damage.csv           one row per part and, last, the structure: the end of the run
 damage_history.csv   one row per frame and part
 hinges.csv           one row per joint that was a hinge at a frame
 drift.csv            one row per part and level
+damage_shocks.csv    the rows of damage.csv after each shock of a sequence and its rest; for such runs only
 damage.json          all of these, with the thresholds, rules and grades that made them
 """
 
@@ -23,6 +24,7 @@ from reports.grades import NAMES
 from reports.part_damage import PartDamage, Row
 
 NAMES_OF_FILES = ("damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json")
+BY_SHOCK = "damage_shocks.csv"
 DIGITS = 9
 NOTE = (
     "A part is a group of blocks. A joint between two parts belongs to both, so the parts add up to more than the structure, which "
@@ -38,7 +40,10 @@ def write_part_damage(damage: PartDamage, folder: Path) -> tuple[Path, ...]:
     for path, rows in zip(paths, (damage.parts, damage.history, damage.hinges, damage.levels), strict=False):
         _write_csv(rows, path, empty.get(path.name, ()))
     paths[-1].write_text(json.dumps(as_json(damage), indent=1) + "\n", encoding="utf-8")
-    return paths
+    if not damage.shocks:
+        return paths
+    _write_csv(damage.shocks, folder / BY_SHOCK)
+    return *paths, folder / BY_SHOCK
 
 
 HINGE_COLUMNS = ("joint", "block_a", "block_b", "parts", "x", "y", "z", "touches_towards", "opening", "time", "residual_opening", "at_end")
@@ -59,6 +64,7 @@ def as_json(damage: PartDamage) -> dict[str, Any]:
             "grades": {"labels": dict(zip(NAMES, grades.labels, strict=True)), "reached_from": bounds},
             "crack_classes": damage.width_classes,
             "parts": damage.parts,
+            "shocks": damage.shocks,
             "hinges": damage.hinges,
             "levels": damage.levels,
             "history": _by_part(damage.history),

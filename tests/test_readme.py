@@ -9,6 +9,7 @@ import pytest
 from pydantic import BaseModel
 
 from loads.artificial import ArtificialTable
+from loads.forces import PointTable, TieTable
 from loads.gravity import GravityTable
 from loads.record import RecordTable
 from loads.sequence import SequenceTable
@@ -80,6 +81,8 @@ def test_the_block_file_of_the_readme_is_sound(tmp_path):
         ('| `kind = "push"`', PushTable),
         ('| `kind = "settlement"`', SettlementTable),
         ('| `kind = "spreading"`', SpreadingTable),
+        ('| `kind = "point"`', PointTable),
+        ('| `kind = "tie"`', TieTable),
         ('| `kind = "gravity"`', GravityTable),
         ("### [material]", Material),
         ("### [run]", Run),

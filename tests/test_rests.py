@@ -1,0 +1,116 @@
+"""masonry_cd.rests: a rest ends as soon as the structure is still, and each shock leaves its own record of the damage."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from models import GRAVITY, box, gravity, ground, still
+from test_runner import contents
+
+from loads.sequence import Pause, Shock
+from masonry_cd import checkpoint, runner
+from masonry_cd.blocks import Assembly
+from masonry_cd.joints import find_joints
+from masonry_cd.rests import Rests
+from masonry_cd.results import Results, ResultWriter
+from masonry_cd.scene import Run
+from masonry_cd.stepping import Stepper
+from reports.damage import Thresholds, joint_damage, shock_rows
+from reports.part_damage import Settings, part_damage
+
+DT, MU, STEPS = 2e-3, 0.3, 500
+SHOCKS = (Shock("first", 0, 50), Shock("second", 250, 300))
+PAUSES = (Pause(50, 250, 1e-3, 10, "first"), Pause(300, 500, 1e-3, 10, "second"))
+PULSE = 0.5 * GRAVITY  # of the base for 0.05 s forwards, then as long backwards
+
+
+def shaken() -> Stepper:
+    """A block that slides 1.5 mm or so in each shock; its base goes forth and stops."""
+    velocity = still(STEPS)
+    since = np.arange(STEPS + 1)
+    for shock in SHOCKS:
+        velocity[:, 0, 0] += PULSE * DT * np.clip(np.minimum(since - shock.first, shock.last - since), 0, None)
+    assembly = Assembly.from_blocks([ground(), box("b", (0, -0.5, 0), (1, 0.5, 0.2))], MU)
+    return Stepper(assembly, velocity, gravity(STEPS), Run(dt=DT, duration=STEPS * DT, solver="nlgs", tolerance=1e-9))
+
+
+def write(path: Path, machine: Stepper, pauses: tuple[Pause, ...] = PAUSES) -> runner.RunReport:
+    joints = find_joints(machine.assembly)
+    rests = Rests(machine.assembly, pauses, SHOCKS, STEPS)
+    with ResultWriter(path, machine.assembly, joints) as writer:
+        return runner.run(machine, joints, writer, STEPS, 7, rests=rests)
+
+
+def test_rests_end_when_all_is_still_and_nothing_else_changes(tmp_path: Path) -> None:
+    short, full = shaken(), shaken()
+    write(tmp_path / "short.h5", short)
+    write(tmp_path / "full.h5", full, ())
+    assert full.steps == STEPS
+    assert short.load_step == STEPS
+    # 100 ms of shock, then the block slides on for a while, and 10 steps more that it has to be still
+    slides_on = short.steps - 2 * (50 + 10)
+    assert 0 <= slides_on < 2 * 25
+    assert short.state.position == pytest.approx(full.state.position, abs=1e-9)
+    with Results.open(tmp_path / "short.h5") as results:
+        first, second = results.shocks
+        assert (first.name, first.start, first.end) == ("first", 0.0, pytest.approx(0.1))
+        assert second.start == pytest.approx(results.time[first.frame])
+        assert second.end - second.start == pytest.approx(0.1)
+        assert results.time[second.frame] == results.time[-1] == pytest.approx(short.steps * DT)
+
+
+def test_each_shock_adds_to_the_damage(tmp_path: Path) -> None:
+    write(tmp_path / "run.h5", shaken())
+    with Results.open(tmp_path / "run.h5") as results:
+        rows = shock_rows(results, Thresholds(slid=2e-3))
+        tables = [joint_damage(results, Thresholds(), i) for i in range(2)]
+        total, parts = joint_damage(results), part_damage(results, Settings())
+    slid = [row["sliding_max"] for row in rows]
+    assert 0.0 < slid[0] < slid[1] == total.max_sliding[0]
+    assert [table.max_sliding[0] for table in tables] == slid
+    assert [row["residual_sliding_max"] for row in rows] == pytest.approx([tables[0].residual_sliding[0], total.residual_sliding[0]])
+    assert [row["shock"] for row in parts.shocks] == ["first"] * len(parts.parts) + ["second"] * len(parts.parts)
+    assert [{k: v for k, v in row.items() if k != "shock"} for row in parts.shocks[len(parts.parts) :]] == parts.parts
+
+
+def test_a_sequence_resumes_to_the_same_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path / "unbroken.h5", shaken())
+    monkeypatch.setattr(runner, "CHECKPOINT_SECONDS", 0.0)
+    saved, machine = tmp_path / checkpoint.NAME, shaken()
+    joints = find_joints(machine.assembly)
+
+    class Killed(BaseException):
+        pass
+
+    def kill(_: int) -> None:
+        if machine.steps == 64:  # within the first rest, while the still steps are counted
+            raise Killed
+
+    writer = ResultWriter(tmp_path / "run.h5", machine.assembly, joints)
+    rests = Rests(machine.assembly, PAUSES, SHOCKS, STEPS)
+    with pytest.raises(Killed):
+        runner.run(machine, joints, writer, STEPS, 7, kill, saved, rests=rests)
+    assert rests.quiet > 0
+    writer.close()
+    machine, rests = shaken(), Rests(machine.assembly, PAUSES, SHOCKS, STEPS)
+    with ResultWriter.resumed(tmp_path / "run.h5", checkpoint.load(saved)[1]["rows"]) as writer:
+        runner.run(machine, joints, writer, STEPS, 7, None, saved, resume=True, rests=rests)
+    assert contents(tmp_path / "run.h5") == contents(tmp_path / "unbroken.h5")
+
+
+def test_what_has_fallen_may_roll_while_the_rest_is_still() -> None:
+    assembly = Assembly.from_blocks([ground(), box("b", (0, 0, 0), (1, 1, 0.4)), box("c", (2, 0, 0), (3, 1, 0.4))], MU)
+    rests = Rests(assembly, (Pause(0, 100, 1e-3, 1, "s"),), (Shock("s", 0, 0),), 100)
+    machine = Stepper(assembly, still(1), gravity(1), Run(dt=DT, duration=1.0))
+    state = machine.state
+    state.velocity[2] = [0.0, 0.0, 0.0, 0.1, 0.0, 0.0]
+    assert rests.next_step(5, state) == 5  # it turns where it stands
+    state.position[2, 2] -= 0.21
+    assert rests.next_step(6, state) == 100  # it lies more than half its height lower
+    state.velocity[1, 0] = 2e-3
+    assert rests.next_step(7, state) == 7
+    assert rests.next_step(100, state) == 100  # no pause
+    assert rests.over(6, 100) is not None
+    assert rests.over(5, 6) is None
