@@ -72,13 +72,14 @@ class Window:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Polygons F with colours (F, 3) uint8; lit ones are shaded, others keep their colour exactly."""
+    """Polygons F with colours (F, 3) uint8; lit ones are shaded, others keep their colour exactly. Less than opaque ones come last."""
 
     points: np.ndarray
     loops: np.ndarray
     loop_start: np.ndarray
     colours: np.ndarray
     lit: bool = True
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,7 +204,7 @@ def _add(plotter: Any, layer: Layer, samples: int) -> None:
     mesh = pyvista.PolyData(layer.points, faces=cells)
     mesh.cell_data["colour"] = layer.colours
     look = {"ambient": AMBIENT, "diffuse": 1.0, "specular": 0.0} if layer.lit else {}
-    plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=layer.lit, show_edges=False, **look)
+    plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=layer.lit, opacity=layer.opacity, show_edges=False, **look)
 
 
 def _aim(camera: Any, layers: Sequence[Layer], view: View, window: Window) -> None:

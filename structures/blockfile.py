@@ -24,6 +24,8 @@ from masonry_cd.errors import InputError, parse_table, suggest
 from structures import meshfile
 from structures.checks import Unsound, check, check_shells
 from structures.convex import split
+from structures.gaps import close_gaps
+from structures.keys import Length
 from structures.tidy import tidy
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
@@ -40,6 +42,7 @@ class FileTable(BaseModel):
     up: Literal["y", "z"] | None = Field(None, description="which axis of such a file points upwards")
     fixed: tuple[str, ...] = Field((), strict=False, description="names of the supports in such a file; * stands for anything")
     repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
+    gaps: Length | None = Field(None, description="close gaps up to this width between blocks of any file [m]")
 
 
 Vertices = Annotated[list[Annotated[list[Finite], Field(min_length=3, max_length=3)]], Field(min_length=4)]
@@ -69,28 +72,38 @@ class Entry(BaseModel):
     parts: list[Part] = []
 
 
-def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
-    """Read the block file that a [structure] table names."""
+def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
+    """Read the block file that a [structure] table names; the notes tell what closing gaps has moved."""
     keys = parse_table(FileTable, table, "structure")
     path = Path(keys.path)
     if not (folder / path).is_file():
         raise InputError(f'structure.path: no file "{path}" in {folder}' if not path.is_absolute() else f'structure.path: no file "{path}"')
-    if path.suffix.lower() in meshfile.FORMATS:
-        return _from_mesh(keys, folder / path, density)
-    for key in ("units", "up", "fixed", "repair"):
+    path = folder / path
+    is_mesh = path.suffix.lower() in meshfile.FORMATS
+    for key in () if is_mesh else ("units", "up", "fixed", "repair"):
         if key in keys.model_fields_set:
             raise InputError(f"structure.{key}: belongs to {', '.join(meshfile.FORMATS)} files; {path.name} states it itself")
-    return read(folder / path, density)
+    blocks = _from_mesh(keys, path, density) if is_mesh else _from_json(path, density)
+    if keys.gaps is not None:
+        check_shells(blocks, path.name)
+        try:
+            blocks, moved, pairs = close_gaps(blocks, keys.gaps)
+        except Unsound as failure:
+            raise Unsound(f"{path.name}: {failure}", failure.faulty, failure.blocks) from None
+        return sound(blocks, path.name), [f"{path.name}: {pairs} pairs of faces brought together, corners moved by at most {moved:.3g} m"]
+    if is_mesh:
+        return sound(blocks, path.name), []
+    check(blocks, path.name)
+    return tidy(blocks), []
 
 
 def _from_mesh(keys: FileTable, path: Path, density: float) -> list[Block]:
-    """Read a mesh file whose unit and axes the table states."""
+    """Read a mesh file whose unit and axes the table states; not checked yet."""
     for key, known in (("units", METRES), ("up", ("y", "z"))):
         if getattr(keys, key) is None:
             raise InputError(f"structure.{key}: missing; {path.name} does not say it, so take one of {', '.join(known)}")
     blocks = meshfile.read(path, density, METRES[keys.units or "m"], keys.up or "z", keys.repair)
-    blocks = meshfile.with_supports(blocks, keys.fixed, "structure.fixed")
-    return sound(blocks, path.name)
+    return meshfile.with_supports(blocks, keys.fixed, "structure.fixed")
 
 
 def sound(blocks: Sequence[Block], source: str) -> list[Block]:
@@ -118,14 +131,19 @@ def read(path: Path, density: float) -> list[Block]:
     Raises:
         InputError: one line that names the file and the block, key or line.
     """
+    blocks = _from_json(path, density)
+    check(blocks, path.name)
+    return tidy(blocks)
+
+
+def _from_json(path: Path, density: float) -> list[Block]:
+    """The blocks of a block file, not checked yet."""
     content = _load(path)
     scale = _scale(content, path)
     entries = content.get("blocks")
     if not isinstance(entries, list) or not entries:
         raise InputError(f'{path.name}: "blocks" must be a list of one block or more')
-    blocks = [_block(entry, i, density, scale, path) for i, entry in enumerate(entries)]
-    check(blocks, path.name)
-    return tidy(blocks)
+    return [_block(entry, i, density, scale, path) for i, entry in enumerate(entries)]
 
 
 def write(path: Path, blocks: Sequence[Block]) -> None:

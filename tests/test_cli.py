@@ -223,6 +223,41 @@ def test_build_writes_blocks_that_a_scene_reads_back(tmp_path):
     assert one == two
 
 
+def test_build_writes_the_formats_asked_for(tmp_path):
+    arch = Path(__file__).parents[1] / "examples" / "arch.toml"
+    result = masonry_cd("build", arch, "-o", tmp_path, "--no-picture", "--format", "obj", "--format", "vtkhdf", "--format", "obj")
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["blocks.obj", "blocks.vtkhdf"]
+    assert masonry_cd("build", arch, "-o", tmp_path, "--no-picture", "--format", "obj").exit_code == 2  # there is one already
+    refused = masonry_cd("build", arch, "-o", tmp_path / "other", "--format", "dxf")
+    assert refused.exit_code == 2
+    assert refused.stderr == 'masonry-cd: error: --format: "dxf" is none; formats: json, obj, stl, vtu, vtm, vtkhdf\n'
+
+
+def test_build_repairs_a_file_and_says_what_it_moved(block_on_plate, tmp_path):
+    scene = block_on_plate()
+    text = json.loads((tmp_path / "blocks.json").read_text())
+    text["blocks"][1]["vertices"] = [[x, y, z + 0.001] for x, y, z in text["blocks"][1]["vertices"]]
+    (tmp_path / "blocks.json").write_text(json.dumps(text))
+    assert "touches no other block" in masonry_cd("build", scene, "-o", tmp_path / "a", "--no-picture").stderr
+    result = masonry_cd("build", scene, "-o", tmp_path / "a", "--no-picture", "--repair", "gaps=0.002")
+    assert "1 pairs of faces brought together, corners moved by at most 0.0009" in result.stdout
+    assert '--repair: "gaps" is none' in masonry_cd("build", scene, "-o", tmp_path / "b", "--repair", "gaps").stderr
+
+
+def test_build_draws_what_is_wrong(block_on_plate, tmp_path):
+    scene = block_on_plate()
+    text = json.loads((tmp_path / "blocks.json").read_text())
+    text["blocks"][1]["faces"].pop()
+    (tmp_path / "blocks.json").write_text(json.dumps(text))
+    result = masonry_cd("build", scene, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert 'block "block": open shell' in result.stderr
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["problem.png"]
+    assert masonry_cd("build", scene, "-o", tmp_path / "bare", "--no-picture").exit_code == 2
+    assert not (tmp_path / "bare").exists()
+
+
 def test_pictures_are_drawn_where_asked_for(block_on_plate, tmp_path):
     scene = block_on_plate(duration="duration = 0.25", report="[report]\ncrack_map = true")
     result = masonry_cd("run", scene, "-o", tmp_path / "out")
