@@ -28,7 +28,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy import sparse
 
-from masonry_cd import coulomb
+from masonry_cd import coulomb, kinematics
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,11 +82,10 @@ class FrictionProblem:
 
     def body_velocity(self, impulse: np.ndarray) -> np.ndarray:
         """v = v_free + M^-1 H^T p, (B, n), for impulses (C, m)."""
-        push = np.zeros_like(self.v_free)
-        for side in range(2):
-            on = self.bodies[:, side] >= 0
-            np.add.at(push, self.bodies[on, side], np.einsum("cij,ci->cj", self.jacobian[on, side], impulse[on]))
-        return self.v_free + np.einsum("bij,bj->bi", self.inverse_mass, push)
+        inverse_mass, v_free, bodies, jacobian, *_ = self.arrays()
+        v = np.empty_like(v_free)
+        kinematics.new_velocity(np.ascontiguousarray(impulse, dtype=np.float64), bodies, jacobian, inverse_mass, v_free, v)
+        return v
 
     def free_relative_velocity(self) -> np.ndarray:
         """q = H v_free + b, (C, m)."""
@@ -185,6 +184,7 @@ class Solution:
     iterations: int
     reason: str = ""  # why it stopped or which solver was picked, for the results
     memory: dict[str, np.ndarray] = field(default_factory=dict)  # what the same solver may start from next time
+    error: float | None = None  # :func:`natural_map_error`, where it had to be asked on the way
 
 
 def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True) -> float:

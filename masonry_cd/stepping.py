@@ -160,7 +160,7 @@ class Stepper:
             self.solution = self._solver(problem, options, start)
             self._handover = None
             self._show("", problem)
-            return natural_map_error(problem, self.solution.impulse)
+            return natural_map_error(problem, self.solution.impulse) if self.solution.error is None else self.solution.error
         both = solve_apart(problem, is_open, gap, s.dt, start, lambda part, begin: self._solver(part, options, begin))
         self.solution, self._handover = both.solution, both.handover
         self._show("forces", both.forces)

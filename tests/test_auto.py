@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scenes
+from models import stepper, wall
 from test_extreme_problems import thrown
 
 from masonry_cd.friction import Solution, natural_map_error
@@ -57,3 +58,22 @@ def test_same_inputs_same_bits(solver: str) -> None:
         second = SOLVERS[solver](problem, Options(tolerance=1e-12), Solution(0.9 * first.impulse, None, 0, memory=first.memory))
         results.append(second.impulse)
     np.testing.assert_array_equal(*results)
+
+
+def test_at_rest_hardly_any_step_needs_an_iteration() -> None:
+    """Close to rest a step is solved deeper than asked, and the impulses then do for hundreds of steps, within the tolerance."""
+    machine = stepper(wall(4, 6), 200, solver="auto", tolerance=1e-8)
+    reports = [machine.step() for _ in range(200)]
+    assert sum(r.iterations > 0 for r in reports) <= 6
+    assert max(r.error for r in reports) <= 1e-8
+    assert np.abs(machine.state.position - machine.assembly.centre).max() < 1e-9
+
+
+def test_the_error_that_it_reports_is_that_of_the_measure() -> None:
+    """The measure of ``friction`` is asked on the way; the step need not ask it again."""
+    problem = thrown(0.1)
+    first = solve(problem, Options(), None)
+    again = solve(problem, Options(), Solution(first.impulse, None, 0, memory=first.memory))
+    for solution in (first, again):
+        assert solution.error == natural_map_error(problem, solution.impulse)
+    np.testing.assert_allclose(again.velocity, first.velocity, atol=1e-12)

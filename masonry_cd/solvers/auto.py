@@ -3,6 +3,11 @@
 ADMM carries news through the structure in every iteration and is cheap by the iteration; Newton is dear by the iteration but needs few,
 also where much slides or lifts off, if it starts close. So a step begins with the one that did better in the steps before (ADMM at first,
 the other one is tried again now and then), within a limit at which the other would surely have been cheaper, and goes on with the other.
+Before that the impulses of the last step are tried as they are: at rest they may do again, and then nothing else is done. What they leave
+undone adds up from step to step, so a step that is begun close to the solution (NEARLY) is solved DEEPER than asked: ten iterations more,
+for thousands of steps that then need none. So is the step after it, since the impulses of the first one also had to stop the motion that
+was left.
+
 What neither solves (a whole structure that jerks loose) goes to the interior point method, which comes near from anywhere, and from there
 to Newton again; last, long runs of ADMM.
 
@@ -21,6 +26,10 @@ from masonry_cd.solvers import admm, interior, newton, nlgs
 from masonry_cd.solvers.options import Options
 from masonry_cd.solvers.pattern import Pattern
 
+NEARLY = 10.0  # times the tolerance: an error at the start below which a step is solved deeper
+DEEPER = 1e-4  # times the tolerance
+ROUNDING = 1e-13  # natural map error not worth trying for
+DEEP_LIMIT = 60  # iterations
 TRIAL = 50  # steps between two trials of the solver that is not preferred
 STALLED = 1e-5  # natural map error below which a round of methods that does not halve it is the last
 ADMM, NEWTON, INTERIOR = 0, 1, 2
@@ -40,11 +49,18 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     """
     if problem.contacts == 0:
         return nlgs.solve(problem, options, start)
-    tally = _recall(start)
+    tally, deeper = _recall(start), max(DEEPER * options.tolerance, ROUNDING)
+    error = np.inf if start is None else natural_map_error(problem, start.impulse)
+    if start is not None and error <= (10.0 * deeper if tally[6] else options.tolerance):
+        velocity = problem.body_velocity(start.impulse) if isinstance(problem, FrictionProblem) else None
+        return Solution(start.impulse.copy(), velocity, 0, "as in the last step: converged", start.memory, error)
     costs = _costs(problem, tally, start)
     first = ADMM if start is None else _prefer(tally)
     limits = {ADMM: _limit(costs), NEWTON: 16}
     search = _Search(problem, options, start)
+    if error <= NEARLY * options.tolerance:
+        search.turn(first, min(limits[first], DEEP_LIMIT), deeper)
+    tally[6] = float(options.tolerance < error <= NEARLY * options.tolerance)
     rest = LAST_RESORT if isinstance(problem, FrictionProblem) else LAST_RESORT[1:]
     for turns in (((first, limits[first]), (1 - first, limits[1 - first])), *rest):
         before = search.error
@@ -72,14 +88,16 @@ class _Search:
         """Whether the tolerance or the limit of iterations is reached."""
         return self.error <= self.options.tolerance or sum(self.iterations) == self.options.max_iterations
 
-    def turn(self, method: int, limit: int) -> None:
+    def turn(self, method: int, limit: int, tolerance: float | None = None) -> None:
         """Give a method its turn, from the best impulses so far; Newton goes on from the interior point, which may only look worse."""
+        tolerance = self.options.tolerance if tolerance is None else tolerance
         if self.options.max_iterations is not None:
             limit = min(limit, self.options.max_iterations - sum(self.iterations))
         begin = self.last if self.story[-1:] == ["interior"] else self.best
         if begin is not None and self.last is not None:
             begin = Solution(begin.impulse, None, 0, memory=self.last.memory)
-        self.last = METHODS[method].solve(self.problem, replace(self.options, max_iterations=limit), begin)
+        options = replace(self.options, max_iterations=limit, tolerance=tolerance)
+        self.last = METHODS[method].solve(self.problem, options, begin)
         self.iterations[method] += self.last.iterations
         self.story.append(NAMES[method])
         error = natural_map_error(self.problem, self.last.impulse)
@@ -93,14 +111,15 @@ class _Search:
         tried = " + ".join(self.story[:4]) + (" and so on" if len(self.story) > 4 else "")
         end = "converged" if self.error <= self.options.tolerance else f"missed, error {self.error:.1e}"
         memory = self.last.memory | {"auto_tally": tally}
-        return Solution(self.best.impulse, self.best.velocity, sum(self.iterations), f"{tried}: {end}", memory)
+        return Solution(self.best.impulse, self.best.velocity, sum(self.iterations), f"{tried}: {end}", memory, self.error)
 
 
 def _recall(start: Solution | None) -> np.ndarray:
-    """(6,) mean cost of steps begun with ADMM and with Newton, nan if unknown, the number of steps, and what :func:`_costs` counted."""
+    """(7,) mean cost of steps begun with ADMM and with Newton, nan if unknown, the number of steps, what :func:`_costs` counted, and
+    whether the last step was solved deeper than asked because it began close to the solution."""
     if start is not None and "auto_tally" in start.memory:
         return start.memory["auto_tally"].copy()
-    return np.array([np.nan, np.nan, 0.0, -1.0, 0.0, 0.0])
+    return np.array([np.nan, np.nan, 0.0, -1.0, 0.0, 0.0, 0.0])
 
 
 def _prefer(tally: np.ndarray) -> int:
@@ -133,7 +152,7 @@ def _costs(problem: Problem, tally: np.ndarray, start: Solution | None) -> tuple
         pattern = memory.pattern if memory is not None else Pattern.of(len(problem.v_free), problem.bodies[:, 0], problem.bodies[:, 1])
         below = np.diff(pattern.column).astype(float)
         iteration = 8.0 * rows * n + 4.0 * n * n * below.sum()
-        tally[3:] = problem.contacts, iteration, iteration + 2.0 * n**3 * float(below @ (below + 1.0)) + 8.0 * rows * n * n
+        tally[3:6] = problem.contacts, iteration, iteration + 2.0 * n**3 * float(below @ (below + 1.0)) + 8.0 * rows * n * n
     return float(tally[4]), float(tally[5])
 
 
