@@ -382,6 +382,7 @@ def record(
 
 
 app.command()(cli_numerics.solve)
+app.command()(cli_numerics.accuracy)
 
 
 def _announce(prepared: Case) -> None:

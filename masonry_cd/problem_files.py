@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import time
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from masonry_cd.errors import InputError, suggest
-from masonry_cd.friction import FrictionProblem, LocalProblem, Problem, Solution, natural_map_error
+from masonry_cd.friction import FrictionProblem, LocalProblem, Problem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 
 UNSYMMETRIC = 1e-2  # of the largest entry: published problems reach 1e-3
@@ -90,7 +90,7 @@ def solve_file(
         raise InputError(f"tolerance: should be between 0 and 1, got {tolerance:g}")
     problem = read_problem(path)
     options = Options(tolerance=tolerance, max_iterations=max_iterations, seed=seed)
-    _compile(SOLVERS[solver], problem)
+    load_kernels(solver, problem)
     begin = time.perf_counter()
     solution = SOLVERS[solver](problem, options, None)
     seconds = time.perf_counter() - begin
@@ -109,9 +109,10 @@ def solve_file(
     }
 
 
-def _compile(solve: Callable[[Problem, Options, Solution | None], Solution], problem: Problem) -> None:
-    """Let the kernels be compiled, or loaded, before time is taken."""
-    solve(problem, Options(tolerance=1e-300, max_iterations=1), None)
+def load_kernels(solver: str, problem: Problem) -> None:
+    """Let the kernels of a solver be compiled, or loaded, before time is taken; those of all for auto, which turns to any of them."""
+    for name in SOLVERS if solver == "auto" else (solver,):
+        SOLVERS[name](problem, Options(tolerance=1e-300, max_iterations=1), None)
 
 
 # --- .npz -----------------------------------------------------------------------------------------------------------------------

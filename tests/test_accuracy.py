@@ -1,0 +1,177 @@
+"""Error against run time: errors fall with the tolerance and the time step, rows come in order, and what was missed is marked."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scenes
+from made_run import box
+from typer.testing import CliRunner
+
+from masonry_cd.cli import app
+from masonry_cd.problem_files import write_problem
+from reports.accuracy import Motion, RunRow, SolverRow, motion_errors, run_rows, solver_rows, solvers_for
+from reports.accuracy_case import markdown
+from reports.accuracy_seeds import MEASURES, study_seeds
+from structures import blockfile
+
+SLIDING = {"friction": "friction = 0.3", "amplitude": "amplitude = 0.6", "duration": "duration = 0.4", "dt": "dt = 4e-3"}
+
+
+def masonry_cd(*words: object):
+    return CliRunner().invoke(app, [str(word) for word in words])
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def quiet(line: str) -> None:
+    """Say nothing."""
+
+
+def test_solvers_come_in_order_with_errors_below_their_tolerances():
+    rows = solver_rows(scenes.wall(4, 4), ("admm", "newton"), (1e-2, 1e-5, 1e-9), 2, quiet)
+    assert [(row.solver, row.tolerance) for row in rows] == [(s, t) for s in ("admm", "newton") for t in (1e-2, 1e-5, 1e-9)]
+    assert all(row.reached and row.error <= row.tolerance and row.repeats == 2 for row in rows)
+    for solver in ("admm", "newton"):
+        errors, iterations = zip(*((row.error, row.iterations) for row in rows if row.solver == solver), strict=True)
+        assert list(errors) == sorted(errors, reverse=True)
+        assert list(iterations) == sorted(iterations)
+
+
+def test_a_miss_is_marked_and_ends_the_line_of_a_solver():
+    problem = scenes.tower(60)  # Gauss-Seidel carries news by one joint per sweep
+    rows = solver_rows(problem, ("nlgs", "admm"), (1e-1, 1e-12, 1e-13), 1, quiet)
+    nlgs = [row for row in rows if row.solver == "nlgs"]
+    assert [row.reached for row in nlgs] == [True, False]
+    assert nlgs[-1].error > 1e-12
+    assert "**missed**" in markdown([vars(row) for row in nlgs]).splitlines()[-1]
+    assert len([row for row in rows if row.solver == "admm"]) >= 2
+
+
+def test_interior_is_not_measured_where_gauss_seidel_would_stand_in_for_it():
+    problem = scenes.wall(2, 2)
+    assert "interior" in solvers_for(problem, None)
+    assert "interior" not in solvers_for(problem.to_local(), None)
+
+
+def test_a_problem_file_gets_table_picture_and_lines(tmp_path):
+    write_problem(tmp_path / "p.npz", scenes.wall(3, 3))
+    result = masonry_cd("accuracy", tmp_path / "p.npz", "-o", tmp_path / "out", "--solvers", "admm", "--tolerances", "1e-8,1e-3")
+    assert result.exit_code == 0, result.output
+    rows = table(tmp_path / "out" / "accuracy.csv")
+    assert tuple(rows[0]) == tuple(SolverRow.__dataclass_fields__)
+    assert [float(row["tolerance"]) for row in rows] == [1e-3, 1e-8]
+    assert (tmp_path / "out" / "accuracy.png").read_bytes().startswith(b"\x89PNG")
+    assert "| admm" in (tmp_path / "out" / "accuracy.md").read_text()
+    assert "admm: reached all, the tightest, 1e-08" in result.stdout
+
+
+def test_the_error_of_a_run_falls_with_the_time_step(block_on_plate):
+    """A block that slides: the time at which it starts and stops is met to about a step."""
+    rows = run_rows(block_on_plate(**SLIDING), (), ("nlgs",), (8e-3, 4e-3, 2e-3, 1e-3), (1e-8,), 1, quiet)
+    assert rows[0].reference
+    assert rows[0].dt == 5e-4
+    assert rows[0].displacement_error == rows[0].opening_error == 0.0
+    assert [row.dt for row in rows[1:]] == [8e-3, 4e-3, 2e-3, 1e-3]
+    errors = [row.displacement_error for row in rows[1:]]
+    assert errors == sorted(errors, reverse=True)
+    order = np.polyfit(np.log([row.dt for row in rows[1:]]), np.log(errors), 1)[0]
+    assert order > 0.7  # first order at least; close to the reference errors fall faster
+    assert all(row.reached and row.joints_slid == 1 for row in rows)
+
+
+def test_the_error_of_a_run_falls_with_the_tolerance(block_on_plate):
+    rows = run_rows(block_on_plate(**SLIDING), (), ("nlgs",), (4e-3,), (0.5, 1e-2, 1e-6), 1, quiet)
+    errors = [row.displacement_error for row in rows[1:]]
+    assert [row.tolerance for row in rows[1:]] == [0.5, 1e-2, 1e-6]
+    assert errors[0] > 2.0 * errors[2]
+    assert errors[1] == pytest.approx(errors[2], rel=0.1)  # what is left is that of the time step
+
+
+def test_errors_are_those_of_the_head_of_the_module():
+    """Two blocks, of which one is off by 3 mm at one of two times, where the reference has moved by 4 mm and 3 mm at most."""
+    best = np.zeros((2, 2, 3))
+    best[1, 0, 0], best[1, 1, 2] = 4e-3, 3e-3
+    got = best.copy()
+    got[1, 0, 1] = 3e-3
+    opening = np.array([[0.0], [2e-3]])
+    time = np.array([0.0, 1.0])
+    found = motion_errors(Motion(time, got, 0.5 * opening, 1.0), Motion(time, best, opening, 1.0))
+    assert found == pytest.approx((3.0 / 5.0, 0.5))
+    longer = Motion(np.array([0.0, 1.5]), got, opening, 1.0)  # its last frame is at another time, and does not count
+    assert motion_errors(longer, Motion(time, best, opening, 1.0)) == (0.0, 0.0)
+
+
+def test_what_stands_still_has_no_relative_error():
+    still, noise = np.zeros((2, 1, 3)), np.full((2, 1, 3), 1e-12)
+    time, opening = np.array([0.0, 1.0]), np.zeros((2, 1))
+    assert max(motion_errors(Motion(time, noise, opening, 5.0), Motion(time, still, opening, 5.0))) < 1e-6
+
+
+def test_a_scene_gets_table_picture_and_seeds(block_on_plate, tmp_path):
+    words = ("--dts", "4e-3,2e-3", "--tolerances", "1e-6", "--duration", "0.2", "--seeds", 2)
+    result = masonry_cd("accuracy", block_on_plate(**SLIDING), "-o", tmp_path / "out", *words)
+    assert result.exit_code == 0, result.output
+    rows = table(tmp_path / "out" / "accuracy.csv")
+    assert tuple(rows[0]) == tuple(RunRow.__dataclass_fields__)
+    assert [(row["dt"], row["steps"], row["reference"]) for row in rows] == [
+        ("0.001", "200", "True"), ("0.004", "50", "False"), ("0.002", "100", "False"),
+    ]  # fmt: skip
+    (joint,) = table(tmp_path / "out" / "seeds.csv")
+    assert [*joint][:3] == ["joint", "block_a", "block_b"]
+    assert [*joint][3:] == [f"{measure}_{what}" for measure in MEASURES for what in ("min", "mean", "max", "spread")]
+    weight = 2000.0 * 1.0 * 0.5 * 0.4 * 9.81
+    assert float(joint["normal_force_mean"]) == pytest.approx(weight, rel=1e-4)  # one joint carries the weight, whatever the seed
+    assert (tmp_path / "out" / "accuracy.png").stat().st_size > 10_000
+    assert "Joints whose forces vary most" in (tmp_path / "out" / "accuracy.md").read_text()
+
+
+def test_forces_of_a_hyperstatic_scene_vary_over_seeds_but_not_their_sum(tmp_path):
+    """A lintel on three posts: only the sum of what they carry is fixed."""
+    posts = [box(f"post{k}", (x, 0, 0), (x + 0.2, 0.4, 1)) for k, x in enumerate((0.0, 0.9, 1.8))]
+    blocks = [box("plate", (-1, -1, -1), (3, 1, 0), fixed=True), *posts, box("lintel", (0, 0, 1), (2, 0.4, 1.3))]
+    blockfile.write(tmp_path / "blocks.json", blocks)
+    scene = tmp_path / "scene.toml"
+    tables = 'structure = { kind = "file", path = "blocks.json" }\nmaterial = { density = 2000.0, friction = 0.5 }\n'
+    scene.write_text(tables + "[run]\ndt = 1e-3\nduration = 0.02\ntolerance = 1e-9\n")
+    study = study_seeds(scene, (), 4, quiet)
+    force = study.values["normal_force"]
+    assert force.shape == (4, 6)
+    assert np.ptp(study.on_supports) / study.on_supports.mean() < 1e-6
+    assert (study.spread("normal_force") / force.mean(axis=0)).max() > 1e-3
+    assert [row["joint"] for row in study.rows()] == [str(j) for j in range(6)]
+    again = study_seeds(scene, (), 4, quiet)
+    assert np.array_equal(again.values["normal_force"], force)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--solvers", "admm,nlgz"), '--solvers: "nlgz" is unknown (did you mean "nlgs"?)'),
+        (("--tolerances", "1e-4,x"), '--tolerances: "x" is no number'),
+        (("--tolerances", "2"), "--tolerances: 2 should be between 0 and 1"),
+        (("--dts", "3e-3,2e-3"), "--dts: 0.002 s is no whole fraction of 0.003 s"),
+        (("--dts", "-1e-3"), "--dts: -0.001 should be between 0 and 0.1"),
+        (("--duration", "1e-4"), "duration 0.0001 s is shorter than one step"),
+    ],
+)
+def test_bad_options_are_one_line(block_on_plate, tmp_path, words, message):
+    result = masonry_cd("accuracy", block_on_plate(), "-o", tmp_path / "out", *words)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_options_of_a_scene_are_refused_for_a_problem(tmp_path):
+    write_problem(tmp_path / "p.npz", scenes.wall(2, 2))
+    result = masonry_cd("accuracy", tmp_path / "p.npz", "-o", tmp_path / "out", "--seeds", 3)
+    assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
+    assert "--seeds: p.npz is a friction problem" in result.stderr
+    assert masonry_cd("accuracy", tmp_path / "none.npz", "-o", tmp_path / "out").exit_code == 2
