@@ -205,7 +205,7 @@ def report(
     view: Annotated[str | None, typer.Option(help="front, back, side, top or isometric; the scene's by default.")] = None,
     scale: Annotated[float | None, typer.Option(help="Amplification of displacements; the scene's by default.")] = None,
     cut: Annotated[str | None, typer.Option(metavar="PLANE", help="Cut by a plane, y=1.5 [m], or y for the middle.")] = None,
-    thrust: Annotated[bool | None, typer.Option("--thrust/--no-thrust", help="Draw the way of the forces.", show_default=False)] = None,
+    thrust: Annotated[bool | None, typer.Option("--thrust/--no-thrust", help="Draw the line of thrust.", show_default=False)] = None,
     animation: Annotated[bool, typer.Option("--animation", help="Draw crack_map.gif, the whole run.")] = False,
     html: Annotated[bool, typer.Option("--html", help="Write report.html, a page that shows the run and needs no network.")] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Print that page to report.pdf, by Chromium where it is installed.")] = False,

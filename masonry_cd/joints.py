@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 
 from masonry_cd.blocks import Assembly
-from masonry_cd.detection import Detector
+from masonry_cd.detection import ContactSet, Detector
 from masonry_cd.state import State, rotation_matrices
 
 CONTACT_WIDTH = 1e-4  # [m] surfaces farther apart than this count as no longer in contact
@@ -50,12 +50,7 @@ class Joints:
 
 def find_joints(assembly: Assembly) -> Joints:
     """The joints of an assembly as built: every pair of parts whose contact points at rest span an area."""
-    state = State.at_rest(assembly)
-    still = np.zeros((assembly.count, 6))
-    contacts = Detector(assembly).detect(state.position, rotation_matrices(state.orientation), still, 0.0, 0.0, np.zeros(3))
-    starts = np.flatnonzero(np.diff(contacts.pair, prepend=-1))
-    pieces = np.split(np.arange(contacts.count), starts[1:]) if contacts.count else []
-    pieces = [piece for piece in pieces if len(piece) >= 3]
+    contacts, pieces, _ = _touching(assembly)
     corners = [contacts.point[piece] for piece in pieces]
     first = np.array([piece[0] for piece in pieces], dtype=np.int64)
     return Joints(
@@ -66,6 +61,22 @@ def find_joints(assembly: Assembly) -> Joints:
         polygon_start=np.cumsum([0, *(len(piece) for piece in pieces)]),
         polygon=np.concatenate(corners) if corners else np.zeros((0, 3)),
     )
+
+
+def joint_parts(assembly: Assembly) -> np.ndarray:
+    """The two convex parts (J, 2) of each joint, in the order of :func:`find_joints`: blocks that are bent share several joints."""
+    contacts, pieces, pairs = _touching(assembly)
+    return pairs[contacts.pair[[piece[0] for piece in pieces]]].reshape(-1, 2)
+
+
+def _touching(assembly: Assembly) -> tuple[ContactSet, list[np.ndarray], np.ndarray]:
+    """The contacts at rest, the contacts of each pair of parts that spans an area, and the pairs of parts (P, 2)."""
+    state, detector = State.at_rest(assembly), Detector(assembly)
+    still = np.zeros((assembly.count, 6))
+    contacts = detector.detect(state.position, rotation_matrices(state.orientation), still, 0.0, 0.0, np.zeros(3))
+    starts = np.flatnonzero(np.diff(contacts.pair, prepend=-1))
+    pieces = np.split(np.arange(contacts.count), starts[1:]) if contacts.count else []
+    return contacts, [piece for piece in pieces if len(piece) >= 3], detector.pairs
 
 
 def polygon_area(loop: np.ndarray) -> float:

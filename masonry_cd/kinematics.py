@@ -273,6 +273,27 @@ def joint_forces(impulse, chosen, normal, pair, pair_joint, step, total, out):
 
 
 @njit(cache=True, nogil=True)
+def force_points(impulse, chosen, point, pair, pair_joint, plane_axis, plane_at, total, out):
+    """Where the resultant of each joint crosses its plane, (J, 3) [m]; NaN where no normal force acts.
+
+    The contacts of a joint lie in its plane, so their tangential parts turn about its normal alone: the point about which the
+    moment in the plane vanishes is the mean of the contact points weighted by normal impulse.
+    """
+    out[:] = 0.0
+    total[:] = 0.0
+    for c in range(impulse.shape[0]):
+        joint = pair_joint[pair[chosen[c]]]
+        if joint < 0:
+            continue
+        total[joint] += impulse[c, 0]
+        for d in range(3):
+            out[joint, d] += impulse[c, 0] * (plane_at if d == plane_axis else point[chosen[c], d])
+    for j in range(total.shape[0]):
+        for d in range(3):
+            out[j, d] = out[j, d] / total[j] if total[j] != 0.0 else np.nan
+
+
+@njit(cache=True, nogil=True)
 def _turn_tensor(r, tensor, out):
     """R T R^T."""
     for i in range(3):

@@ -17,7 +17,7 @@ import numpy as np
 
 from masonry_cd import checkpoint
 from masonry_cd.errors import InputError
-from masonry_cd.joints import JointMeasures, JointPeaks, Joints, measure_joints
+from masonry_cd.joints import JointMeasures, JointPeaks, Joints, joint_parts, measure_joints
 from masonry_cd.rests import Aftermath, Rests, Shock
 from masonry_cd.results import JOINT_PEAKS, ResultWriter
 from masonry_cd.stepping import ENERGIES, RunStopped, Stepper, StepReport
@@ -91,6 +91,7 @@ class Recorder:
         self.peaks = JointPeaks(joints)
         self._rows: list[tuple[float, ...]] = []  # of steps, not yet with the writer
         self._tensions: list[np.ndarray] = []  # likewise
+        self._joint_of = {(a, b): j for j, (a, b) in enumerate(joint_parts(stepper.assembly).tolist())}
         self._pairs: np.ndarray | None = None
         self._pair_joint = np.empty(0, dtype=np.int64)
         writer.extend({name: np.empty(0) for name in STEP_FIELDS})  # every dataset exists before the first flush
@@ -118,6 +119,7 @@ class Recorder:
         writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
         force = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
         writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1]})
+        writer.append({"joints/force_point": self._stepper.force_points(self._joint_of_pairs(), self._joints.count)})
         self.frames += 1
 
     def shock(self, shock: Aftermath) -> None:
@@ -155,9 +157,7 @@ class Recorder:
         """The joint of each pair of the detector, -1 for pairs that are none; made anew when the list of pairs is."""
         pairs = self._stepper.detector.pairs
         if pairs is not self._pairs:
-            block = self._stepper.assembly.shapes.part_block
-            joint = {(a, b): j for j, (a, b) in enumerate(zip(self._joints.block_a, self._joints.block_b, strict=True))}
-            self._pair_joint = np.array([joint.get((block[a], block[b]), -1) for a, b in pairs], dtype=np.int64)
+            self._pair_joint = np.array([self._joint_of.get((a, b), -1) for a, b in pairs.tolist()], dtype=np.int64)
             self._pairs = pairs
         return self._pair_joint
 

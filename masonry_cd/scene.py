@@ -147,7 +147,7 @@ class Report(_Table):
     cut: str = ""
     """Plane by which the crack map is cut: "y=1.5" [m], or "y" for the middle."""
     thrust: bool = False
-    """Draw the way of the forces in it."""
+    """Draw the line of thrust in it."""
     times: Annotated[tuple[Annotated[Number, Field(ge=0)], ...], BeforeValidator(_list_of_numbers)] = ()
     """Draw crack maps at these times as well [s]."""
     animation: bool = False

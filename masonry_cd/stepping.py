@@ -317,3 +317,15 @@ class Stepper:
             np.zeros((joints, 3)), out,
         )  # fmt: skip
         return out
+
+    def force_points(self, pair_joint: np.ndarray, joints: int) -> np.ndarray:
+        """Where the force of each joint over the last step crosses its plane, (J, 3) [m]; NaN where it has none.
+
+        The places are those of q_m, in the middle of the step.
+        """
+        axis, at = (-1, 0.0) if self.plane is None else (self.plane.axis, self.plane.at)
+        out = np.zeros((joints, 3))
+        kinematics.force_points(
+            self.solution.impulse, self.chosen, self.contacts.point, self.contacts.pair, pair_joint, axis, at, np.zeros(joints), out
+        )
+        return out

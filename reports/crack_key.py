@@ -107,7 +107,7 @@ def draw_key(sheet: Sheet, key: Key) -> None:
         sheet.swatches(bar, rows, 10, boxes[3][3] - 84, pitch=29.0)
 
 
-THRUST_NOTE = "in the middle of closed joints"
+THRUST_NOTE = "through where it acts in each joint"
 
 
 def _no_sign(axes: Any, place: Box) -> None:

@@ -51,7 +51,7 @@ class Look:
         thresholds: where an opening and a sliding begin to be drawn.
         largest: where the last class of the colour scales begins [m].
         cut: a plane to cut by, ``y=1.5`` or ``y`` for the middle; empty for none. The view is then by default the one that faces it.
-        thrust: draw the way of the forces.
+        thrust: draw the line of thrust.
     """
 
     view: str = "auto"
@@ -302,7 +302,7 @@ def _lifted(surface: Surface, framed: Framing, cut: bool) -> Surface:
 
 
 def _thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surface, float]:
-    """The way of the forces, before everything else, and the force of the widest ribbon [N]."""
+    """The line of thrust, before everything else, and the force of the widest ribbon [N]."""
     framed, towards = subject.framed, subject.framed.view.towards
     surface, largest = ribbons(results, subject.solids, subject.pose, subject.moment, frame, framed.factor, framed.view, framed.pixel)
     if framed.cut is not None:

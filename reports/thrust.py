@@ -1,10 +1,11 @@
-r"""The way of the forces: ribbons through the blocks, from joint to joint, as wide as the normal force of the joint is large.
+r"""The line of thrust: ribbons through the blocks, from joint to joint, as wide as the normal force of the joint is large.
 
-A result file holds the size of the normal force N_j of a joint, not the place where it acts. A joint that is open at one side carries
-it at the edge where it still touches, and the ribbon goes through that edge; in a closed joint it goes through the middle, which is
-known to lie within the joint and no more. In each block the ribbons of its joints meet at the mean of these points weighted by N_j:
-for a voussoir, whose two joints carry nearly equal forces, that makes a straight line from joint to joint. A block with one joint has none.
-So in an arch on its hinges this is the line of thrust; elsewhere it shows which way the load goes, and not how eccentric it is.
+A result file holds for each joint its normal force N_j and the point where the resultant of its contact forces crosses the plane of the
+joint (``joints/force_point``). In each block the ribbons of its joints meet at the mean of these points weighted by N_j: in a voussoir,
+whose two joints carry nearly equal forces, that is a straight line from joint to joint, and the ribbons of an arch are its line of
+thrust. Where it comes to the edge of a joint the joint is a hinge. A block with one joint has no ribbon.
+
+The forces are those that the run found. Where a structure is hyperstatic they are one of many possible sets, and so is the line.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 
 from masonry_cd.errors import InputError
 from masonry_cd.results import Results
-from reports.deformed import Pose, Solids, joint_corners, joint_frame
+from reports.deformed import Pose, Solids, base_shift, joint_frame
 from reports.parts import Moment
 from reports.render import Surface, View
 
@@ -29,24 +30,24 @@ def ribbons(
     """The ribbons at a frame as a surface that faces the viewer, and the force of the widest one [N].
 
     Args:
-        results: of a run, which must hold the forces of its joints.
+        results: of a run, which must hold the forces of its joints and the points where they act.
         solids: of its blocks.
         pose: of the frame.
-        moment: of the frame, for what touches where.
+        moment: of the frame, for what has come apart.
         frame: which.
         factor: amplification of the displacements.
         view: from where.
         pixel: size of a pixel [m].
 
     Raises:
-        InputError: the file holds no forces.
+        InputError: the file holds no forces, or not where they act.
     """
-    if "joints/normal_force" not in results.file:
-        raise InputError("thrust: this result holds no joint forces")
+    if "joints/normal_force" not in results.file or "joints/force_point" not in results.file:
+        raise InputError("thrust: this result does not hold the forces of its joints and where they act; run its scene again")
     joints = results.joints
     force = np.where(moment.separated, 0.0, joint_frame(results, "normal_force", frame))
     largest = float(force.max(initial=0.0))
-    place = _places(results, solids, pose, moment, factor)
+    place = drawn_points(results, solids, pose, frame, factor)
     ends, strength = [], []
     for block in (joints.block_a, joints.block_b):
         hub = _hubs(joints.block_a, joints.block_b, place, force, len(solids.centre))
@@ -59,14 +60,15 @@ def ribbons(
     return _facing(lines[long], width[long], view), largest
 
 
-def _places(results: Results, solids: Solids, pose: Pose, moment: Moment, factor: float) -> np.ndarray:
-    """(J, 3) where each joint carries its force: its middle, or the mean of its touching corners."""
+def drawn_points(results: Results, solids: Solids, pose: Pose, frame: int, factor: float) -> np.ndarray:
+    """(J, 3) the force points where a picture with amplified displacements has them, halfway between the two blocks; 0 without force."""
     joints = results.joints
-    on_a, on_b = joint_corners(joints, solids, pose, factor)
-    side = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
-    used = np.where(moment.hinged[side], moment.touching, True).astype(float)
-    out = np.stack([np.bincount(side, used * v, minlength=joints.count) for v in ((on_a + on_b) / 2.0).T], axis=1)
-    return out / np.maximum(np.bincount(side, used, minlength=joints.count), 1.0)[:, None]
+    seen = np.nan_to_num(joint_frame(results, "force_point", frame) - base_shift(solids, np.asarray(results.position[frame])))
+    out = np.zeros_like(seen)
+    for block in (joints.block_a, joints.block_b):
+        at_rest = np.einsum("jki,jk->ji", pose.rotation[block], seen - pose.position[block]) + solids.centre[block]
+        out += 0.5 * pose.moved(solids, at_rest, block, factor)
+    return out
 
 
 def _hubs(a: np.ndarray, b: np.ndarray, place: np.ndarray, force: np.ndarray, count: int) -> np.ndarray:
