@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import peers, problem_files, rocking, scaling
+from benchmarks import memory, peers, problem_files, rocking, scaling
 from benchmarks.lmgc90_error import judge
 from benchmarks.ours import measure, stepper
 from benchmarks.scenes import GRAVITY, arcade, arch, scene, tower, wall
@@ -77,6 +77,13 @@ def test_in_space_there_are_twice_the_contacts_of_a_plane():
 def test_an_unknown_solver_is_named():
     with pytest.raises(ValueError, match='no solver "magic"'):
         measure(tower(1), 1, "magic")
+
+
+def test_memory_is_sampled_on_the_way():
+    found = memory.measure(tower(2), 3 * 256)
+    assert found.steps == [256, 512, 768]
+    assert min(found.resident) > 10.0 > max(found.held) > 0.0
+    assert found.growth()[0] == pytest.approx(found.resident[2] / found.resident[1] - 1.0)
 
 
 # --- LMGC90's results by our measure ----------------------------------------------------------------------------------------------
