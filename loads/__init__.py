@@ -109,7 +109,8 @@ def build(
     if base["end_speed"] > 1e-3 * base["peak_speed"]:
         lines.append(f"base: still moving at {base['end_speed']:.3g} m/s when the run ends at {grid.end:g} s")
     if velocity.shape[1] > 1:
-        lines.append(f"base: {velocity.shape[1]} motions of the supports, apart by at most {base['largest_difference']:.4g} m")
+        first = f'; displacements are told relative to "{assembly.names[int(np.argmax(assembly.fixed))]}"' if assembly is not None else ""
+        lines.append(f"base: {velocity.shape[1]} motions of the supports, apart by at most {base['largest_difference']:.4g} m{first}")
     summary = {"tables": [part.summary for part in parts], "base": base}
     shocks = sorted((shock for part in parts for shock in part.shocks), key=lambda shock: shock.first)
     pauses = sorted((pause for part in parts for pause in part.pauses), key=lambda pause: pause.first)

@@ -21,6 +21,7 @@ from masonry_cd.blocks import Assembly, Block
 from masonry_cd.dump import FILES, Dump
 from masonry_cd.errors import InputError
 from masonry_cd.joints import Joints, find_joints
+from masonry_cd.load_outcome import outcome, outcome_lines
 from masonry_cd.planar import find_plane
 from masonry_cd.progress import Interrupt, Progress, in_words, said_if_slow
 from masonry_cd.rests import Rests
@@ -144,7 +145,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
         report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, rests)
     summary = _summary(case, report) | {"dumped": [path.name for path in dumped.written], "warnings": dumped.warnings()}
     with Results.open(file) as results:
-        summary |= write_damage(results, folder, scene.report) | _tie_numbers(case, results)
+        summary |= write_damage(results, folder, scene.report) | outcome(case, results)
         summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
         write_json(summary, folder / "summary.json")  # before the pictures, which may fail for want of a library
         if scene.report.asks and not report.stopped:
@@ -196,28 +197,6 @@ def write_damage(results: Results, folder: Path, settings: Report) -> dict[str, 
         }
         | ({"shocks": damage.shock_rows(results, thresholds)} if results.shocks else {})
     )
-
-
-def _tie_numbers(case: Case, results: Results) -> dict[str, Any]:
-    """What each tie had to bear, for the summary; nothing where there are none."""
-    forces = case.loading.forces
-    if forces is None or not forces.ties:
-        return {}
-    tension, time = results.per_step("ties/tension"), results.per_step("step_time")
-    rows = []
-    for i, tie in enumerate(forces.ties):
-        worst = int(np.argmax(tension[:, i])) if len(tension) else 0
-        most, last = (float(tension[worst, i]), float(tension[-1, i])) if len(tension) else (0.0, 0.0)
-        rows.append(
-            {
-                "blocks": [case.assembly.names[block] for block in tie.blocks],
-                "tension_max": most,
-                "tension_max_time": float(time[worst]) if len(tension) else 0.0,
-                "stress_max": most / tie.section,
-                "tension_end": last,
-            }
-        )
-    return {"ties": rows}
 
 
 def _summary(case: Case, report: RunReport) -> dict[str, Any]:
@@ -274,21 +253,14 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     per_step = s["stepping_seconds"] / max(1, s["steps"])
     return [
         f"{s['title']}: {s['steps']} steps of {length(s['dt'], 's')} in {in_words(s['wall_seconds'])}, {length(per_step, 's')} per step",
-        *(shock_line(shock) for shock in s.get("shocks", ())),
+        *outcome_lines(s),
         damage_line(s),
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
         f"largest penetration {length(s['penetration_max'])}",
         f"solver {solver['name']}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
         f"energy: balance closed to {energy['balance_error']:.1e} of the largest work done",
-        *(_tie_line(tie) for tie in s.get("ties", ())),
     ]
-
-
-def _tie_line(tie: dict[str, Any]) -> str:
-    """What a tie had to bear, in words."""
-    most = f"{tie['tension_max'] / 1e3:.3g} kN ({tie['stress_max'] / 1e6:.3g} MPa) at {tie['tension_max_time']:.3g} s"
-    return f'tie "{tie["blocks"][0]}" to "{tie["blocks"][1]}": at most {most}, {tie["tension_end"] / 1e3:.3g} kN at the end'
 
 
 def damage_line(s: dict[str, Any]) -> str:
@@ -298,16 +270,6 @@ def damage_line(s: dict[str, Any]) -> str:
         f"joints: {s['joints']}, of which {s['joints_opened']} opened (at most {length(s['opening_max'])}), {s['joints_slid']} slid "
         f"(at most {length(s['sliding_max'])}), {s['joints_separated']} separated; {fallen}; "
         f"largest displacement relative to the base {length(s['displacement_max'])}"
-    )
-
-
-def shock_line(shock: dict[str, Any]) -> str:
-    """The damage after a shock of a sequence in one line."""
-    when = f"{shock['start']:.4g} to {shock['end']:.4g} s, rest to {shock['rest_end']:.4g} s"
-    return (
-        f'after "{shock["name"]}" ({when}): {shock["joints_opened"]} joints opened (at most {length(shock["opening_max"])}), '
-        f"{shock['joints_slid']} slid (at most {length(shock['sliding_max'])}), {shock['joints_separated']} separated; "
-        f"{shock['collapsed_blocks'] or 'no'} blocks fell"
     )
 
 

@@ -111,6 +111,6 @@ class Rests:
 def fallen(assembly: Assembly, height: np.ndarray, state: State) -> np.ndarray:
     """(B,) True where a block of some height (B,) [m] has dropped or is turned, relative to the base, by more than DROP or TILT say."""
     moved = state.position[:, 2] - assembly.centre[:, 2]
-    base = float(moved[assembly.fixed].mean()) if assembly.fixed.any() else 0.0
+    base = float(moved[np.argmax(assembly.fixed)]) if assembly.fixed.any() else 0.0
     turn = 0.5 * (np.trace(rotation_matrices(state.orientation), axis1=1, axis2=2) - 1.0)  # cosine
     return np.asarray((base - moved > DROP * height) | (turn < np.cos(np.radians(TILT))))

@@ -7,7 +7,8 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /joints/{opening, sliding, rotation, contact_area, normal_force, shear_force} (F, J)
     /joints/force_point (F, J, 3)    where the force of a joint crosses its plane, NaN where it has none
     /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
-    /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]   /step_time (N,) [s]
+    /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]
+    /step_time (N,) [s]   /load_step (N,), the step of the loads that was applied
     /ties/tension (N, T) [N]   in the order of the scene's tables; absent without ties
     /shocks/{name, start, end, frame} (S,)   of a sequence: times [s], and the frame at the end of the rest after each shock
     /shocks/{opening, sliding, rotation, contact_area_loss, first_opening_time} (S, J)   the peaks of the joints up to there

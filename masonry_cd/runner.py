@@ -76,7 +76,7 @@ class RunReport:
 
 
 STEP_FIELDS = (
-    "step_time", "penetration", "solver/iterations", "solver/error", "solver/seconds", "solver/contacts",
+    "step_time", "load_step", "penetration", "solver/iterations", "solver/error", "solver/seconds", "solver/contacts",
     *(f"energy/{name}" for name in ENERGIES),
 )  # fmt: skip
 NAME_BYTES = 160  # of a shock, in UTF-8: 40 letters of any script
@@ -100,11 +100,11 @@ class Recorder:
         if shocks:
             writer.extend({f"shocks/{name}": rows[:0] for name, rows in self._aftermath(Aftermath("", 0.0, 0.0, 0)).items()})
 
-    def step(self, report: StepReport) -> JointMeasures:
-        """Record a step; return the measures of the joints after it."""
+    def step(self, report: StepReport, load_step: int) -> JointMeasures:
+        """Record a step, which applied a step of the loads; return the measures of the joints after it."""
         stepper = self._stepper
         solver = (report.iterations, report.error, report.seconds, report.contacts)
-        self._rows.append((stepper.state.time, report.penetration, *solver, *(stepper.energy[name] for name in ENERGIES)))
+        self._rows.append((stepper.state.time, load_step, report.penetration, *solver, *(stepper.energy[name] for name in ENERGIES)))
         self._tensions.append(stepper.tensions)
         if len(self._rows) == ROWS_AT_ONCE:
             self._hand_over()
@@ -205,7 +205,7 @@ def run(
                 stepper.load_step = rests.next_step(stepper.load_step, stepper.state)
                 shock = rests.over(before, stepper.load_step)
             report.add(step, stepper.settings.tolerance, stepper.energy)
-            now = recorder.step(step)
+            now = recorder.step(step, before + 1)
             if stepper.steps % frame_every == 0 or stepper.load_step == steps or shock is not None:
                 recorder.frame(now)
             if shock is not None:

@@ -164,15 +164,19 @@ def fallen_in(joints: Joints, solids: Solids, pose: Pose, separated: np.ndarray,
 
 def displacement_max(results: Results) -> float:
     """Largest displacement of a block's centre of mass relative to the base, over all frames [m]."""
-    solids = solids_of(results.blocks)
+    return float(displacements(results).max(initial=0.0))
+
+
+def displacements(results: Results) -> np.ndarray:
+    """(F,) largest displacement of a block's centre of mass relative to the base in each frame [m]."""
+    solids, largest = solids_of(results.blocks), np.zeros(results.frames)
     if solids.fixed.all():
-        return 0.0
+        return largest
     step = max(1, CHUNK_BYTES // (24 * len(solids.centre)))
-    largest = 0.0
     for first in range(0, results.frames, step):
         position = np.asarray(results.position[first : min(first + step, results.frames)], dtype=float)
         relative = position - base_shift(solids, position)[:, None] - solids.centre
-        largest = max(largest, float(np.linalg.norm(relative[:, ~solids.fixed], axis=2).max()))
+        largest[first : first + len(position)] = np.linalg.norm(relative[:, ~solids.fixed], axis=2).max(axis=1)
     return largest
 
 

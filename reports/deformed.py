@@ -5,7 +5,8 @@ A point X of block b, built at rest, moves rigidly to
     x(X) = R_b (X - c_b) + x_b,
 
 c_b the centre of mass at rest, x_b and R_b the position and rotation of the frame. Seen from the base, which itself rides on the
-ground, x is reduced by the mean translation s of the supports. A picture of a displacement too small to see shows instead
+ground, x is reduced by the translation s of the first support: any will do where all move together, and where they do not, as when one
+of them settles, it is the one to which the others are compared. A picture of a displacement too small to see shows instead
 
     X + f (x(X) - s - X),      f the amplification; f = 1 is the true shape.
 """
@@ -122,10 +123,11 @@ class Pose:
 
 
 def base_shift(solids: Solids, position: np.ndarray) -> np.ndarray:
-    """Mean translation of the supports, (..., 3) [m], for positions (..., B, 3); zero where there is no support."""
+    """Translation of the first support, (..., 3) [m], for positions (..., B, 3); zero where there is no support."""
     if not solids.fixed.any():
         return np.zeros((*position.shape[:-2], 3))
-    return np.asarray((position[..., solids.fixed, :] - solids.centre[solids.fixed]).mean(axis=-2))
+    first = int(np.argmax(solids.fixed))
+    return np.asarray(position[..., first, :] - solids.centre[first])
 
 
 def frame_index(results: Results, frame: int) -> int:

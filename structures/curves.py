@@ -57,6 +57,8 @@ def joints_of(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:
     """
     if arch.skew is not None and arch.shape != "flat":
         raise InputError(f'structure.skew: belongs to a flat arch, this one is "{arch.shape}"')
+    if arch.span is not None and arch.thickness >= arch.span:
+        raise InputError(f"structure.thickness: must be below the clear span, {arch.span:g} m, got {arch.thickness:g}")
     if arch.shape == "circular":
         return _circular(arch)
     if arch.shape == "pointed":

@@ -137,6 +137,8 @@ def test_buttresses_carry_the_thrust_when_they_are_wide_enough(keys: dict[str, o
         ({"radius": 2.0}, "structure.thickness: missing"),
         ({"radius": 2.0, "thicknes": 0.5}, 'structure.thicknes: unknown key (did you mean "thickness"?)'),
         ({"radius": 2.5, "thickness": 6.0}, "structure.thickness: must be below twice the radius, 5 m, got 6"),
+        ({"span": 4.0, "thickness": 4.0}, "structure.thickness: must be below the clear span, 4 m, got 4"),
+        ({"span": 4.0, "rise": 1.0, "thickness": 5.0}, "structure.thickness: must be below the clear span, 4 m, got 5"),
         ({"radius": 2.5, "thickness": -1.0}, "structure.thickness: input should be greater than 0, got -1.0"),
         ({"radius": "5 m", "thickness": 0.5}, "structure.radius: input should be a valid number, got '5 m'"),
         ({"radius": 2.0, "thickness": 0.5, "span": 4.0}, "structure.span: must be at most twice the intrados radius"),

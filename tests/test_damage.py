@@ -178,3 +178,14 @@ def test_amplified_shape_keeps_the_base(tmp_path: Path) -> None:
     shift = drawn - solids.vertices
     np.testing.assert_allclose(shift[solids.vertex_block == 2], [[0.1, 0, 0]] * 8, atol=1e-9)
     np.testing.assert_allclose(shift[solids.vertex_block < 2], 0.0, atol=1e-9)
+
+
+def test_displacements_are_relative_to_the_first_support_where_supports_move_apart(tmp_path: Path) -> None:
+    """The second of two feet sinks by 60 mm with its block, on a ground that moves: only that block has moved."""
+    blocks = [box("f1", (0, 0, -1), (1, 1, 0), fixed=True), box("f2", (3, 0, -1), (4, 1, 0), fixed=True)]
+    blocks += [box("b1", (0, 0, 0), (1, 1, 1)), box("b2", (3, 0, 0), (4, 1, 1))]
+    rest = at_rest(blocks)
+    sunk = shifted(shifted(rest, slice(None), (0.2, 0.0, 0.0)), slice(1, None, 2), (0.0, 0.0, -0.06))
+    with Results.open(write_run(tmp_path / "run.h5", blocks, [rest, sunk])) as results:
+        assert damage.displacements(results) == pytest.approx([0.0, 0.06])
+        assert damage.collapsed_blocks(results) == ()
