@@ -223,3 +223,40 @@ def test_overlaps_are_taken_away_without_feeding_motion():
     assert reports[-1].penetration < 3e-7  # what is allowed, a millionth of the width
     assert machine.energy["kinetic"] < 1e-8 * machine.energy["correction"]
     assert machine.energy["correction"] == pytest.approx(GRAVITY * machine.assembly.mass[1:] @ (1e-3 * np.arange(1, 4)), rel=1e-3)
+
+
+# --- falls ------------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("lean", [0.02, -0.02])
+def test_a_cube_on_its_edge_falls_onto_a_face(lean):
+    blocks = [ground(), box("b", (0.0, -0.2, 0.0), (0.4, 0.2, 0.4))]
+    start = turned(Assembly.from_blocks(blocks, 0.6), 1, (0.0, 1.0, 0.0), -np.pi / 4 + lean, (0.0, 0.0, 0.0))
+    machine = stepper(blocks, 1500, start=start)
+    deepest = max(report.penetration for report in advance(machine, 1500))
+    turn = rotation_matrices(machine.state.orientation)[1]
+    assert np.abs(turn).max(axis=0) == pytest.approx(np.ones(3), abs=1e-6)  # on a face
+    assert turn[0, 0] == pytest.approx(1.0 if lean > 0 else 0.0, abs=1e-6)  # and on the one towards which it leant
+    assert machine.state.position[1, 2] == pytest.approx(0.2, abs=1e-6)
+    assert np.abs(machine.state.velocity[1]).max() < 1e-6
+    assert deepest < 1e-4 * 0.4
+
+
+def test_debris_lands_and_stays():
+    rng = np.random.default_rng(5)
+    pieces = [
+        box(f"d{k}", (x, y, 0.2 + 0.3 * k), (x + 0.3, y + 0.2, 0.35 + 0.3 * k)) for k, (x, y) in enumerate(rng.uniform(-0.1, 0.1, (6, 2)))
+    ]
+    blocks = [ground(), *pieces]
+    start = State.at_rest(Assembly.from_blocks(blocks, 0.6))
+    spins = rng.normal(size=(6, 4))
+    start.orientation[1:] = spins / np.linalg.norm(spins, axis=1)[:, None]
+    machine = stepper(blocks, 1500, dt=2e-3, start=start, solver="auto", tolerance=1e-8)
+    reports = advance(machine, 1500)
+    width = 0.15
+    assert max(report.penetration for report in reports[-100:]) < 1e-4 * width  # an overlap of less than 1e-4 of the volume
+    assert machine.energy["kinetic"] < 1e-9 * machine.energy["impact"]
+    lowest = [(b.vertices - machine.assembly.centre[k]) @ rotation_matrices(machine.state.orientation)[k].T for k, b in enumerate(blocks)]
+    feet = [machine.state.position[k, 2] + part[:, 2].min() for k, part in enumerate(lowest)][1:]
+    assert min(feet) > -1e-4 * width  # none has sunk in
+    assert sum(report.iterations == 0 for report in reports[-100:]) > 90  # at rest
