@@ -1,7 +1,7 @@
 r"""Coulomb's law at a contact, and the compiled loops that sweep over contacts.
 
-One contact, all others held, sees u = W p + q with its own 3 x 3 block W of the Delassus operator. Signorini's condition and
-Coulomb's law then have one of three answers (Jean, Comput. Methods Appl. Mech. Engrg. 177, 1999):
+One contact, all others held, sees u = W p + q with its own 3 x 3 block W of the Delassus operator (and of its compliance, if it is
+elastic: then u is the w of friction.py). Signorini's condition and Coulomb's law then have one of three answers (Jean, Comput. Methods Appl. Mech. Engrg. 177, 1999):
 
     separation   p = 0                              if q_n >= 0
     stick        p = -W^-1 q                        if that lies in the cone |p_t| <= mu p_n
@@ -122,7 +122,7 @@ def _law_row(w: np.ndarray, m: int, law: np.ndarray, c: int) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _own_velocity(pn: float, p1: float, p2: float, law: np.ndarray, c: int) -> tuple[float, float, float]:
-    """W p of a contact from its law row: with w = c W_nn and W_tt = A + w w^T / W_nn."""
+    """(W + C) p of a contact from its law row: with w = c W_nn and W_tt = A + w w^T / W_nn."""
     c1, c2 = law[c, 1], law[c, 2]
     un = law[c, 10] * (pn + c1 * p1 + c2 * p2)
     return un, c1 * un + law[c, 3] * p1 + law[c, 4] * p2, c2 * un + law[c, 4] * p1 + law[c, 5] * p2
@@ -279,8 +279,8 @@ def _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _laws(g: np.ndarray, index: np.ndarray) -> np.ndarray:
-    """The local laws of all contacts, from W_cc = sum over sides of G G^T (both sides on one body add up)."""
+def _laws(g: np.ndarray, index: np.ndarray, compliance: np.ndarray) -> np.ndarray:
+    """The local laws of all contacts, from W_cc + C_cc, W_cc = sum over sides of G G^T (both sides on one body add up)."""
     contacts, _, m, n = g.shape
     law = np.empty((contacts, LAW_SIZE))
     w = np.zeros((3, 3))
@@ -294,6 +294,8 @@ def _laws(g: np.ndarray, index: np.ndarray) -> np.ndarray:
                     if cross:
                         total += g[c, 0, i, k] * g[c, 1, j, k] + g[c, 1, i, k] * g[c, 0, j, k]
                 w[i, j] = total
+            if len(compliance):
+                w[i, i] += compliance[c, i]
         _law_row(w, m, law, c)
     return law
 
@@ -318,16 +320,18 @@ def _groups(index: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _relative(g, q, y, c, a, b, i, n):
-    """One component of u = q + G y."""
+def _relative(g, q, y, compliance, p, c, a, b, i, n):
+    """One component of w = q + G y + C p."""
     total = q[c, i]
     for k in range(n):
         total += g[c, 0, i, k] * y[a, k] + g[c, 1, i, k] * y[b, k]
+    if len(compliance):
+        total += compliance[c, i] * p[c, i]
     return total
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _sweep_spatial(g, q, y, index, law, mu, p, starts, order):
+def _sweep_spatial(g, q, y, index, law, mu, compliance, p, starts, order):
     """One Gauss-Seidel sweep for m = 3, n = 6: what a contact sees, its exact answer, the push on its two bodies.
 
     Written out, so that both bodies stay in registers: half the time of loops over the components.
@@ -356,6 +360,10 @@ def _sweep_spatial(g, q, y, index, law, mu, p, starts, order):
                 + (g[c, 1, 2, 3] * b3 + g[c, 1, 2, 4] * b4 + g[c, 1, 2, 5] * b5)
             )
             own_n, own_1, own_2 = _own_velocity(p[c, 0], p[c, 1], p[c, 2], law, c)
+            if len(compliance):
+                u0 += compliance[c, 0] * p[c, 0]
+                u1 += compliance[c, 1] * p[c, 1]
+                u2 += compliance[c, 2] * p[c, 2]
             pn, p1, p2 = _local_step(mu[c], (q[c, 0] - own_n) + u0, (q[c, 1] - own_1) + u1, (q[c, 2] - own_2) + u2, law, c)
             d0, d1, d2 = pn - p[c, 0], p1 - p[c, 1], p2 - p[c, 2]
             p[c, 0], p[c, 1], p[c, 2] = pn, p1, p2
@@ -374,7 +382,7 @@ def _sweep_spatial(g, q, y, index, law, mu, p, starts, order):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _sweep_any(g, q, y, index, law, mu, p, starts, order):
+def _sweep_any(g, q, y, index, law, mu, compliance, p, starts, order):
     """The same for any size; planar problems (m = 2, n = 3) come here."""
     m, n = g.shape[2], g.shape[3]
     see, push = np.zeros(3), np.zeros(3)
@@ -384,7 +392,7 @@ def _sweep_any(g, q, y, index, law, mu, p, starts, order):
             own_n, own_1, own_2 = _own_velocity(p[c, 0], p[c, 1], p[c, 2] if m == 3 else 0.0, law, c)
             see[0], see[1], see[2] = -own_n, -own_1, -own_2
             for i in range(m):
-                see[i] += _relative(g, q, y, c, a, b, i, n)
+                see[i] += _relative(g, q, y, compliance, p, c, a, b, i, n)
             push[0], push[1], push[2] = _local_step(mu[c], see[0], see[1], see[2] if m == 3 else 0.0, law, c)
             for i in range(m):
                 change = push[i] - p[c, i]
@@ -395,12 +403,12 @@ def _sweep_any(g, q, y, index, law, mu, p, starts, order):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _sweep(g, q, y, index, law, mu, p, starts, order):
+def _sweep(g, q, y, index, law, mu, compliance, p, starts, order):
     """One Gauss-Seidel sweep, group after group in the given order."""
     if g.shape[2] == 3 and g.shape[3] == 6:
-        _sweep_spatial(g, q, y, index, law, mu, p, starts, order)
+        _sweep_spatial(g, q, y, index, law, mu, compliance, p, starts, order)
     else:
-        _sweep_any(g, q, y, index, law, mu, p, starts, order)
+        _sweep_any(g, q, y, index, law, mu, compliance, p, starts, order)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -417,16 +425,16 @@ def _collect(g: np.ndarray, index: np.ndarray, p: np.ndarray, y: np.ndarray) -> 
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _residual(g, q, y, index, law, mu, p):
+def _residual(g, q, y, index, law, mu, compliance, p):
     """Natural map error of p, whose y = G^T p is given."""
     contacts, m = p.shape
     n = g.shape[3]
     residual, size = 0.0, 0.0
     for c in range(contacts):
         a, b = index[c, 0], index[c, 1]
-        un = _relative(g, q, y, c, a, b, 0, n)
-        u1 = _relative(g, q, y, c, a, b, 1, n)
-        u2 = _relative(g, q, y, c, a, b, 2, n) if m == 3 else 0.0
+        un = _relative(g, q, y, compliance, p, c, a, b, 0, n)
+        u1 = _relative(g, q, y, compliance, p, c, a, b, 1, n)
+        u2 = _relative(g, q, y, compliance, p, c, a, b, 2, n) if m == 3 else 0.0
         residual += _natural_map2(p[c, 0], p[c, 1], p[c, 2] if m == 3 else 0.0, un, u1, u2, mu[c], law[c, 9])
         for i in range(m):
             size += q[c, i] * q[c, i] / law[c, 9]
@@ -477,21 +485,21 @@ def nlgs_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, 
     Returns the sweeps made and the natural map error measured last.
     """
     factor, g, q, index = _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset)
-    law = _laws(g, index)
+    law = _laws(g, index, compliance)
     starts = _groups(index)
     order = np.arange(len(starts) - 1)
     state = _seeded(seed)
     y = np.empty((v_free.shape[0] + 1, v_free.shape[1]))
     _collect(g, index, p, y)
-    error = _residual(g, q, y, index, law, mu, p)
+    error = _residual(g, q, y, index, law, mu, compliance, p)
     sweeps = 0
     while error > tolerance and sweeps < limit:
         for _ in range(min(every, limit - sweeps)):
             _shuffle(order, state)
-            _sweep(g, q, y, index, law, mu, p, starts, order)
+            _sweep(g, q, y, index, law, mu, compliance, p, starts, order)
             sweeps += 1
         _collect(g, index, p, y)
-        error = _residual(g, q, y, index, law, mu, p)
+        error = _residual(g, q, y, index, law, mu, compliance, p)
     _velocities(factor, v_free, y, v)
     return sweeps, error
 
@@ -537,7 +545,7 @@ def colour_joints(index: np.ndarray, bodies: int) -> tuple[np.ndarray, np.ndarra
 
 
 @njit(cache=True, nogil=True, parallel=True, error_model="numpy")
-def sweep_coloured(g, q, y, index, law, mu, p, start, order, colours, first, last, chunk):
+def sweep_coloured(g, q, y, index, law, mu, compliance, p, start, order, colours, first, last, chunk):
     """One sweep over the joints of the colours in the given order; those of one colour in parallel, 128 of them alone.
 
     Joints of a colour share no body that moves, so the result does not depend on who takes which, nor on how many threads there are.
@@ -545,25 +553,25 @@ def sweep_coloured(g, q, y, index, law, mu, p, start, order, colours, first, las
     for place in range(len(colours)):
         low, high = first[colours[place]], last[colours[place]]
         if colours[place] == 127:
-            _sweep(g, q, y, index, law, mu, p, start, order[low:high])
+            _sweep(g, q, y, index, law, mu, compliance, p, start, order[low:high])
         else:
             for part in prange((high - low + chunk - 1) // chunk):
                 begin = low + part * chunk
-                _sweep(g, q, y, index, law, mu, p, start, order[begin : min(begin + chunk, high)])
+                _sweep(g, q, y, index, law, mu, compliance, p, start, order[begin : min(begin + chunk, high)])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def prepare_sweeps(inverse_mass, v_free, bodies, jacobian, offset):
+def prepare_sweeps(inverse_mass, v_free, bodies, jacobian, offset, compliance):
     """What the coloured sweeps need: L, G, q, bodies of the contacts and their laws."""
     factor, g, q, index = _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset)
-    return factor, g, q, index, _laws(g, index)
+    return factor, g, q, index, _laws(g, index, compliance)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def collect_and_measure(g, q, y, index, law, mu, p):
+def collect_and_measure(g, q, y, index, law, mu, compliance, p):
     """y = G^T p from scratch, and the natural map error."""
     _collect(g, index, p, y)
-    return _residual(g, q, y, index, law, mu, p)
+    return _residual(g, q, y, index, law, mu, compliance, p)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

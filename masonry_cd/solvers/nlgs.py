@@ -4,7 +4,7 @@ Contact after contact, the impulse is replaced by the exact answer to the veloci
 Methods Appl. Mech. Engrg. 177, 1999; Jourdan, Alart & Jean, ibid. 155, 1998), without W ever being formed: with M^-1 = L L^T and
 G = H L,
 
-    u_c = q_c + G_c y,     p_c <- law(u_c - W_cc p_c),     y <- y + G_c^T (new p_c - old p_c).
+    w_c = q_c + G_c y + C_c p_c,     p_c <- law(w_c - (W + C)_cc p_c),     y <- y + G_c^T (new p_c - old p_c).
 
 One sweep carries news by about one joint, so tall stacks need many. The order is drawn anew each sweep, joint by joint (the
 contacts of a joint stay together), from a seed: equal seeds give equal bits.
@@ -54,19 +54,20 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
 def _solve_coloured(problem: FrictionProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
     """Sweep colour by colour, on as many threads as asked for."""
-    arrays, mu = problem.arrays()[:5], problem.arrays()[5]
-    factor, g, q, index, law = coulomb.prepare_sweeps(*arrays)
+    *arrays, mu, compliance = problem.arrays()
+    factor, g, q, index, law = coulomb.prepare_sweeps(*arrays, compliance)
     bodies, n = problem.v_free.shape
     start, order, ends = coulomb.colour_joints(index, bodies)
     colours = np.flatnonzero(np.diff(ends))
     y, velocity, random = np.empty((bodies + 1, n)), np.empty((bodies, n)), np.random.default_rng(options.seed)
     set_num_threads(max(1, min(options.threads, config.NUMBA_NUM_THREADS)))
-    error, sweeps = coulomb.collect_and_measure(g, q, y, index, law, mu, impulse), 0
+    contacts = (g, q, y, index, law, mu, compliance, impulse)
+    error, sweeps = coulomb.collect_and_measure(*contacts), 0
     while error > options.tolerance and sweeps < limit:
         for _ in range(min(EVERY, limit - sweeps)):
-            coulomb.sweep_coloured(g, q, y, index, law, mu, impulse, start, order, random.permutation(colours), ends[:-1], ends[1:], CHUNK)
+            coulomb.sweep_coloured(*contacts, start, order, random.permutation(colours), ends[:-1], ends[1:], CHUNK)
             sweeps += 1
-        error = coulomb.collect_and_measure(g, q, y, index, law, mu, impulse)
+        error = coulomb.collect_and_measure(*contacts)
     coulomb.velocities(factor, problem.v_free, y, velocity)
     return Solution(impulse, velocity, sweeps, _reason(error, options))
 
