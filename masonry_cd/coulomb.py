@@ -1,7 +1,8 @@
 r"""Coulomb's law at a contact, and the compiled loops that sweep over contacts.
 
-One contact, all others held, sees u = W p + q with its own 3 x 3 block W of the Delassus operator (and of its compliance, if it is
-elastic: then u is the w of friction.py). Signorini's condition and Coulomb's law then have one of three answers (Jean, Comput. Methods Appl. Mech. Engrg. 177, 1999):
+One contact, all others held, sees u = W p + q with its own 3 x 3 block W of the Delassus operator, plus its compliance if it is elastic
+(then u is what friction.py calls w). Signorini's condition and Coulomb's law then have one of three answers (Jean, Comput. Methods Appl.
+Mech. Engrg. 177, 1999):
 
     separation   p = 0                              if q_n >= 0
     stick        p = -W^-1 q                        if that lies in the cone |p_t| <= mu p_n
@@ -158,6 +159,14 @@ def _project(xn: float, x1: float, x2: float, mu: float) -> tuple[float, float, 
     height = (xn + mu * tangent) / (1.0 + mu * mu)
     scale = mu * height / tangent
     return height, scale * x1, scale * x2
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _project_stretched(xn: float, x1: float, x2: float, mu: float, stretch: float) -> tuple[float, float, float]:
+    """The same, but nearest in the norm sqrt(x_n^2 + stretch |x_t|^2): a projection onto a wider or narrower cone."""
+    root = np.sqrt(stretch)
+    height, y1, y2 = _project(xn, root * x1, root * x2, root * mu)
+    return height, y1 / root, y2 / root
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -891,8 +900,8 @@ def _in_order(inverse_mass, v_free, order, size_n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _scales(inverse, jacobian, index, size_m, size_n):
-    """d_c = trace(W_cc) / m."""
+def _scales(inverse, jacobian, index, compliance, size_m, size_n):
+    """d_c = trace(W_cc + C_cc) / m."""
     m, n, bodies = len(size_m), len(size_n), len(inverse)
     d = np.empty(len(index))
     for c in range(len(index)):
@@ -909,6 +918,9 @@ def _scales(inverse, jacobian, index, size_m, size_n):
                         if a == b:
                             total += inverse[body, k, l] * jacobian[c, 1 - side, i, l]
                     trace += total * jacobian[c, side, i, k]
+        if len(compliance):
+            for i in range(m):
+                trace += compliance[c, i]
         d[c] = trace / m
     return d
 
@@ -978,7 +990,7 @@ def _size_of(q: np.ndarray, d: np.ndarray) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n):
+def _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n):
     """Norm of the natural map residual for impulses p and body velocities v."""
     m, n = len(size_m), len(size_n)
     total = 0.0
@@ -993,7 +1005,12 @@ def _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n):
             u1 += h[0, 1, k] * x + h[1, 1, k] * y
             if m == 3:
                 u2 += h[0, 2, k] * x + h[1, 2, k] * y
-        total += _natural_map2(p[c, 0], p[c, 1], p[c, 2] if m == 3 else 0.0, un, u1, u2, mu[c], d[c])
+        p2 = p[c, 2] if m == 3 else 0.0
+        if len(compliance):
+            un += compliance[c, 0] * p[c, 0]
+            u1 += compliance[c, 1] * p[c, 1]
+            u2 += compliance[c, m - 1] * p2
+        total += _natural_map2(p[c, 0], p[c, 1], p2, un, u1, u2, mu[c], d[c])
     return np.sqrt(total)
 
 
@@ -1032,9 +1049,20 @@ def _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n):
                         lower[spot[c], p, q] += x * h[1, i, q] if a > b else y * h[0, i, q]
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def _choose_stiffness(k, d, compliance, rho):
+    """R of each contact: k / d_c for rigid ones, softer for elastic ones, see solvers/admm.py."""
+    for c in range(len(d)):
+        rho[c] = k / d[c]
+        if len(compliance):
+            soft = compliance[c].mean()
+            own = d[c] - soft
+            rho[c] = 1.0 / (own / k + soft / np.sqrt(1.0 + soft / own))
+
+
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size_n):
-    """p+ = P_K(p - rho (u + mu |u_t| n)), out += H^T (2 p+ - p). Returns the squared scaled change of p."""
+def _augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, out, size_m, size_n):
+    """p+ = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, out += H^T (2 p+ - p). Returns the squared scaled change of p."""
     m, n = len(size_m), len(size_n)
     change = 0.0
     for c in range(len(index)):
@@ -1049,7 +1077,14 @@ def _augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size
             u1 += h[0, 1, k] * x + h[1, 1, k] * y
             if m == 3:
                 u2 += h[0, 2, k] * x + h[1, 2, k] * y
-        xn, x1, x2 = _project(pn - r * (un + mu[c] * _length(u1, u2)), p1 - r * u1, p2 - r * u2, mu[c])
+        if len(compliance):
+            un += compliance[c, 0] * pn
+            u1 += compliance[c, 1] * p1
+            u2 += compliance[c, m - 1] * p2
+            s, r = r / (1.0 + r * max(compliance[c, 1], compliance[c, m - 1])), r / (1.0 + r * compliance[c, 0])
+            xn, x1, x2 = _project_stretched(pn - r * (un + mu[c] * _length(u1, u2)), p1 - s * u1, p2 - s * u2, mu[c], r / s)
+        else:
+            xn, x1, x2 = _project(pn - r * (un + mu[c] * _length(u1, u2)), p1 - r * u1, p2 - r * u2, mu[c])
         p[c, 0], p[c, 1] = xn, x1
         if m == 3:
             p[c, 2] = x2
@@ -1078,29 +1113,28 @@ def admm_bodies(
     """
     count, n = len(order), len(size_n)
     inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
-    d = _scales(inverse, jacobian, index, size_m, size_n)
+    d = _scales(inverse, jacobian, index, compliance, size_m, size_n)
     v, out, best_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n))
     q, best = np.empty(offset.shape), p.copy()
     v[:count] = free
     _rows(jacobian, index, offset, v, q, size_m, size_n)
     size = _size_of(q, d)
     _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
-    error = _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n) / size
+    error = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
     best_v[:] = v
     smallest = before = error
     diagonal = np.empty((count, n, n))
     iterations, checked, switched, factorisations, rate = 0, 0, 0, 0, 1.0
     while iterations < limit and smallest > tolerance:
         if fresh:
-            for c in range(len(d)):
-                rho[c] = k / d[c]
+            _choose_stiffness(k, d, compliance, rho)
             _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n)
             factorisations += 1
             if not _factorise(column, row, diagonal, lower, lower, pivot, True, size_n):
                 break
             fresh = False
         _missing_momentum(mass, free, v, out, size_n)
-        change = np.sqrt(_augmented_pass(jacobian, index, offset, mu, d, rho, p, v, out, size_m, size_n)) / size
+        change = np.sqrt(_augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, out, size_m, size_n)) / size
         _solve_factorised(column, row, lower, lower, pivot, out, size_n)
         for b in range(count):
             for i in range(n):
@@ -1109,10 +1143,10 @@ def admm_bodies(
         # the change of p tells when to look at the error itself, which costs about an iteration
         if iterations - checked < 2 or (rate * change > tolerance and iterations - checked < 20 and iterations < limit):
             continue
-        own = _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n) / size  # for the iterate's own v
+        own = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size  # for the iterate's own v
         v_hold = v.copy()
         _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
-        error = _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n) / size
+        error = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
         checked = iterations
         rate = error / change if change > 0.0 else 1.0
         if error < smallest:
@@ -1163,6 +1197,30 @@ def _tangent(pn, p1, p2, un, u1, u2, mu, d, stiffness, block, target, spatial):
         target[1] += beta * across * e2
         target[2] -= beta * across * e1
         block[1, 1], block[1, 2], block[2, 1], block[2, 2] = beta * e2 * e2, -beta * e1 * e2, -beta * e1 * e2, beta * e1 * e1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _in_series(block, compliance, share, softer, work, size_m):
+    """Put the contact's own spring in series with a linearised law p+ - p = r - B (w+ - w), where w+ - w = u+ - u + C (p+ - p).
+
+    share = (I + B C)^-1 leaves p+ - p = share r - softer (u+ - u), softer = share B. False if it is singular.
+    """
+    m = len(size_m)
+    for i in range(m):
+        for j in range(m):
+            softer[i, j] = block[i, j] * compliance[j] + (1.0 if i == j else 0.0)
+    regular = _invert(softer, share, work, size_m)
+    _times(share, block, False, softer, size_m)
+    return regular
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _take_share(share, target, p0, p1, p2, size_m):
+    """target <- p + share (target - p)."""
+    m = len(size_m)
+    r0, r1, r2 = target[0] - p0, target[1] - p1, target[m - 1] - p2 if m == 3 else 0.0
+    for i in range(m):
+        target[i] = (p0, p1, p2)[i] + share[i, 0] * r0 + share[i, 1] * r1 + share[i, m - 1] * r2
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
@@ -1221,24 +1279,32 @@ def newton_bodies(
     """
     count, m, n, contacts = len(order), len(size_m), len(size_n), len(mu)
     inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
-    d = _scales(inverse, jacobian, index, size_m, size_n)
+    d = _scales(inverse, jacobian, index, compliance, size_m, size_n)
     v, out, best_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n))
-    u, target, blocks = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m, m))
+    w, target, blocks = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m, m))
     v[:count] = free
-    _rows(jacobian, index, offset, v, u, size_m, size_n)
-    size = _size_of(u, d)
+    _rows(jacobian, index, offset, v, w, size_m, size_n)
+    size = _size_of(w, d)
     _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
     best, best_v[:] = p.copy(), v
-    smallest = error = begin = _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n) / size
+    smallest = error = begin = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
     hold, hold_v = p.copy(), v.copy()
     diagonal, pivot = np.empty((count, n, n)), np.empty((count, n, n))
     lower, upper = np.empty((len(row), n, n)), np.empty((len(row), n, n))
+    share, softer, work = np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
     iterations, refused = 0, 0
     while iterations < limit and smallest > tolerance and refused < 8:
-        _rows(jacobian, index, offset, v, u, size_m, size_n)
+        _rows(jacobian, index, offset, v, w, size_m, size_n)
         for c in range(contacts):
-            p2, u2 = (p[c, 2], u[c, 2]) if m == 3 else (0.0, 0.0)
-            _tangent(p[c, 0], p[c, 1], p2, u[c, 0], u[c, 1], u2, mu[c], d[c], stiffness, blocks[c], target[c], m == 3)
+            if len(compliance):
+                for i in range(m):
+                    w[c, i] += compliance[c, i] * p[c, i]
+            p2, w2 = (p[c, 2], w[c, 2]) if m == 3 else (0.0, 0.0)
+            _tangent(p[c, 0], p[c, 1], p2, w[c, 0], w[c, 1], w2, mu[c], d[c], stiffness, blocks[c], target[c], m == 3)
+            if len(compliance):
+                _in_series(blocks[c], compliance[c], share, softer, work, size_m)
+                _take_share(share, target[c], p[c, 0], p[c, 1], p2, size_m)
+                blocks[c] = softer
         _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
         iterations += 1
         new = np.inf
@@ -1258,7 +1324,7 @@ def newton_bodies(
                     for k in range(m):
                         p[c, k] -= blocks[c, k, i] * change
             _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
-            new = _map_norm(jacobian, index, offset, mu, d, p, v, size_m, size_n) / size
+            new = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
         accepted, stiffness = _damp(new, error, iterations == 1, stiffness)
         if accepted:
             error, refused = new, 0
@@ -1539,12 +1605,14 @@ def interior_bodies(
     """
     count, m, n, contacts = len(order), len(size_m), len(size_n), len(friction)
     inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
-    d = _scales(inverse, jacobian, index, size_m, size_n)
+    d = _scales(inverse, jacobian, index, compliance, size_m, size_n)
     v, out, own_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.zeros((count + 1, n))
     u, target = np.empty((contacts, m)), np.empty((contacts, m))
     blocks, scale = np.empty((contacts, m, m)), np.empty((contacts, 4))
     w, z, dw, dz = np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros((contacts, 3))
     miss, goal, second = np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros(3)
+    series = np.empty(blocks.shape) if len(compliance) else blocks  # blocks softened by the contacts' own springs
+    share, work = np.empty((len(compliance), m, m)), np.empty((m, m))
     diagonal, pivot = np.empty((count, n, n)), np.empty((count, n, n))
     lower, upper = np.empty((len(row), n, n)), np.empty((len(row), n, n))
     v[:count] = free
@@ -1552,7 +1620,7 @@ def interior_bodies(
     size = _size_of(u, d)
     largest = np.abs(u).max()
     best, best_v = np.zeros(p.shape), v.copy()
-    smallest = _map_norm(jacobian, index, offset, friction, d, best, v, size_m, size_n) / size
+    smallest = _map_norm(jacobian, index, offset, friction, compliance, d, best, v, size_m, size_n) / size
     mu = np.maximum(friction, 1e-6)  # a cone without width has no inside
     for c in range(contacts):
         w[c, 0], z[c, 0] = largest, largest / d[c]
@@ -1560,6 +1628,10 @@ def interior_bodies(
     while iterations < limit and smallest > tolerance:
         # where the iterate stands: complementarity, and what w misses of u + mu |u_t| n, in coordinates in which the cone is round
         _rows(jacobian, index, offset, v, u, size_m, size_n)
+        if len(compliance):
+            for c in range(contacts):
+                for i in range(m):
+                    u[c, i] += compliance[c, i] * (z[c, i] / mu[c] if i == 0 else z[c, i])
         gap = 0.0
         for c in range(contacts):
             gap += (w[c, 0] * z[c, 0] + w[c, 1] * z[c, 1] + w[c, 2] * z[c, 2]) / contacts
@@ -1575,7 +1647,10 @@ def interior_bodies(
                 for j in range(m):
                     entry = 2.0 * b[i] * b[j] - ((1.0 if i == 0 else -1.0) if i == j else 0.0)
                     blocks[c, i, j] = entry / (eta * eta) / (mu[c] if i == 0 else 1.0) / (mu[c] if j == 0 else 1.0)
-        _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
+        if len(compliance):
+            for c in range(contacts):
+                _in_series(blocks[c], compliance[c], share[c], series[c], work, size_m)
+        _augment_blocks(mass, jacobian, index, spot, series, diagonal, lower, upper, size_m, size_n)
         if not (gap > 0.0) or not _factorise(column, row, diagonal, lower, lower, pivot, True, size_n):
             break
         iterations += 1
@@ -1594,6 +1669,8 @@ def interior_bodies(
                     for j in range(m):
                         total -= blocks[c, i, j] * miss[c, j] * (mu[c] if j == 0 else 1.0)
                     target[c, i] = total  # p + its change at u+ = u
+                if len(compliance):
+                    _take_share(share[c], target[c], z[c, 0] / mu[c], z[c, 1], z[c, 2], size_m)
             _missing_momentum(mass, free, v, out, size_n)
             _add_push(jacobian, index, target, out, size_m, size_n)
             _solve_factorised(column, row, lower, lower, pivot, out, size_n)
@@ -1609,8 +1686,12 @@ def interior_bodies(
                 for i in range(m):
                     total = target[c, i]
                     for j in range(m):
-                        total -= blocks[c, i, j] * dw[c, j] * (mu[c] if j == 0 else 1.0)
+                        total -= series[c, i, j] * dw[c, j] * (mu[c] if j == 0 else 1.0)
                     dz[c, i] = total * (mu[c] if i == 0 else 1.0) - z[c, i]
+                if len(compliance):
+                    dw[c, 0] += compliance[c, 0] * dz[c, 0] / (mu[c] * mu[c])
+                    for i in range(1, m):
+                        dw[c, i] += compliance[c, i] * dz[c, i]
                 for i in range(m):
                     dw[c, i] += miss[c, i]
                 longest = min(longest, _way_out(w[c, 0], w[c, 1], w[c, 2], dw[c, 0], dw[c, 1], dw[c, 2]))
@@ -1634,7 +1715,7 @@ def interior_bodies(
             for i in range(n):
                 v[b_, i] += step * out[b_, i]
         _velocity_of(inverse, free, jacobian, index, p, out, own_v, size_m, size_n)
-        error = _map_norm(jacobian, index, offset, friction, d, p, own_v, size_m, size_n) / size
+        error = _map_norm(jacobian, index, offset, friction, compliance, d, p, own_v, size_m, size_n) / size
         if error < smallest:
             smallest = error
             best[:] = p

@@ -10,6 +10,9 @@ its new edge a step too soon: a rocking block loses 1 % of its speed too much at
 
 This hands the weight over half a step after q_m instead of f steps after it. What is left, (f - 1/2) p' of the contacts that the impact
 opens, is added to the free velocity of the next step. Free rocking is so met to 1 % of the angle at dt = 1 ms instead of 9 %.
+
+Elastic contacts know no impacts: their impulse follows from the gap. They take part in both solves, each time with all of it, so that what
+counts in the end obeys their law as a whole.
 """
 
 from __future__ import annotations
@@ -103,11 +106,13 @@ def solve_apart(
     closed = ~is_open
     forces = problem.subset(closed)
     first = solve(forces, Solution(start.impulse[closed], None, 0, memory=start.memory))
-    impacts = replace(problem, v_free=forces.body_velocity(first.impulse))
-    second = solve(impacts, Solution(np.zeros_like(start.impulse), None, 0))
-    error = max(natural_map_error(forces, first.impulse), natural_map_error(impacts, second.impulse))
-    force = np.zeros_like(start.impulse)
+    force, guess = np.zeros_like(start.impulse), np.zeros_like(start.impulse)
     force[closed] = first.impulse
+    elastic = problem.compliance.any(axis=1)
+    guess[elastic], force[elastic] = force[elastic], 0.0
+    impacts = replace(problem, v_free=problem.body_velocity(force))
+    second = solve(impacts, Solution(guess, None, 0))
+    error = max(natural_map_error(forces, first.impulse), natural_map_error(impacts, second.impulse))
     handover = _handover(impacts, force, second.impulse, is_open, gap, step)
     reason = first.reason if first.reason == second.reason else f"{first.reason}; impacts: {second.reason}"
     total = Solution(force + second.impulse, None, first.iterations + second.iterations, reason, first.memory)

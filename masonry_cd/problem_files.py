@@ -7,6 +7,9 @@ problems", 2014.
 
 A global problem whose M has one block per body, and whose contacts touch two bodies at most, is read as a problem over bodies.
 
+Elastic contacts: a global problem in .npz holds the diagonal C of their compliance as well, u = H^T v + C r + w; the W beside it, as that
+of every local problem, contains it. FCLIB has a place for it in local problems only.
+
 Sparse matrices in FCLIB follow CSparse: ``nz`` counts the entries of a list of triplets, -1 says compressed columns, -2 compressed rows.
 """
 
@@ -53,7 +56,7 @@ def write_problem(path: Path | str, problem: Problem, title: str = "") -> None:
     """Write a problem: .npz with W and q (and M, H, f, w of a problem over bodies), or FCLIB HDF5, local or global.
 
     Raises:
-        InputError: the ending of the name is neither .npz nor an HDF5 one.
+        InputError: the ending of the name is neither .npz nor an HDF5 one, or a global FCLIB problem would have elastic contacts.
     """
     path = Path(path)
     if path.suffix == ".npz":
@@ -76,7 +79,8 @@ def solve_file(
         tolerance: natural map error, scaled.
         max_iterations: None: the solver's own limit.
         seed: of random sweep orders.
-        output: an .npz for the impulses ``r`` and relative velocities ``u``, (C, 3) each as (n, t1, t2); (C, 2) for planar problems.
+        output: an .npz for the impulses ``r`` and relative velocities ``u`` (of elastic contacts with C r), (C, 3) each as (n, t1, t2);
+            (C, 2) for planar problems.
 
     Returns:
         error (scaled natural map error), error_unscaled, iterations, seconds (of the solve alone), converged, contacts, solver, reason.
@@ -128,7 +132,9 @@ def _read_npz(path: Path) -> Problem:
     mu = _vector(path, arrays, "mu")
     if "M_data" in arrays:
         mass, h = (_compressed(path, arrays, name) for name in ("M", "H"))
-        return _global(path, mass, h, _vector(path, arrays, "f"), _vector(path, arrays, "w"), mu)
+        w = _vector(path, arrays, "w")
+        compliance = _vector(path, arrays, "C") if "C" in arrays else np.zeros_like(w)
+        return _global(path, mass, h, _vector(path, arrays, "f"), w, mu, compliance)
     return _local(path, _compressed(path, arrays, "W"), _vector(path, arrays, "q"), mu)
 
 
@@ -139,6 +145,8 @@ def _write_npz(path: Path, problem: Problem) -> None:
     vectors = {"q": local.q.ravel(), "mu": problem.mu}
     if isinstance(problem, FrictionProblem):
         matrices["M"], matrices["H"], vectors["f"], vectors["w"] = _global_form(problem)
+        if problem.compliance.any():
+            vectors["C"] = problem.compliance.ravel()
     for name, matrix in matrices.items():
         vectors |= {f"{name}_data": matrix.data, f"{name}_indices": matrix.indices, f"{name}_indptr": matrix.indptr}
     np.savez_compressed(path, allow_pickle=False, **vectors)
@@ -185,7 +193,7 @@ def _read_fclib(path: Path) -> Problem:
             _refuse_equalities(path, group, ("G",))
             mass, h = (_fclib_matrix(path, group, name) for name in ("M", "H"))
             f, w, mu = (_fclib_vector(path, group, name) for name in ("f", "w", "mu"))
-            return _global(path, mass, h, f, w, mu)
+            return _global(path, mass, h, f, w, mu, np.zeros_like(w))
     raise InputError(f"{path}: an HDF5 file, but no FCLIB one: it has neither fclib_local nor fclib_global")
 
 
@@ -226,6 +234,8 @@ def _fclib_matrix(path: Path, group: h5py.Group, name: str) -> sparse.csr_matrix
 def _write_fclib(path: Path, problem: Problem, title: str) -> None:
     """Write a problem over bodies as a global problem, one in the impulses as a local problem."""
     if isinstance(problem, FrictionProblem):
+        if problem.compliance.any():
+            raise InputError(f"{path}: a global FCLIB problem has no place for elastic contacts; write .npz, or the local problem")
         mass, h, f, w = _global_form(problem)
         kind, matrices, vectors = "fclib_global", {"M": mass, "H": h}, {"f": f, "w": w}
     else:
@@ -298,25 +308,31 @@ def _check_definite(path: Path, w: sparse.csr_matrix) -> None:
 
 
 def _global(
-    path: Path, mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray, w: np.ndarray, mu: np.ndarray
+    path: Path, mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray, w: np.ndarray, mu: np.ndarray, compliance: np.ndarray
 ) -> FrictionProblem | LocalProblem:
     """Check a global problem; over bodies if it has the structure, else in the impulses."""
     m = _rows_per_contact(path, "w", w, mu)
     if mass.shape != (len(f), len(f)) or h.shape != (len(f), len(w)):
         sizes = f"M {mass.shape[0]} x {mass.shape[1]}, H {h.shape[0]} x {h.shape[1]}, f {len(f)}, w {len(w)}"
         raise InputError(f"{path}: shapes disagree: {sizes}")
-    bodies = _as_bodies(mass, h, f, w.reshape(-1, m), mu)
+    if len(compliance) != len(w):
+        raise InputError(f"{path}: C has {len(compliance)} entries, w has {len(w)}")
+    if (compliance < 0).any():
+        raise InputError(f"{path}: C[{int(np.argmax(compliance < 0))}] is negative")
+    bodies = _as_bodies(mass, h, f, w.reshape(-1, m), mu, compliance.reshape(-1, m))
     if bodies is not None:
         return bodies
     try:
         factors = splu(mass.tocsc())
     except RuntimeError:
         raise InputError(f"{path}: M is singular") from None
-    delassus = sparse.csr_matrix(h.T @ factors.solve(h.toarray()))
+    delassus = sparse.csr_matrix(h.T @ factors.solve(h.toarray()) + np.diag(compliance))
     return _local(path, delassus, h.T @ factors.solve(f) + w, mu)
 
 
-def _as_bodies(mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray, w: np.ndarray, mu: np.ndarray) -> FrictionProblem | None:
+def _as_bodies(
+    mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray, w: np.ndarray, mu: np.ndarray, compliance: np.ndarray
+) -> FrictionProblem | None:
     """The problem over bodies of 6 (planar 3) unknowns, or None if M couples bodies or a contact touches more than two."""
     contacts, m = w.shape
     n = 6 if m == 3 else 3
@@ -344,4 +360,4 @@ def _as_bodies(mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray, w: 
         at = rows.indptr[on] + side
         bodies[on, side], jacobian[on, side] = rows.indices[at], rows.data[at]
     v_free = np.einsum("bij,bj->bi", inverse, f.reshape(count, n))
-    return FrictionProblem(inverse, v_free, bodies, jacobian, w.copy(), mu, np.zeros_like(w))
+    return FrictionProblem(inverse, v_free, bodies, jacobian, w.copy(), mu, compliance)

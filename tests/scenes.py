@@ -102,11 +102,14 @@ def boxes(low: np.ndarray, high: np.ndarray, mu: float = 0.6, density: float | n
     )
 
 
-def softened(problem: FrictionProblem, softness: float, every: int = 2) -> FrictionProblem:
-    """Elastic contacts, one in so many: C_n = softness trace(W_cc) / m, and twice that along the tangents."""
+def softened(problem: FrictionProblem, softness: float, every: int = 2, by_joint: bool = False) -> FrictionProblem:
+    """One contact or joint in so many becomes elastic: C_n = softness trace(W_cc) / m, and twice that along the tangents."""
     own = np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / problem.dimension
     compliance = np.outer(softness * own, [1.0, 2.0, 2.0][: problem.dimension])
-    compliance[np.arange(problem.contacts) % every > 0] = 0.0
+    count = np.arange(problem.contacts)
+    if by_joint:
+        count = np.cumsum(np.any(np.diff(problem.bodies, axis=0, prepend=problem.bodies[:1]), axis=1))
+    compliance[count % every > 0] = 0.0
     return replace(problem, compliance=compliance)
 
 

@@ -32,6 +32,32 @@ def test_there_and_back(tmp_path: Path, ending: str, local: bool) -> None:
     assert natural_map_error(read, impulse) == pytest.approx(natural_map_error(problem, impulse), rel=1e-10)
 
 
+def test_elastic_contacts_there_and_back(tmp_path: Path) -> None:
+    """Their compliance is kept over bodies in .npz, is part of W in local problems, and is refused by name where FCLIB has no place."""
+    problem = scenes.softened(scenes.wall(3, 3), 0.5)
+    impulse = np.random.default_rng(1).normal(size=(problem.contacts, 3))
+    write_problem(tmp_path / "bodies.npz", problem)
+    write_problem(tmp_path / "local.hdf5", problem.to_local())
+    bodies, local = read_problem(tmp_path / "bodies.npz"), read_problem(tmp_path / "local.hdf5")
+    assert isinstance(bodies, FrictionProblem)
+    np.testing.assert_array_equal(bodies.compliance, problem.compliance)
+    for read in (bodies, local):
+        np.testing.assert_allclose(read.apply(impulse), problem.apply(impulse), atol=1e-12)
+    with pytest.raises(InputError, match="no place for elastic contacts"):
+        write_problem(tmp_path / "global.hdf5", problem)
+    assert not (tmp_path / "global.hdf5").exists()
+
+
+@pytest.mark.parametrize(("wrong", "line"), [(np.full(3, -1.0), r"C\[0\] is negative"), (np.zeros(5), "C has 5 entries, w has 36")])
+def test_wrong_compliance_is_named(tmp_path: Path, wrong: np.ndarray, line: str) -> None:
+    """Negative or of another length."""
+    write_problem(tmp_path / "p.npz", scenes.tower(3))
+    arrays = dict(np.load(tmp_path / "p.npz"))
+    np.savez(tmp_path / "p.npz", **arrays, C=np.resize(wrong, 36) if len(wrong) == 3 else wrong)
+    with pytest.raises(InputError, match=line):
+        read_problem(tmp_path / "p.npz")
+
+
 def test_planar_problem_there_and_back(tmp_path: Path) -> None:
     """Two rows per contact survive."""
     w = np.diag([2.0, 1.0, 3.0, 1.0])

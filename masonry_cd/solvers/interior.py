@@ -8,7 +8,7 @@ the round one, |x_t| <= x_0, with its Jordan product x o y = (x.y, x_0 y_t + y_0
 towards mu_gap = 0 by Newton steps in Nesterov and Todd's scaling, with Mehrotra's predictor and corrector (Andersen, Roos & Terlaky,
 Math. Program. 95, 2003; for friction Acary, Armand, Nguyen & Shpakovych, Comput. Optim. Appl., 2023). Each step factorises
 M + H^T W^-2 H, which has the pattern of ADMM's matrix. |u_t| is taken from the last step, its kink rounded by the distance from the end
-of the path; with frozen |u_t| the problem is convex.
+of the path; with frozen |u_t| the problem is convex. Elastic contacts have C p in u as well, eliminated as in newton.py.
 
 It cannot start from the impulses of the last step, and where much slides it ends at errors of 1e-3 to 1e-6. So its use is in ``auto``:
 to bring Newton near when a structure rocks at a jolt, where ADMM takes tens of thousands of iterations.

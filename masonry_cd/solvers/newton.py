@@ -1,6 +1,6 @@
 r"""Semismooth Newton: few, expensive iterations, each with the contact law linearised; quadratic near a solution.
 
-The law in the form of Alart & Curnier (Comput. Methods Appl. Mech. Engrg. 92, 1991), x = p - u / d:
+The law in the form of Alart & Curnier (Comput. Methods Appl. Mech. Engrg. 92, 1991), x = p - u / d (or w / d, of an elastic contact):
 
     p_n = max(0, x_n),     p_t = projection of x_t onto the disc of radius mu p_n,
 
@@ -15,6 +15,12 @@ kappa = K / d standing in for the infinite one of a rigid contact, in the deriva
 Put into the equation of motion this leaves one sparse, unsymmetric system with the pattern of ADMM's,
 
     (M + H^T B H) (v+ - v) = M (v_free - v) + H^T g.
+
+An elastic contact's law is about w = u + C p; with w+ - w = u+ - u + C (p+ - p) its spring comes in series with kappa,
+
+    p+ - p = (I + B C)^-1 ( g - p - B (u+ - u) ),
+
+so B is bounded by C^-1, and hyperstatic structures on springs answer with moderate impulses of themselves.
 
 K works as the damping of Levenberg and Marquardt does, or as the step of a proximal point method: large near a solution, small far from
 it, or else hyperstatic structures answer with impulses of any size. It grows fourfold when a step reduces the natural map error,
