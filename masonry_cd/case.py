@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd import __version__, checkpoint
+from masonry_cd import __version__, checkpoint, resolution
 from masonry_cd.blocks import Assembly, Block
 from masonry_cd.dump import FILES, Dump
 from masonry_cd.errors import InputError
@@ -51,6 +51,7 @@ class Case:
     joints: Joints
     loading: Loading
     notes: tuple[str, ...]  # what was changed in making the blocks, in words
+    warnings: tuple[str, ...]  # what the time step is too coarse for
     seconds: float  # to build it
 
 
@@ -99,7 +100,9 @@ def prepare(scene: Scene) -> Case:
     with said_if_slow("compiling the kernels, once: this takes about a minute and is kept for later runs"):
         joints = find_joints(assembly)
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run))
-    return Case(scene, assembly, joints, loading, tuple(notes), time.perf_counter() - begin)
+    gravity = float(np.linalg.norm(scene.run.gravity))
+    coarse = resolution.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
+    return Case(scene, assembly, joints, loading, tuple(notes), tuple(coarse), time.perf_counter() - begin)
 
 
 def _is_planar(assembly: Assembly, loading: Loading, settings: Run) -> bool:
@@ -143,9 +146,11 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
 
     with interrupt, _writer(case, file, saved, resume) as writer, show:
         report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, rests)
-    summary = _summary(case, report) | {"dumped": [path.name for path in dumped.written], "warnings": dumped.warnings()}
+    summary = _summary(case, report) | {"dumped": [path.name for path in dumped.written]}
     with Results.open(file) as results:
         summary |= write_damage(results, folder, scene.report) | outcome(case, results)
+        fast = resolution.after_run(case.assembly, results, settings.dt)
+        summary["warnings"] = [*_warnings(summary), *case.warnings, *fast, *dumped.warnings()]
         summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
         write_json(summary, folder / "summary.json")  # before the pictures, which may fail for want of a library
         if scene.report.asks and not report.stopped:
@@ -273,8 +278,8 @@ def damage_line(s: dict[str, Any]) -> str:
     )
 
 
-def warnings(summary: dict[str, Any]) -> list[str]:
-    """What must not pass in silence."""
+def _warnings(summary: dict[str, Any]) -> list[str]:
+    """Steps that missed their tolerance, and a run that ended early."""
     solver, lines = summary["solver"], []
     if solver["steps_missed"]:
         lines.append(
@@ -283,7 +288,7 @@ def warnings(summary: dict[str, Any]) -> list[str]:
         )
     if summary["stopped"]:
         lines.append(f"the run ended early, {summary['stopped']}; the results hold all frames up to there")
-    return lines + summary["warnings"]
+    return lines
 
 
 def length(value: float, unit: str = "m") -> str:

@@ -95,7 +95,7 @@ def run(
             typer.echo("\n".join(case.closing_lines(summary)))
             written = (name for name in (*case.OUTPUTS, *summary["dumped"]) if (output / name).exists())
             typer.echo(f"results: {', '.join(str(output / name) for name in written)}")
-        for line in case.warnings(summary):
+        for line in summary["warnings"]:
             typer.echo(f"masonry-cd: warning: {line}", err=True)
     if summary["stopped"]:
         raise typer.Exit(130 if summary["stopped"].startswith("interrupted") else 1)
@@ -390,7 +390,7 @@ def _announce(prepared: Case) -> None:
     settings = prepared.scene.run
     joints = f"{prepared.assembly.count} blocks, {prepared.joints.count} joints"
     typer.echo(f"{prepared.scene.title}: {joints}, {settings.steps} steps of {settings.dt:g} s, solver {settings.solver}")
-    for line in (*prepared.notes, *prepared.loading.lines):
+    for line in (*prepared.notes, *prepared.loading.lines, *(f"warning: {line}" for line in prepared.warnings)):
         typer.echo(line)
 
 

@@ -270,7 +270,18 @@ class Stepper:
         )  # fmt: skip
         if not np.isfinite(self.energy["kinetic"]):
             block = int(np.argmin(np.isfinite(self.state.velocity).all(axis=1)))
-            raise RunStopped(f'step {self.steps + 1}: the velocity of block "{a.names[block]}" is not finite')
+            raise RunStopped(f'step {self.steps + 1}: the velocity of block "{a.names[block]}" is not finite{self._worst_contact()}')
+
+    def _worst_contact(self) -> str:
+        """In words, the contact whose impulse is the first that is not finite, or else the largest."""
+        size = np.abs(self.solution.impulse).sum(axis=1)
+        if not len(size):
+            return "; no contact"
+        broken = ~np.isfinite(size)
+        c = int(np.argmax(broken if broken.any() else size))
+        i, j = self.contacts.bodies[self.chosen[c]]
+        names, what = self.assembly.names, "is not finite" if broken[c] else f"is the largest, {size[c]:.2g} N s"
+        return f'; the impulse of a contact between "{names[i]}" and "{names[j]}" {what}'
 
     def _balance(self, problem: FrictionProblem, moved: np.ndarray, handover: np.ndarray | None) -> None:
         """Add the step's work and losses to the energy account."""
