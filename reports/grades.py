@@ -1,12 +1,17 @@
 """Grades of damage, D0 to D5, by thresholds that the user can set.
 
-The names are those of the European Macroseismic Scale (Gruenthal, EMS-98, 1998), which describes damage in words and gives no numbers.
-The numbers are this program's own defaults, and every table states them with the grade:
+The names are those of the European Macroseismic Scale (Gruenthal, ed., EMS-98, Cahiers du Centre Europeen de Geodynamique et de
+Seismologie 15, 1998), which tells damage to masonry in words, from hair-line cracks in very few walls (grade 1) over large and extensive
+cracks in most walls (3) to total or near total collapse (5), and gives no numbers. The numbers are this program's own defaults, and every
+table states them with the grade:
 
-    residual width   opening or sliding of a joint between standing blocks [m]: 0.1, 5, 15, 25 mm, the lower bounds of visible, moderate,
-                     severe and very severe cracks in masonry (Burland, Broms & de Mello, Behaviour of foundations and structures, 1977)
-    residual drift   of the part (:mod:`reports.parts`): 0.3, 0.6 and 1 %, for immediate occupancy, life safety and collapse prevention
-                     of unreinforced masonry walls (FEMA 356, table C1-3, 2000)
+    residual width   opening or sliding of a joint between standing blocks [m]: 0.1, 5, 15 and 25 mm. Of the categories of visible damage of
+                     Burland, Broms & de Mello (Behaviour of foundations and structures, Tokyo, 1977; in BRE Digest 251, 1981) these are
+                     the lower bounds of 1 (very slight; below lie hair-line cracks, negligible), 3 (moderate), 4 (severe) and 5 (very
+                     severe). Category 2 (slight, 1 to 5 mm) is D1 here, too. They are meant for settlement, and their
+                     authors warn that width alone is no measure of damage: so drift and lost volume count as well
+    residual drift   of the part (:mod:`reports.parts`): 0.3, 0.6 and 1 %, which FEMA 356 (2000, table C1-3) gives as typical of
+                     unreinforced masonry walls at immediate occupancy, life safety and collapse prevention
     lost volume      share of the part that has fallen: any, 5 % and 50 %
 
 A part has the highest grade one of whose thresholds it reaches; ``inf`` is never reached. Set them in the scene's ``[report.grades]``.

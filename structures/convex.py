@@ -6,6 +6,8 @@ winding number of the shell about its centre tells (van Oosterom & Strackee, IEE
 convex, fill the block and do not overlap: no volume is gained or lost, as it is where hulls stand for the parts.
 
 Of the planes of a cell the one that splits the fewest pieces of faces is taken first, so an L makes two parts and a U three.
+
+Its shell keeps its corners, but faces that are not convex become triangles: whoever draws a face or integrates over it may fan it out.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ class Cell:
 
 
 def split(block: Block) -> Block:
-    """Give a block without parts the convex parts that it needs; a convex one is returned as it is.
+    """Give a block without parts the convex parts that it needs, and convex faces; a convex one is returned as it is.
 
     Args:
         block: closed, outward, with planar faces (:func:`structures.checks.check_shells`); its faces need not be convex.
@@ -46,7 +48,8 @@ def split(block: Block) -> Block:
     size = _size(block)
     inside = [part for part in _cells(block, ON_PLANE * size) if _winding(block, part.vertices.mean(axis=0)) > 0.5]
     parts = tuple(_finished(cell, block, ON_PLANE * size) for cell in inside)
-    return replace(block, parts=parts)
+    faces = tuple(loop for face in block.faces for loop in _convex_loops(block.vertices, face))
+    return replace(block, faces=faces, parts=parts)
 
 
 def is_convex(block: Block) -> bool:
@@ -135,6 +138,37 @@ def _numbered(points: np.ndarray, on: float) -> tuple[np.ndarray, np.ndarray]:
     near = np.linalg.norm(points[:, None] - points[None], axis=2) <= on
     used, index = np.unique(np.argmax(near, axis=1), return_inverse=True)
     return points[used], index
+
+
+def _convex_loops(vertices: np.ndarray, face: tuple[int, ...]) -> list[tuple[int, ...]]:
+    """A face as it is where its loop is convex, else its triangles, by cutting off ear after ear, the roundest first."""
+    corners = vertices[list(face)]
+    normal = loop_normal(corners)
+    before, after = corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners
+    turns = np.cross(before, after) @ normal
+    if (turns >= -1e-9 * np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)).all():
+        return [face]
+    left, out = list(face), []
+    while len(left) > 3:
+        ears = [(left[k - 1], left[k], left[(k + 1) % len(left)]) for k in range(len(left))]
+        roundness = [_roundness(vertices, ear, [i for i in left if i not in ear], normal) for ear in ears]
+        best = int(np.argmax(roundness))
+        out.append(ears[best])
+        del left[best]
+    return [*out, (left[0], left[1], left[2])]
+
+
+def _roundness(vertices: np.ndarray, ear: tuple[int, int, int], others: list[int], normal: np.ndarray) -> float:
+    """Twice the area of a triangle over the square of its longest side; negative where it is no ear: turned over, or not empty."""
+    corners = vertices[list(ear)]
+    sides = np.roll(corners, -1, axis=0) - corners
+    longest = float((sides * sides).sum(axis=1).max())
+    area = float(np.cross(sides[0], sides[1]) @ normal)
+    if area <= 1e-9 * longest:
+        return -1.0
+    inward = np.cross(normal, sides)
+    depth = (vertices[others][:, None] - corners) * inward
+    return -1.0 if (depth.sum(axis=2) >= -1e-9 * longest).all(axis=1).any() else area / longest
 
 
 def _winding(block: Block, point: np.ndarray) -> float:

@@ -11,7 +11,7 @@ from models import stepper
 import structures
 from masonry_cd.blocks import Assembly, Block
 from masonry_cd.joints import Joints
-from structures import plan, solid
+from structures import gaps, plan, prism, solid
 from structures.heads import Closing, close
 
 
@@ -83,6 +83,21 @@ def exposed(blocks: Sequence[Block], assembly: Assembly, joints: Joints) -> floa
             surface += 0.5 * np.linalg.norm(np.cross(corners[1:-1], corners[2:]).sum(axis=0))
     between_free = ~assembly.fixed[joints.block_a] & ~assembly.fixed[joints.block_b]
     return float(surface - joints.area.sum() - joints.area[between_free].sum())
+
+
+def touching_area(blocks: Sequence[Block]) -> float:
+    """Area over which faces of different blocks lie on each other, by clipping every pair: what the joints should add up to [m2]."""
+    parts = [(k, Block(f"{k}", p.vertices, p.faces, 1.0, fixed=block.fixed)) for k, block in enumerate(blocks) for p in block.convex_parts]
+    shells = [part for _, part in parts]
+    planes = gaps._planes(shells)
+    total = 0.0
+    for i, j in gaps._facing(shells, planes, 1e-6):
+        (a, one), (b, other) = (parts[planes.block[k]] for k in (i, j))
+        if a != b and not (one.fixed and other.fixed) and gaps._near(planes, i, j, 1e-6):
+            axes = np.linalg.svd(planes.normal[i][None])[2][1:]
+            common = gaps._overlap(*(gaps._hull(planes.polygon[k] @ axes.T) for k in (i, j)))
+            total += abs(prism.polygon_area(common))
+    return total
 
 
 def moved_at_rest(blocks: Sequence[Block], seconds: float = 0.1, dt: float = 2e-3, friction: float = 0.6) -> float:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from solids import moved_at_rest
 from statics import can_stand, section, stretches
 from statics3d import can_stand as can_stand_in_space
 
@@ -91,6 +92,11 @@ def test_no_slivers(built: tuple[dict[str, object], list[Block]]) -> None:
 def test_it_can_stand_at_rest(built: tuple[dict[str, object], list[Block]]) -> None:
     _, blocks = built
     assert can_stand(blocks, mu=0.6)
+
+
+@pytest.mark.parametrize("keys", [{}, CASES["two tiers"]], ids=["default", "two tiers"])
+def test_gravity_moves_nothing(keys: dict[str, object]) -> None:
+    assert moved_at_rest(build(**keys), seconds=0.04) < 1e-4
 
 
 def test_default_is_a_three_span_aqueduct_in_named_parts() -> None:

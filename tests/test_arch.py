@@ -8,11 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from solids import moved_at_rest
 from statics import can_stand, section
 
 import structures
-from masonry_cd.blocks import Block, mass_properties
+from masonry_cd.blocks import Assembly, Block, mass_properties
 from masonry_cd.errors import InputError
+from masonry_cd.joints import find_joints
 
 
 def build(**keys: object) -> list[Block]:
@@ -130,6 +132,30 @@ def test_buttresses_carry_the_thrust_when_they_are_wide_enough(keys: dict[str, o
     assert not can_stand(on(1.0, 20.0), mu=0.6)
 
 
+FORMS: dict[str, dict[str, object]] = {
+    "round": {"span": 4.0},
+    "segmental": {"span": 4.0, "rise": 1.0},
+    "pointed": {"span": 4.0, "rise": 3.0, "shape": "pointed", "voussoirs": 16},
+    "three-centred": {"span": 6.0, "rise": 2.0, "shape": "three-centred"},
+    "flat": {"span": 2.0, "shape": "flat"},
+    "on buttresses": {"span": 4.0, "buttress_width": 2.2, "buttress_height": 2.0},
+}
+
+
+@pytest.mark.parametrize("keys", FORMS.values(), ids=FORMS)
+def test_every_joint_is_found_and_gravity_moves_nothing(keys: dict[str, object]) -> None:
+    blocks = build(**{"thickness": 0.6, "width": 1.2, "voussoirs": 15, **keys})
+    names = [block.name for block in ring_of(blocks)]
+    assembly = Assembly.from_blocks(blocks, 0.6)
+    joints = find_joints(assembly)
+    of_ring = np.isin(np.array(assembly.names)[joints.block_a], names) | np.isin(np.array(assembly.names)[joints.block_b], names)
+    assert of_ring.sum() == len(names) + 1
+    depth = joints.area[of_ring] / 1.2
+    if keys.get("shape") != "flat":  # its joints are longer the more they lean
+        assert np.sort(depth)[: len(names)] == pytest.approx(0.6, rel=1e-6)  # all but that at the apex of a pointed one
+    assert moved_at_rest(blocks) < 1e-4
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
@@ -149,7 +175,10 @@ def test_buttresses_carry_the_thrust_when_they_are_wide_enough(keys: dict[str, o
         ({"radius": 2.0, "thickness": 0.5, "embrace": 200.0}, "structure.embrace: input should be less than or equal to 180"),
         ({"radius": 2.0, "thickness": 0.5, "voussoirs": 1}, "structure.voussoirs: input should be greater than or equal to 2"),
         ({"radius": 2.0, "thickness": 0.5, "abutment": 0.0}, "structure.abutment: must be true, false or the depth"),
-        ({"span": 4.0, "thickness": 0.5, "shape": "pointed"}, "structure.voussoirs: a pointed arch has a joint at its apex"),
+        (
+            {"span": 4.0, "thickness": 0.5, "shape": "pointed"},
+            "structure.voussoirs: a pointed arch has a joint at its apex",
+        ),
         ({"span": 4.0, "thickness": 0.5, "shape": "pointed", "rise": 1.5}, "structure.rise: of a pointed arch must exceed half the span"),
         ({"span": 4.0, "thickness": 0.5, "shape": "pointed", "radius": 2.0}, "structure.radius: of a pointed arch must exceed"),
         ({"span": 4.0, "thickness": 0.5, "shape": "trefoil"}, "structure.shape: input should be 'circular', 'pointed', 'three-centred' or"),

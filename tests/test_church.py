@@ -8,11 +8,12 @@ import time
 
 import numpy as np
 import pytest
-from solids import bonded_share, build, free_volume, moved_at_rest, outline, volume_of_walls
+from solids import bonded_share, build, free_volume, moved_at_rest, outline, touching_area, volume_of_walls
 from statics3d import assembled, can_stand, in_one_piece
 
-from masonry_cd.blocks import Block, mass_properties
+from masonry_cd.blocks import Assembly, Block, mass_properties
 from masonry_cd.errors import InputError
+from masonry_cd.joints import find_joints
 from structures import church, church_parts, plan
 from structures.prism import polygon_area, polygon_centroid
 
@@ -121,6 +122,12 @@ def test_it_stands(keys: dict[str, object]) -> None:
     blocks = build("church", **(SMALL | {"tower_height": 11.0} | keys))
     assert can_stand(blocks, mu=0.6)
     assert moved_at_rest(blocks, seconds=0.04) < 1e-4
+
+
+def test_every_joint_is_found() -> None:
+    blocks = build("church", **SMALL)
+    joints = find_joints(Assembly.from_blocks(blocks, 0.6))
+    assert joints.area.sum() == pytest.approx(touching_area(blocks), rel=1e-6)
 
 
 def test_macro_elements_are_groups() -> None:

@@ -49,6 +49,22 @@ def test_the_parts_fill_the_block_and_are_few(polygon: object, parts: int) -> No
     assert sum(volume(part) for part in block.parts) == pytest.approx(volume(block), rel=1e-12)
 
 
+@pytest.mark.parametrize("polygon", [ELL, CROSS, ARCH, STAR], ids=["ell", "cross", "arch", "star"])
+def test_faces_that_are_not_convex_become_triangles(polygon: object) -> None:
+    """Fans of all faces then cover each face once: the sum of their areas is that of the shell, and no triangle is turned over."""
+    block = prism(polygon)
+    shell = split(block)
+    areas = [np.cross(*(block.vertices[[b, c]] - block.vertices[a])) for a, b, c in triangles(shell.faces)]
+    flat = 2 * _area(polygon) + 0.7 * np.linalg.norm(np.diff([*polygon, polygon[0]], axis=0), axis=1).sum()
+    assert 0.5 * np.linalg.norm(areas, axis=1).sum() == pytest.approx(flat, rel=1e-12)
+    assert volume(shell) == pytest.approx(volume(block), rel=1e-12)
+
+
+def _area(polygon: object) -> float:
+    x, y = np.array(polygon, dtype=float).T
+    return abs(0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+
 def test_triangles_make_the_same_parts_as_polygons() -> None:
     block = prism(ELL)
     soup = Block("b", block.vertices, fans(block.faces), 2000.0)

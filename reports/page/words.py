@@ -77,8 +77,12 @@ def lead(story: Story) -> str:
     steps = f", {story.steps} steps" + (f" of {number(1e3 * dt)} ms" if dt else "") if story.steps else ""
     return (
         f"{len(blocks)} blocks{named} and {story.results.joints.count} joints, {extent} (x, y, z) without supports; "
-        f"{int(solids.fixed.sum())} blocks are supports. Computed from {span}{steps}."
+        f"{_supports(int(solids.fixed.sum()))}. Computed from {span}{steps}."
     )
+
+
+def _supports(count: int) -> str:
+    return "1 block is a support" if count == 1 else f"{count or 'no'} blocks are supports"
 
 
 def outcome(story: Story) -> str:
