@@ -24,6 +24,7 @@ beside it (Acary, Bremond & Huber, "On solving contact problems with Coulomb fri
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -57,6 +58,11 @@ class FrictionProblem:
         return int(self.offset.shape[1])
 
     def arrays(self) -> tuple[np.ndarray, ...]:
+        """The arrays as the compiled kernels take them."""
+        return self._arrays
+
+    @cached_property
+    def _arrays(self) -> tuple[np.ndarray, ...]:
         """The arrays in the order and layout of the compiled kernels: contiguous, so that each kernel is compiled once.
 
         If all contacts are rigid the compliance is left out, as (0, m): the kernels then save reading it.
