@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
-    "damage_shocks.csv", "crack_map.png", "crack_map.gif", "report.html", "report.pdf",
+    "damage_shocks.csv", "crack_map.png", "crack_map.gif", "energy.png", "report.html", "report.pdf",
 )  # fmt: skip
 
 

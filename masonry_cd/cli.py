@@ -207,6 +207,7 @@ def report(
     cut: Annotated[str | None, typer.Option(metavar="PLANE", help="Cut by a plane, y=1.5 [m], or y for the middle.")] = None,
     thrust: Annotated[bool | None, typer.Option("--thrust/--no-thrust", help="Draw the line of thrust.", show_default=False)] = None,
     animation: Annotated[bool, typer.Option("--animation", help="Draw crack_map.gif, the whole run.")] = False,
+    energy: Annotated[bool, typer.Option("--energy", help="Draw energy.png: what was put in, where it went, the balance.")] = False,
     html: Annotated[bool, typer.Option("--html", help="Write report.html, a page that shows the run and needs no network.")] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Print that page to report.pdf, by Chromium where it is installed.")] = False,
 ) -> None:
@@ -247,6 +248,9 @@ def report(
             if animation:
                 written.append(folder / outputs.ANIMATION)
                 outputs.draw_animation(results, written[-1], settings)
+            if energy:
+                written.append(folder / outputs.ENERGY)
+                outputs.draw_energy(results, written[-1])
             if html or pdf:
                 written.append(folder / outputs.PAGE)
                 outputs.write_page(results, written[-1], settings, summary, damage)

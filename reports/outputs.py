@@ -17,9 +17,10 @@ from reports.part_damage import PartDamage, Settings, part_damage
 from reports.part_files import BY_SHOCK, NAMES_OF_FILES, write_part_damage
 
 ANIMATION = "crack_map.gif"
+ENERGY = "energy.png"
 PAGE = "report.html"
 PRINT = "report.pdf"
-FILES = (*NAMES_OF_FILES, BY_SHOCK, ANIMATION, PAGE, PRINT)  # beside joints.csv and the crack maps
+FILES = (*NAMES_OF_FILES, BY_SHOCK, ANIMATION, ENERGY, PAGE, PRINT)  # beside joints.csv and the crack maps
 
 
 def thresholds_of(settings: Report) -> Thresholds:
@@ -99,6 +100,13 @@ def draw_animation(results: Results, path: Path, settings: Report, progress: Cal
     from reports.sequence import animation
 
     return animation(results, path, look_of(settings), progress=progress)
+
+
+def draw_energy(results: Results, path: Path) -> None:
+    """Draw the energies over time."""
+    from reports.energy import energy_picture
+
+    energy_picture(results, path)
 
 
 def read_summary(folder: Path) -> dict[str, Any]:
