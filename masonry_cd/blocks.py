@@ -15,7 +15,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from masonry_cd.errors import InputError, suggest
+from masonry_cd.errors import InputError
+from masonry_cd.material import JointLaws, friction_table, joint_table
+from masonry_cd.scene import JointLaw
 
 Faces = tuple[tuple[int, ...], ...]
 
@@ -126,6 +128,7 @@ class Assembly:
     centre: np.ndarray  # (B, 3) centres of mass at the start [m]
     volume: np.ndarray  # (B,) [m3]
     friction: np.ndarray  # (G, G) coefficient of friction between groups
+    laws: JointLaws  # of the joints between groups
     shapes: Shapes = field(repr=False)
 
     @property
@@ -134,15 +137,18 @@ class Assembly:
         return len(self.names)
 
     @classmethod
-    def from_blocks(cls, blocks: Sequence[Block], friction: float | Mapping[str, float]) -> Assembly:
+    def from_blocks(
+        cls, blocks: Sequence[Block], friction: float | Mapping[str, float], joints: Mapping[str, JointLaw] | None = None
+    ) -> Assembly:
         """Collect blocks into an assembly.
 
         Args:
             blocks: checked blocks (see ``structures.checks``), at least one of them free.
             friction: one coefficient, or coefficients by pair of groups ``"arch-base"`` with ``"default"`` for the rest.
+            joints: laws of the joints by pair of groups, likewise; a pair without one is rigid and dry.
 
         Raises:
-            InputError: a name given twice, no free block, or a friction pair that names an unknown group.
+            InputError: a name given twice, no free block, a pair that names an unknown group, or a law that friction does not allow.
         """
         names = tuple(block.name for block in blocks)
         if len(set(names)) < len(names):
@@ -156,6 +162,7 @@ class Assembly:
         density = np.array([block.density for block in blocks])
         centre = np.array([p.centre for p in properties])
         fixed = np.array([block.fixed for block in blocks])
+        coefficients = friction_table(friction, groups)
         return cls(
             blocks=tuple(blocks),
             names=names,
@@ -167,43 +174,10 @@ class Assembly:
             inertia=np.array([p.unit_inertia for p in properties]) * density[:, None, None],
             centre=centre,
             volume=volume,
-            friction=friction_table(friction, groups),
+            friction=coefficients,
+            laws=joint_table(joints or {}, groups, coefficients),
             shapes=_shapes(blocks, centre),
         )
-
-
-def friction_table(friction: float | Mapping[str, float], groups: Sequence[str]) -> np.ndarray:
-    """Return the (G, G) symmetric table of friction coefficients between groups.
-
-    Raises:
-        InputError: an unknown group, a negative value, or a pair left without a value.
-    """
-    table = np.full((len(groups), len(groups)), np.nan)
-    if not isinstance(friction, Mapping):
-        table[:] = friction
-    else:
-        table[:] = friction.get("default", np.nan)
-        for pair, value in friction.items():
-            if pair == "default":
-                continue
-            first, second = _split_pair(pair, groups)
-            table[groups.index(first), groups.index(second)] = value
-            table[groups.index(second), groups.index(first)] = value
-    if np.isnan(table).any():
-        i, j = np.argwhere(np.isnan(table))[0]
-        raise InputError(f"material.friction: no value for {groups[i]}-{groups[j]}; add it or a default")
-    if (table < 0).any():
-        raise InputError(f"material.friction: a coefficient must not be negative, got {table.min():g}")
-    return table
-
-
-def _split_pair(pair: str, groups: Sequence[str]) -> tuple[str, str]:
-    """Split ``"a-b"`` where the names themselves may hold a dash."""
-    for i, letter in enumerate(pair):
-        if letter == "-" and pair[:i] in groups and pair[i + 1 :] in groups:
-            return pair[:i], pair[i + 1 :]
-    unknown = next((word for word in pair.split("-") if word not in groups), pair)
-    raise InputError(f'material.friction.{pair}: "{unknown}" is no group of blocks{suggest(unknown, groups)}; groups: {", ".join(groups)}')
 
 
 def _shapes(blocks: Sequence[Block], centre: np.ndarray) -> Shapes:

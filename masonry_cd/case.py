@@ -89,7 +89,7 @@ def prepare(scene: Scene) -> Case:
             from reports import outputs
 
             outputs.check(scene.report)
-        assembly = Assembly.from_blocks(blocks, scene.material.friction)
+        assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         loading = loads.build(scene.loads, scene.run.dt, scene.run.steps, scene.run.gravity, scene.folder, assembly)
     except InputError as error:
         raise scene.at_fault(error) from None
@@ -99,7 +99,7 @@ def prepare(scene: Scene) -> Case:
         assembly = replace(assembly, support_of=loading.support_of)
     with said_if_slow("compiling the kernels, once: this takes about a minute and is kept for later runs"):
         joints = find_joints(assembly)
-        compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run))
+        compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))
     gravity = float(np.linalg.norm(scene.run.gravity))
     coarse = resolution.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     return Case(scene, assembly, joints, loading, tuple(notes), tuple(coarse), time.perf_counter() - begin)
@@ -132,10 +132,11 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     file, saved = folder / "result.h5", folder / checkpoint.NAME
     dumped = Dump(folder, dump)
     dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1 if resume else 1, settings.steps)
-    if not resume:
-        _clear(folder)
     loading = case.loading
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
+    if not resume:
+        _settle(stepper, scene)
+        _clear(folder)
     stepper.watch = dumped if dump else None
     rests = Rests(case.assembly, loading.pauses, loading.shocks, settings.steps) if loading.shocks else None
     interrupt, show = Interrupt(), Progress(settings.steps, quiet)
@@ -160,6 +161,15 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
             summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
             write_json(summary, folder / "summary.json")
     return summary
+
+
+def _settle(stepper: Stepper, scene: Scene) -> None:
+    """Let elastic joints take up the weight, unless the scene wants it to come at once."""
+    try:
+        if scene.run.settle:
+            stepper.settle()
+    except InputError as error:
+        raise scene.at_fault(error) from None
 
 
 def _clear(folder: Path) -> None:
@@ -201,6 +211,7 @@ def write_damage(results: Results, folder: Path, settings: Report) -> dict[str, 
             "sliding_max": float(table.max_sliding.max(initial=0.0)),
         }
         | ({"shocks": damage.shock_rows(results, thresholds)} if results.shocks else {})
+        | damage.bonds(results)
     )
 
 
@@ -256,10 +267,12 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     """What happened, in words."""
     s, solver, energy = summary, summary["solver"], summary["energy"]
     per_step = s["stepping_seconds"] / max(1, s["steps"])
+    bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
     return [
         f"{s['title']}: {s['steps']} steps of {length(s['dt'], 's')} in {in_words(s['wall_seconds'])}, {length(per_step, 's')} per step",
         *outcome_lines(s),
         damage_line(s),
+        *bonds,
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
         f"largest penetration {length(s['penetration_max'])}",
         f"solver {solver['name']}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "

@@ -12,6 +12,16 @@ the pair has moved by REUSE of its size; a pair that is apart is not looked at b
 physics: an inset of 1.25 % raises the minimum thickness of an arch by 2.6 %). Overlaps narrower than SLIVER of the smaller part are no
 interface: blocks that only share an edge or a corner, as diagonal neighbours in a bond do, must not wedge each other apart.
 Crossing edges: one point, midway between them.
+
+**Areas.** A joint whose law goes by area, elastic or bonded, has one more point, at the centroid of its polygon, and shares its area out so
+that springs at the points act as springs all over it. With A_i the triangles (centroid, c_i, c_i+1), c seen from the centroid,
+
+    w_i = lambda (A_i-1 + A_i) / 6 at corner i, the rest at the centroid,   lambda = 1 + sum A_i c_i . c_i+1 / sum A_i (c_i^2 + c_i+1^2).
+
+First moments sum w_i c_i are zero for any polygon; lambda, between 1/2 and 3/2, gives the second moments their exact trace (the torsion of
+the joint), and all of them are exact for triangles, parallelograms and regular polygons (A/12 at a corner of a rectangle). No weight is
+negative. Corners that have moved less than JOINT_SNAP off a side plane stay on it, or every small turn would double them. Crossing edges
+have no area: they are rigid and dry in any joint.
 """
 
 from __future__ import annotations
@@ -29,6 +39,7 @@ REUSE = 1e-3  # a remembered feature is trusted until the pair has moved by this
 SKIN = 0.2  # growth of the bounding boxes, as a share of the median width of the parts
 EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
 SNAP = 1e-7  # a corner this close to a side plane is on it
+JOINT_SNAP = 1e-4  # the same for joints whose law goes by area, as a share of the smaller part's width
 MATCH = 0.05  # a contact is the same as one of the last step if it moved by less than this share of the smaller part's width
 
 UNKNOWN, NOTHING, FACE_OF_A, FACE_OF_B, EDGES = 0, 1, 2, 3, 4  # kinds of separating feature
@@ -42,6 +53,7 @@ class ContactSet:
     point: np.ndarray  # (C, 3) world frame [m]
     normal: np.ndarray  # (C, 3) unit
     gap: np.ndarray  # (C,) [m], negative when the blocks overlap
+    area: np.ndarray  # (C,) share of the joint's area where its law goes by area, else 0 [m2]
     pair: np.ndarray  # (C,) row of the detector's pair list
     previous: np.ndarray  # (C,) the same contact in the last set, -1 for a new one
 
@@ -59,8 +71,10 @@ class ContactSet:
 class Detector:
     """Finds contacts step after step and remembers what the next step can use."""
 
-    def __init__(self, assembly: Assembly) -> None:
+    def __init__(self, assembly: Assembly, corners_only: bool = False) -> None:
         shapes = assembly.shapes
+        self._group_of = assembly.group_of
+        self._by_area = assembly.laws.by_area & (not corners_only)
         self._shapes = shapes
         self._fixed_part = assembly.fixed[shapes.part_block]
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
@@ -100,8 +114,8 @@ class Detector:
             count = _narrow(
                 memory.parts, memory.feature, memory.budget, memory.pose, memory.begin, memory.count,
                 s.part_block, s.vertex_start, s.face_start, s.face_normals, s.loop_start, s.loops, s.edge_start, s.edges, s.radius, s.size,
-                self._loop, self._world, position, rotation, velocity, step, slack, self._last.local,
-                out.bodies, out.point, out.normal, out.gap, out.pair, out.previous, out.local,
+                self._group_of, self._by_area, self._loop, self._world, position, rotation, velocity, step, slack, self._last.local,
+                out.bodies, out.point, out.normal, out.gap, out.area, out.pair, out.previous, out.local,
             )  # fmt: skip
             if count < 0:
                 self._spare = _Buffers(2 * len(out.gap))
@@ -171,6 +185,7 @@ class _Buffers:
         self.point = np.empty((capacity, 3))
         self.normal = np.empty((capacity, 3))
         self.gap = np.empty(capacity)
+        self.area = np.empty(capacity)
         self.pair = np.empty(capacity, dtype=np.int64)
         self.previous = np.empty(capacity, dtype=np.int64)
         self.local = np.empty((capacity, 3))  # contact point in the body frame of the antagonist
@@ -178,8 +193,9 @@ class _Buffers:
     def first(self, count: int) -> ContactSet:
         """The first entries, as views."""
         return ContactSet(
-            self.bodies[:count], self.point[:count], self.normal[:count], self.gap[:count], self.pair[:count], self.previous[:count]
-        )
+            self.bodies[:count], self.point[:count], self.normal[:count], self.gap[:count], self.area[:count], self.pair[:count],
+            self.previous[:count],
+        )  # fmt: skip
 
 
 # --- broad phase ----------------------------------------------------------------------------------------------------------------
@@ -243,8 +259,8 @@ def _sweep(box, fixed, block):
 def _narrow(
     parts, feature, budget, pose, begin, count_of,
     part_block, vertex_start, face_start, normals, loop_start, loops, edge_start, edges, radius, size,
-    longest, world, position, rotation, velocity, step, slack, last_local,
-    bodies, point, normal, gap, pair, previous, local,
+    group_of, by_area, longest, world, position, rotation, velocity, step, slack, last_local,
+    bodies, point, normal, gap, area, pair, previous, local,
 ):  # fmt: skip
     """Contacts of all pairs, written into the arrays of the last line; their number, or -1 when these are too short.
 
@@ -253,7 +269,7 @@ def _narrow(
     capacity, total = gap.shape[0], 0
     most = 4 * longest + 8
     polygon, other = np.empty((most, 3)), np.empty((most, 3))
-    height = np.empty(most)
+    height, weight = np.empty(most), np.empty(most)
     new_begin = np.empty(parts.shape[0], dtype=np.int64)
     for k in range(parts.shape[0]):
         new_begin[k] = total
@@ -274,22 +290,24 @@ def _narrow(
         if total + most > capacity:
             return -1
         n = normal[total]
+        with_area = by_area[group_of[body_a], group_of[body_b]]
         if feature[k, 0] == EDGES:
             found = _edge_contact(feature[k], edges, world, normals, rotation[body_a], n, polygon, height)
         else:
             found = _face_contacts(feature[k], a, b, body_a, body_b, vertex_start, face_start, normals, loop_start, loops, world, rotation,
-                                   width, n, polygon, other, height)  # fmt: skip
+                                   width, with_area, n, polygon, other, height, weight)  # fmt: skip
         first = total
         for i in range(found):
             if height[i] > margin:
                 continue
             gap[total], pair[total] = height[i], k
+            area[total] = weight[i] if with_area and feature[k, 0] != EDGES else 0.0
             bodies[total, 0], bodies[total, 1] = body_b, body_a
             for d in range(3):
                 normal[total, d] = normal[first, d]
                 point[total, d] = polygon[i, d]
             _to_local(rotation[body_a], position[body_a], polygon[i], local[total])
-            previous[total] = _match(local, first, total, last_local, begin[k], count_of[k], previous, MATCH * width)
+            previous[total] = _match(local, first, total, last_local, begin[k], count_of[k], previous, MATCH * width, with_area)
             total += 1
     for k in range(parts.shape[0]):
         end = new_begin[k + 1] if k + 1 < parts.shape[0] else total
@@ -409,9 +427,9 @@ def _edge_axis(a, b, edge_start, edges, normals, world, ra, rb):
 
 
 @njit(cache=True, nogil=True)
-def _face_contacts(feature, a, b, body_a, body_b, vertex_start, face_start, normals, loop_start, loops, world, rotation, width, n, polygon,
-                   other, height):  # fmt: skip
-    """Clip the incident face by the reference face. Fills polygon (contact points), height (gaps) and n (from a to b)."""
+def _face_contacts(feature, a, b, body_a, body_b, vertex_start, face_start, normals, loop_start, loops, world, rotation, width,
+                   with_area, n, polygon, other, height, weight):  # fmt: skip
+    """Clip the incident face by the reference face. Fills polygon (contact points), height (gaps), n (from a to b) and weight (areas)."""
     on_a = feature[0] == FACE_OF_A
     reference, partner = feature[1], b if on_a else a
     r_ref, r_inc = (rotation[body_a], rotation[body_b]) if on_a else (rotation[body_b], rotation[body_a])
@@ -421,18 +439,21 @@ def _face_contacts(feature, a, b, body_a, body_b, vertex_start, face_start, norm
     for i in range(loop_start[incident], loop_start[incident + 1]):
         polygon[count] = world[loops[i]]
         count += 1
+    snap = (JOINT_SNAP if with_area else SNAP) * width
     first, last = loop_start[reference], loop_start[reference + 1]
     for i in range(first, last):  # side planes of the reference face point inwards: normal x edge
         p, q = world[loops[i]], world[loops[i + 1] if i + 1 < last else loops[first]]
         ex, ey, ez = q[0] - p[0], q[1] - p[1], q[2] - p[2]
         sx, sy, sz = ny * ez - nz * ey, nz * ex - nx * ez, nx * ey - ny * ex
         scale = 1.0 / np.sqrt(sx * sx + sy * sy + sz * sz)
-        count = _cut(polygon, count, scale * sx, scale * sy, scale * sz, p, SNAP * width, other)
+        count = _cut(polygon, count, scale * sx, scale * sy, scale * sz, p, snap, other)
         for k in range(count):
             polygon[k] = other[k]
-    count = _without_twins(polygon, count, SNAP * width)
+    count = _without_twins(polygon, count, snap)
     if count < 3 or _narrowness(polygon, count, nx, ny, nz) < SLIVER * width:
         return 0
+    if with_area:
+        count = _share_out(polygon, count, nx, ny, nz, weight)
     p = world[loops[first]]
     sign = 1.0 if on_a else -1.0
     n[0], n[1], n[2] = sign * nx, sign * ny, sign * nz
@@ -502,6 +523,45 @@ def _narrowness(polygon, count, nx, ny, nz):
 
 
 @njit(cache=True, nogil=True)
+def _share_out(polygon, count, nx, ny, nz, weight):
+    """Append the centroid to a polygon, and share its area seen along n out between corners and centroid; see the head of this file."""
+    total, first = 0.0, polygon[0]
+    centre = polygon[count]
+    centre[:] = 0.0
+    for i in range(1, count - 1):
+        part = _triangle(first, polygon[i], polygon[i + 1], nx, ny, nz)
+        total += part
+        for d in range(3):
+            centre[d] += part * (first[d] + polygon[i, d] + polygon[i + 1, d]) / 3.0
+    for d in range(3):
+        centre[d] /= total
+    mixed, squares = 0.0, 0.0
+    weight[: count + 1] = 0.0
+    for i in range(count):
+        j = i + 1 if i + 1 < count else 0
+        part = abs(_triangle(centre, polygon[i], polygon[j], nx, ny, nz))
+        weight[i] += part / 6.0
+        weight[j] += part / 6.0
+        for d in range(3):
+            x, y = polygon[i, d] - centre[d], polygon[j, d] - centre[d]
+            mixed += part * x * y
+            squares += part * (x * x + y * y)
+    weight[count] = abs(total)
+    for i in range(count):
+        weight[i] *= 1.0 + mixed / squares
+        weight[count] -= weight[i]
+    return count + 1
+
+
+@njit(cache=True, nogil=True)
+def _triangle(p, q, r, nx, ny, nz):
+    """Signed area of a triangle seen along n."""
+    ax, ay, az = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+    bx, by, bz = r[0] - p[0], r[1] - p[1], r[2] - p[2]
+    return 0.5 * (nx * (ay * bz - az * by) + ny * (az * bx - ax * bz) + nz * (ax * by - ay * bx))
+
+
+@njit(cache=True, nogil=True)
 def _edge_contact(feature, edges, world, normals, ra, n, polygon, height):
     """The point midway between two crossing edges, its gap, and the normal from a to b."""
     i, j = feature[1], feature[2]
@@ -534,13 +594,16 @@ def _to_local(r, x, p, out):
 
 
 @njit(cache=True, nogil=True)
-def _match(local, first, at, last_local, begin, count, previous, reach):
-    """The nearest contact of the same pair in the last step that no other one has taken, or -1."""
+def _match(local, first, at, last_local, begin, count, previous, reach, shared):
+    """The nearest contact of the same pair in the last step that no other one has taken, or -1.
+
+    With ``shared`` one that was taken counts too: a corner that parts in two hands on its slip and its bond to both.
+    """
     nearest, found = reach * reach, -1
     for i in range(begin, begin + count):
         taken = False
         for k in range(first, at):
-            taken = taken or previous[k] == i
+            taken = taken or (previous[k] == i and not shared)
         dx, dy, dz = local[at, 0] - last_local[i, 0], local[at, 1] - last_local[i, 1], local[at, 2] - last_local[i, 2]
         distance = dx * dx + dy * dy + dz * dz
         if not taken and distance < nearest:

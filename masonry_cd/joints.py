@@ -71,7 +71,7 @@ def joint_parts(assembly: Assembly) -> np.ndarray:
 
 def _touching(assembly: Assembly) -> tuple[ContactSet, list[np.ndarray], np.ndarray]:
     """The contacts at rest, the contacts of each pair of parts that spans an area, and the pairs of parts (P, 2)."""
-    state, detector = State.at_rest(assembly), Detector(assembly)
+    state, detector = State.at_rest(assembly), Detector(assembly, corners_only=True)
     still = np.zeros((assembly.count, 6))
     contacts = detector.detect(state.position, rotation_matrices(state.orientation), still, 0.0, 0.0, np.zeros(3))
     starts = np.flatnonzero(np.diff(contacts.pair, prepend=-1))

@@ -95,24 +95,25 @@ def _turn(x, y, z, ax, ay, az, c, s):
 
 @njit(cache=True, nogil=True)
 def contact_rows(
-    blocks, point, normal, gap, previous, last_impulse, plane_axis, plane_at, position, support_velocity, support_of, free_index,
-    group_of, friction, columns, step, closed, chosen, bodies, jacobian, offset, mu, impulse,
+    blocks, point, normal, gap, area, previous, last_impulse, plane_axis, plane_at, position, support_velocity, support_of, free_index,
+    group_of, friction, columns, step, closed, chosen, bodies, frames, jacobian, offset, mu, impulse,
 ):  # fmt: skip
-    """Fill the friction problem, and the impulses to start from; return the number of its contacts.
+    """Fill the friction problem of rigid contacts, their frames, and the impulses to start from; return the number of its contacts.
 
     Gaps up to ``closed`` [m] count as closed: positions at rest carry rounding, and gaps of that size only keep contacts undecided.
 
-    In a plane only the contacts on one side of the middle plane count, moved into it: the others are their mirror images.
+    In a plane only the contacts on one side of the middle plane count, moved into it: the others are their mirror images. The centroid of
+    a joint with an area lies in that plane and is its own image.
     """
     m, n = jacobian.shape[2], jacobian.shape[3]
-    frame = np.empty((3, 3))
     arm = np.empty(3)
     row = np.empty(6)
     count = 0
     for c in range(gap.shape[0]):
-        if plane_axis >= 0 and point[c, plane_axis] > plane_at:
+        if plane_axis >= 0 and point[c, plane_axis] > plane_at + (closed if area[c] > 0.0 else 0.0):
             continue
         chosen[count] = c
+        frame = frames[count]
         _frame(normal[c], frame)
         for i in range(m):
             offset[count, i] = 0.0
@@ -203,16 +204,15 @@ def new_velocity(impulse, bodies, jacobian, inverse_mass, v_free, v):
 
 
 @njit(cache=True, nogil=True)
-def dissipation(impulse, chosen, blocks, normal, bodies, jacobian, v_old, v_new, support_old, support_new, support_of, work):
-    """Add to ``work`` the energy lost in friction and in impacts, and the work done by the supports, over the step [J].
+def dissipation(impulse, chosen, blocks, frames, elastic, bodies, jacobian, v_old, v_new, support_old, support_new, support_of, work):
+    """Add to ``work`` the energy that rigid contacts lost in friction and in impacts, and the work done by the supports, over the step [J].
 
     With mean velocities over the step the balance is exact: the kinetic energy changes by p . H (v_old + v_new) / 2, which is the
     relative motion of the contact (lost) less the part of the support's own motion (work of the base).
     """
     m, n = jacobian.shape[2], jacobian.shape[3]
-    frame = np.empty((3, 3))
     for c in range(impulse.shape[0]):
-        _frame(normal[chosen[c]], frame)
+        frame = frames[c]
         for i in range(m):
             motion, base = 0.0, 0.0
             for side in range(2):
@@ -224,7 +224,8 @@ def dissipation(impulse, chosen, blocks, normal, bodies, jacobian, v_old, v_new,
                     s, sign = support_of[blocks[chosen[c], side]], 1.0 - 2.0 * side
                     for d in range(3):
                         base += 0.5 * sign * frame[i, d] * (support_old[s, d] + support_new[s, d])
-            work[0 if i > 0 else 1] -= impulse[c, i] * (motion + base)
+            if not elastic[c]:
+                work[0 if i > 0 else 1] -= impulse[c, i] * (motion + base)
             work[2] -= impulse[c, i] * base
 
 
@@ -254,16 +255,15 @@ def finish(v, v_free, columns, free_index, support_of, support_velocity, rotatio
 
 
 @njit(cache=True, nogil=True)
-def joint_forces(impulse, chosen, normal, pair, pair_joint, step, total, out):
+def joint_forces(impulse, chosen, frames, pair, pair_joint, step, total, out):
     """Normal force and shear force [N] of each joint, (2, J): the contact impulses of its two blocks over the step."""
     out[:] = 0.0
     total[:] = 0.0
-    frame = np.empty((3, 3))
     for c in range(impulse.shape[0]):
         joint = pair_joint[pair[chosen[c]]]
         if joint < 0:
             continue
-        _frame(normal[chosen[c]], frame)
+        frame = frames[c]
         out[0, joint] += impulse[c, 0] / step
         for i in range(1, impulse.shape[1]):
             for d in range(3):

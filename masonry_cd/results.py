@@ -6,6 +6,7 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /joints/{block_a, block_b, area, normal, polygon_start, polygon}          what the joints are
     /joints/{opening, sliding, rotation, contact_area, normal_force, shear_force} (F, J)
     /joints/force_point (F, J, 3)    where the force of a joint crosses its plane, NaN where it has none
+    /joints/bonded (F, J)   share of the area that is bonded; only where joints are
     /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
     /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]
     /step_time (N,) [s]   /load_step (N,), the step of the loads that was applied
@@ -40,6 +41,7 @@ from masonry_cd.rests import Aftermath
 
 FRAME_FIELDS = ("time", "position", "orientation", "velocity")
 JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_force", "shear_force", "force_point")
+BONDED = "bonded"  # a history that only runs with cohesive joints have
 JOINT_PEAKS = ("opening", "sliding", "rotation", "contact_area_loss", "first_opening_time")
 BUFFER_BYTES = 1 << 20
 
@@ -213,7 +215,8 @@ class Results:
         return Joints(**{name: self.file["joints"][name][...] for name in Joints.__dataclass_fields__})
 
     def joint_history(self, name: str) -> np.ndarray:
-        """(F, J) history of opening, sliding, rotation, contact_area, normal_force or shear_force; (F, J, 3) of force_point."""
+        """(F, J) history of opening, sliding, rotation, contact_area, normal_force, shear_force, and bonded where joints are; (F, J, 3) of
+        force_point."""
         return self.file[f"joints/{name}"][: self.frames]
 
     @property

@@ -19,7 +19,7 @@ from masonry_cd import checkpoint
 from masonry_cd.errors import InputError
 from masonry_cd.joints import JointMeasures, JointPeaks, Joints, joint_parts, measure_joints
 from masonry_cd.rests import Aftermath, Rests, Shock
-from masonry_cd.results import JOINT_PEAKS, ResultWriter
+from masonry_cd.results import BONDED, JOINT_PEAKS, ResultWriter
 from masonry_cd.stepping import ENERGIES, RunStopped, Stepper, StepReport
 
 CHECKPOINT_SECONDS = 30.0
@@ -120,6 +120,8 @@ class Recorder:
         force = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
         writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1]})
         writer.append({"joints/force_point": self._stepper.force_points(self._joint_of_pairs(), self._joints.count)})
+        if self._stepper.assembly.laws.apex.any():
+            writer.append({f"joints/{BONDED}": self._stepper.joint_bonds(self._joint_of_pairs(), self._joints)})
         self.frames += 1
 
     def shock(self, shock: Aftermath) -> None:

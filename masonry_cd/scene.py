@@ -50,6 +50,37 @@ class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class JointLaw(_Table):
+    """The law of a joint, a table ``[material.joints]`` or ``[material.joints.arch-base]``."""
+
+    normal_stiffness: Annotated[Number, Field(gt=0)] | None = None
+    """Elastic force per area and shortening [N/m3]; rigid when not given."""
+    tangential_stiffness: Annotated[Number, Field(gt=0)] | None = None
+    """Elastic force per area and slip [N/m3]; the normal one over 2.4, as of a material with Poisson's ratio 0.2, when not given."""
+    cohesion: Annotated[Number, Field(ge=0)] = 0.0
+    """Shear strength without compression, of a joint that has not broken yet [Pa]."""
+    tension: Annotated[Number, Field(ge=0)] | None = None
+    """Tensile strength of a joint that has not broken yet [Pa]; when not given, cohesion / friction, where Mohr-Coulomb's line ends."""
+    theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
+    """Of the spring over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
+
+    @model_validator(mode="after")
+    def _both_stiffnesses_or_none(self) -> JointLaw:
+        if self.tangential_stiffness is not None and self.normal_stiffness is None:
+            raise ValueError("tangential_stiffness needs normal_stiffness beside it")
+        if self.tension is not None and self.normal_stiffness is None:
+            raise ValueError(
+                "tension needs normal_stiffness: how a rigid joint spreads its stress is not unique, it parts at cohesion / friction"
+            )
+        return self
+
+    @property
+    def stiffness(self) -> tuple[float, float]:
+        """Normal and tangential [N/m3]; zeros stand for a rigid joint."""
+        normal = self.normal_stiffness or 0.0
+        return normal, self.tangential_stiffness or normal / 2.4
+
+
 class Material(_Table):
     """The table ``[material]``."""
 
@@ -57,6 +88,9 @@ class Material(_Table):
     """Of every block that brings none of its own [kg/m3]."""
     friction: Number | dict[str, Number]
     """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
+    joints: dict[str, JointLaw] = {}
+    """Laws of the joints by pair of groups, ``[material.joints.arch-base]``, and ``default``, which plain keys stand for. A joint
+    without a law is rigid and dry."""
 
     @field_validator("density")
     @classmethod
@@ -64,6 +98,17 @@ class Material(_Table):
         if not 30 <= value <= 30000:
             raise ValueError("should be between 30 and 30000 kg/m3")
         return value
+
+    @field_validator("joints", mode="before")
+    @classmethod
+    def _laws(cls, value: Any) -> Any:
+        """One law for all joints is the default of the pairs."""
+        if not isinstance(value, Mapping):
+            raise ValueError("should be a table: keys of one law, or tables by pair of groups")
+        plain = [key for key, law in value.items() if not isinstance(law, Mapping)]
+        if plain and len(plain) < len(value):
+            raise ValueError(f'holds keys of one law ("{plain[0]}") and tables by pair; put the keys under [material.joints.default]')
+        return {"default": value} if plain else value
 
     @field_validator("friction", mode="before")
     @classmethod
@@ -105,6 +150,8 @@ class Run(_Table):
     """Frames written per second of the simulated time [1/s]."""
     planar: bool = True
     """Solve a scene that moves in its plane with half the contacts and three unknowns per block; the answer is the same."""
+    settle: bool = True
+    """Let elastic joints take up the weight before the run begins; else it comes upon them at once, and they swing."""
     gravity: Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)] = (0.0, 0.0, -9.81)
     """[m/s2]."""
 
@@ -349,20 +396,28 @@ def _toml_text(value: object) -> str:
 
 
 def _place(text: str, key: str, path: Path) -> str:
-    """``file:line`` of a key such as ``loads[0].amplitude``; of its table where the key itself is missing; else the file."""
-    parts = re.match(r"([\w-]+)(?:\[(\d+)\])?(?:\.([\w-]+))?", key)
-    if not parts:
-        return str(path)
-    table, index, name = parts.group(1), int(parts.group(2) or 0), parts.group(3)
-    at, here, seen = None, "", -1
+    """``file:line`` of a key such as ``loads[0].amplitude``; of the innermost table that is there where it is missing; else the file."""
+    wanted, best, at = _key_path(key), 0, None
+    here: list[tuple[str, int]] = []
+    seen: dict[str, int] = {}  # tables so far of each [[list]]
     for number, line in enumerate(text.splitlines(), start=1):
-        head = re.match(r"\s*\[{1,2}\s*([^\]]+?)\s*\]", line)
+        head = re.match(r"\s*(\[{1,2})\s*([^\]]+?)\s*\]", line)
+        word = re.match(r'\s*("?[\w-]+"?(?:\s*\.\s*"?[\w-]+"?)*)\s*=', line)
         if head:
-            here = head.group(1).strip('"')
-            seen += here == table
-            if here == table and max(seen, 0) == index:
-                at = number
-        word = re.match(r'\s*"?([\w-]+)"?\s*(?:\.|=)', line)
-        if word and ((here == table and seen == index and word.group(1) == name) or (not here and word.group(1) == table)):
-            return f"{path}:{number}"
+            here = _key_path(head.group(2))
+            name = ".".join(part for part, _ in here)
+            seen[name] = seen.get(name, -1) + (head.group(1) == "[[")
+            here = [(part, max(0, seen.get(".".join(p for p, _ in here[: i + 1]), 0))) for i, (part, _) in enumerate(here)]
+        elif not word:
+            continue
+        found = here + (_key_path(word.group(1)) if word and not head else [])
+        shared = next((i for i, (a, b) in enumerate(zip(found, wanted, strict=False)) if a != b), min(len(found), len(wanted)))
+        if shared > best:
+            best, at = shared, number
     return f"{path}:{at}" if at else str(path)
+
+
+def _key_path(key: str) -> list[tuple[str, int]]:
+    """``loads[1].amplitude`` as [("loads", 1), ("amplitude", 0)]."""
+    parts = re.findall(r'"?([\w-]+)"?(?:\[(\d+)\])?', key)
+    return [(name, int(index or 0)) for name, index in parts]

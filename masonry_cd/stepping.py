@@ -8,39 +8,52 @@ One step of length h from (q, v) to (q+, v+), theta in [1/2, 1] (Jean, Comput. M
     q+     = q_m + h theta v+
 
 The gap enters the law over the step, so a block that lands stops where it lands, with perfectly plastic impact. A penetration g < 0
-is not pushed out through the velocity: that would feed energy.
+is not pushed out through the velocity: that would feed energy. Contacts of elastic joints are springs instead, see ``elastic``: there an
+overlap is the shortening of the joint.
 
 **Energy balance**, closed each step with mean velocities (exact for theta = 1/2 up to the turning of the inertia):
 
-    kinetic + friction + impact  =  work of the supports + work of gravity + work of point loads and ties  (+ balance, what is left over)
+    kinetic + elastic + friction + impact + damping  =
+        work of the supports + work of gravity + work of point loads and ties  (+ balance, what is left over)
 
-What a tie stores in its stretch counts as work until it gives it back.
+What a tie stores in its stretch counts as work until it gives it back. elastic is the energy of the springs of elastic joints, damping
+what they lost to the numerical damping of their theta and in breaking.
 """
 
 from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd import kinematics
+from masonry_cd import elastic, kinematics
 from masonry_cd.blocks import Assembly
 from masonry_cd.checkpoint import part, prefixed
 from masonry_cd.detection import ContactSet, Detector
+from masonry_cd.elastic import JointMemory, Springs
+from masonry_cd.errors import InputError
 from masonry_cd.forces import BlockForces
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 from masonry_cd.impacts import open_contacts, solve_apart
+from masonry_cd.joints import Joints
 from masonry_cd.planar import find_plane
 from masonry_cd.scene import Run
 from masonry_cd.solvers import SOLVERS, Options
 from masonry_cd.state import State, rotation_matrices
 
-ENERGIES = ("kinetic", "friction", "impact", "base_work", "gravity_work", "force_work", "correction", "balance")
+ENERGIES = (
+    "kinetic", "elastic", "friction", "impact", "damping", "base_work", "gravity_work", "force_work", "correction", "balance",
+)  # fmt: skip
+WORKS = ("base_work", "gravity_work", "force_work")  # what is put in
+LOSSES = ("kinetic", "elastic", "friction", "impact", "damping")  # where it went
 TOUCHING = 1e-8  # gaps up to this share of the smallest width are none
 OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone
 CORRECTED = 0.2  # share of what is beyond that which one step takes away
+SETTLING, SETTLED, SETTLING_STEPS = 30.0, 1e-6, 400  # step, in radians of a block on its joint; last move, as a share of all; most steps
+SUNK = 0.1  # share of the smallest width that no block sinks by while it settles
+CREEP = 1e-6  # slip and opening below this share of g h count as none when bonds are judged
 
 
 class RunStopped(RuntimeError):
@@ -55,7 +68,7 @@ class StepReport:
     error: float  # natural map error, measured outside the solver
     seconds: float  # of the whole step
     contacts: int
-    penetration: float  # largest overlap at q_m [m]
+    penetration: float  # largest overlap of rigid contacts at q_m [m]
     reason: str  # the solver's word on it
 
 
@@ -114,6 +127,10 @@ class Stepper:
         self.chosen = np.empty(0, dtype=np.int64)  # contacts of the friction problem; all, but half of them in a plane
         self.solution = Solution(np.zeros((0, self.rows)), None, 0)
         self._impulse = np.zeros((1, self.rows))  # of all contacts of the last step
+        self._frames = np.empty((0, 3, 3))  # of the contacts of the friction problem: rows n, t1, t2
+        self._laws = elastic.law_arrays(assembly.laws) if assembly.laws.by_area.any() else None
+        self._springs, self._joints = Springs.none(0, self.rows), JointMemory()
+        self._begun = self._kinetic()  # energy at the start of the run, that of springs then known from the first step on [J]
 
     @property
     def closed_gap(self) -> float:
@@ -145,23 +162,93 @@ class Stepper:
         self.steps += 1
         self.load_step += 1
         state.time = self.steps * h
-        penetration = max(0.0, -float(self.contacts.gap.min(initial=0.0)))
+        penetration = max(0.0, -float(self.contacts.gap[self.chosen][~self._springs.elastic].min(initial=0.0)))
         return StepReport(
             self.solution.iterations, error, clock.perf_counter() - begin, problem.contacts, penetration, self.solution.reason
         )
 
+    def settle(self) -> int:
+        """Let elastic joints take up the weight before the run, and return the steps that took; nothing else moves.
+
+        Implicit steps, long for the swing of a block on its joint, each from rest, with the supports held and the gravity of the first
+        instant; ties and forces come with the run. Without elastic joints there is nothing to do.
+
+        Raises:
+            InputError: the structure does not come to rest.
+        """
+        if self._laws is None or not self.assembly.laws.normal_stiffness.any():
+            return 0
+        kept = self.settings, self._laws, self._support_velocity, self._acceleration, self._forces
+        a, h, tolerance = self.assembly, self._settling_step(), min(self.settings.tolerance, 1e-9)
+        self.settings = self.settings.model_copy(update={"dt": h, "theta": 1.0, "tolerance": tolerance})
+        self._laws = elastic.law_arrays(replace(a.laws, theta=np.ones_like(a.laws.theta)))
+        self._support_velocity, self._forces = np.zeros_like(self._support_velocity[:2]), None
+        self._acceleration = np.repeat(self._acceleration[:1], 2, axis=0)
+        begin, steps, sunk, rests = self.state.position.copy(), 0, 0.0, False
+        while not rests and steps < SETTLING_STEPS:
+            before = self.state.position.copy()
+            self.step()
+            self._stop()
+            sunk = float(np.abs(self.state.position - begin).max())
+            moved = float(np.abs(self.state.position - before).max())
+            rests = moved <= max(SETTLED * sunk, 10.0 * tolerance * self._gravity * h * h)
+            steps += 1
+            if sunk > SUNK * self._width:
+                rests = False
+                break
+        self.settings, self._laws, self._support_velocity, self._acceleration, self._forces = kept
+        if not rests:
+            block = a.names[int(np.abs(self.state.position - begin).max(axis=1).argmax())]
+            raise InputError(f'run.settle: block "{block}" does not come to rest under its weight; settle = false starts the run without')
+        self._impulse *= self.settings.dt / h
+        self.solution.memory = {}
+        self.energy = dict.fromkeys(ENERGIES, 0.0)
+        self._begun = 0.0
+        return steps
+
+    def _settling_step(self) -> float:
+        """Step in which the heaviest block on the softest joint would swing by SETTLING radians [s]."""
+        a, free = self.assembly, ~self.assembly.fixed
+        soft = a.laws.normal_stiffness[a.laws.normal_stiffness > 0.0].min()
+        return SETTLING * float(np.sqrt((a.mass[free] / np.cbrt(a.volume[free]) ** 2).max() / soft))
+
+    def _stop(self) -> None:
+        """Take all motion out, and begin again at the time zero."""
+        self.state.velocity[:], self._v[:], self._spin[:] = 0.0, 0.0, 0.0
+        self._handover, self.steps, self.load_step, self.state.time = None, 0, 0, 0.0
+
+    def _kinetic(self) -> float:
+        """Kinetic energy of the free blocks [J]."""
+        free = ~self.assembly.fixed
+        velocity = self.state.velocity[free]
+        linear = self.assembly.mass[free] @ (velocity[:, :3] ** 2).sum(axis=1)
+        return 0.5 * float(linear + np.sum(self._spin[free] * velocity[:, 3:]))
+
     def _solve(self, problem: FrictionProblem, start: Solution) -> float:
         """Find the impulses of the step, impacts apart from forces; return the natural map error."""
+        bond = self._springs.bond
+        if bond.any():
+            v_free, offset = elastic.pretensioned(problem, bond)
+            problem = replace(problem, v_free=v_free, offset=offset)
+            start.impulse[:, 0] += bond
+        error = self._solve_dry(problem, start)
+        if bond.any():
+            self.solution.impulse[:, 0] -= bond
+        return error
+
+    def _solve_dry(self, problem: FrictionProblem, start: Solution) -> float:
+        """The same for contacts whose cones begin at zero."""
         s = self.settings
         options = Options(tolerance=s.tolerance, max_iterations=s.max_iterations, seed=s.seed + self.steps, threads=s.threads)
         gap = self.contacts.gap[self.chosen]
-        is_open = open_contacts(problem, gap, self.contacts.pair[self.chosen], s.dt, self._pull)
+        is_open = self._open_contacts(problem, gap)
         if is_open is None:
             self.solution = self._solver(problem, options, start)
             self._handover = None
             self._show("", problem)
             return natural_map_error(problem, self.solution.impulse) if self.solution.error is None else self.solution.error
-        both = solve_apart(problem, is_open, gap, s.dt, start, lambda part, begin: self._solver(part, options, begin))
+        whole = self._springs.whole
+        both = solve_apart(problem, is_open, whole, gap, s.dt, start, lambda part, begin: self._solver(part, options, begin))
         self.solution, self._handover = both.solution, both.handover
         self._show("forces", both.forces)
         self._show("impacts", both.impacts)
@@ -171,6 +258,19 @@ class Stepper:
         """Let whoever watches see a problem that was solved: the only one of the step (no name), its forces or its impacts."""
         if self.watch is not None:
             self.watch(self.steps + 1, name, problem)
+
+    def _open_contacts(self, problem: FrictionProblem, gap: np.ndarray) -> np.ndarray | None:
+        """See :func:`masonry_cd.impacts.open_contacts`; elastic and bonded contacts are never hit, their law spans the whole step."""
+        pair, whole, step = self.contacts.pair[self.chosen], self._springs.whole, self.settings.dt
+        if not whole.any():
+            return open_contacts(problem, gap, pair, step, self._pull)
+        rigid = np.flatnonzero(~whole)
+        among = open_contacts(problem.subset(rigid), gap[rigid], pair[rigid], step, self._pull)
+        if among is None:
+            return None
+        is_open = np.zeros(len(gap), dtype=np.bool_)
+        is_open[rigid] = among
+        return is_open
 
     def friction_problem(self) -> tuple[FrictionProblem, Solution]:
         """The friction problem of the state, which stands at q_m, and the solution of the last step to start from."""
@@ -183,22 +283,25 @@ class Stepper:
         )  # fmt: skip
         self._apply_forces()
         self._take_handover()
-        slack = 4.0 * h * h * self._pull
+        slack = 4.0 * h * h * self._pull + a.laws.stretch
         found = self.detector.detect(state.position, self._rotation, state.velocity, h, slack, self._support_displacement())
         self.contacts = found
         c, m, n = found.count, self.rows, len(self._columns)
         chosen, bodies, mu = np.empty(c, dtype=np.int64), np.empty((c, 2), dtype=np.int64), np.empty(c)
-        jacobian, offset, impulse = np.empty((c, 2, m, n)), np.empty((c, m)), np.empty((c, m))
+        jacobian, offset, impulse, frames = np.empty((c, 2, m, n)), np.empty((c, m)), np.empty((c, m)), np.empty((c, 3, 3))
         axis, at = (-1, 0.0) if self.plane is None else (self.plane.axis, self.plane.at)
         count = kinematics.contact_rows(
-            found.bodies, found.point, found.normal, found.gap, found.previous, self._impulse, axis, at, state.position,
+            found.bodies, found.point, found.normal, found.gap, found.area, found.previous, self._impulse, axis, at, state.position,
             self._support_velocity[self.load_step + 1], a.support_of, self._free_index, a.group_of, a.friction, self._columns, h,
             self.closed_gap,
-            chosen, bodies, jacobian, offset, mu, impulse,
+            chosen, bodies, frames, jacobian, offset, mu, impulse,
         )  # fmt: skip
-        self.chosen = chosen[:count]
+        self.chosen, self._frames = chosen[:count], frames[:count]
         rigid = np.zeros((count, m))
         problem = FrictionProblem(self._inverse_mass, self._v_free, bodies[:count], jacobian[:count], offset[:count], mu[:count], rigid)
+        self._springs = Springs.none(count, m)
+        if self._laws is not None:
+            self._load_springs(self._laws, problem, axis, at)
         return problem, Solution(impulse[:count], None, 0, memory=self.solution.memory)
 
     def _apply_forces(self) -> None:
@@ -213,6 +316,17 @@ class Stepper:
         self._v_free += np.einsum("bij,bj->bi", self._inverse_mass, self._push)
         turning = self._columns >= 3
         self._spin[np.ix_(free, self._columns[turning] - 3)] += self._push[:, turning]
+
+    def _load_springs(self, laws: np.ndarray, problem: FrictionProblem, axis: int, at: float) -> None:
+        """Put springs and bonds into a friction problem of rigid contacts, in place."""
+        found, a, s, memory = self.contacts, self.assembly, self._springs, self._joints
+        bonding = OVERLAP * self._width if self.steps == 0 else -1.0
+        elastic.spring_rows(
+            laws, self.chosen, found.bodies, a.group_of, found.point, found.gap, found.area, found.previous, self._frames, axis, at,
+            self.closed_gap, bonding, memory.slip, memory.bonded, self._rotation, problem.bodies, problem.jacobian, self._v,
+            self._support_velocity[self.load_step], self._support_velocity[self.load_step + 1], a.support_of, self.settings.dt,
+            problem.compliance, problem.offset, s.area, s.elastic, s.bonded, s.bond, s.slip, s.before,
+        )  # fmt: skip
 
     def _take_handover(self) -> None:
         """Add what an impact of the last step left over to the free velocity.
@@ -238,7 +352,9 @@ class Stepper:
     def _correct_overlaps(self, problem: FrictionProblem) -> np.ndarray:
         """Take a share of the overlaps away by moving the blocks, without touching their velocities; return the shifts (B, 3) [m]."""
         moved = np.zeros_like(self.state.position)
-        gap = self.contacts.gap[self.chosen]
+        gap, springs = self.contacts.gap[self.chosen], self._springs.elastic
+        if springs.any():  # their overlap is the shortening of the joint
+            gap, problem = gap[~springs], problem.subset(~springs)
         if not len(gap) or gap.min() > -OVERLAP * self._width:
             return moved
         shift = np.empty_like(problem.v_free)
@@ -287,44 +403,66 @@ class Stepper:
         """Add the step's work and losses to the energy account."""
         a, energy, work = self.assembly, self.energy, np.zeros(3)
         kinematics.dissipation(
-            self.solution.impulse, self.chosen, self.contacts.bodies, self.contacts.normal, problem.bodies, problem.jacobian, self._v_old,
-            self._v, self._support_velocity[self.load_step], self._support_velocity[self.load_step + 1], a.support_of, work,
+            self.solution.impulse, self.chosen, self.contacts.bodies, self._frames, self._springs.elastic, problem.bodies, problem.jacobian,
+            self._v_old, self._v, self._support_velocity[self.load_step], self._support_velocity[self.load_step + 1], a.support_of, work,
         )  # fmt: skip
         if handover is not None:
             work[1] -= 0.5 * float(np.sum(handover * (self._v_old + self._v)))
         free = ~a.fixed
+        if self._laws is not None:
+            self._unload_springs(self._laws, problem)
         energy["friction"] += work[0]
         energy["impact"] += work[1]
         energy["base_work"] += work[2]
         energy["gravity_work"] += float(a.mass[free] @ (moved[free] @ self._acceleration[self.load_step + 1]))  # without the corrections
         energy["force_work"] += 0.5 * float(np.sum(self._push * (self._v_old + self._v)))
-        put_in = energy["base_work"] + energy["gravity_work"] + energy["force_work"]
-        energy["balance"] = put_in - energy["kinetic"] - energy["friction"] - energy["impact"]
+        energy["balance"] = self._begun + sum(energy[name] for name in WORKS) - sum(energy[name] for name in LOSSES)
+
+    def _unload_springs(self, laws: np.ndarray, problem: FrictionProblem) -> None:
+        """Carry the slips and bonds of the joints over the step, and book their energy."""
+        found, a, s, h, energy, work = self.contacts, self.assembly, self._springs, self.settings.dt, self.energy, np.zeros(4)
+        self._joints.slip, self._joints.bonded = np.zeros((max(1, found.count), 3)), np.zeros(max(1, found.count), dtype=np.bool_)
+        still = max(CREEP, self.settings.tolerance) * self._pull * h
+        elastic.spring_update(
+            laws, self.chosen, found.bodies, a.group_of, found.gap, self._frames, self._rotation, problem.bodies, problem.jacobian, self._v,
+            problem.offset, problem.compliance, problem.mu, self.solution.impulse, self._support_velocity[self.load_step + 1], a.support_of,
+            h, still, s.area, s.elastic, s.bonded, s.bond, s.slip, s.before, self._joints.slip, self._joints.bonded, work,
+        )  # fmt: skip
+        taken, friction, stored, before = work
+        if self.steps == 0:
+            self._begun += before
+            energy["elastic"] = before
+        energy["friction"] += friction
+        energy["damping"] += taken - friction - (stored - energy["elastic"])
+        energy["elastic"] = stored
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that the next step depends on, as arrays for a checkpoint."""
         state = {name: getattr(self.state, name) for name in ("position", "orientation", "velocity")}
         own = {"spin": self._spin, "v": self._v, "impulse": self._impulse, "steps": np.array([self.steps, self.load_step])}
-        own["energy"] = np.array([self.energy[name] for name in ENERGIES])
+        own["energy"] = np.array([self._begun, *(self.energy[name] for name in ENERGIES)])
         if self._handover is not None:
             own["handover"] = self._handover
-        return state | own | prefixed("detector", self.detector.snapshot()) | prefixed("memory", self.solution.memory)
+        memories = prefixed("detector", self.detector.snapshot()) | prefixed("joints", self._joints.snapshot())
+        return state | own | memories | prefixed("memory", self.solution.memory)
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Go on from what :meth:`snapshot` gave, in a stepper of the same scene."""
         self.steps, self.load_step = map(int, arrays["steps"])
         self.state = State(self.steps * self.settings.dt, arrays["position"], arrays["orientation"], arrays["velocity"])
         self._spin, self._v, self._impulse = arrays["spin"], arrays["v"], arrays["impulse"]
-        self.energy = dict(zip(ENERGIES, arrays["energy"].tolist(), strict=True))
+        self._begun, *energies = arrays["energy"].tolist()
+        self.energy = dict(zip(ENERGIES, energies, strict=True))
         self._handover = arrays.get("handover")
         self.detector.restore(part("detector", arrays))
+        self._joints.restore(part("joints", arrays))
         self.solution.memory = part("memory", arrays)
 
     def joint_forces(self, pair_joint: np.ndarray, joints: int) -> np.ndarray:
         """Normal and shear force of each joint over the last step, (2, J) [N]; ``pair_joint`` names the joint of each pair or -1."""
         out = np.zeros((2, joints))
         kinematics.joint_forces(
-            self.solution.impulse, self.chosen, self.contacts.normal, self.contacts.pair, pair_joint, self.settings.dt,
+            self.solution.impulse, self.chosen, self._frames, self.contacts.pair, pair_joint, self.settings.dt,
             np.zeros((joints, 3)), out,
         )  # fmt: skip
         return out
@@ -340,3 +478,12 @@ class Stepper:
             self.solution.impulse, self.chosen, self.contacts.point, self.contacts.pair, pair_joint, axis, at, np.zeros(joints), out
         )
         return out
+
+    def joint_bonds(self, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
+        """Share of the area of each joint that is bonded, (J,); ``pair_joint`` names the joint of each pair or -1."""
+        if not len(self.chosen):  # before the first step
+            group = self.assembly.group_of
+            return (self.assembly.laws.apex[group[joints.block_a], group[joints.block_b]] > 0.0).astype(float)
+        whole = np.zeros(joints.count)
+        elastic.bonded_area(self.chosen, self.contacts.pair, pair_joint, self._springs.area, self._joints.bonded, whole)
+        return np.minimum(1.0, whole / joints.area)

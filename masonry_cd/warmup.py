@@ -16,7 +16,7 @@ from masonry_cd.blocks import Assembly, Block
 from masonry_cd.joints import find_joints
 from masonry_cd.results import ResultWriter
 from masonry_cd.runner import run
-from masonry_cd.scene import Run, SolverName
+from masonry_cd.scene import JointLaw, Run, SolverName
 from masonry_cd.stepping import Stepper
 
 STEPS, STEP = 6, 1e-3  # [s]
@@ -24,12 +24,13 @@ FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (
 
 
 @cache
-def compile_kernels(solver: SolverName, planar: bool) -> None:
-    """Have the kernels of a solver compiled, or loaded from their cache, for scenes in a plane or in space."""
+def compile_kernels(solver: SolverName, planar: bool, by_area: bool) -> None:
+    """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-5)}
     blocks = [Block(name, corners + [x, 0.0, z], FACES, 2000.0, fixed=name == "base") for name, (x, z) in places.items()]
-    assembly = Assembly.from_blocks(blocks, 0.5)
+    laws = {"default": JointLaw(normal_stiffness=1e9, cohesion=1.0)} if by_area else None
+    assembly = Assembly.from_blocks(blocks, 0.5, laws)
     joints = find_joints(assembly)
     shaking = np.zeros((STEPS + 1, 1, 3))
     shaking[:, 0, 0] = 0.01 * np.arange(STEPS + 1)

@@ -30,11 +30,12 @@ from masonry_cd.errors import InputError
 from masonry_cd.joints import OPENED as OPENING_IN_RUN
 from masonry_cd.joints import Joints
 from masonry_cd.rests import DROP, TILT
-from masonry_cd.results import Results
+from masonry_cd.results import BONDED, Results
 from reports.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap, solids_of
 
 STATES = ("intact", "opened", "slid", "separated")
 INTACT, OPENED, SLID, SEPARATED = range(4)
+BROKEN = 0.98  # a joint is broken when less than this share of what was bonded is left; a corner holds 4 % or more
 CHUNK_BYTES = 1 << 24  # frames are read in chunks of this size, so that a long run needs no memory
 
 
@@ -82,6 +83,7 @@ class JointDamage:
     contact_area_loss: np.ndarray  # (J,) largest over the run, as a share of the area
     first_opening_time: np.ndarray  # (J,) [s], NaN where the joint never opened
     state: np.ndarray  # (J,) one of STATES
+    bonded: np.ndarray  # (J,) share of the area that is bonded at the end; NaN in a run without bonds
 
 
 def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: int | None = None) -> JointDamage:
@@ -111,7 +113,21 @@ def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: 
         contact_area_loss=peaks["contact_area_loss"],
         first_opening_time=peaks["first_opening_time"],
         state=np.array(STATES, dtype=object)[codes],
+        bonded=joint_frame(results, BONDED, frame) if has_bonds(results) else np.full(joints.count, np.nan),
     )
+
+
+def has_bonds(results: Results) -> bool:
+    """Whether joints of the run had cohesion."""
+    return f"joints/{BONDED}" in results.file
+
+
+def bonds(results: Results) -> dict[str, int]:
+    """Joints that were bonded at the start, and those of them that broke, all over or in part; nothing in a run without bonds."""
+    if not has_bonds(results):
+        return {}
+    share = results.joint_history(BONDED)
+    return {"joints_bonded": int((share[0] > 0.0).sum()), "joints_broken": int((share[-1] < BROKEN * share[0]).sum())}
 
 
 def classify(opening: np.ndarray, sliding: np.ndarray, separated: np.ndarray, thresholds: Thresholds) -> np.ndarray:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
 
 from masonry_cd.blocks import Assembly, Block
-from masonry_cd.scene import Run
+from masonry_cd.scene import JointLaw, Run
 from masonry_cd.state import State, rotation_matrices
 from masonry_cd.stepping import Stepper
 
@@ -64,13 +65,14 @@ def stepper(
     support_velocity: np.ndarray | None = None,
     acceleration: np.ndarray | None = None,
     start: State | None = None,
+    joints: Mapping[str, JointLaw] | None = None,
     **settings: object,
 ) -> Stepper:
-    """A stepper for a number of steps; ``settings`` are keys of the table [run]."""
+    """A stepper for a number of steps; ``joints`` are laws by pair of groups, ``settings`` keys of the table [run]."""
     run = Run.model_validate({"dt": 1e-3, "duration": 1e9, "solver": "nlgs", "tolerance": 1e-10} | settings)
     velocity = still(steps) if support_velocity is None else support_velocity
     pull = gravity(steps) if acceleration is None else acceleration
-    return Stepper(Assembly.from_blocks(blocks, friction), velocity, pull, run, start)
+    return Stepper(Assembly.from_blocks(blocks, friction, joints), velocity, pull, run, start)
 
 
 def turned(assembly: Assembly, block: int, axis: tuple[float, float, float], angle: float, pivot: tuple[float, float, float]) -> State:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from models import box, ground, tower
 
-from masonry_cd.blocks import Assembly, friction_table, mass_properties
+from masonry_cd.blocks import Assembly, mass_properties
 from masonry_cd.errors import InputError
 from masonry_cd.state import rotation_matrices
 
@@ -48,19 +48,6 @@ def test_every_edge_of_a_box_is_listed_once_with_its_two_faces():
     direction = shapes.vertices[shapes.edges[:, 1]] - shapes.vertices[shapes.edges[:, 0]]
     across = np.cross(shapes.face_normals[shapes.edges[:, 2]], shapes.face_normals[shapes.edges[:, 3]])
     assert np.abs(np.cross(direction, across)).max() < 1e-12  # an edge runs along both of its faces
-
-
-def test_friction_by_pair_of_groups():
-    table = friction_table({"default": 0.6, "arch-base": 0.9}, ("base", "arch", "pier"))
-    assert table[0, 1] == table[1, 0] == 0.9
-    assert table[1, 1] == table[0, 2] == 0.6
-
-
-def test_bad_friction_names_the_pair():
-    with pytest.raises(InputError, match=r"friction\.arhc-base.*did you mean \"arch\""):
-        friction_table({"default": 0.6, "arhc-base": 0.9}, ("base", "arch"))
-    with pytest.raises(InputError, match="no value for base-base"):
-        friction_table({"arch-base": 0.9}, ("base", "arch"))
 
 
 def test_two_blocks_of_one_name_are_refused():

@@ -69,6 +69,45 @@ def test_friction_by_pairs_of_groups(write):
     assert scene.material.friction == {"arch-base": 0.9, "default": 0.5}
 
 
+def test_joint_laws_by_pairs_of_groups_or_one_for_all(write):
+    one = read_scene(write(GOOD.replace("[[loads]]", "[material.joints]\nnormal_stiffness = 1e10\n\n[[loads]]", 1)))
+    assert one.material.joints["default"].stiffness == (1e10, 1e10 / 2.4)
+    tables = (
+        "[material.joints.arch-base]\ncohesion = 2e5\n[material.joints.arch-arch]\nnormal_stiffness = 1e9\ntangential_stiffness = 1e8\n"
+    )
+    pairs = read_scene(write(GOOD.replace("[[loads]]", f"{tables}\n[[loads]]", 1))).material.joints
+    assert (pairs["arch-base"].stiffness, pairs["arch-base"].cohesion) == ((0.0, 0.0), 2e5)
+    assert pairs["arch-arch"].stiffness == (1e9, 1e8)
+    assert read_scene(write(GOOD)).material.joints == {}
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        (
+            "[material.joints]\nnormal_stifness = 1e9",
+            ':10: material.joints.default.normal_stifness: unknown key (did you mean "normal_stiffness"?)',
+        ),
+        (
+            "[material.joints.arch-base]\ncohesion = -1.0",
+            ":11: material.joints.arch-base.cohesion: input should be greater than or equal to 0",
+        ),
+        ("[material.joints.arch-base]\ntheta = 0.4", ":11: material.joints.arch-base.theta: input should be greater than or equal to 0.5"),
+        ("[material.joints]\ntangential_stiffness = 1e9", "material.joints.default: tangential_stiffness needs normal_stiffness"),
+        ("[material.joints]\ntension = 1e5", "material.joints.default: tension needs normal_stiffness"),
+        (
+            "[material.joints]\ntheta = 0.5\n[material.joints.arch-base]\ntheta = 0.6",
+            'material.joints: holds keys of one law ("theta") and tables',
+        ),
+    ],
+)
+def test_bad_joint_laws_are_named_in_one_line(write, table, message):
+    with pytest.raises(InputError) as caught:
+        read_scene(write(GOOD.replace("[[loads]]", f"{table}\n\n[[loads]]", 1)))
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
 @pytest.mark.parametrize(("duration", "dt", "steps"), [(8.0, 1e-3, 8000), (0.3, 0.1, 3), (1.0, 0.03, 34), (0.7, 0.007, 100)])
 def test_steps_cover_the_duration_in_spite_of_rounding(duration, dt, steps):
     assert Run(dt=dt, duration=duration).steps == steps

@@ -22,6 +22,8 @@ ENERGIES = {
     "correction": "lift of corrected overlaps",
     "friction": "lost to friction",
     "impact": "lost in impacts",
+    "elastic": "in elastic joints",
+    "damping": "lost in elastic joints",
     "balance": "balance, ideally zero",
 }
 COSTS = {"seconds": "solver/seconds", "iterations": "solver/iterations", "contacts": "solver/contacts"}

@@ -1,0 +1,232 @@
+r"""Elastic and bonded joints: springs that are implicit in the step, and bonds that break for good.
+
+**Springs.** A contact with a share A of its joint's area carries p_n = h k_n A (-g_w)+ and p_t = -h k_t A s_w, cut by Coulomb's cone.
+The gap g and the elastic slip s are taken at the place of the generalised midpoint rule, theta in [1/2, 1]. With states g^, s^ between
+two q_m,
+
+    g^1 = g^0 + h (theta u+ + (1 - theta) u),        g_w = theta g^1 + (1 - theta) g^0,
+
+and s^ alike, less the plastic slip theta h w_t. Solved for the velocities u+ at the end of the step this is the contact law of the rigid
+joint about w = u + b + C p instead of u, with a = theta^2,
+
+    C = 1 / (a h^2 k A),        b_n = (g^0 + theta (1 - theta) h u_n) / (a h),        b_t = (s^0 + theta (1 - theta) h u_t) / (a h),
+
+so a stiffness limits no time step: for k -> infinity C vanishes. g^0 = g - (1 - theta) h u_n follows from the gap at q_m with its sign;
+s^0 is remembered, as a vector that turns with the antagonist (for plasticity by this rule: Simo & Taylor, Int. J. Numer. Methods Eng. 22,
+1986). theta = 1/2 is of second order and keeps the energy; above, a mode of circular frequency omega is damped by
+(2 theta - 1) omega h / 2, and one too stiff for the step dies out by (1 - theta) / theta per step.
+
+A spring that is only just closing, g^0 > 0, takes theta = 1 on the normal: the average of an open and a closed state would give it energy
+that nobody put in. A stiff spring so lands without a bounce, like a rigid contact, and no spring bounces higher than it fell.
+
+**Bonds.** An intact contact of cohesion c carries |p_t| <= mu p_n + h c A: Coulomb's cone about the impulse p + h tau A n, tau = c / mu,
+and a pretension -h tau A n among the free forces. A contact whose tension has passed its tensile strength, or that slipped or parted, is
+broken from the next step on. Bonds are made at the start of a run where blocks touch, and never again: a contact that appears later takes
+the bond and the slip of the nearest contact of its joint, and where there is none it is dry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from masonry_cd.friction import FrictionProblem
+from masonry_cd.material import JointLaws
+
+AT_LIMIT = 1e-6  # an impulse this close to the cone, as a share of it, is on it
+
+
+@dataclass(eq=False)
+class Springs:
+    """The contacts of a friction problem whose law goes by area; C contacts with m rows each."""
+
+    area: np.ndarray  # (C,) [m2], that of mirror images in a plane included
+    elastic: np.ndarray  # (C,) bool
+    bonded: np.ndarray  # (C,) bool: intact in this step
+    bond: np.ndarray  # (C,) h tau A of intact contacts, else 0 [N s]
+    slip: np.ndarray  # (C, m - 1) elastic slip s^0 in the contact frame [m]
+    before: np.ndarray  # (C, m) relative velocity u at the beginning of the step [m/s]
+
+    @classmethod
+    def none(cls, contacts: int, rows: int) -> Springs:
+        """Contacts that are rigid and dry."""
+        off = np.zeros(contacts, dtype=np.bool_)
+        return cls(np.zeros(contacts), off, off.copy(), np.zeros(contacts), np.zeros((contacts, rows - 1)), np.zeros((contacts, rows)))
+
+    @property
+    def whole(self) -> np.ndarray:
+        """(C,) bool: the law holds for the impulse of the whole step, that of an impact included."""
+        return self.elastic | self.bonded
+
+
+class JointMemory:
+    """What elastic and bonded contacts hand on from step to step; arrays over all contacts of the last set, which always has one entry."""
+
+    def __init__(self) -> None:
+        self.slip = np.zeros((1, 3))  # elastic slip in the frame of the antagonist [m]
+        self.bonded = np.zeros(1, dtype=np.bool_)
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """All of it, as arrays for a checkpoint."""
+        return {"slip": self.slip, "bonded": self.bonded}
+
+    def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """Take back what :meth:`snapshot` gave."""
+        self.slip, self.bonded = arrays["slip"], arrays["bonded"]
+
+
+def law_arrays(laws: JointLaws) -> np.ndarray:
+    """The tables of the laws, (6, G, G), for the kernels: k_n, k_t, tau, tensile strength, theta, and whether the law goes by area."""
+    tables = (laws.normal_stiffness, laws.tangential_stiffness, laws.apex, laws.tension, laws.theta, laws.by_area.astype(float))
+    return np.stack(tables)
+
+
+def pretensioned(problem: FrictionProblem, bond: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Free velocity (B, n) and offset (C, m) of the problem in the impulses p + h tau A n, whose cones begin at zero."""
+    pull = np.zeros_like(problem.offset)
+    pull[:, 0] = bond
+    return problem.body_velocity(-pull), problem.offset - problem.compliance * pull
+
+
+@njit(cache=True, nogil=True)
+def spring_rows(
+    laws, chosen, blocks, group_of, point, gap, share, previous, frame, plane_axis, plane_at, closed, bonding, last_slip, last_bonded,
+    rotation, bodies, jacobian, v, support_old, support_new, support_of, step,
+    compliance, offset, area, elastic, bonded, bond, slip, before,
+):  # fmt: skip
+    """Fill C and b of the elastic contacts, and the arrays of :class:`Springs`, see the head of this file.
+
+    ``bonding`` [m]: gaps up to which new contacts are bonded; negative after the start. ``v`` (B, n): velocities of the last step.
+    """
+    m, n = jacobian.shape[2], jacobian.shape[3]
+    base = np.empty(m)
+    for c in range(chosen.shape[0]):
+        k, first, second = chosen[c], group_of[blocks[chosen[c], 0]], group_of[blocks[chosen[c], 1]]
+        if share[k] == 0.0:
+            continue
+        mirrored = plane_axis >= 0 and abs(point[k, plane_axis] - plane_at) > closed
+        area[c] = 2.0 * share[k] if mirrored else share[k]
+        if laws[2, first, second] > 0.0:
+            bonded[c] = last_bonded[previous[k]] if previous[k] >= 0 else gap[k] <= bonding
+        if bonded[c]:
+            bond[c] = step * laws[2, first, second] * area[c]
+        for i in range(m):
+            before[c, i], base[i] = 0.0, 0.0
+            for side in range(2):
+                b, sign = bodies[c, side], 1.0 - 2.0 * side
+                if b >= 0:
+                    for j in range(n):
+                        before[c, i] += jacobian[c, side, i, j] * v[b, j]
+                else:
+                    s = support_of[blocks[k, side]]
+                    for d in range(3):
+                        before[c, i] += sign * frame[c, i, d] * support_old[s, d]
+                        base[i] += sign * frame[c, i, d] * support_new[s, d]
+        if laws[0, first, second] == 0.0:
+            continue
+        elastic[c] = True
+        theta = laws[4, first, second]
+        start = gap[k] - (1.0 - theta) * step * before[c, 0]
+        if start > 0.0 and not bonded[c]:
+            compliance[c, 0] = 1.0 / (step * step * laws[0, first, second] * area[c])
+            offset[c, 0] = base[0] + gap[k] / step
+        else:
+            compliance[c, 0] = 1.0 / (theta * theta * step * step * laws[0, first, second] * area[c])
+            offset[c, 0] = base[0] + (start + theta * (1.0 - theta) * step * before[c, 0]) / (theta * theta * step)
+        for i in range(1, m):
+            slip[c, i - 1] = 0.0
+            if previous[k] >= 0:
+                turn = rotation[blocks[k, 1]]
+                for d in range(3):
+                    held = (
+                        turn[d, 0] * last_slip[previous[k], 0]
+                        + turn[d, 1] * last_slip[previous[k], 1]
+                        + turn[d, 2] * last_slip[previous[k], 2]
+                    )
+                    slip[c, i - 1] += frame[c, i, d] * held
+            compliance[c, i] = 1.0 / (theta * theta * step * step * laws[1, first, second] * area[c])
+            offset[c, i] = base[i] + (slip[c, i - 1] + theta * (1.0 - theta) * step * before[c, i]) / (theta * theta * step)
+
+
+@njit(cache=True, nogil=True)
+def spring_update(
+    laws, chosen, blocks, group_of, gap, frame, rotation, bodies, jacobian, v, offset, compliance, mu, impulse, support_new, support_of,
+    step, still, area, elastic, bonded, bond, slip, before,
+    new_slip, new_bonded, work,
+):  # fmt: skip
+    """Carry slips and bonds over the step: fill ``new_slip`` and ``new_bonded`` of all contacts.
+
+    Adds to ``work`` [J] what elastic contacts took from the blocks, what of that friction used up, and the energy of all springs after
+    and before the step.
+    ``still`` [m/s] is the slip that counts as none when bonds are judged.
+    """
+    m, n = jacobian.shape[2], jacobian.shape[3]
+    u, w = np.empty(m), np.empty(m)
+    for c in range(chosen.shape[0]):
+        if area[c] == 0.0:
+            continue
+        k, first, second = chosen[c], group_of[blocks[chosen[c], 0]], group_of[blocks[chosen[c], 1]]
+        for i in range(m):
+            u[i], w[i] = 0.0, offset[c, i] + compliance[c, i] * impulse[c, i]
+            for side in range(2):
+                b, sign = bodies[c, side], 1.0 - 2.0 * side
+                if b >= 0:
+                    for j in range(n):
+                        moved = jacobian[c, side, i, j] * v[b, j]
+                        u[i] += moved
+                        w[i] += moved
+                else:
+                    for d in range(3):
+                        u[i] += sign * frame[c, i, d] * support_new[support_of[blocks[k, side]], d]
+        push, sliding = 0.0, 0.0
+        for i in range(1, m):
+            push += impulse[c, i] ** 2
+            sliding += w[i] ** 2
+        reach = mu[c] * (impulse[c, 0] + bond[c])
+        slips = np.sqrt(sliding) > still and np.sqrt(push) >= (1.0 - AT_LIMIT) * reach
+        parts = w[0] > still and impulse[c, 0] + bond[c] <= AT_LIMIT * bond[c]
+        torn = -impulse[c, 0] > (1.0 + AT_LIMIT) * step * laws[3, first, second] * area[c]
+        new_bonded[k] = bonded[c] and not (slips or parts or torn)
+        if not elastic[c]:
+            continue
+        theta = laws[4, first, second]
+        stretch = gap[k] + theta * step * u[0]
+        if stretch < 0.0 or new_bonded[k]:
+            work[2] += 0.5 * laws[0, first, second] * area[c] * stretch * stretch
+        start = gap[k] - (1.0 - theta) * step * before[c, 0]
+        if start < 0.0 or bonded[c]:
+            work[3] += 0.5 * laws[0, first, second] * area[c] * start * start
+        work[0] -= 0.5 * impulse[c, 0] * (before[c, 0] + u[0])
+        held, size, taken = 0.0, 0.0, 0.0
+        for i in range(1, m):
+            held += slip[c, i - 1] ** 2
+            slip[c, i - 1] += step * (theta * u[i] + (1.0 - theta) * before[c, i] - theta * w[i])
+            size += slip[c, i - 1] ** 2
+            taken -= 0.5 * impulse[c, i] * (before[c, i] + u[i])
+        stiffness = laws[1, first, second] * area[c]
+        keeps = 1.0
+        if impulse[c, 0] <= 0.0 and not new_bonded[k]:
+            keeps = 0.0
+        elif slips and size > 0.0:  # the state at the end of a slipping step is brought back to the cone
+            keeps = min(1.0, reach / (step * stiffness * np.sqrt(size)))
+        for i in range(1, m):
+            for d in range(3):  # R^T of the antagonist
+                for e in range(3):
+                    new_slip[k, d] += rotation[blocks[k, 1], e, d] * keeps * slip[c, i - 1] * frame[c, i, e]
+        work[0] += taken
+        work[2] += 0.5 * stiffness * keeps * keeps * size
+        work[3] += 0.5 * stiffness * held
+        if slips:
+            work[1] += taken - 0.5 * stiffness * (keeps * keeps * size - held)
+
+
+@njit(cache=True, nogil=True)
+def bonded_area(chosen, pair, pair_joint, area, bonded, total):
+    """Add the area of intact contacts to ``total`` (J,) of their joints [m2]; ``bonded`` by contact of the set."""
+    for c in range(chosen.shape[0]):
+        joint = pair_joint[pair[chosen[c]]]
+        if joint >= 0 and bonded[chosen[c]]:
+            total[joint] += area[c]
