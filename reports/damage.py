@@ -222,8 +222,11 @@ def shock_rows(results: Results, thresholds: Thresholds | None = None) -> list[d
 
 
 def write_joints_csv(table: JointDamage, path: Path) -> None:
-    """Write one row per joint; the columns are the fields of :class:`JointDamage`, an unknown time is left empty."""
-    columns = [item.name for item in fields(table)]
+    """Write one row per joint; the columns are the fields of :class:`JointDamage`, an unknown time is left empty.
+
+    The share that is bonded is a column of runs with bonds only.
+    """
+    columns = [item.name for item in fields(table) if item.name != BONDED or not np.isnan(table.bonded).all()]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)

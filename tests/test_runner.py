@@ -3,14 +3,16 @@
 import h5py
 import numpy as np
 import pytest
-from models import stepper, still, wall
+from models import gravity, stepper, still, tower, wall
 
 from masonry_cd import checkpoint, runner
 from masonry_cd.errors import InputError
 from masonry_cd.joints import find_joints
-from masonry_cd.results import ResultWriter
+from masonry_cd.results import Results, ResultWriter
 from masonry_cd.runner import RunReport, run
+from masonry_cd.scene import JointLaw
 from masonry_cd.stepping import ENERGIES, StepReport
+from reports.damage import bonds, joint_damage, write_joints_csv
 
 STEPS = 60
 
@@ -113,3 +115,24 @@ def test_reasons_are_counted_without_their_numbers():
     for k in range(50):
         report.add(StepReport(3, 1e-3, 0.1, 4, 0.0, f"newton: missed, error {k}.5e-03"), 1e-8, energy)
     assert report.solver_reasons == {"newton: missed, error #": 50}
+
+
+def test_bonds_are_written_and_counted(tmp_path):
+    """A bonded stack pulled apart: one joint breaks, the other holds."""
+    pull = gravity(60)
+    pull[20:, 2] = 30.0
+    law = {"block-block": JointLaw(normal_stiffness=1e9, cohesion=1e6), "base-block": JointLaw(normal_stiffness=1e9, cohesion=1e3)}
+    m = stepper(tower(2), 60, acceleration=pull, joints=law)
+    joints = find_joints(m.assembly)
+    with ResultWriter(tmp_path / "result.h5", m.assembly, joints) as writer:
+        run(m, joints, writer, 60, 10)
+    with Results.open(tmp_path / "result.h5") as results:
+        share = results.joint_history("bonded")
+        table = joint_damage(results)
+        assert bonds(results) == {"joints_bonded": 2, "joints_broken": 1}
+    assert share[0].tolist() == [1.0, 1.0]
+    assert share[-1] == pytest.approx([0.0, 1.0], abs=1e-6)
+    write_joints_csv(table, tmp_path / "joints.csv")
+    head, first, second = (tmp_path / "joints.csv").read_text().splitlines()
+    assert head.endswith(",state,bonded")
+    assert (first.rpartition(",")[2], second.rpartition(",")[2]) == ("0", "1")
