@@ -1,12 +1,21 @@
 r"""Contact detection between convex parts: which surfaces may touch within the coming step, where, and how far apart they are.
 
 **Broad phase.** Bounding boxes grown by a skin, swept along the axis on which they spread most. The list of pairs stays valid
-until a part has left its grown box; the common motion of the supports is taken off first, so that shaking alone rebuilds nothing.
+until a part has moved through its skin, what it may do within the step included; the common motion of the supports is taken off first,
+so that shaking alone rebuilds nothing.
 
 **Narrow phase.** Two convex polyhedra are apart by the largest separation over the face normals of either and the cross products
 of their edges; edge pairs count only where their arcs cross on the Gauss map of the Minkowski difference (Gregorius, "The separating
-axis test between convex polyhedra", GDC 2013). The feature found is remembered with the relative pose and used again until
-the pair has moved by REUSE of its size; a pair that is apart is not looked at before it can have met.
+axis test between convex polyhedra", GDC 2013). Of each pair is kept what it takes to do no work twice, and how far it may move until
+that is due:
+
+    apart       the distance: not looked at before the two can have met
+    feature     the face or the edges that separate them, until the pair has moved by REUSE of its width
+    manifold    the points, until it has moved by STILL of its width. They are carried along with a, so they are off by that much at
+                most; gaps follow the motion to first order, so they are off by that times the angle between the faces
+
+Blocks that stick move by 1e-13 to 1e-10 of their width per step, others by 1e-6 and more: hardly anything lies between. All of this is
+done in the body frame of the first part, so it depends on the relative pose alone.
 
 **Manifold.** Face on face: the incident polygon clipped by the reference face, all its corners kept, no inset (their placement is
 physics: an inset of 1.25 % raises the minimum thickness of an arch by 2.6 %). Overlaps narrower than SLIVER of the smaller part are no
@@ -35,6 +44,7 @@ from numba import njit
 from masonry_cd.blocks import Assembly
 
 SLIVER = 1e-4  # narrowest interface, as a share of the smaller part's width
+STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the smaller part's width
 REUSE = 1e-3  # a remembered feature is trusted until the pair has moved by this share of the smaller part's width
 SKIN = 0.2  # growth of the bounding boxes, as a share of the median width of the parts
 EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
@@ -42,7 +52,10 @@ SNAP = 1e-7  # a corner this close to a side plane is on it
 JOINT_SNAP = 1e-4  # the same for joints whose law goes by area, as a share of the smaller part's width
 MATCH = 0.05  # a contact is the same as one of the last step if it moved by less than this share of the smaller part's width
 
+NEAR = 1e-3  # surfaces closer than this share of the smaller part's width are always in the contact set
+
 UNKNOWN, NOTHING, FACE_OF_A, FACE_OF_B, EDGES = 0, 1, 2, 3, 4  # kinds of separating feature
+APART, KEPT, CLIPPED, SEARCHED = 0, 1, 2, 3  # what was done with a pair: nothing, points carried along, points found, feature found
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,27 +78,43 @@ class ContactSet:
     @classmethod
     def none(cls) -> ContactSet:
         """No contacts."""
-        return _Buffers(0).first(0)
+        return cls.room(0)
+
+    @classmethod
+    def room(cls, count: int) -> ContactSet:
+        """Arrays for so many contacts, to be filled."""
+        one, three, index = (count,), (count, 3), np.int64
+        return cls(
+            np.empty((count, 2), index), np.empty(three), np.empty(three), np.empty(one), np.empty(one), np.empty(one, index),
+            np.empty(one, index),
+        )  # fmt: skip
 
 
 class Detector:
-    """Finds contacts step after step and remembers what the next step can use."""
+    """Finds contacts step after step and remembers what the next step can use.
+
+    Args:
+        assembly: the blocks.
+        corners_only: no centroids and no areas, whatever the laws of the joints.
+    """
 
     def __init__(self, assembly: Assembly, corners_only: bool = False) -> None:
         shapes = assembly.shapes
+        self._shapes = shapes
         self._group_of = assembly.group_of
         self._by_area = assembly.laws.by_area & (not corners_only)
-        self._shapes = shapes
         self._fixed_part = assembly.fixed[shapes.part_block]
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
-        self._world = np.empty_like(shapes.vertices)
-        self._box = np.empty((len(shapes.part_block), 6))
-        self._grown = np.full_like(self._box, np.nan)  # nothing lies inside NaN: the first call builds the list
-        self._memory = PairMemory.empty(0)
-        self._last = _Buffers(0)
-        self._spare = _Buffers(64)
-        self._loop = int(np.diff(shapes.loop_start).max())
+        corners = np.diff(shapes.loop_start)
+        self._corners = np.maximum.reduceat(corners, shapes.face_start[:-1])  # (P,) most corners of a face
+        self._scratch = 2 * int(self._corners.max()) + 8, int(np.diff(shapes.vertex_start).max()), int(np.diff(shapes.face_start).max())
+        self._listed_position = np.empty_like(assembly.centre)
+        self._listed_rotation = np.empty((assembly.count, 3, 3))
+        self._allowance = np.full(len(shapes.part_block), np.nan)  # nothing is less than NaN: the first call builds the list
+        self._memory = PairMemory.empty(0, 0)
+        self._gap = np.empty(0)  # of each point kept, inf beyond the margin
         self.rebuilds = 0
+        self.tally = np.zeros(4, dtype=np.int64)  # pairs so far that were APART, KEPT, CLIPPED, SEARCHED
 
     @property
     def pairs(self) -> np.ndarray:
@@ -105,121 +134,176 @@ class Detector:
             slack: distance that forces not yet known may add within the step [m].
             origin: (3,) displacement of the supports since the start [m].
         """
-        s, memory = self._shapes, None
-        if not _place(position, rotation, s.part_block, s.vertex_start, s.vertices, self._world, self._box, origin, self._grown):
-            self._rebuild()
-        memory, count = self._memory, -1
-        while count < 0:
-            out = self._spare
-            count = _narrow(
-                memory.parts, memory.feature, memory.budget, memory.pose, memory.begin, memory.count,
-                s.part_block, s.vertex_start, s.face_start, s.face_normals, s.loop_start, s.loops, s.edge_start, s.edges, s.radius, s.size,
-                self._group_of, self._by_area, self._loop, self._world, position, rotation, velocity, step, slack, self._last.local,
-                out.bodies, out.point, out.normal, out.gap, out.area, out.pair, out.previous, out.local,
-            )  # fmt: skip
-            if count < 0:
-                self._spare = _Buffers(2 * len(out.gap))
-        self._spare, self._last = self._last if len(self._last.gap) == len(out.gap) else _Buffers(len(out.gap)), out
-        return out.first(count)
+        s = self._shapes
+        if not _list_holds(
+            position, rotation, velocity, step, slack, origin, s.part_block, s.radius, s.size, self._listed_position, self._listed_rotation,
+            self._allowance,
+        ):  # fmt: skip
+            self._rebuild(position, rotation, velocity, step, slack, origin)
+        m = self._memory
+        count = _look(
+            m.parts, m.feature, m.budget, m.pose, m.built, m.normal, m.slot, m.count, m.local, m.height, m.area, m.place, self._gap,
+            s.part_block, s.vertex_start, s.vertices, s.face_start, s.face_normals, s.loop_start, s.loops, s.edge_start, s.edges, s.radius,
+            s.size, self._group_of, self._by_area, self._scratch, position, rotation, velocity, step, slack, self.tally,
+        )  # fmt: skip
+        out = ContactSet.room(count)
+        _write_down(
+            m.parts, m.normal, m.slot, m.count, m.local, m.area, m.place, self._gap, s.part_block, position, rotation,
+            out.bodies, out.point, out.normal, out.gap, out.area, out.pair, out.previous,
+        )  # fmt: skip
+        return out
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """What the detector remembers, as arrays for a checkpoint."""
-        memory = {name: getattr(self._memory, name) for name in PairMemory.__dataclass_fields__}
-        contacts = int(self._memory.count.sum())
-        return memory | {"grown": self._grown, "local": self._last.local[:contacts]}
+        own = {"listed_position": self._listed_position, "listed_rotation": self._listed_rotation, "allowance": self._allowance}
+        return self._memory.snapshot() | own | {"tally": self.tally, "rebuilds": np.array(self.rebuilds)}
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Take back what :meth:`snapshot` gave."""
-        self._memory = PairMemory(**{name: arrays[name] for name in PairMemory.__dataclass_fields__})
-        self._grown = arrays["grown"]
-        self._last = _Buffers(len(arrays["local"]))
-        self._last.local[:] = arrays["local"]
+        self._memory = PairMemory.restored(arrays, self._room(arrays["parts"]))
+        self._gap = np.empty(len(self._memory.height))
+        self._listed_position, self._listed_rotation = arrays["listed_position"], arrays["listed_rotation"]
+        self._allowance, self.tally, self.rebuilds = arrays["allowance"], arrays["tally"], int(arrays["rebuilds"])
 
-    def _rebuild(self) -> None:
+    def _rebuild(
+        self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: float, slack: float, origin: np.ndarray
+    ) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
-        self._grown[:, :3] = self._box[:, :3] - self._skin
-        self._grown[:, 3:] = self._box[:, 3:] + self._skin
-        pairs = _sweep(self._grown, self._fixed_part, self._shapes.part_block)
-        self._memory = self._memory.carried_over(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))])
+        s, boxes = self._shapes, np.empty((len(self._allowance), 6))
+        np.subtract(position, origin, out=self._listed_position)
+        self._listed_rotation[:] = rotation
+        _boxes(
+            self._listed_position, rotation, velocity, step, slack, self._skin, s.part_block, s.vertex_start, s.vertices, s.radius, s.size,
+            self._allowance, boxes,
+        )  # fmt: skip
+        pairs = _sweep(boxes, self._fixed_part, s.part_block)
+        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        self._memory = self._memory.carried_over(pairs, self._room(pairs))
+        self._gap = np.empty(len(self._memory.height))
         self.rebuilds += 1
+
+    def _room(self, pairs: np.ndarray) -> np.ndarray:
+        """Room (P,) for the points of each pair: a polygon of i corners cut by one of k has i + k at most; and the centroid."""
+        return self._corners[pairs].sum(axis=1) + 1
 
 
 @dataclass(eq=False)
 class PairMemory:
-    """What is remembered of each of P candidate pairs from one step to the next; arrays, so that a checkpoint can hold them."""
+    """What is remembered of each of P candidate pairs from one step to the next; arrays, so that a checkpoint can hold them.
 
-    parts: np.ndarray  # (P, 2)
+    The points of pair k stand at slot[k], ..., slot[k] + count[k] - 1 of the arrays of points, (S, ...).
+    """
+
+    parts: np.ndarray  # (P, 2) a and b
     feature: np.ndarray  # (P, 3) kind of the separating feature and its face or edges; NOTHING: apart
     budget: np.ndarray  # (P,) distance between the parts when they were last found apart [m]
     pose: np.ndarray  # (P, 12) pose of b in the frame of a when the feature was found
-    begin: np.ndarray  # (P,) first contact in the last set
-    count: np.ndarray  # (P,) contacts in the last set
+    built: np.ndarray  # (P, 12) the same when the points were found
+    normal: np.ndarray  # (P, 3) from a to b, in the frame of a
+    count: np.ndarray  # (P,) points
+    slot: np.ndarray  # (P + 1,)
+    local: np.ndarray  # (S, 3) point in the frame of a
+    height: np.ndarray  # (S,) gap when it was found [m]
+    area: np.ndarray  # (S,) share of the joint's area [m2]
+    place: np.ndarray  # (S,) its contact in the last set, -1 if it was none
 
     @classmethod
-    def empty(cls, pairs: int) -> PairMemory:
-        """Nothing remembered: every pair is looked at afresh."""
+    def empty(cls, pairs: int, room: np.ndarray | int) -> PairMemory:
+        """Nothing remembered: every pair is looked at afresh. ``room`` (P,) points for each pair."""
+        slot = np.zeros(pairs + 1, dtype=np.int64)
+        np.cumsum(np.broadcast_to(room, pairs), out=slot[1:])
+        points = int(slot[-1])
         return cls(
             np.zeros((pairs, 2), dtype=np.int64), np.full((pairs, 3), UNKNOWN), np.zeros(pairs), np.full((pairs, 12), np.inf),
-            np.zeros(pairs, dtype=np.int64), np.zeros(pairs, dtype=np.int64),
+            np.full((pairs, 12), np.inf), np.zeros((pairs, 3)), np.zeros(pairs, dtype=np.int64), slot,
+            np.zeros((points, 3)), np.zeros(points), np.zeros(points), np.zeros(points, dtype=np.int64),
         )  # fmt: skip
 
-    def carried_over(self, parts: np.ndarray) -> PairMemory:
+    def carried_over(self, parts: np.ndarray, room: np.ndarray) -> PairMemory:
         """The memory for a new list of pairs (sorted), with what was known of those in the old one."""
-        new = PairMemory.empty(len(parts))
+        new = PairMemory.empty(len(parts), room)
         new.parts = parts
         if len(self.parts) and len(parts):
             span = max(self.parts.max(), parts.max()) + 1
             old_key, new_key = self.parts @ [span, 1], parts @ [span, 1]
             at = np.minimum(np.searchsorted(old_key, new_key), len(old_key) - 1)
             on = np.flatnonzero(old_key[at] == new_key)
-            for name in ("feature", "budget", "pose", "begin", "count"):
+            for name in OF_PAIRS:
                 getattr(new, name)[on] = getattr(self, name)[at[on]]
+            for name in OF_POINTS:
+                getattr(new, name)[new.points(on)] = getattr(self, name)[self.points(at[on])]
+        return new
+
+    def points(self, pairs: np.ndarray | slice = slice(None)) -> np.ndarray:
+        """Where the points of some pairs stand, pair by pair."""
+        count = self.count[pairs]
+        end = np.cumsum(count)
+        return np.repeat(self.slot[:-1][pairs] - (end - count), count) + np.arange(end[-1] if len(end) else 0)
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """All of it but the room that is not used."""
+        used = self.points()
+        return {name: getattr(self, name) for name in ("parts", *OF_PAIRS)} | {name: getattr(self, name)[used] for name in OF_POINTS}
+
+    @classmethod
+    def restored(cls, arrays: Mapping[str, np.ndarray], room: np.ndarray) -> PairMemory:
+        """Take back what :meth:`snapshot` gave."""
+        new = cls.empty(len(room), room)
+        for name in ("parts", *OF_PAIRS):
+            setattr(new, name, arrays[name])
+        used = new.points()
+        for name in OF_POINTS:
+            getattr(new, name)[used] = arrays[name]
         return new
 
 
-class _Buffers:
-    """Arrays for the contacts of one step; two sets take turns, so that the last one stays readable."""
-
-    def __init__(self, capacity: int) -> None:
-        self.bodies = np.empty((capacity, 2), dtype=np.int64)
-        self.point = np.empty((capacity, 3))
-        self.normal = np.empty((capacity, 3))
-        self.gap = np.empty(capacity)
-        self.area = np.empty(capacity)
-        self.pair = np.empty(capacity, dtype=np.int64)
-        self.previous = np.empty(capacity, dtype=np.int64)
-        self.local = np.empty((capacity, 3))  # contact point in the body frame of the antagonist
-
-    def first(self, count: int) -> ContactSet:
-        """The first entries, as views."""
-        return ContactSet(
-            self.bodies[:count], self.point[:count], self.normal[:count], self.gap[:count], self.area[:count], self.pair[:count],
-            self.previous[:count],
-        )  # fmt: skip
+OF_PAIRS = ("feature", "budget", "pose", "built", "normal", "count")
+OF_POINTS = ("local", "height", "area", "place")
 
 
 # --- broad phase ----------------------------------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True)
-def _place(position, rotation, part_block, vertex_start, vertices, world, box, origin, grown):
-    """Place all vertices in the world and box every part; return whether all boxes lie inside their grown ones."""
-    inside = True
+@njit(cache=True, nogil=True, error_model="numpy")
+def _reach(v, radius, size, step, slack):
+    """How far a part may go within the step, and its share of what counts as near: half the margin of a pair, or more [m]."""
+    speed = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + radius * np.sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5])
+    return 2.0 * step * speed + 0.5 * slack + 0.5 * NEAR * size
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _list_holds(position, rotation, velocity, step, slack, origin, part_block, radius, size, listed_position, listed_rotation, allowance):
+    """Whether no part has moved, nor may move within the step, by more than its box had been grown."""
     for p in range(part_block.shape[0]):
-        r, x = rotation[part_block[p]], position[part_block[p]]
+        b = part_block[p]
+        shift, turn = 0.0, 0.0
+        for i in range(3):
+            shift += (position[b, i] - origin[i] - listed_position[b, i]) ** 2
+            for j in range(3):
+                turn += (rotation[b, i, j] - listed_rotation[b, i, j]) ** 2
+        moved = np.sqrt(shift) + radius[p] * np.sqrt(turn)
+        if not moved + _reach(velocity[b], radius[p], size[p], step, slack) <= allowance[p]:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _boxes(position, rotation, velocity, step, slack, skin, part_block, vertex_start, vertices, radius, size, allowance, box):
+    """Bounding boxes of all parts, grown by the skin and by what a part may do within a step; the growth is the ``allowance``."""
+    for p in range(part_block.shape[0]):
+        b = part_block[p]
+        allowance[p] = skin + _reach(velocity[b], radius[p], size[p], step, slack)
         for d in range(3):
             low, high = np.inf, -np.inf
             for i in range(vertex_start[p], vertex_start[p + 1]):
-                value = r[d, 0] * vertices[i, 0] + r[d, 1] * vertices[i, 1] + r[d, 2] * vertices[i, 2] + x[d]
-                world[i, d] = value
+                value = position[b, d]
+                for e in range(3):
+                    value += rotation[b, d, e] * vertices[i, e]
                 low, high = min(low, value), max(high, value)
-            box[p, d], box[p, 3 + d] = low - origin[d], high - origin[d]
-            if not (box[p, d] >= grown[p, d] and box[p, 3 + d] <= grown[p, 3 + d]):
-                inside = False
-    return inside
+            box[p, d], box[p, 3 + d] = low - allowance[p], high + allowance[p]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _sweep(box, fixed, block):
     """Pairs of overlapping boxes, swept along the axis on which their centres spread most; two supports never pair up."""
     parts = box.shape[0]
@@ -253,69 +337,113 @@ def _sweep(box, fixed, block):
 
 
 # --- narrow phase ---------------------------------------------------------------------------------------------------------------
+#
+# Kernels see the two parts of a pair in the frame of a: those of a as they are stored, those of b placed into scratch arrays, whose
+# entries are counted from ``b_vertex``, ``b_face``. Where a kernel treats both alike, it takes an array and where its counting begins.
 
 
-@njit(cache=True, nogil=True)
-def _narrow(
-    parts, feature, budget, pose, begin, count_of,
-    part_block, vertex_start, face_start, normals, loop_start, loops, edge_start, edges, radius, size,
-    group_of, by_area, longest, world, position, rotation, velocity, step, slack, last_local,
-    bodies, point, normal, gap, area, pair, previous, local,
+@njit(cache=True, nogil=True, error_model="numpy")
+def _look(
+    parts, feature, budget, pose, built, normal, slot, count, local, height, area, place, gap,
+    part_block, vertex_start, vertices, face_start, normals, loop_start, loops, edge_start, edges, radius, size, group_of, by_area, scratch,
+    position, rotation, velocity, step, slack, tally,
 ):  # fmt: skip
-    """Contacts of all pairs, written into the arrays of the last line; their number, or -1 when these are too short.
-
-    The memory of the last contacts (begin, count_of) is only replaced when all fitted, so the call can be repeated.
-    """
-    capacity, total = gap.shape[0], 0
-    most = 4 * longest + 8
+    """Bring the points of all pairs up to date, and the gap of each, inf where it is beyond the margin; return how many are within."""
+    most, most_vertices, most_faces = scratch
     polygon, other = np.empty((most, 3)), np.empty((most, 3))
-    height, weight = np.empty(most), np.empty(most)
-    new_begin = np.empty(parts.shape[0], dtype=np.int64)
+    new_height, weight, new_place = np.empty(most), np.empty(most), np.empty(most, dtype=np.int64)
+    vertices_b, normals_b = np.empty((most_vertices, 3)), np.empty((most_faces, 3))
+    now = np.empty(12)
+    shown = 0
     for k in range(parts.shape[0]):
-        new_begin[k] = total
         a, b = parts[k, 0], parts[k, 1]
         body_a, body_b = part_block[a], part_block[b]
         width = min(size[a], size[b])
-        margin = slack + 1e-3 * width + 2.0 * step * _closing_speed(velocity[body_a], velocity[body_b], radius[a], radius[b])
-        moved = _moved(position[body_a], rotation[body_a], position[body_b], rotation[body_b], radius[b], pose[k])
-        if feature[k, 0] == NOTHING and budget[k] - moved > margin:
-            continue
-        if feature[k, 0] == NOTHING or not moved < REUSE * width:
-            apart = _separate(a, b, vertex_start, face_start, normals, loop_start, loops, edge_start, edges, world,
-                              rotation[body_a], rotation[body_b], EDGE_BIAS * width, feature[k])  # fmt: skip
-            _remember_pose(position[body_a], rotation[body_a], position[body_b], rotation[body_b], pose[k])
-            if apart > margin:
-                feature[k, 0], budget[k] = NOTHING, apart
-                continue
-        if total + most > capacity:
-            return -1
-        n = normal[total]
-        with_area = by_area[group_of[body_a], group_of[body_b]]
-        if feature[k, 0] == EDGES:
-            found = _edge_contact(feature[k], edges, world, normals, rotation[body_a], n, polygon, height)
+        margin = slack + NEAR * width + 2.0 * step * _closing_speed(velocity[body_a], velocity[body_b], radius[a], radius[b])
+        _relative_pose(position, rotation, body_a, body_b, now)
+        first = slot[k]
+        if feature[k, 0] > NOTHING and _moved(now, built[k], radius[b]) < STILL * width:
+            _follow(now, built[k], normal[k], local, height, first, first + count[k], gap)
+            tally[KEPT] += 1
         else:
-            found = _face_contacts(feature[k], a, b, body_a, body_b, vertex_start, face_start, normals, loop_start, loops, world, rotation,
-                                   width, with_area, n, polygon, other, height, weight)  # fmt: skip
-        first = total
-        for i in range(found):
-            if height[i] > margin:
+            moved = _moved(now, pose[k], radius[b])
+            if feature[k, 0] == NOTHING and budget[k] - moved > margin:
+                tally[APART] += 1
                 continue
-            gap[total], pair[total] = height[i], k
-            area[total] = weight[i] if with_area and feature[k, 0] != EDGES else 0.0
-            bodies[total, 0], bodies[total, 1] = body_b, body_a
-            for d in range(3):
-                normal[total, d] = normal[first, d]
-                point[total, d] = polygon[i, d]
-            _to_local(rotation[body_a], position[body_a], polygon[i], local[total])
-            previous[total] = _match(local, first, total, last_local, begin[k], count_of[k], previous, MATCH * width, with_area)
-            total += 1
+            _place(now, b, vertex_start, vertices, face_start, normals, vertices_b, normals_b)
+            b_vertex, b_face = vertex_start[b], face_start[b]
+            if feature[k, 0] == NOTHING or not moved < REUSE * width:
+                tally[SEARCHED] += 1
+                apart = _separate(
+                    a, b, vertex_start, vertices, face_start, normals, loop_start, loops, edge_start, edges, vertices_b, normals_b,
+                    EDGE_BIAS * width, feature[k],
+                )  # fmt: skip
+                pose[k] = now
+                if apart > margin:
+                    feature[k, 0], budget[k], count[k] = NOTHING, apart, 0
+                    continue
+            tally[CLIPPED] += 1
+            with_area = by_area[group_of[body_a], group_of[body_b]] and feature[k, 0] != EDGES
+            if feature[k, 0] == EDGES:
+                found = _edge_contact(
+                    edges[feature[k, 1]], edges[feature[k, 2]], vertices, vertices_b, b_vertex, normals, normal[k], polygon, new_height,
+                )  # fmt: skip
+            elif feature[k, 0] == FACE_OF_A:
+                found = _face_contacts(
+                    1.0, feature[k, 1], loop_start, loops, vertices, 0, normals, 0,
+                    vertices_b, b_vertex, normals_b, b_face, b_face, face_start[b + 1],
+                    width, with_area, normal[k], polygon, other, new_height, weight,
+                )  # fmt: skip
+            else:
+                found = _face_contacts(
+                    -1.0, feature[k, 1], loop_start, loops, vertices_b, b_vertex, normals_b, b_face,
+                    vertices, 0, normals, 0, face_start[a], face_start[a + 1],
+                    width, with_area, normal[k], polygon, other, new_height, weight,
+                )  # fmt: skip
+            built[k] = now
+            _match(polygon, found, local, place, first, count[k], MATCH * width, with_area, new_place)
+            count[k] = found
+            for i in range(found):
+                s = first + i
+                local[s, 0], local[s, 1], local[s, 2] = polygon[i, 0], polygon[i, 1], polygon[i, 2]
+                height[s] = gap[s] = new_height[i]
+                area[s] = weight[i] if with_area else 0.0
+                place[s] = new_place[i]
+        for s in range(first, first + count[k]):
+            if gap[s] > margin:
+                gap[s] = np.inf
+            else:
+                shown += 1
+    return shown
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _write_down(
+    parts, local_normal, slot, count, local, local_area, place, kept_gap, part_block, position, rotation,
+    bodies, point, normal, gap, area, pair, previous,
+):  # fmt: skip
+    """Fill the contact set (the last line) with the points within the margin, in the world frame, and note the place of each."""
+    total = 0
     for k in range(parts.shape[0]):
-        end = new_begin[k + 1] if k + 1 < parts.shape[0] else total
-        begin[k], count_of[k] = new_begin[k], end - new_begin[k]
-    return total
+        if count[k] == 0:
+            continue
+        a, b = part_block[parts[k, 0]], part_block[parts[k, 1]]
+        r, x = rotation[a], position[a]
+        nx, ny, nz = _turned(r, local_normal[k])
+        for s in range(slot[k], slot[k] + count[k]):
+            if kept_gap[s] == np.inf:
+                place[s] = -1
+                continue
+            px, py, pz = _turned(r, local[s])
+            point[total, 0], point[total, 1], point[total, 2] = x[0] + px, x[1] + py, x[2] + pz
+            normal[total, 0], normal[total, 1], normal[total, 2] = nx, ny, nz
+            bodies[total, 0], bodies[total, 1] = b, a
+            gap[total], area[total], pair[total], previous[total] = kept_gap[s], local_area[s], k, place[s]
+            place[s] = total
+            total += 1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _closing_speed(va, vb, radius_a, radius_b):
     """Bound on the speed at which a point of one body nears a point of the other [m/s]."""
     dx, dy, dz = vb[0] - va[0], vb[1] - va[1], vb[2] - va[2]
@@ -324,45 +452,75 @@ def _closing_speed(va, vb, radius_a, radius_b):
     return np.sqrt(dx * dx + dy * dy + dz * dz) + spin_a * radius_a + spin_b * radius_b
 
 
-@njit(cache=True, nogil=True)
-def _remember_pose(xa, ra, xb, rb, pose):
-    """Store the pose of b in the frame of a."""
+@njit(cache=True, nogil=True, error_model="numpy")
+def _relative_pose(position, rotation, a, b, pose):
+    """Pose of block b in the frame of block a: place of its centre, then the rotation matrix row by row."""
+    ra, rb = rotation[a], rotation[b]
+    dx, dy, dz = position[b, 0] - position[a, 0], position[b, 1] - position[a, 1], position[b, 2] - position[a, 2]
     for i in range(3):
-        value = 0.0
-        for d in range(3):
-            value += ra[d, i] * (xb[d] - xa[d])
-        pose[i] = value
+        pose[i] = ra[0, i] * dx + ra[1, i] * dy + ra[2, i] * dz
         for j in range(3):
             pose[3 + 3 * i + j] = ra[0, i] * rb[0, j] + ra[1, i] * rb[1, j] + ra[2, i] * rb[2, j]
 
 
-@njit(cache=True, nogil=True)
-def _moved(xa, ra, xb, rb, radius, pose):
-    """Bound on how far any point of b has moved in the frame of a since the pose was stored [m]."""
+@njit(cache=True, nogil=True, error_model="numpy")
+def _moved(now, then, radius):
+    """Bound on how far any point of b has moved in the frame of a between two poses [m]."""
     shift, turn = 0.0, 0.0
     for i in range(3):
-        value = 0.0
-        for d in range(3):
-            value += ra[d, i] * (xb[d] - xa[d])
-        shift += (value - pose[i]) ** 2
-        for j in range(3):
-            turn += (ra[0, i] * rb[0, j] + ra[1, i] * rb[1, j] + ra[2, i] * rb[2, j] - pose[3 + 3 * i + j]) ** 2
+        shift += (now[i] - then[i]) ** 2
+    for i in range(3, 12):
+        turn += (now[i] - then[i]) ** 2
     return np.sqrt(shift) + radius * np.sqrt(turn)
 
 
-@njit(cache=True, nogil=True)
-def _separate(a, b, vertex_start, face_start, normals, loop_start, loops, edge_start, edges, world, ra, rb, bias, feature):
+@njit(cache=True, nogil=True, error_model="numpy")
+def _follow(now, then, n, local, height, first, last, gap):
+    """Gaps after a small motion: what they were, and the motion along n of the point of b that was at the contact."""
+    for s in range(first, last):
+        dx, dy, dz = local[s, 0] - then[0], local[s, 1] - then[1], local[s, 2] - then[2]
+        moved = 0.0
+        for i in range(3):
+            moved += n[i] * (now[i] - then[i])
+        for j in range(3):
+            y = then[3 + j] * dx + then[6 + j] * dy + then[9 + j] * dz  # in the frame of b
+            for i in range(3):
+                moved += n[i] * (now[3 + 3 * i + j] - then[3 + 3 * i + j]) * y
+        gap[s] = height[s] + moved
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _place(pose, b, vertex_start, vertices, face_start, normals, placed, turned):
+    """Vertices and face normals of part b in the frame of a."""
+    for k in range(vertex_start[b + 1] - vertex_start[b]):
+        v = vertices[vertex_start[b] + k]
+        for i in range(3):
+            placed[k, i] = pose[i] + pose[3 + 3 * i] * v[0] + pose[4 + 3 * i] * v[1] + pose[5 + 3 * i] * v[2]
+    for k in range(face_start[b + 1] - face_start[b]):
+        v = normals[face_start[b] + k]
+        for i in range(3):
+            turned[k, i] = pose[3 + 3 * i] * v[0] + pose[4 + 3 * i] * v[1] + pose[5 + 3 * i] * v[2]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _separate(
+    a, b, vertex_start, vertices, face_start, normals, loop_start, loops, edge_start, edges, vertices_b, normals_b, bias, feature
+):
     """Find the axis of largest separation, write it into ``feature`` and return the separation [m].
 
     Faces win over edges, and the face of the last step over others, unless beaten by the bias: the normal must not flicker.
     """
-    best, face = _face_axis(a, b, vertex_start, face_start, normals, loop_start, loops, world, ra)
-    best_b, face_b = _face_axis(b, a, vertex_start, face_start, normals, loop_start, loops, world, rb)
+    b_vertex, b_face = vertex_start[b], face_start[b]
+    best, face = _face_axis(face_start[a], face_start[a + 1], normals, 0, loop_start, loops, vertices, 0, vertices_b,
+                            vertex_start[b + 1] - b_vertex)  # fmt: skip
+    best_b, face_b = _face_axis(b_face, face_start[b + 1], normals_b, b_face, loop_start, loops, vertices_b, b_vertex,
+                                vertices[vertex_start[a] : vertex_start[a + 1]], vertex_start[a + 1] - vertex_start[a])  # fmt: skip
     kind = FACE_OF_A
     prefer_b = feature[0] == FACE_OF_B
     if best_b > best + (-0.1 * bias if prefer_b else 0.1 * bias):
         best, face, kind = best_b, face_b, FACE_OF_B
-    edge_best, edge_a, edge_b = _edge_axis(a, b, edge_start, edges, normals, world, ra, rb)
+    edge_best, edge_a, edge_b = _edge_axis(edge_start[a], edge_start[a + 1], edge_start[b], edge_start[b + 1], edges, normals, vertices,
+                                           normals_b, b_face, vertices_b, b_vertex)  # fmt: skip
     if edge_best > best + bias:
         feature[0], feature[1], feature[2] = EDGES, edge_a, edge_b
         return edge_best
@@ -370,17 +528,16 @@ def _separate(a, b, vertex_start, face_start, normals, loop_start, loops, edge_s
     return best
 
 
-@njit(cache=True, nogil=True)
-def _face_axis(a, b, vertex_start, face_start, normals, loop_start, loops, world, ra):
-    """Largest separation of b from a over the faces of a, and the face."""
+@njit(cache=True, nogil=True, error_model="numpy")
+def _face_axis(first, last, normals, normal_from, loop_start, loops, vertices, vertex_from, points, count):
+    """Largest separation of some points from a part over the faces of the part, and the face."""
     best, at = -np.inf, -1
-    for f in range(face_start[a], face_start[a + 1]):
-        nx, ny, nz = _turned(ra, normals[f])
-        corner = world[loops[loop_start[f]]]
-        offset = nx * corner[0] + ny * corner[1] + nz * corner[2]
+    for f in range(first, last):
+        n, corner = normals[f - normal_from], vertices[loops[loop_start[f]] - vertex_from]
+        offset = n[0] * corner[0] + n[1] * corner[1] + n[2] * corner[2]
         least = np.inf
-        for i in range(vertex_start[b], vertex_start[b + 1]):
-            value = nx * world[i, 0] + ny * world[i, 1] + nz * world[i, 2]
+        for i in range(count):
+            value = n[0] * points[i, 0] + n[1] * points[i, 1] + n[2] * points[i, 2]
             if value < least:
                 least = value
                 if least - offset < best:
@@ -390,18 +547,20 @@ def _face_axis(a, b, vertex_start, face_start, normals, loop_start, loops, world
     return best, at
 
 
-@njit(cache=True, nogil=True)
-def _edge_axis(a, b, edge_start, edges, normals, world, ra, rb):
+@njit(cache=True, nogil=True, error_model="numpy")
+def _edge_axis(first_a, last_a, first_b, last_b, edges, normals, vertices, normals_b, b_face, vertices_b, b_vertex):
     """Largest separation over the edge pairs whose Gauss arcs cross, and the edges."""
     best, at_a, at_b = -np.inf, -1, -1
-    for i in range(edge_start[a], edge_start[a + 1]):
-        ax, ay, az = _turned(ra, normals[edges[i, 2]])
-        bx, by, bz = _turned(ra, normals[edges[i, 3]])
+    for i in range(first_a, last_a):
+        left, right = edges[i, 2], edges[i, 3]
+        ax, ay, az = normals[left, 0], normals[left, 1], normals[left, 2]
+        bx, by, bz = normals[right, 0], normals[right, 1], normals[right, 2]
         px, py, pz = by * az - bz * ay, bz * ax - bx * az, bx * ay - by * ax  # b x a, along the edge
-        p = world[edges[i, 0]]
-        for j in range(edge_start[b], edge_start[b + 1]):
-            cx, cy, cz = _turned(rb, normals[edges[j, 2]])
-            dx, dy, dz = _turned(rb, normals[edges[j, 3]])
+        p = vertices[edges[i, 0]]
+        for j in range(first_b, last_b):
+            left, right = edges[j, 2] - b_face, edges[j, 3] - b_face
+            cx, cy, cz = normals_b[left, 0], normals_b[left, 1], normals_b[left, 2]
+            dx, dy, dz = normals_b[right, 0], normals_b[right, 1], normals_b[right, 2]
             cba = -(cx * px + cy * py + cz * pz)
             dba = -(dx * px + dy * py + dz * pz)
             if cba * dba >= 0.0:
@@ -416,7 +575,7 @@ def _edge_axis(a, b, edge_start, edges, normals, world, ra, rb):
             if length < 1e-6 * np.sqrt((px * px + py * py + pz * pz) * (qx * qx + qy * qy + qz * qz)):
                 continue  # parallel edges: a face axis is at least as good
             sign = 1.0 if ux * (ax + bx) + uy * (ay + by) + uz * (az + bz) > 0.0 else -1.0
-            q = world[edges[j, 0]]
+            q = vertices_b[edges[j, 0] - b_vertex]
             value = sign * (ux * (q[0] - p[0]) + uy * (q[1] - p[1]) + uz * (q[2] - p[2])) / length
             if value > best:
                 best, at_a, at_b = value, i, j
@@ -426,37 +585,39 @@ def _edge_axis(a, b, edge_start, edges, normals, world, ra, rb):
 # --- manifolds ------------------------------------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True)
-def _face_contacts(feature, a, b, body_a, body_b, vertex_start, face_start, normals, loop_start, loops, world, rotation, width,
-                   with_area, n, polygon, other, height, weight):  # fmt: skip
-    """Clip the incident face by the reference face. Fills polygon (contact points), height (gaps), n (from a to b) and weight (areas)."""
-    on_a = feature[0] == FACE_OF_A
-    reference, partner = feature[1], b if on_a else a
-    r_ref, r_inc = (rotation[body_a], rotation[body_b]) if on_a else (rotation[body_b], rotation[body_a])
-    nx, ny, nz = _turned(r_ref, normals[reference])
-    incident = _incident_face(partner, face_start, normals, r_inc, nx, ny, nz)
+@njit(cache=True, nogil=True, error_model="numpy")
+def _face_contacts(
+    sign, reference, loop_start, loops, vertices, vertex_from, normals, normal_from,
+    other_vertices, other_vertex_from, other_normals, other_normal_from, other_first, other_last,
+    width, with_area, n, polygon, other, height, weight,
+):  # fmt: skip
+    """Clip the incident face of the other part by the reference face.
+
+    Fills polygon (contact points), height (gaps), n (from a to b: the outward normal times ``sign``) and weight (areas).
+    """
+    outward = normals[reference - normal_from]
+    nx, ny, nz = outward[0], outward[1], outward[2]
+    n[0], n[1], n[2] = sign * nx, sign * ny, sign * nz
+    incident = _incident_face(other_normals, other_normal_from, other_first, other_last, nx, ny, nz)
     count = 0
     for i in range(loop_start[incident], loop_start[incident + 1]):
-        polygon[count] = world[loops[i]]
+        v = other_vertices[loops[i] - other_vertex_from]
+        polygon[count, 0], polygon[count, 1], polygon[count, 2] = v[0], v[1], v[2]
         count += 1
     snap = (JOINT_SNAP if with_area else SNAP) * width
     first, last = loop_start[reference], loop_start[reference + 1]
     for i in range(first, last):  # side planes of the reference face point inwards: normal x edge
-        p, q = world[loops[i]], world[loops[i + 1] if i + 1 < last else loops[first]]
+        p, q = vertices[loops[i] - vertex_from], vertices[loops[i + 1 if i + 1 < last else first] - vertex_from]
         ex, ey, ez = q[0] - p[0], q[1] - p[1], q[2] - p[2]
         sx, sy, sz = ny * ez - nz * ey, nz * ex - nx * ez, nx * ey - ny * ex
         scale = 1.0 / np.sqrt(sx * sx + sy * sy + sz * sz)
-        count = _cut(polygon, count, scale * sx, scale * sy, scale * sz, p, snap, other)
-        for k in range(count):
-            polygon[k] = other[k]
+        count = _cut(polygon, count, scale * sx, scale * sy, scale * sz, p[0], p[1], p[2], snap, height, other)
     count = _without_twins(polygon, count, snap)
     if count < 3 or _narrowness(polygon, count, nx, ny, nz) < SLIVER * width:
         return 0
     if with_area:
         count = _share_out(polygon, count, nx, ny, nz, weight)
-    p = world[loops[first]]
-    sign = 1.0 if on_a else -1.0
-    n[0], n[1], n[2] = sign * nx, sign * ny, sign * nz
+    p = vertices[loops[first] - vertex_from]
     for k in range(count):  # the point lies midway between the two surfaces
         height[k] = nx * (polygon[k, 0] - p[0]) + ny * (polygon[k, 1] - p[1]) + nz * (polygon[k, 2] - p[2])
         polygon[k, 0] -= 0.5 * height[k] * nx
@@ -465,38 +626,47 @@ def _face_contacts(feature, a, b, body_a, body_b, vertex_start, face_start, norm
     return count
 
 
-@njit(cache=True, nogil=True)
-def _incident_face(part, face_start, normals, r, nx, ny, nz):
-    """The face of a part that faces the direction -n most squarely."""
+@njit(cache=True, nogil=True, error_model="numpy")
+def _incident_face(normals, normal_from, first, last, nx, ny, nz):
+    """The face that faces the direction -n most squarely."""
     least, at = np.inf, -1
-    for f in range(face_start[part], face_start[part + 1]):
-        x, y, z = _turned(r, normals[f])
-        value = x * nx + y * ny + z * nz
+    for f in range(first, last):
+        n = normals[f - normal_from]
+        value = n[0] * nx + n[1] * ny + n[2] * nz
         if value < least:
             least, at = value, f
     return at
 
 
-@njit(cache=True, nogil=True)
-def _cut(polygon, count, sx, sy, sz, p, snap, kept):
-    """Keep the part of a polygon on the positive side of the plane through p; corners within ``snap`` of it count as on it."""
+@njit(cache=True, nogil=True, error_model="numpy")
+def _cut(polygon, count, sx, sy, sz, px, py, pz, snap, side, kept):
+    """Cut a polygon down to the positive side of the plane through p; corners within ``snap`` of it count as on it. Returns its corners."""
+    all_inside = True
+    for k in range(count):
+        side[k] = sx * (polygon[k, 0] - px) + sy * (polygon[k, 1] - py) + sz * (polygon[k, 2] - pz)
+        all_inside = all_inside and side[k] >= -snap
+    if all_inside:
+        return count
     out = 0
     for k in range(count):
-        x, y = polygon[k], polygon[k + 1 if k + 1 < count else 0]
-        fx = sx * (x[0] - p[0]) + sy * (x[1] - p[1]) + sz * (x[2] - p[2])
-        fy = sx * (y[0] - p[0]) + sy * (y[1] - p[1]) + sz * (y[2] - p[2])
+        j = k + 1 if k + 1 < count else 0
+        fx, fy = side[k], side[j]
         if fx >= -snap:
-            kept[out] = x
+            for d in range(3):
+                kept[out, d] = polygon[k, d]
             out += 1
         if (fx > snap and fy < -snap) or (fx < -snap and fy > snap):
             t = fx / (fx - fy)
             for d in range(3):
-                kept[out, d] = x[d] + t * (y[d] - x[d])
+                kept[out, d] = polygon[k, d] + t * (polygon[j, d] - polygon[k, d])
             out += 1
+    for k in range(out):
+        for d in range(3):
+            polygon[k, d] = kept[k, d]
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _without_twins(polygon, count, tolerance):
     """Drop corners that coincide with the one before; return how many stay."""
     out = 0
@@ -509,7 +679,7 @@ def _without_twins(polygon, count, tolerance):
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _narrowness(polygon, count, nx, ny, nz):
     """Area over diameter of a polygon seen along n: about its width [m]."""
     area, diameter = 0.0, 0.0
@@ -522,7 +692,7 @@ def _narrowness(polygon, count, nx, ny, nz):
     return 0.5 * abs(area) / np.sqrt(diameter) if diameter > 0.0 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _share_out(polygon, count, nx, ny, nz, weight):
     """Append the centroid to a polygon, and share its area seen along n out between corners and centroid; see the head of this file."""
     total, first = 0.0, polygon[0]
@@ -553,7 +723,7 @@ def _share_out(polygon, count, nx, ny, nz, weight):
     return count + 1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _triangle(p, q, r, nx, ny, nz):
     """Signed area of a triangle seen along n."""
     ax, ay, az = q[0] - p[0], q[1] - p[1], q[2] - p[2]
@@ -561,57 +731,52 @@ def _triangle(p, q, r, nx, ny, nz):
     return 0.5 * (nx * (ay * bz - az * by) + ny * (az * bx - ax * bz) + nz * (ax * by - ay * bx))
 
 
-@njit(cache=True, nogil=True)
-def _edge_contact(feature, edges, world, normals, ra, n, polygon, height):
+@njit(cache=True, nogil=True, error_model="numpy")
+def _edge_contact(edge_a, edge_b, vertices, vertices_b, b_vertex, normals, n, polygon, height):
     """The point midway between two crossing edges, its gap, and the normal from a to b."""
-    i, j = feature[1], feature[2]
-    p, q = world[edges[i, 0]], world[edges[j, 0]]
-    u, v = world[edges[i, 1]] - p, world[edges[j, 1]] - q
-    axis = np.cross(u, v)
-    length = np.sqrt(np.dot(axis, axis))
-    ax, ay, az = _turned(ra, normals[edges[i, 2]])
-    bx, by, bz = _turned(ra, normals[edges[i, 3]])
-    if axis[0] * (ax + bx) + axis[1] * (ay + by) + axis[2] * (az + bz) < 0.0:
-        length = -length
+    p, p_end = vertices[edge_a[0]], vertices[edge_a[1]]
+    q, q_end = vertices_b[edge_b[0] - b_vertex], vertices_b[edge_b[1] - b_vertex]
+    left, right = normals[edge_a[2]], normals[edge_a[3]]
+    uu, uv, vv, uw, vw = 0.0, 0.0, 0.0, 0.0, 0.0  # u, v along the edges, w from one to the other
+    length, side = 0.0, 0.0
     for d in range(3):
-        n[d] = axis[d] / length
-    w = q - p
-    uu, uv, vv, uw, vw = np.dot(u, u), np.dot(u, v), np.dot(v, v), np.dot(u, w), np.dot(v, w)
+        e, f = (d + 1) % 3, (d + 2) % 3
+        u, v, w = p_end[d] - p[d], q_end[d] - q[d], q[d] - p[d]
+        uu, uv, vv, uw, vw = uu + u * u, uv + u * v, vv + v * v, uw + u * w, vw + v * w
+        n[d] = (p_end[e] - p[e]) * (q_end[f] - q[f]) - (p_end[f] - p[f]) * (q_end[e] - q[e])
+        length += n[d] * n[d]
+        side += n[d] * (left[d] + right[d])
+    scale = (1.0 if side >= 0.0 else -1.0) / np.sqrt(length)
     det = uu * vv - uv * uv
     s = min(1.0, max(0.0, (uw * vv - uv * vw) / det))
     t = min(1.0, max(0.0, (uw * uv - uu * vw) / det))
+    height[0] = 0.0
     for d in range(3):
-        polygon[0, d] = 0.5 * (p[d] + s * u[d] + q[d] + t * v[d])
-    height[0] = np.dot(w, n)
+        n[d] *= scale
+        height[0] += n[d] * (q[d] - p[d])
+        polygon[0, d] = 0.5 * (p[d] + s * (p_end[d] - p[d]) + q[d] + t * (q_end[d] - q[d]))
     return 1
 
 
-@njit(cache=True, nogil=True)
-def _to_local(r, x, p, out):
-    """World point into the body frame."""
-    for i in range(3):
-        out[i] = r[0, i] * (p[0] - x[0]) + r[1, i] * (p[1] - x[1]) + r[2, i] * (p[2] - x[2])
-
-
-@njit(cache=True, nogil=True)
-def _match(local, first, at, last_local, begin, count, previous, reach, shared):
-    """The nearest contact of the same pair in the last step that no other one has taken, or -1.
+@njit(cache=True, nogil=True, error_model="numpy")
+def _match(polygon, found, local, place, first, count, reach, shared, new_place):
+    """For each point, the nearest contact of the same pair in the last set that no other one has taken, or -1.
 
     With ``shared`` one that was taken counts too: a corner that parts in two hands on its slip and its bond to both.
     """
-    nearest, found = reach * reach, -1
-    for i in range(begin, begin + count):
-        taken = False
-        for k in range(first, at):
-            taken = taken or (previous[k] == i and not shared)
-        dx, dy, dz = local[at, 0] - last_local[i, 0], local[at, 1] - last_local[i, 1], local[at, 2] - last_local[i, 2]
-        distance = dx * dx + dy * dy + dz * dz
-        if not taken and distance < nearest:
-            nearest, found = distance, i
-    return found
+    for i in range(found):
+        nearest, new_place[i] = reach * reach, -1
+        for s in range(first, first + count):
+            taken = place[s] < 0
+            for k in range(i):
+                taken = taken or (new_place[k] == place[s] and not shared)
+            dx, dy, dz = polygon[i, 0] - local[s, 0], polygon[i, 1] - local[s, 1], polygon[i, 2] - local[s, 2]
+            distance = dx * dx + dy * dy + dz * dz
+            if not taken and distance < nearest:
+                nearest, new_place[i] = distance, place[s]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _turned(r, n):
     """The vector r n, as three numbers: no array is made."""
     return (

@@ -6,7 +6,7 @@ from models import box, ground, tower, turned, wall
 from scipy.optimize import linprog
 
 from masonry_cd.blocks import Assembly, Block
-from masonry_cd.detection import ContactSet, Detector
+from masonry_cd.detection import CLIPPED, KEPT, SEARCHED, STILL, ContactSet, Detector
 from masonry_cd.state import State, rotation_matrices
 
 
@@ -153,3 +153,104 @@ def test_a_sliding_block_keeps_its_contacts_and_meets_new_neighbours():
         assert side.sum() == (4 if gap < 0.021 else 0)  # two steps at this speed, and a thousandth of the width
         assert np.all(now.gap[side] == pytest.approx(gap))
         assert k == 0 or (now.previous[~side] >= 0).all()
+
+
+# --- what is not done again -------------------------------------------------------------------------------------------------------
+
+
+class Scene:
+    """A detector and a state that a test moves by hand."""
+
+    def __init__(self, blocks: list[Block]) -> None:
+        self.assembly = Assembly.from_blocks(blocks, 0.6)
+        self.detector, self.state = Detector(self.assembly), State.at_rest(self.assembly)
+
+    def contacts(self, detector: Detector | None = None, origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> ContactSet:
+        turn, still = rotation_matrices(self.state.orientation), np.zeros((self.assembly.count, 6))
+        found = self.detector if detector is None else detector
+        return found.detect(self.state.position, turn, still, 1e-3, 0.0, np.array(origin))
+
+    def done(self) -> np.ndarray:
+        """What the next detection does: pairs apart, kept, clipped, searched."""
+        before = self.detector.tally.copy()
+        self.contacts()
+        return self.detector.tally - before
+
+
+def test_nothing_is_redone_for_pairs_that_did_not_move():
+    scene = Scene(wall(4, 4))
+    pairs = len(np.unique(scene.contacts().pair))
+    assert scene.done()[KEPT] >= pairs
+    scene.state.position[:, 0] += 0.3  # all together: a support's motion
+    assert scene.done()[[CLIPPED, SEARCHED]].tolist() == [0, 0]
+    scene.state.position[9, 1] += 1e-5  # one block slips a little: its joints are found again, but not the faces that touch
+    touching = ((bodies := scene.contacts().bodies) == 9).any(axis=1)
+    scene.state.position[9, 1] += 1e-5
+    assert scene.done()[[CLIPPED, SEARCHED]].tolist() == [len(np.unique(bodies[touching], axis=0)), 0]
+    assert scene.detector.rebuilds == 2  # the start, and the joint motion: nothing was said of an origin that moves
+
+
+def test_points_kept_are_those_that_would_be_found():
+    scene, width = Scene([ground(), box("a", (0, 0, 0), (1, 1, 0.3)), box("b", (0.2, 0.1, 0.3), (1.3, 0.8, 0.6))]), 0.3
+    scene.contacts()
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        scene.state.position[1:] += 0.05 * STILL * width * rng.normal(size=(2, 3))
+        kept, fresh = scene.contacts(), scene.contacts(Detector(scene.assembly))
+        assert kept.previous.tolist() == list(range(8))
+        assert kept.point == pytest.approx(fresh.point, abs=2 * STILL * width)
+        assert kept.normal == pytest.approx(fresh.normal, abs=1e-15)
+        assert kept.gap == pytest.approx(fresh.gap, abs=1e-15)
+    assert scene.detector.tally[KEPT] > scene.detector.tally[CLIPPED]  # or nothing was tested
+
+
+def test_a_gap_that_leaves_the_margin_and_comes_back_is_a_new_contact():
+    scene = Scene([ground(), box("a", (0, 0, 0), (1, 1, 0.3))])
+    assert scene.contacts().count == 4
+    scene.state.position[1, 2] += 0.01
+    assert scene.contacts().count == 0
+    scene.state.position[1, 2] -= 0.01
+    assert scene.contacts().previous.tolist() == [-1] * 4
+
+
+# --- extreme shapes ---------------------------------------------------------------------------------------------------------------
+
+
+def test_a_pebble_on_a_slab_a_hundred_times_its_size():
+    contacts = detect([ground(), box("slab", (0, 0, 0), (2.0, 2.0, 0.2)), box("pebble", (1.0, 1.0, 0.2), (1.02, 1.02, 0.22))])
+    assert rows(contacts.point[contacts.bodies[:, 0] == 2]) == {(x, y, 0.2) for x in (1.0, 1.02) for y in (1.0, 1.02)}
+    assert contacts.count == 8
+
+
+@pytest.mark.parametrize("thickness", [1e-2, 1e-3])
+def test_thin_units_touch_their_neighbours_and_no_one_else(thickness):
+    tiles = [box(f"t{k}", (0.0, 0.0, k * thickness), (1.0, 0.5, (k + 1) * thickness)) for k in range(5)]
+    contacts = detect([ground(), *tiles])
+    assert contacts.count == 4 * 5
+    assert (np.diff(contacts.bodies, axis=1) == -1).all()
+
+
+def test_neighbours_in_a_plane_that_share_an_edge_or_a_corner_do_not_touch_there():
+    at_edge = [ground(), box("a", (0, 0, 0), (1, 1, 1)), box("b", (1, 0, 0), (2, 1, 1)), box("c", (1, 1, 0), (2, 2, 1))]
+    contacts = detect(at_edge)
+    pairs = {tuple(row) for row in contacts.bodies.tolist()}
+    assert pairs == {(1, 0), (2, 0), (3, 0), (2, 1), (3, 2)}  # a and c share an upright edge only
+    assert set(np.abs(contacts.normal).max(axis=1)) == {1.0}
+
+
+@pytest.mark.parametrize("over", [0.3, 0.49, 0.51])
+def test_a_block_that_slides_off_an_edge_keeps_the_overlap_that_is_left(over):
+    table = box("table", (-1.0, -1.0, -0.5), (0.0, 1.0, 0.0), fixed=True)
+    contacts = detect([table, box("b", (over - 1.0, -0.2, 0.0), (over, 0.2, 0.3))])
+    assert rows(contacts.point) == {(x, y, 0) for x in (round(over - 1.0, 9), 0.0) for y in (-0.2, 0.2)}
+
+
+def test_a_block_that_tips_over_an_edge_touches_along_it():
+    table = box("table", (-1.0, -1.0, -0.5), (0.0, 1.0, 0.0), fixed=True)
+    blocks = [table, box("b", (-0.4, -0.2, 0.0), (0.6, 0.2, 0.3))]
+    assembly = Assembly.from_blocks(blocks, 0.6)
+    for angle in (0.05, 0.3, 1.0):
+        contacts = detect(blocks, turned(assembly, 1, (0.0, 1.0, 0.0), angle, (0.0, 0.0, 0.0)))
+        assert rows(contacts.point) == {(0, -0.2, 0), (0, 0.2, 0)}
+        assert np.abs(contacts.gap).max() < 1e-12
+        assert contacts.normal == pytest.approx(np.tile([np.sin(angle), 0.0, np.cos(angle)], (2, 1)))  # across the face of the block
