@@ -242,6 +242,7 @@ def _summary(case: Case, report: RunReport) -> dict[str, Any]:
             "steps_missed": report.steps_missed,
             "reasons": report.solver_reasons,
         },
+        "left_out": {"steps_without_iterations": report.steps_as_before} | report.left_out,
         "penetration_max": report.penetration_max,
         "energy": energy | {"balance_error": report.balance_error},
         "loads": case.loading.summary,

@@ -121,6 +121,12 @@ class Detector:
         """(P, 2) parts that may meet before the list is made anew."""
         return self._memory.parts
 
+    @property
+    def left_out(self) -> dict[str, int]:
+        """How often so far each part of the work was done or left out; pairs are counted in every detection."""
+        names = ("pairs_not_looked_at", "pairs_with_points_kept", "pairs_with_points_found", "pairs_with_faces_searched")
+        return {"broad_phases": self.rebuilds} | dict(zip(names, self.tally.tolist(), strict=True))
+
     def detect(
         self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: float, slack: float, origin: np.ndarray
     ) -> ContactSet:

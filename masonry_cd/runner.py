@@ -39,12 +39,14 @@ class RunReport:
     iterations_max: int = 0
     error_mean: float = 0.0
     error_max: float = 0.0
+    steps_as_before: int = 0  # steps that the impulses of the step before solved: no iteration
     steps_missed: int = 0  # steps whose natural map error is above the tolerance
     penetration_max: float = 0.0  # [m]
     energy: dict[str, float] = field(default_factory=dict)  # totals at the end [J]
     balance_max: float = 0.0  # largest |balance| so far [J]
     planar: bool = False
     solver_reasons: dict[str, int] = field(default_factory=dict)  # how often each reason was given, # for its numbers
+    left_out: dict[str, int] = field(default_factory=dict)  # of the detection, see there
     stopped: str = ""  # why the run ended early; empty when it did not
 
     work_max: float = 0.0  # largest work of the base, gravity or forces, or kinetic energy, so far [J]
@@ -66,6 +68,7 @@ class RunReport:
         self.iterations_max = max(self.iterations_max, step.iterations)
         self.error_max = max(self.error_max, step.error)
         self.penetration_max = max(self.penetration_max, step.penetration)
+        self.steps_as_before += step.iterations == 0 and step.contacts > 0
         self.steps_missed += not step.error <= tolerance
         kind = NUMBER.sub("#", step.reason)  # like counts with like, and the dict stays small
         self.solver_reasons[kind] = self.solver_reasons.get(kind, 0) + 1
@@ -225,6 +228,7 @@ def run(
             _save(save_to, stepper, recorder, report, rests)
     finally:
         recorder.close()
+        report.left_out = stepper.detector.left_out
     if save_to is not None and not report.stopped:
         save_to.unlink(missing_ok=True)
     return report

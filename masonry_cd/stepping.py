@@ -129,6 +129,8 @@ class Stepper:
         self._impulse = np.zeros((1, self.rows))  # of all contacts of the last step
         self._frames = np.empty((0, 3, 3))  # of the contacts of the friction problem: rows n, t1, t2
         self._laws = elastic.law_arrays(assembly.laws) if assembly.laws.by_area.any() else None
+        self._stretch = assembly.laws.stretch
+        self._free_mass = np.where(assembly.fixed, 0.0, assembly.mass)
         self._springs, self._joints = Springs.none(0, self.rows), JointMemory()
         self._begun = self._kinetic()  # energy at the start of the run, that of springs then known from the first step on [J]
 
@@ -162,10 +164,15 @@ class Stepper:
         self.steps += 1
         self.load_step += 1
         state.time = self.steps * h
-        penetration = max(0.0, -float(self.contacts.gap[self.chosen][~self._springs.elastic].min(initial=0.0)))
+        penetration = -float(self._rigid_gaps().min(initial=0.0))
         return StepReport(
             self.solution.iterations, error, clock.perf_counter() - begin, problem.contacts, penetration, self.solution.reason
         )
+
+    def _rigid_gaps(self) -> np.ndarray:
+        """Gaps of the contacts of the friction problem that are no springs, whose overlap is the shortening of the joint [m]."""
+        gap = self.contacts.gap[self.chosen]
+        return gap if self._laws is None else gap[~self._springs.elastic]
 
     def settle(self) -> int:
         """Let elastic joints take up the weight before the run, and return the steps that took; nothing else moves.
@@ -227,12 +234,13 @@ class Stepper:
     def _solve(self, problem: FrictionProblem, start: Solution) -> float:
         """Find the impulses of the step, impacts apart from forces; return the natural map error."""
         bond = self._springs.bond
-        if bond.any():
+        bonded = self._laws is not None and bond.any()
+        if bonded:
             v_free, offset = elastic.pretensioned(problem, bond)
             problem = replace(problem, v_free=v_free, offset=offset)
             start.impulse[:, 0] += bond
         error = self._solve_dry(problem, start)
-        if bond.any():
+        if bonded:
             self.solution.impulse[:, 0] -= bond
         return error
 
@@ -262,7 +270,7 @@ class Stepper:
     def _open_contacts(self, problem: FrictionProblem, gap: np.ndarray) -> np.ndarray | None:
         """See :func:`masonry_cd.impacts.open_contacts`; elastic and bonded contacts are never hit, their law spans the whole step."""
         pair, whole, step = self.contacts.pair[self.chosen], self._springs.whole, self.settings.dt
-        if not whole.any():
+        if self._laws is None or not whole.any():
             return open_contacts(problem, gap, pair, step, self._pull)
         rigid = np.flatnonzero(~whole)
         among = open_contacts(problem.subset(rigid), gap[rigid], pair[rigid], step, self._pull)
@@ -283,7 +291,7 @@ class Stepper:
         )  # fmt: skip
         self._apply_forces()
         self._take_handover()
-        slack = 4.0 * h * h * self._pull + a.laws.stretch
+        slack = 4.0 * h * h * self._pull + self._stretch
         found = self.detector.detect(state.position, self._rotation, state.velocity, h, slack, self._support_displacement())
         self.contacts = found
         c, m, n = found.count, self.rows, len(self._columns)
@@ -352,11 +360,11 @@ class Stepper:
     def _correct_overlaps(self, problem: FrictionProblem) -> np.ndarray:
         """Take a share of the overlaps away by moving the blocks, without touching their velocities; return the shifts (B, 3) [m]."""
         moved = np.zeros_like(self.state.position)
-        gap, springs = self.contacts.gap[self.chosen], self._springs.elastic
-        if springs.any():  # their overlap is the shortening of the joint
-            gap, problem = gap[~springs], problem.subset(~springs)
-        if not len(gap) or gap.min() > -OVERLAP * self._width:
+        gap = self._rigid_gaps()
+        if gap.min(initial=0.0) > -OVERLAP * self._width:
             return moved
+        if len(gap) < problem.contacts:
+            problem = problem.subset(~self._springs.elastic)
         shift = np.empty_like(problem.v_free)
         kinematics.position_correction(
             gap, problem.bodies, problem.jacobian, problem.inverse_mass, OVERLAP * self._width, CORRECTED, 20, shift
@@ -408,14 +416,14 @@ class Stepper:
         )  # fmt: skip
         if handover is not None:
             work[1] -= 0.5 * float(np.sum(handover * (self._v_old + self._v)))
-        free = ~a.fixed
         if self._laws is not None:
             self._unload_springs(self._laws, problem)
         energy["friction"] += work[0]
         energy["impact"] += work[1]
         energy["base_work"] += work[2]
-        energy["gravity_work"] += float(a.mass[free] @ (moved[free] @ self._acceleration[self.load_step + 1]))  # without the corrections
-        energy["force_work"] += 0.5 * float(np.sum(self._push * (self._v_old + self._v)))
+        energy["gravity_work"] += float(self._free_mass @ moved @ self._acceleration[self.load_step + 1])  # without the corrections
+        if self._forces is not None:
+            energy["force_work"] += 0.5 * float(np.sum(self._push * (self._v_old + self._v)))
         energy["balance"] = self._begun + sum(energy[name] for name in WORKS) - sum(energy[name] for name in LOSSES)
 
     def _unload_springs(self, laws: np.ndarray, problem: FrictionProblem) -> None:
