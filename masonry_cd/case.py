@@ -20,6 +20,7 @@ from masonry_cd import __version__, checkpoint, resolution
 from masonry_cd.blocks import Assembly, Block
 from masonry_cd.dump import FILES, Dump
 from masonry_cd.errors import InputError
+from masonry_cd.explain import left_out
 from masonry_cd.joints import Joints, find_joints
 from masonry_cd.load_outcome import outcome, outcome_lines
 from masonry_cd.planar import find_plane
@@ -147,7 +148,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
 
     with interrupt, _writer(case, file, saved, resume) as writer, show:
         report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, rests)
-    summary = _summary(case, report) | {"dumped": [path.name for path in dumped.written]}
+    summary = _summary(case, report) | {"dumped": [path.name for path in dumped.written], "left_out": left_out(scene, stepper, report)}
     with Results.open(file) as results:
         summary |= write_damage(results, folder, scene.report) | outcome(case, results)
         fast = resolution.after_run(case.assembly, results, settings.dt)

@@ -61,6 +61,7 @@ def run(
     dump_problem: Annotated[
         list[str] | None, typer.Option("--dump-problem", metavar="STEP", help="Write the friction problem of this step; 1 or 1,2,9.")
     ] = None,
+    explain: Annotated[bool, typer.Option("--explain", help="Say what was left out for this scene, and why.")] = False,
     quiet: Quiet = False,
 ) -> None:
     """Compute a scene and write its results.
@@ -93,6 +94,8 @@ def run(
         summary = case.run_case(prepared, output, quiet, resume, steps)
         if not quiet:
             typer.echo("\n".join(case.closing_lines(summary)))
+            if explain:
+                typer.echo("\n".join(["left out, and why:", *(f"- {line}" for line in summary["left_out"])]))
             written = (name for name in (*case.OUTPUTS, *summary["dumped"]) if (output / name).exists())
             typer.echo(f"results: {', '.join(str(output / name) for name in written)}")
         for line in summary["warnings"]:

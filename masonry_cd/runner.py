@@ -41,6 +41,7 @@ class RunReport:
     error_max: float = 0.0
     steps_as_before: int = 0  # steps that the impulses of the step before solved: no iteration
     steps_missed: int = 0  # steps whose natural map error is above the tolerance
+    steps_apart: int = 0  # steps that solved impacts apart from forces
     penetration_max: float = 0.0  # [m]
     energy: dict[str, float] = field(default_factory=dict)  # totals at the end [J]
     balance_max: float = 0.0  # largest |balance| so far [J]
@@ -70,6 +71,7 @@ class RunReport:
         self.penetration_max = max(self.penetration_max, step.penetration)
         self.steps_as_before += step.iterations == 0 and step.contacts > 0
         self.steps_missed += not step.error <= tolerance
+        self.steps_apart += step.apart
         kind = NUMBER.sub("#", step.reason)  # like counts with like, and the dict stays small
         self.solver_reasons[kind] = self.solver_reasons.get(kind, 0) + 1
         self.energy = dict(energy)

@@ -70,6 +70,7 @@ class StepReport:
     contacts: int
     penetration: float  # largest overlap of rigid contacts at q_m [m]
     reason: str  # the solver's word on it
+    apart: bool = False  # impacts were solved apart from forces
 
 
 class Stepper:
@@ -166,7 +167,13 @@ class Stepper:
         state.time = self.steps * h
         penetration = -float(self._rigid_gaps().min(initial=0.0))
         return StepReport(
-            self.solution.iterations, error, clock.perf_counter() - begin, problem.contacts, penetration, self.solution.reason
+            self.solution.iterations,
+            error,
+            clock.perf_counter() - begin,
+            problem.contacts,
+            penetration,
+            self.solution.reason,
+            self._handover is not None,
         )
 
     def _rigid_gaps(self) -> np.ndarray:
