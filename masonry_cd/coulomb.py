@@ -25,11 +25,15 @@ both for local problems; the interior point method. What each method does and wh
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit, prange
 
 GROUP = 16  # contacts visited in a row by a sweep, see _groups
 EPSILON = 2.2e-16  # relative rounding error of a float
+SHORT = 2  # columns: runs up to this length may be padded much, see runs
+WIDEST = 16  # columns that are factorised together
 LAW_SIZE = 11  # numbers per contact in the table of local laws, see _law_row
 
 
@@ -651,15 +655,29 @@ def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed
 
 # --- sparse blocks: L D U of a matrix over the body graph -----------------------------------------------------------------------
 #
-# A matrix such as M + H^T R H has one (n, n) block per body and one per pair of bodies that touch. It is factorised in these blocks,
-# A = L D U with unit block diagonals, column by column, looking left (George & Liu, Computer Solution of Large Sparse Positive Definite
-# Systems, 1981), in the order that a minimum degree ordering gives (see solvers/pattern.py). Blocks keep all work dense and indices few,
-# symmetric and unsymmetric matrices share the code, the bits do not depend on a library's threads, and the loops below solve without
-# leaving compiled code, which for small scenes is most of the time. CHOLMOD takes 7 ms where this takes 9 (wall of 1,026 blocks), and
-# 85 where this takes 250 (5,050 blocks), not counting its analysis and the copies in and out. Multiplications and additions are fused
-# ("contract"), which rounds once instead of twice; equal inputs still give equal bits on one machine.
+# A matrix such as M + H^T R H has one (n, n) block per body and one per pair of bodies that touch. It is factorised as A = L D U, in the
+# order that a minimum degree ordering gives (see solvers/pattern.py), looking left (George & Liu, Computer Solution of Large Sparse
+# Positive Definite Systems, 1981). Neighbouring columns with nearly the same rows below go together, as in CHOLMOD (Chen, Davis, Hager &
+# Rajamanickam, ACM Trans. Math. Softw. 35, 2008): D has a dense square block per run of columns, kept as its inverse, L and D U one dense
+# panel each, so that most of the work is products of dense matrices with long inner loops. Panels are stored by columns of L: entry [k, i]
+# belongs to column k of the run and row i below it. Symmetric and unsymmetric matrices share the code, the bits do not depend on a
+# library's threads, and the loops below solve without leaving compiled code, which for small scenes is most of the time.
+# Multiplications and additions are fused ("contract"), which rounds once instead of twice, and the sums of a solve are taken in the
+# order that the processor likes ("reassoc"); equal inputs still give equal bits on one machine.
 #
 # size_m and size_n are tuples of m and n zeros: their lengths are part of their types, so the compiler knows m and n and unrolls.
+
+
+class Plan(NamedTuple):
+    """Where the blocks of A and of its factors are, for N nodes in order of elimination and S runs of them."""
+
+    column: np.ndarray  # (N + 1,) starts of the columns of A below the diagonal
+    row: np.ndarray  # (E,) rows of its blocks, ascending in each column
+    first: np.ndarray  # (S + 1,) first node of each run
+    start: np.ndarray  # (S + 1,) starts of the rows below each run
+    below: np.ndarray  # (R,) these rows, ascending in each run
+    square: np.ndarray  # (S + 1,) starts of the squares of D, in blocks
+    panel: np.ndarray  # (S + 1,) starts of the panels of L and D U, in blocks
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -708,6 +726,58 @@ def fill_in(start: np.ndarray, neighbour: np.ndarray) -> tuple[np.ndarray, np.nd
             at[:] = column[:-1]
             row = np.empty(column[size], dtype=np.int64)
     return column, row
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def runs(column: np.ndarray, row: np.ndarray) -> np.ndarray:
+    """Starts of the runs of columns of L that are factorised together, with the end appended: columns with the same rows below, nearly.
+
+    A run takes in the one before it if few zeros come along: at most these shares of its blocks, more where it is short.
+    """
+    size, count = len(column) - 1, 0
+    first, zeros = np.empty(size + 1, dtype=np.int64), np.zeros(size + 1)
+    for j in range(size):
+        start, below, added = j, column[j + 1] - column[j], 0.0
+        while count > 0 and column[start] > column[start - 1] and row[column[start - 1]] <= j:
+            before = first[count - 1]
+            width = j + 1 - before
+            more = zeros[count - 1] + (start - before) * (j + 1 - start + below - (column[start] - column[start - 1]))
+            share = 0.8 if width <= SHORT else (0.3 if width <= 4 * SHORT else 0.08)
+            if width > WIDEST or added + more > share * width * (width + below):
+                break
+            start, added, count = before, added + more, count - 1
+        first[count], zeros[count] = start, added
+        count += 1
+    first[count] = size
+    return first[: count + 1]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def make_plan(first: np.ndarray, second: np.ndarray, size: int) -> Plan:
+    """The plan for a graph of given edges, each once, whose nodes are numbered in order of elimination."""
+    start, neighbour = neighbours_below(first, second, size)
+    column, at = np.zeros(size + 1, dtype=np.int64), np.zeros(size, dtype=np.int64)
+    row = np.empty(len(neighbour), dtype=np.int64)
+    for k in neighbour:
+        column[k + 1] += 1
+    for i in range(size):
+        column[i + 1] += column[i]
+        at[i] = column[i]
+    for i in range(size):
+        for e in range(start[i], start[i + 1]):
+            row[at[neighbour[e]]] = i
+            at[neighbour[e]] += 1
+    filled, its_row = fill_in(start, neighbour)
+    run = runs(filled, its_row)
+    count = len(run) - 1
+    begin, square, panel = np.zeros(count + 1, dtype=np.int64), np.zeros(count + 1, dtype=np.int64), np.zeros(count + 1, dtype=np.int64)
+    for s in range(count):
+        width, rows = run[s + 1] - run[s], filled[run[s + 1]] - filled[run[s + 1] - 1]
+        begin[s + 1], square[s + 1], panel[s + 1] = begin[s] + rows, square[s] + width * width, panel[s] + width * rows
+    below = np.empty(begin[count], dtype=np.int64)
+    for s in range(count):  # those of the last column, which has all that the others have
+        below[begin[s] : begin[s + 1]] = its_row[filled[run[s + 1] - 1] : filled[run[s + 1]]]
+    return Plan(column, row, run, begin, below, square, panel)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -771,29 +841,6 @@ def _invert(a, out, work, size_n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _minus_product(c, at, a, i, b, size_n):
-    """c[at] -= a[i] b for blocks. Most of a factorisation is spent here, so for n = 6 a row of c is held in registers."""
-    n = len(size_n)
-    for p in range(n):
-        if n == 6:
-            c0, c1, c2, c3, c4, c5 = c[at, p, 0], c[at, p, 1], c[at, p, 2], c[at, p, 3], c[at, p, 4], c[at, p, 5]
-            for r in range(6):
-                x = a[i, p, r]
-                c0 -= x * b[r, 0]
-                c1 -= x * b[r, 1]
-                c2 -= x * b[r, 2]
-                c3 -= x * b[r, 3]
-                c4 -= x * b[r, 4]
-                c5 -= x * b[r, 5]
-            c[at, p, 0], c[at, p, 1], c[at, p, 2], c[at, p, 3], c[at, p, 4], c[at, p, 5] = c0, c1, c2, c3, c4, c5
-        else:
-            for r in range(n):
-                x = a[i, p, r]
-                for q in range(n):
-                    c[at, p, q] -= x * b[r, q]
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _times(a, b, transposed, out, size_n):
     """out = a b, or a b^T."""
     n = len(size_n)
@@ -806,79 +853,257 @@ def _times(a, b, transposed, out, size_n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _factorise(column, row, diagonal, lower, upper, pivot, symmetric, size_n):
-    """A = L D U in place: diagonal blocks A_jj become D_j, lower A_ij become L_ij, upper A_ji^T become U_ji^T; pivot holds D_j^-1.
+def _dense(x, at, rows, inner, g, begin, end, out):
+    """out (rows, end - begin) = x[:, at : at + rows]^T g[:, begin:end]. Most of a factorisation is spent here: two rows at a time."""
+    length, threes = end - begin, inner - inner % 3
+    for j in range(0, rows, 2):
+        other = min(j + 1, rows - 1)  # the last row of an odd number goes alone
+        a, b = out[j, :length], out[other, :length]
+        a[:] = 0.0
+        b[:] = 0.0
+        for k in range(0, threes, 3):
+            x0, x1, x2 = x[k, at + j], x[k + 1, at + j], x[k + 2, at + j]
+            y0, y1, y2 = x[k, at + other], x[k + 1, at + other], x[k + 2, at + other]
+            g0, g1, g2 = g[k, begin:end], g[k + 1, begin:end], g[k + 2, begin:end]
+            if other == j:
+                for i in range(length):
+                    a[i] += x0 * g0[i] + x1 * g1[i] + x2 * g2[i]
+            else:
+                for i in range(length):
+                    a[i] += x0 * g0[i] + x1 * g1[i] + x2 * g2[i]
+                    b[i] += y0 * g0[i] + y1 * g1[i] + y2 * g2[i]
+        for k in range(threes, inner):
+            for i in range(length):
+                a[i] += x[k, at + j] * g[k, begin + i]
+            if other != j:
+                for i in range(length):
+                    b[i] += x[k, at + other] * g[k, begin + i]
 
-    For a symmetric A give lower as upper too. Returns False when a diagonal block cannot be inverted.
-    """
-    size, n = len(column) - 1, len(size_n)
-    head, following, at = np.full(size, -1), np.full(size, -1), np.empty(size, dtype=np.int64)
-    where = np.empty(size, dtype=np.int64)
-    du, dl, work, turned = np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
-    for j in range(size):
-        for t in range(column[j], column[j + 1]):
-            where[row[t]] = t
-        k = head[j]
-        while k >= 0:  # all columns k < j with a block in row j
-            coming, t0 = following[k], at[k]
-            _times(diagonal[k], upper[t0], True, du, size_n)  # D_k U_kj
-            _minus_product(diagonal, j, lower, t0, du, size_n)
-            for t in range(t0 + 1, column[k + 1]):
-                _minus_product(lower, where[row[t]], lower, t, du, size_n)
-            if not symmetric:
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _load(plan, s, where, diagonal, lower, upper, square, low, up, symmetric, size_n):
+    """Blocks of A of the run s into its square and its panels; a symmetric A into ``up`` alone."""
+    n, begin, end = len(size_n), plan.first[s], plan.first[s + 1]
+    square[:] = 0.0
+    up[:] = 0.0
+    low[:] = 0.0
+    for j in range(begin, end):
+        k = (j - begin) * n
+        for p in range(n):
+            for q in range(n):
+                square[k + p, k + q] = diagonal[j, p, q]
+        for t in range(plan.column[j], plan.column[j + 1]):
+            i = where[plan.row[t]] * n
+            for p in range(n):
+                for q in range(n):
+                    if plan.row[t] < end:
+                        square[i + p, k + q], square[k + q, i + p] = lower[t, p, q], upper[t, p, q]
+                    else:
+                        up[k + q, i + p] = upper[t, p, q]
+                        if not symmetric:
+                            low[k + q, i + p] = lower[t, p, q]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _subtract(product, below, begin, own, end, where, panel, size_n):
+    """panel[j, i] -= product[j, i] for the columns j of the first ``own`` rows of the list and the other rows i of it."""
+    n, i = len(size_n), 0
+    while own + i < end - begin:
+        at, first = where[below[begin + own + i]], i
+        while own + i < end - begin and where[below[begin + own + i]] == at + i - first:  # neighbours in both
+            i += 1
+        for j in range(own):
+            for q in range(n):
+                to, what = panel[where[below[begin + j]] * n + q, n * at : n * (at + i - first)], product[j * n + q, n * first : n * i]
+                for k in range(len(to)):
+                    to[k] -= what[k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _update(plan, s, d, t0, t1, where, low, up, square, own_low, own_up, symmetric, out, size_n):
+    """Take from run s what the earlier run d leaves to it; ``low`` and ``up`` are the panels of d, t0 to t1 its rows in s."""
+    n, last, inner, length = len(size_n), plan.start[d + 1], len(low), low.shape[1]
+    first, rows = length - n * (last - t0), n * (t1 - t0)
+    _dense(up, first, rows, inner, low, first, length, out)
+    for j in range(t1 - t0):
+        for i in range(t1 - t0):
+            row, column = n * where[plan.below[t0 + i]], n * where[plan.below[t0 + j]]
+            for q in range(n):
                 for p in range(n):
-                    for q in range(n):
-                        turned[p, q] = diagonal[k, q, p]
-                _times(turned, lower[t0], True, dl, size_n)  # (L_jk D_k)^T
-                for t in range(t0 + 1, column[k + 1]):
-                    _minus_product(upper, where[row[t]], upper, t, dl, size_n)
-            if t0 + 1 < column[k + 1]:
-                at[k] = t0 + 1
-                following[k] = head[row[t0 + 1]]
-                head[row[t0 + 1]] = k
-            k = coming
-        if not _invert(diagonal[j], pivot[j], work, size_n):
+                    square[row + p, column + q] -= out[j * n + q, i * n + p]
+    for j in range(rows):
+        out[j, : length - first - rows] = out[j, rows : length - first]
+    _subtract(out, plan.below, t0, t1 - t0, last, where, own_up if symmetric else own_low, size_n)
+    if not symmetric:
+        _dense(low, first, rows, inner, up, first + rows, length, out)
+        _subtract(out, plan.below, t0, t1 - t0, last, where, own_up, size_n)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _invert_square(a, column, out, work, size_n):
+    """Inverse of a square in place, block by block (Gauss & Jordan); False when a block cannot be inverted."""
+    n, size = len(size_n), len(a)
+    block, inverse = work[0], work[1]
+    for b in range(0, size, n):
+        for p in range(n):
+            for q in range(n):
+                block[p, q] = a[b + p, b + q]
+        if not _invert(block, inverse, work[2], size_n):
             return False
-        for t in range(column[j], column[j + 1]):
-            _times(lower[t], pivot[j], False, work, size_n)
-            lower[t] = work
-            if not symmetric:
-                _times(upper[t], pivot[j], True, work, size_n)
-                upper[t] = work
-        if column[j] < column[j + 1]:
-            at[j] = column[j]
-            following[j] = head[row[column[j]]]
-            head[row[column[j]]] = j
+        for q in range(n):
+            for i in range(size):
+                column[q, i] = 0.0 if b <= i < b + n else a[i, b + q]
+                a[i, b + q] = 1.0 if i == b + q else 0.0
+            for p in range(n):
+                block[q, p] = inverse[p, q]
+        _dense(block, 0, n, n, a[b : b + n], 0, size, out)
+        for p in range(n):
+            a[b + p] = out[p, :size]
+        _dense(column, 0, size, n, a[b : b + n], 0, size, out)
+        for i in range(size):
+            to, what = a[i], out[i]
+            for k in range(size):
+                to[k] -= what[k]
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _solve_factorised(column, row, lower, upper, pivot, x, size_n):
-    """Solve L D U x = x in place, x (size, n)."""
-    size, n = len(column) - 1, len(size_n)
-    y = np.empty(n)
-    for j in range(size):
-        for t in range(column[j], column[j + 1]):
-            i = row[t]
+@njit(cache=True, nogil=True, error_model="numpy")
+def _view(values, starts, s, rows, size_n):
+    """The square or panel of run s as a matrix."""
+    blocks = len(size_n) * len(size_n)
+    part = values[starts[s] * blocks : starts[s + 1] * blocks]
+    return part.reshape((rows, len(part) // rows))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _room(plan, size_n):
+    """Room for the squares of D^-1 and the panels of L and of D U."""
+    blocks = len(size_n) * len(size_n)
+    return np.empty(plan.square[-1] * blocks), np.empty(plan.panel[-1] * blocks), np.empty(plan.panel[-1] * blocks)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _factorise(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
+    """A = L D U: inverse (squares of D^-1), low (panels of L) and up (panels of D U) from diagonal blocks A_jj, lower A_ij, upper A_ji^T.
+
+    For a symmetric A give lower as upper too. Returns False when a diagonal block cannot be inverted.
+    """
+    n, count, size = len(size_n), len(plan.first) - 1, len(plan.column) - 1
+    owner, where = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
+    widest, longest = 0, 0
+    for s in range(count):
+        width = plan.first[s + 1] - plan.first[s]
+        widest, longest = max(widest, n * width), max(longest, n * max(width, plan.start[s + 1] - plan.start[s]))
+        owner[plan.first[s] : plan.first[s + 1]] = s
+    out, column, work = np.empty((widest, longest)), np.empty((n, widest)), np.empty((3, n, n))
+    head, following, at = np.full(count, -1), np.full(count, -1), np.empty(count, dtype=np.int64)
+    for s in range(count):
+        begin, end, width = plan.first[s], plan.first[s + 1], n * (plan.first[s + 1] - plan.first[s])
+        for i in range(begin, end):
+            where[i] = i - begin
+        for t in range(plan.start[s], plan.start[s + 1]):
+            where[plan.below[t]] = t - plan.start[s]
+        square, own_low, own_up = (
+            _view(inverse, plan.square, s, width, size_n), _view(low, plan.panel, s, width, size_n), _view(up, plan.panel, s, width, size_n)
+        )  # fmt: skip
+        _load(plan, s, where, diagonal, lower, upper, square, own_low, own_up, symmetric, size_n)
+        d = head[s]
+        while d >= 0:  # all runs d < s with a row in s
+            coming, t0, last, inner = following[d], at[d], plan.start[d + 1], n * (plan.first[d + 1] - plan.first[d])
+            t1 = t0
+            while t1 < last and plan.below[t1] < end:
+                t1 += 1
+            its_low, its_up = _view(low, plan.panel, d, inner, size_n), _view(up, plan.panel, d, inner, size_n)
+            _update(plan, s, d, t0, t1, where, its_low, its_up, square, own_low, own_up, symmetric, out, size_n)
+            if t1 < last:
+                at[d], following[d] = t1, head[owner[plan.below[t1]]]
+                head[owner[plan.below[t1]]] = d
+            d = coming
+        if not _invert_square(square, column, out, work, size_n):
+            return False
+        if plan.start[s] == plan.start[s + 1]:
+            continue
+        length = own_low.shape[1]
+        if symmetric:
+            _dense(square, 0, width, width, own_up, 0, length, own_low)
+        else:
+            _dense(square, 0, width, width, own_low, 0, length, out)
+            own_low[:] = out[:width, :length]
+        at[s], following[s] = plan.start[s], head[owner[plan.below[plan.start[s]]]]
+        head[owner[plan.below[plan.start[s]]]] = s
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc"})
+def _add_columns(lines, at, length, factors, out, size_n):
+    """out = sum of factors[k] times line k, lines of so many entries one after another from ``at`` on; three at a time, as in the next."""
+    count, threes = len(factors), len(factors) - len(factors) % 3 if len(size_n) % 3 else len(factors)
+    out[:length] = 0.0
+    for k in range(0, threes, 3):
+        x0, x1, x2 = factors[k], factors[k + 1], factors[k + 2]
+        a, b, c = at + k * length, at + (k + 1) * length, at + (k + 2) * length
+        l0, l1, l2 = lines[a:b], lines[b:c], lines[c : c + length]
+        for i in range(length):
+            out[i] += l0[i] * x0 + l1[i] * x1 + l2[i] * x2
+    for k in range(threes, count):
+        line = lines[at + k * length : at + (k + 1) * length]
+        for i in range(length):
+            out[i] += line[i] * factors[k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc"})
+def _add_rows(lines, at, length, factors, sign, out, size_n):
+    """out[k] += sign times line k . factors."""
+    count, threes = len(out), len(out) - len(out) % 3 if len(size_n) % 3 else len(out)
+    for k in range(0, threes, 3):
+        a, b, c = at + k * length, at + (k + 1) * length, at + (k + 2) * length
+        l0, l1, l2 = lines[a:b], lines[b:c], lines[c : c + length]
+        t0, t1, t2 = 0.0, 0.0, 0.0
+        for i in range(length):
+            x = factors[i]
+            t0 += l0[i] * x
+            t1 += l1[i] * x
+            t2 += l2[i] * x
+        out[k] += sign * t0
+        out[k + 1] += sign * t1
+        out[k + 2] += sign * t2
+    for k in range(threes, count):
+        line, total = lines[at + k * length : at + (k + 1) * length], 0.0
+        for i in range(length):
+            total += line[i] * factors[i]
+        out[k] += sign * total
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _solve_factorised(plan, inverse, low, up, symmetric, x, size_n):
+    """Solve L D U x = x in place, x (N or more, n); ``up`` is of no use for a symmetric matrix."""
+    n, count, longest = len(size_n), len(plan.first) - 1, 0
+    blocks, flat = n * n, x.reshape(x.size)
+    for s in range(count):
+        longest = max(longest, n * max(plan.first[s + 1] - plan.first[s], plan.start[s + 1] - plan.start[s]))
+    y, z = np.empty(longest), np.empty(longest)
+    for s in range(count):
+        length = n * (plan.start[s + 1] - plan.start[s])
+        _add_columns(low, plan.panel[s] * blocks, length, flat[n * plan.first[s] : n * plan.first[s + 1]], y, size_n)
+        k = 0
+        for t in range(plan.start[s], plan.start[s + 1]):
             for p in range(n):
-                total = 0.0
-                for q in range(n):
-                    total += lower[t, p, q] * x[j, q]
-                x[i, p] -= total
-    for j in range(size - 1, -1, -1):
-        for p in range(n):
-            total = 0.0
-            for q in range(n):
-                total += pivot[j, p, q] * x[j, q]
-            y[p] = total
-        for t in range(column[j], column[j + 1]):
-            i = row[t]
+                x[plan.below[t], p] -= y[k]
+                k += 1
+    for s in range(count - 1, -1, -1):
+        length, own = n * (plan.start[s + 1] - plan.start[s]), flat[n * plan.first[s] : n * plan.first[s + 1]]
+        width, k = len(own), 0
+        for t in range(plan.start[s], plan.start[s + 1]):
             for p in range(n):
-                z = x[i, p]
-                for q in range(n):
-                    y[q] -= upper[t, p, q] * z
-        for p in range(n):
-            x[j, p] = y[p]
+                y[k] = x[plan.below[t], p]
+                k += 1
+        if not symmetric:
+            _add_rows(up, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
+        z[:width] = own
+        own[:] = 0.0
+        _add_rows(inverse, plan.square[s] * blocks, width, z, 1.0, own, size_n)
+        if symmetric:
+            _add_rows(low, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
 
 
 # --- bodies in the order of the factorisation --------------------------------------------------------------------------------------
@@ -1102,12 +1327,12 @@ def _augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, out, 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def admm_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, column, row, index, spot, lower, pivot, rho, p, v_out, k, fresh,
+    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, squares, panels, rho, p, v_out, k, fresh,
     tolerance, limit, size_m, size_n,
 ):  # fmt: skip
     """ADMM over a FrictionProblem, see solvers/admm.py. p holds the start and then the best answer found.
 
-    lower, pivot and rho hold a factorisation of M + H^T R H, used as it is unless ``fresh`` is set.
+    squares, panels and rho hold a factorisation of M + H^T R H, used as it is unless ``fresh`` is set.
 
     Returns iterations, natural map error, k at the end and the number of factorisations.
     """
@@ -1128,14 +1353,15 @@ def admm_bodies(
     while iterations < limit and smallest > tolerance:
         if fresh:
             _choose_stiffness(k, d, compliance, rho)
+            lower = np.empty((len(plan.row), n, n))
             _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n)
             factorisations += 1
-            if not _factorise(column, row, diagonal, lower, lower, pivot, True, size_n):
+            if not _factorise(plan, diagonal, lower, lower, squares, panels, np.empty_like(panels), True, size_n):
                 break
             fresh = False
         _missing_momentum(mass, free, v, out, size_n)
         change = np.sqrt(_augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, out, size_m, size_n)) / size
-        _solve_factorised(column, row, lower, lower, pivot, out, size_n)
+        _solve_factorised(plan, squares, panels, panels, True, out, size_n)
         for b in range(count):
             for i in range(n):
                 v[b, i] += out[b, i]
@@ -1270,7 +1496,7 @@ def _damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def newton_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, column, row, index, spot, p, v_out, stiffness, tolerance, limit,
+    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, p, v_out, stiffness, tolerance, limit,
     size_m, size_n,
 ):  # fmt: skip
     """Semismooth Newton over a FrictionProblem, see solvers/newton.py. p holds the start and then the best answer found.
@@ -1289,8 +1515,8 @@ def newton_bodies(
     best, best_v[:] = p.copy(), v
     smallest = error = begin = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
     hold, hold_v = p.copy(), v.copy()
-    diagonal, pivot = np.empty((count, n, n)), np.empty((count, n, n))
-    lower, upper = np.empty((len(row), n, n)), np.empty((len(row), n, n))
+    diagonal, lower, upper = np.empty((count, n, n)), np.empty((len(plan.row), n, n)), np.empty((len(plan.row), n, n))
+    squares, panels, others = _room(plan, size_n)
     share, softer, work = np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
     iterations, refused = 0, 0
     while iterations < limit and smallest > tolerance and refused < 8:
@@ -1308,10 +1534,10 @@ def newton_bodies(
         _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
         iterations += 1
         new = np.inf
-        if _factorise(column, row, diagonal, lower, upper, pivot, False, size_n):
+        if _factorise(plan, diagonal, lower, upper, squares, panels, others, False, size_n):
             _missing_momentum(mass, free, v, out, size_n)
             _add_push(jacobian, index, target, out, size_m, size_n)
-            _solve_factorised(column, row, lower, upper, pivot, out, size_n)
+            _solve_factorised(plan, squares, panels, others, False, out, size_n)
             out[count] = 0.0
             for c in range(contacts):
                 a, b, h = index[c, 0], index[c, 1], jacobian[c]
@@ -1378,7 +1604,7 @@ def _block_at(column: np.ndarray, row: np.ndarray, low: int, high: int) -> int:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _place_blocks(data, indices, indptr, scale, place, column, row, symmetric, diagonal, lower, upper, size_m):
+def _place_blocks(data, indices, indptr, scale, place, plan, symmetric, diagonal, lower, upper, size_m):
     """Diagonal, lower and transposed upper blocks of S W, S one block per contact; or the symmetric part of W into lower alone."""
     m = len(size_m)
     diagonal[:] = 0.0
@@ -1389,7 +1615,7 @@ def _place_blocks(data, indices, indptr, scale, place, column, row, symmetric, d
         for k in range(indptr[c], indptr[c + 1]):
             i, j = place[c], place[indices[k]]
             _times(scale[c], data[k], False, block, size_m)
-            at = 0 if i == j else _block_at(column, row, min(i, j), max(i, j))
+            at = 0 if i == j else _block_at(plan.column, plan.row, min(i, j), max(i, j))
             for r in range(m):
                 for s in range(m):
                     if i == j:
@@ -1413,13 +1639,14 @@ def _identities(count, size_m):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def admm_local(data, indices, indptr, q, mu, d, order, place, column, row, p, k, tolerance, limit, size_m):
+def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolerance, limit, size_m):
     """ADMM over a LocalProblem: pi stands for the velocities, u = W pi + q, and (W + R^-1) (pi+ - pi) = R^-1 (2 p+ - p - pi).
 
     p holds the start and then the best answer. Returns iterations and natural map error.
     """
     count, m = len(mu), len(size_m)
-    diagonal, pivot, lower = np.empty((count, m, m)), np.empty((count, m, m)), np.empty((len(row), m, m))
+    diagonal, lower = np.empty((count, m, m)), np.empty((len(plan.row), m, m))
+    squares, panels, others = _room(plan, size_m)
     scale = _identities(count, size_m)
     size = _size_of(q, d)
     pi, u, right, best = p.copy(), np.empty(p.shape), np.empty(p.shape), p.copy()
@@ -1427,11 +1654,11 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, column, row, p, k,
     iterations, checked, switched, fresh = 0, 0, 0, True
     while iterations < limit and smallest > tolerance:
         if fresh:
-            _place_blocks(data, indices, indptr, scale, place, column, row, True, diagonal, lower, lower, size_m)
+            _place_blocks(data, indices, indptr, scale, place, plan, True, diagonal, lower, lower, size_m)
             for i in range(count):
                 for r in range(m):
                     diagonal[i, r, r] += d[order[i]] / k
-            if not _factorise(column, row, diagonal, lower, lower, pivot, True, size_m):
+            if not _factorise(plan, diagonal, lower, lower, squares, panels, others, True, size_m):
                 break
             fresh = False
         for c in range(count):
@@ -1445,7 +1672,7 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, column, row, p, k,
             if m == 3:
                 right[place[c], 2] = (2.0 * x2 - p2 - pi[c, 2]) / rho
                 p[c, 2] = x2
-        _solve_factorised(column, row, lower, lower, pivot, right, size_m)
+        _solve_factorised(plan, squares, panels, panels, True, right, size_m)
         for c in range(count):
             for i in range(m):
                 pi[c, i] += right[place[c], i]
@@ -1481,14 +1708,14 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, column, row, p, k,
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def newton_local(data, indices, indptr, own, q, mu, d, place, column, row, p, stiffness, tolerance, limit, size_m):
+def newton_local(data, indices, indptr, own, q, mu, d, place, plan, p, stiffness, tolerance, limit, size_m):
     """Semismooth Newton over a LocalProblem: (I + B W) (p+ - p) = g - p, its rows scaled to unit diagonal blocks.
 
     own (C, m, m) are the blocks W_cc. p holds the start and then the best answer. Returns iterations, error, error at the start.
     """
     count, m = len(mu), len(size_m)
-    diagonal, pivot = np.empty((count, m, m)), np.empty((count, m, m))
-    lower, upper = np.empty((len(row), m, m)), np.empty((len(row), m, m))
+    diagonal, lower, upper = np.empty((count, m, m)), np.empty((len(plan.row), m, m)), np.empty((len(plan.row), m, m))
+    squares, panels, others = _room(plan, size_m)
     scale, right, unit = np.empty((count, m, m)), np.empty(p.shape), np.empty((count, m, m))
     target, block, work, inverse = np.zeros(3), np.zeros((3, 3)), np.empty((m, m)), np.empty((m, m))
     small = np.empty((m, m))
@@ -1515,15 +1742,15 @@ def newton_local(data, indices, indptr, own, q, mu, d, place, column, row, p, st
                     total += inverse[i, j] * (target[j] - p[c, j])
                     unit[place[c], i, j] = inverse[i, j]
                 right[place[c], i] = total
-        _place_blocks(data, indices, indptr, scale, place, column, row, False, diagonal, lower, upper, size_m)
+        _place_blocks(data, indices, indptr, scale, place, plan, False, diagonal, lower, upper, size_m)
         for i in range(count):
             for r in range(m):
                 for s in range(m):
                     diagonal[i, r, s] += unit[i, r, s]
         iterations += 1
         new = np.inf
-        if regular and _factorise(column, row, diagonal, lower, upper, pivot, False, size_m):
-            _solve_factorised(column, row, lower, upper, pivot, right, size_m)
+        if regular and _factorise(plan, diagonal, lower, upper, squares, panels, others, False, size_m):
+            _solve_factorised(plan, squares, panels, others, False, right, size_m)
             for c in range(count):
                 for i in range(m):
                     p[c, i] += right[place[c], i]
@@ -1596,7 +1823,7 @@ def _second_order(eta, b0, b1, b2, w, z, dw, dz, out):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def interior_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, friction, compliance, order, column, row, index, spot, p, v_out, tolerance, limit,
+    inverse_mass, v_free, bodies, jacobian, offset, friction, compliance, order, plan, index, spot, p, v_out, tolerance, limit,
     size_m, size_n,
 ):  # fmt: skip
     """Interior point method over a FrictionProblem, see solvers/interior.py. p receives the best answer found; its start is not used.
@@ -1613,8 +1840,8 @@ def interior_bodies(
     miss, goal, second = np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros(3)
     series = np.empty(blocks.shape) if len(compliance) else blocks  # blocks softened by the contacts' own springs
     share, work = np.empty((len(compliance), m, m)), np.empty((m, m))
-    diagonal, pivot = np.empty((count, n, n)), np.empty((count, n, n))
-    lower, upper = np.empty((len(row), n, n)), np.empty((len(row), n, n))
+    diagonal, lower, upper = np.empty((count, n, n)), np.empty((len(plan.row), n, n)), np.empty((len(plan.row), n, n))
+    squares, panels, others = _room(plan, size_n)
     v[:count] = free
     _rows(jacobian, index, offset, v, u, size_m, size_n)
     size = _size_of(u, d)
@@ -1651,7 +1878,7 @@ def interior_bodies(
             for c in range(contacts):
                 _in_series(blocks[c], compliance[c], share[c], series[c], work, size_m)
         _augment_blocks(mass, jacobian, index, spot, series, diagonal, lower, upper, size_m, size_n)
-        if not (gap > 0.0) or not _factorise(column, row, diagonal, lower, lower, pivot, True, size_n):
+        if not (gap > 0.0) or not _factorise(plan, diagonal, lower, lower, squares, panels, others, True, size_n):
             break
         iterations += 1
         # predictor (no centring), then corrector with the centring that the predictor asks for
@@ -1673,7 +1900,7 @@ def interior_bodies(
                     _take_share(share[c], target[c], z[c, 0] / mu[c], z[c, 1], z[c, 2], size_m)
             _missing_momentum(mass, free, v, out, size_n)
             _add_push(jacobian, index, target, out, size_m, size_n)
-            _solve_factorised(column, row, lower, lower, pivot, out, size_n)
+            _solve_factorised(plan, squares, panels, panels, True, out, size_n)
             out[count] = 0.0
             longest = 1e10
             for c in range(contacts):

@@ -57,8 +57,8 @@ class Memory:
 
     pattern: Pattern
     bodies: np.ndarray  # (C, 2) of the contacts of the factors
-    lower: np.ndarray  # (F, n, n)
-    pivot: np.ndarray  # (B, n, n)
+    squares: np.ndarray  # of D^-1, flat
+    panels: np.ndarray  # of L, flat
     rho: np.ndarray  # (C,)
     tally: np.ndarray  # (5,) k; 1: factorise anew; iterations after the last new factorisation; steps; mean iterations at this k
 
@@ -68,7 +68,8 @@ class Memory:
         if tally is None:
             tally = np.array([FIRST_K, 1.0, 0.0, 0.0, 0.0])
         tally[1] = 1.0
-        return cls(pattern, bodies, np.empty((len(pattern.row), n, n)), np.empty((pattern.nodes, n, n)), np.empty(len(bodies)), tally)
+        squares, panels = np.empty(n * n * int(pattern.plan.square[-1])), np.empty(n * n * int(pattern.plan.panel[-1]))
+        return cls(pattern, bodies, squares, panels, np.empty(len(bodies)), tally)
 
     @classmethod
     def read(cls, arrays: dict[str, np.ndarray]) -> Memory | None:
@@ -76,14 +77,14 @@ class Memory:
         if "admm_tally" not in arrays:
             return None
         own = {name.removeprefix("admm_"): array for name, array in arrays.items() if name.startswith("admm_")}
-        pattern = Pattern(**{name: own.pop(name) for name in ("pairs", "order", "place", "column", "row")})
+        pattern = Pattern.read(own)
         own["tally"] = own["tally"].copy()
         return cls(pattern, **own)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The memory for a solution."""
-        own = {name: getattr(self, name) for name in ("bodies", "lower", "pivot", "rho", "tally")}
-        return {f"admm_{name}": array for name, array in (vars(self.pattern) | own).items()}
+        own = {name: getattr(self, name) for name in ("bodies", "squares", "panels", "rho", "tally")}
+        return {f"admm_{name}": array for name, array in (self.pattern.arrays() | own).items()}
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -112,7 +113,7 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     fresh = bool(memory.tally[1]) or k != memory.tally[0]
     pattern = memory.pattern
     iterations, error, k_end, factorisations = coulomb.admm_bodies(
-        *arrays, pattern.order, pattern.column, pattern.row, index, spot, memory.lower, memory.pivot, memory.rho, impulse, velocity, k,
+        *arrays, pattern.order, pattern.plan, index, spot, memory.squares, memory.panels, memory.rho, impulse, velocity, k,
         fresh, options.tolerance, limit, (0,) * problem.dimension, (0,) * n,
     )  # fmt: skip
     _learn(memory.tally, k, k_end, iterations, factorisations)
@@ -174,7 +175,7 @@ def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, l
     d = np.trace(own, axis1=1, axis2=2) / problem.dimension
     pattern = contact_pattern(indices, indptr)
     iterations, error = coulomb.admm_local(
-        blocks, indices, indptr, problem.q, problem.mu, d, pattern.order, pattern.place, pattern.column, pattern.row, impulse, LOCAL_K,
+        blocks, indices, indptr, problem.q, problem.mu, d, pattern.order, pattern.place, pattern.plan, impulse, LOCAL_K,
         options.tolerance, limit, (0,) * problem.dimension,
     )  # fmt: skip
     return Solution(impulse, None, iterations, _reason(error, options))

@@ -156,9 +156,9 @@ def _costs(problem: Problem, tally: np.ndarray, start: Solution | None) -> tuple
         memory = admm.Memory.read(start.memory) if start is not None else None
         n, rows = problem.v_free.shape[1], problem.contacts * problem.dimension
         pattern = memory.pattern if memory is not None else Pattern.of(len(problem.v_free), problem.bodies[:, 0], problem.bodies[:, 1])
-        below = np.diff(pattern.column).astype(float)
-        iteration = 8.0 * rows * n + 4.0 * n * n * below.sum()
-        tally[3:6] = problem.contacts, iteration, iteration + 2.0 * n**3 * float(below @ (below + 1.0)) + 8.0 * rows * n * n
+        solve, factorisation = pattern.costs(n)
+        iteration = 8.0 * rows * n + solve
+        tally[3:6] = problem.contacts, iteration, iteration + factorisation + 8.0 * rows * n * n
     return float(tally[4]), float(tally[5])
 
 

@@ -42,7 +42,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     impulse, velocity = np.zeros((problem.contacts, problem.dimension)), np.empty(problem.v_free.shape)
     pattern = memory.pattern
     iterations, error = coulomb.interior_bodies(
-        *arrays, pattern.order, pattern.column, pattern.row, index, spot, impulse, velocity, options.tolerance, limit,
+        *arrays, pattern.order, pattern.plan, index, spot, impulse, velocity, options.tolerance, limit,
         (0,) * problem.dimension, (0,) * n,
     )  # fmt: skip
     reason = "interior: converged" if error <= options.tolerance else f"interior: stopped at an error of {error:.1e}"

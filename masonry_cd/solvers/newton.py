@@ -62,7 +62,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
     impulse, velocity, pattern = start.impulse.copy(), np.empty(problem.v_free.shape), memory.pattern
     iterations, error, begin = coulomb.newton_bodies(
-        *arrays, pattern.order, pattern.column, pattern.row, index, spot, impulse, velocity, STIFFNESS, options.tolerance, limit,
+        *arrays, pattern.order, pattern.plan, index, spot, impulse, velocity, STIFFNESS, options.tolerance, limit,
         (0,) * problem.dimension, (0,) * n,
     )  # fmt: skip
     return Solution(impulse, velocity, iterations, _reason(error, begin, options), memory.arrays())
@@ -74,7 +74,7 @@ def _solve_local(problem: LocalProblem, options: Options, start: Solution, limit
     d = np.trace(own, axis1=1, axis2=2) / problem.dimension
     pattern, impulse = admm.contact_pattern(indices, indptr), start.impulse.copy()
     iterations, error, begin = coulomb.newton_local(
-        blocks, indices, indptr, own, problem.q, problem.mu, d, pattern.place, pattern.column, pattern.row, impulse, STIFFNESS,
+        blocks, indices, indptr, own, problem.q, problem.mu, d, pattern.place, pattern.plan, impulse, STIFFNESS,
         options.tolerance, limit, (0,) * problem.dimension,
     )  # fmt: skip
     return Solution(impulse, None, iterations, _reason(error, begin, options))

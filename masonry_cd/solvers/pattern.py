@@ -21,8 +21,7 @@ class Pattern:
     pairs: np.ndarray  # (E,) pairs of nodes that are coupled, low * N + high, sorted
     order: np.ndarray  # (N,) node at each place
     place: np.ndarray  # (N,) place of each node
-    column: np.ndarray  # (N + 1,) starts of the columns of L
-    row: np.ndarray  # (F,) rows of the blocks of L below the diagonal
+    plan: coulomb.Plan  # where the blocks are
 
     @classmethod
     def of(cls, nodes: int, first: np.ndarray, second: np.ndarray, kept: np.ndarray | None = None) -> Pattern:
@@ -42,13 +41,27 @@ class Pattern:
         order = _minimum_degree(nodes, low, high)
         place = np.empty(nodes, dtype=np.int64)
         place[order] = np.arange(nodes)
-        column, row = coulomb.fill_in(*coulomb.neighbours_below(place[low], place[high], nodes))
-        return cls(pairs, order, place, column, row)
+        return cls(pairs, order, place, coulomb.make_plan(place[low], place[high], nodes))
 
     @property
     def nodes(self) -> int:
         """Number of nodes N."""
         return len(self.order)
+
+    @classmethod
+    def read(cls, arrays: dict[str, np.ndarray]) -> Pattern:
+        """A pattern from what :meth:`arrays` gave, which is taken out of the dict."""
+        plan = coulomb.Plan(*(arrays.pop(name) for name in coulomb.Plan._fields))
+        return cls(arrays.pop("pairs"), arrays.pop("order"), arrays.pop("place"), plan)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The pattern for a checkpoint."""
+        return {"pairs": self.pairs, "order": self.order, "place": self.place} | self.plan._asdict()
+
+    def costs(self, n: int) -> tuple[float, float]:
+        """Operations of a solve and of an unsymmetric factorisation, for n unknowns per node."""
+        width, below = n * np.diff(self.plan.first).astype(float), n * np.diff(self.plan.start).astype(float)
+        return float(2.0 * width @ (width + 2.0 * below)), float(4.0 * width @ (width * width / 2 + width * below + below * below))
 
     def locate(self, bodies: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool] | None:
         """Places (C, 2) of the bodies of each contact, the block (C,) that couples them, and whether they are those of the last contacts.
@@ -56,7 +69,7 @@ class Pattern:
         None if a block is missing.
         """
         index, spot = np.empty((len(bodies), 2), dtype=np.int64), np.empty(len(bodies), dtype=np.int64)
-        found = coulomb.locate(bodies, last, self.place, self.column, self.row, index, spot)
+        found = coulomb.locate(bodies, last, self.place, self.plan.column, self.plan.row, index, spot)
         return None if found < 0 else (index, spot, found == 1)
 
 

@@ -1,0 +1,66 @@
+"""The sparse block factorisation against dense linear algebra."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from masonry_cd import coulomb
+from masonry_cd.solvers.pattern import Pattern
+
+
+def grid(columns: int, rows: int) -> tuple[int, np.ndarray, np.ndarray]:
+    """Nodes of a grid with one diagonal per cell, as blocks of a wall touch, and the ends of its edges."""
+    node = np.arange(columns * rows).reshape(rows, columns)
+    ends = [(node[:, :-1], node[:, 1:]), (node[:-1], node[1:]), (node[:-1, :-1], node[1:, 1:])]
+    first, second = (np.concatenate([pair[side].ravel() for pair in ends]) for side in range(2))
+    return columns * rows, first, second
+
+
+def test_runs_hold_all_columns_in_order_with_the_rows_of_each() -> None:
+    nodes, first, second = grid(13, 11)
+    pattern = Pattern.of(nodes, first, second)
+    plan, place = pattern.plan, pattern.place
+    assert plan.first[0] == 0
+    assert plan.first[-1] == nodes
+    assert np.diff(plan.first).min() > 0
+    assert np.diff(plan.first).max() > 1
+    assert len(plan.row) == len(pattern.pairs)
+    run = np.repeat(np.arange(len(plan.first) - 1), np.diff(plan.first))
+    for low, high in np.sort(place[np.stack([first, second], axis=1)], axis=1):
+        s = run[low]
+        assert run[high] == s or high in plan.below[plan.start[s] : plan.start[s + 1]]
+
+
+@pytest.mark.parametrize("n", [2, 6])
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_a_factorised_matrix_solves_as_a_dense_one_does(n: int, symmetric: bool) -> None:
+    nodes, first, second = grid(9, 14)
+    plan = Pattern.of(nodes, first, second).plan
+    random = np.random.default_rng(3)
+    dense = np.zeros((nodes, n, nodes, n))
+    diagonal, lower = random.normal(size=(nodes, n, n)), random.normal(size=(len(plan.row), n, n))
+    diagonal = diagonal + diagonal.transpose(0, 2, 1) + 12.0 * n * np.eye(n)
+    upper = lower if symmetric else random.normal(size=lower.shape)
+    if not symmetric:
+        diagonal += random.normal(size=diagonal.shape)
+    dense[np.arange(nodes), :, np.arange(nodes), :] = diagonal
+    column = np.repeat(np.arange(nodes), np.diff(plan.column))
+    dense[plan.row, :, column, :] = lower
+    dense[column, :, plan.row, :] = upper.transpose(0, 2, 1)
+    matrix, right = dense.reshape(nodes * n, nodes * n), random.normal(size=(nodes, n))
+    size = (0,) * n
+    squares, panels, others = coulomb._room(plan, size)
+    assert coulomb._factorise(plan, diagonal, lower, upper, squares, panels, others, symmetric, size)
+    x = right.copy()
+    coulomb._solve_factorised(plan, squares, panels, panels if symmetric else others, symmetric, x, size)
+    np.testing.assert_allclose(x.ravel(), np.linalg.solve(matrix, right.ravel()), rtol=0.0, atol=1e-12 * np.abs(x).max())
+
+
+def test_a_singular_block_is_reported() -> None:
+    nodes, first, second = grid(3, 3)
+    plan, size = Pattern.of(nodes, first, second).plan, (0, 0)
+    diagonal, lower = np.tile(np.eye(2), (nodes, 1, 1)), np.zeros((len(plan.row), 2, 2))
+    diagonal[4] = 0.0
+    squares, panels, others = coulomb._room(plan, size)
+    assert not coulomb._factorise(plan, diagonal, lower, lower, squares, panels, others, True, size)
