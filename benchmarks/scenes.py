@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.blocks import Assembly, Block, Faces
+from masonry_cd.scene import JointLaw
 from structures.prism import box, prism_xz
 
 GRAVITY = 9.81  # [m/s2]
@@ -33,6 +34,7 @@ class BenchScene:
     theta: float = 0.5
     amplitude: float = 0.0  # C [m/s]
     frequency: float = 2.0  # f [Hz]
+    stiffness: float = 0.0  # of all joints, normal; 0: rigid [N/m3]
 
     def base_velocity(self, steps: int) -> np.ndarray:
         """Velocity of the base along x at t_k = k dt, (N + 1,) [m/s]."""
@@ -40,7 +42,8 @@ class BenchScene:
 
     def assembly(self) -> Assembly:
         """The blocks as the core takes them."""
-        return Assembly.from_blocks(self.blocks, self.friction)
+        joints = {"default": JointLaw(normal_stiffness=self.stiffness)} if self.stiffness else None
+        return Assembly.from_blocks(self.blocks, self.friction, joints)
 
     def write(self, path: Path, steps: int) -> None:
         """Write the scene for a peer: blocks, friction, time step and the base velocity of so many steps."""

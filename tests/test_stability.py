@@ -61,6 +61,7 @@ def test_the_cases_span_what_the_head_says():
     accelerations = [2 * np.pi * case.scene.frequency * case.scene.amplitude / 9.81 for case in found]
     assert max(accelerations) == pytest.approx(5.0)
     assert max(case.scene.frequency for case in found) == 50.0
+    assert max(case.scene.stiffness for case in found) == 1e13
     assert {case.scene.friction for case in found} >= {0.0, 10.0}
     assert len({case.name for case in found}) == len(found)
 
