@@ -109,6 +109,22 @@ def test_the_report_adds_up(unbroken):
     assert report.balance_error < 1e-10
 
 
+def test_what_a_gentle_run_leaves_out_is_counted(tmp_path):
+    steps = 200
+    velocity = still(steps)
+    velocity[:, 0, 0] = 0.05 * np.sin(2 * np.pi * 2.0 * np.arange(steps + 1) * 1e-3)  # far too little to move a joint
+    velocity[100:] = velocity[100]  # then the base goes on evenly: rest, seen from the wall
+    m = stepper(wall(3, 3), steps, support_velocity=velocity, solver="auto", tolerance=1e-8)
+    joints = find_joints(m.assembly)
+    with ResultWriter(tmp_path / "r.h5", m.assembly, joints) as writer:
+        report = run(m, joints, writer, steps)
+    done = report.left_out
+    assert done["broad_phases"] == 1
+    assert done["pairs_with_faces_searched"] < 2 * len(m.detector.pairs)  # once each, at the start
+    assert done["pairs_with_points_kept"] > 0.9 * joints.count * steps
+    assert report.steps_as_before > 80
+
+
 def test_reasons_are_counted_without_their_numbers():
     energy = dict.fromkeys(ENERGIES, 0.0)
     report = RunReport()
