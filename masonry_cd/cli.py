@@ -5,8 +5,9 @@ Exit codes: 0 done, 1 the run could not go on, 2 bad input (one line says what a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -335,18 +336,26 @@ def modal(
     reference: Annotated[Path | None, typer.Option(metavar="CSV", help="Measured modes to compare with.")] = None,
     fit: Annotated[bool, typer.Option("--fit", help="Fit E to the first measured frequency.")] = False,
     pictures: Annotated[int, typer.Option(metavar="N", help="Modes to draw.")] = 6,
+    nscd: Annotated[bool, typer.Option("--nscd", help="Frequencies of the run itself, on the scene's elastic joints, instead.")] = False,
+    sweep: Annotated[str | None, typer.Option(metavar="x|y|z", help="With --nscd: amplitudes over the frequency of the base.")] = None,
+    velocity: Annotated[float | None, typer.Option(metavar="C", help="Of the sweep [m/s].", show_default="1/1000 g")] = None,
     force: Force = False,
 ) -> None:
     """Check modal frequencies: the bonded elastic continuum, and rigid blocks on elastic joints, on the blocks of a scene.
 
     Rigid blocks with unilateral contacts have no elastic frequency; these two companions stand in for the structure before it cracks.
+    A run on elastic joints has its own: with --nscd it swings freely, or is swept with v(t) = C sin(2 pi f t), beside its linear modes.
 
     \b
     Examples:
       masonry-cd modal aqueduct.toml -o out/modal --young 3e9
       masonry-cd modal church.toml -o out/modal --reference measured.csv --fit
+      masonry-cd modal mortar.toml -o out/modal --nscd --sweep x
     """
     with told():
+        if nscd or sweep:
+            _vibration(scene, output, {"modes": modes, "sweep": sweep, "velocity": velocity}, set_ or (), force)
+            return
         from reports.modal_case import OUTPUTS, by_group, modal_case
 
         free_folder(output, OUTPUTS, force)
@@ -360,6 +369,16 @@ def modal(
         for line in found["warnings"]:
             typer.echo(f"masonry-cd: warning: {line}", err=True)
         typer.echo(f"written: {', '.join(map(str, found['written']))}")
+
+
+def _vibration(scene: Path, output: Path, asked: dict[str, Any], changes: Sequence[str], force: bool) -> None:
+    """The run's own frequencies."""
+    from reports.vibration import OUTPUTS, vibration_case
+
+    free_folder(output, OUTPUTS, force)
+    found = vibration_case(scene, asked, output, changes)
+    typer.echo("\n".join(found["lines"]))
+    typer.echo(f"written: {', '.join(found['written'])}")
 
 
 @app.command()

@@ -51,7 +51,8 @@ LOSSES = ("kinetic", "elastic", "friction", "impact", "damping")  # where it wen
 TOUCHING = 1e-8  # gaps up to this share of the smallest width are none
 OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone
 CORRECTED = 0.2  # share of what is beyond that which one step takes away
-SETTLING, SETTLED, SETTLING_STEPS = 30.0, 1e-6, 400  # step, in radians of a block on its joint; last move, as a share of all; most steps
+SETTLING, SETTLING_STEPS = 30.0, 400  # step of settling, in radians of the swing of a block on its joint, and most steps
+SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last move is this share of all of it; or this, and moves shrink no more
 SUNK = 0.1  # share of the smallest width that no block sinks by while it settles
 CREEP = 1e-6  # slip and opening below this share of g h count as none when bonds are judged
 
@@ -192,25 +193,22 @@ class Stepper:
         """
         if self._laws is None or not self.assembly.laws.normal_stiffness.any():
             return 0
-        kept = self.settings, self._laws, self._support_velocity, self._acceleration, self._forces
-        a, h, tolerance = self.assembly, self._settling_step(), min(self.settings.tolerance, 1e-9)
-        self.settings = self.settings.model_copy(update={"dt": h, "theta": 1.0, "tolerance": tolerance})
-        self._laws = elastic.law_arrays(replace(a.laws, theta=np.ones_like(a.laws.theta)))
+        kept = self.settings, self._solver, self._laws, self._support_velocity, self._acceleration, self._forces
+        a, h = self.assembly, self._settling_step()
+        self.settings = self.settings.model_copy(update={"dt": h, "theta": 1.0, "tolerance": 1e-12, "max_iterations": None})
+        self._solver, self._laws = SOLVERS["auto"], elastic.law_arrays(replace(a.laws, theta=np.ones_like(a.laws.theta)))
         self._support_velocity, self._forces = np.zeros_like(self._support_velocity[:2]), None
         self._acceleration = np.repeat(self._acceleration[:1], 2, axis=0)
-        begin, steps, sunk, rests = self.state.position.copy(), 0, 0.0, False
-        while not rests and steps < SETTLING_STEPS:
-            before = self.state.position.copy()
+        begin, steps, sunk, moved, rests = self.state.position.copy(), 0, 0.0, np.inf, False
+        while not rests and steps < SETTLING_STEPS and sunk <= SUNK * self._width:
+            before, last = self.state.position.copy(), moved
             self.step()
             self._stop()
             sunk = float(np.abs(self.state.position - begin).max())
             moved = float(np.abs(self.state.position - before).max())
-            rests = moved <= max(SETTLED * sunk, 10.0 * tolerance * self._gravity * h * h)
+            rests = moved <= SETTLED * sunk or (moved <= ROUNDED * sunk and moved > 0.99 * last)
             steps += 1
-            if sunk > SUNK * self._width:
-                rests = False
-                break
-        self.settings, self._laws, self._support_velocity, self._acceleration, self._forces = kept
+        self.settings, self._solver, self._laws, self._support_velocity, self._acceleration, self._forces = kept
         if not rests:
             block = a.names[int(np.abs(self.state.position - begin).max(axis=1).argmax())]
             raise InputError(f'run.settle: block "{block}" does not come to rest under its weight; settle = false starts the run without')
@@ -219,6 +217,16 @@ class Stepper:
         self.energy = dict.fromkeys(ENERGIES, 0.0)
         self._begun = 0.0
         return steps
+
+    def kick(self, velocity: np.ndarray) -> None:
+        """Add velocities (B, 6) to those of the free blocks [m/s, rad/s], before a run."""
+        free = ~self.assembly.fixed
+        turn = rotation_matrices(self.state.orientation[free])
+        inertia = turn @ self.assembly.inertia[free] @ turn.transpose(0, 2, 1)
+        self.state.velocity[free] += velocity[free]
+        self._spin[free] += np.einsum("bij,bj->bi", inertia, velocity[free, 3:])
+        self._v += velocity[free][:, self._columns]
+        self._begun = self._kinetic()
 
     def _settling_step(self) -> float:
         """Step in which the heaviest block on the softest joint would swing by SETTLING radians [s]."""

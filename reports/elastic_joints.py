@@ -35,7 +35,7 @@ def joint_modes(
     poisson: float,
     count: int,
     *,
-    stiffness: tuple[float, float] | None = None,
+    stiffness: tuple[float, float] | Stiffness | None = None,
     held: Mapping[str, np.ndarray] | None = None,
 ) -> dict[str, object]:
     """The lowest modes of rigid blocks on elastic joints.
@@ -45,7 +45,7 @@ def joint_modes(
         young: (B,) modulus of each block [Pa].
         poisson: Poisson's ratio.
         count: modes asked for.
-        stiffness: k_n and k_t of every joint [Pa/m], instead of those that follow from the modulus.
+        stiffness: k_n and k_t of all joints, or of each joint (J,), [Pa/m] instead of those that follow from the modulus.
         held: by group of supports, which of x, y and z they hold, (3,) bool; all three when not given.
 
     Returns:
@@ -60,7 +60,7 @@ def joint_modes(
     _check_supported(assembly, joints)
     normal, tangential = joint_stiffness(assembly, joints, young, poisson)
     if stiffness:
-        normal, tangential = (np.full(joints.count, value) for value in stiffness)
+        normal, tangential = (np.broadcast_to(np.asarray(value, dtype=float), joints.count) for value in stiffness)
     free = np.flatnonzero(~assembly.fixed)
     unknown = (6 * free[:, None] + np.arange(6)).ravel()
     matrix = _stiffness(assembly, joints, normal, tangential, _directions(assembly, joints, held or {}))[unknown][:, unknown]
