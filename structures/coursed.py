@@ -1,9 +1,10 @@
 """Blocks cut from a solid: a CAD model (.step, .stp, .brep) or a gmsh script (.geo), laid in courses.
 
 The geometry kernel OpenCASCADE does the cutting, through gmsh. Level planes cut the solid into courses of one height. In each course
-upright planes cut the bodies into stones, across x and across y, half a stone farther on in every second course (running bond). No plane
-passes closer than a quarter of a stone to the end of a body, and bodies no longer than a stone stay whole. Stones twice as long as the
-walls are thick bond the corners of a plan with whole stones, since the grid begins at the lowest corner of the solid.
+upright planes cut the bodies into stones, across x and across y, half a stone farther on in every second course (running bond). Bodies no
+longer than a stone stay whole, and no plane passes closer than a quarter of a stone to the end of a body or to the face of a wall along
+which it runs: there are no slivers. Stones twice as long as the walls are thick bond the corners of a plan with whole stones, since
+the grid begins at the lowest corner of the solid; otherwise there are stones around the corner.
 
 Joints are planes, so they are exact: corners that the kernel returns within ``tolerance`` of such a plane are put onto it, and
 the stones of both sides share it to the bit. Only the outer faces of a solid may be curved. These become flat facets with all corners on
@@ -32,7 +33,9 @@ from structures.meshfile import mended, placed
 
 SUFFIXES = (".geo", ".step", ".stp", ".brep")
 FILLED = 1e-6  # volume of the blocks relative to that of a solid with flat faces
-NARROW = 0.25  # no joint closer to the end of a body than this share of a stone
+NARROW = 0.25  # no joint closer to the end of a body, or to the face of a wall along it, than this share of a stone
+ALONG = 0.75  # a plane runs along a wall that ends near it where, so far beside it, there is less than this share of what it cuts
+TRIANGLE = 2  # gmsh's number of this type of element
 FINEST = 64  # most facets along one curve
 
 Piece = tuple[int, int, str]  # the kernel's number of a volume, its course, its group
@@ -163,30 +166,82 @@ def _cutting(gmsh: Any, keys: SolidTable, scale: float) -> Cutting:
 def _cut(gmsh: Any, cutting: Cutting) -> list[Piece]:
     """Cut all volumes: first by the beds, then each body across the plan."""
     gmsh.model.occ.synchronize()
+    for name, value in (("MeshSizeExtendFromBoundary", 0), ("MeshSizeMax", float(cutting.reach.max())), ("MeshSizeFromCurvature", 24)):
+        gmsh.option.setNumber(f"Mesh.{name}", value)
+    gmsh.model.mesh.generate(2)
+    surfaces = {volume: _surface(gmsh, volume) for _, volume in gmsh.model.getEntities(3)}
+    gmsh.model.mesh.clear()
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
+    middles = 0.5 * (cutting.beds[:-1] + cutting.beds[1:])
     done: list[Piece] = []
-    for _, volume in gmsh.model.getEntities(3):
+    for volume, surface in surfaces.items():
         names = [gmsh.model.getPhysicalName(3, tag) for tag in gmsh.model.getPhysicalGroupsForEntity(3, volume)]
         group = next((name for name in names if name), "block")
         for body in _split(gmsh, volume, cutting.up, cutting.beds[1:-1], cutting):
             course = int(np.searchsorted(cutting.beds, gmsh.model.occ.getCenterOfMass(3, body)[cutting.up])) - 1
+            outline = _section(surface, cutting.up, middles[course], cutting.plan)
             stones = [body]
             for axis in cutting.plan:
                 stones = [
-                    stone for piece in stones for stone in _split(gmsh, piece, axis, _heads(gmsh, piece, axis, course, cutting), cutting)
+                    stone
+                    for piece in stones
+                    for stone in _split(gmsh, piece, axis, _heads(gmsh, piece, axis, course, outline, cutting), cutting)
                 ]
             done += [(stone, course, group) for stone in stones]
     return done
 
 
-def _heads(gmsh: Any, body: int, axis: int, course: int, cutting: Cutting) -> np.ndarray:
-    """Where along an axis a body of a course is cut, if it is longer than a stone: places of one grid, none near its ends."""
+def _heads(gmsh: Any, body: int, axis: int, course: int, plan: np.ndarray, cutting: Cutting) -> np.ndarray:
+    """Where along an axis a body of a course is cut, if it is longer than a stone: places of one grid that leave no sliver.
+
+    Args:
+        plan: outline of the section through the middle of the course.
+    """
     box = gmsh.model.occ.getBoundingBox(3, body)
     if box[axis + 3] - box[axis] <= cutting.unit + 2.0 * cutting.tolerance:
         return np.zeros(0)
     first = cutting.origin[axis] + (course % 2) * cutting.shift
     places = first + cutting.unit * np.arange(-1, np.ceil(cutting.reach[axis] / cutting.unit) + 1)
     room = NARROW * cutting.unit
-    return places[(places > box[axis] + room) & (places < box[axis + 3] - room)]
+    inside = places[(places > box[axis] + room) & (places < box[axis + 3] - room)]
+    beside = np.array([-room, -10.0 * cutting.tolerance, 10.0 * cutting.tolerance, room])
+    other = next(k for k in cutting.plan if k != axis)
+    column = cutting.plan.index(axis)
+    lengths = [_length(plan, column, place + d, box[other], box[other + 3]) for place in inside for d in beside]
+    far, near, here, beyond = np.maximum(np.reshape(lengths, (-1, 4)), cutting.tolerance).T
+    return inside[np.minimum(far / near, beyond / here) >= ALONG]
+
+
+def _surface(gmsh: Any, volume: int) -> np.ndarray:
+    """A rough triangulation (n, 3, 3) of the surface of a volume, from a mesh of the model."""
+    tags, places, _ = gmsh.model.mesh.getNodes()
+    number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+    number[tags] = np.arange(len(tags))
+    faces = [tag for _, tag in gmsh.model.getBoundary([(3, volume)], oriented=False)]
+    corners = np.concatenate([gmsh.model.mesh.getElementsByType(TRIANGLE, face)[1] for face in faces])
+    return places.reshape(-1, 3)[number[corners]].reshape(-1, 3, 3)
+
+
+def _section(surface: np.ndarray, up: int, level: float, plan: tuple[int, int]) -> np.ndarray:
+    """The outline of a level section, as segments (m, 2, 2) in plan."""
+    height = surface[:, :, up] - level
+    segments = []
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        share = np.divide(height[:, i], height[:, i] - height[:, j], out=np.zeros(len(height)), where=height[:, i] != height[:, j])
+        segments.append(surface[:, i] + share[:, None] * (surface[:, j] - surface[:, i]))
+    above = height >= 0.0
+    crossed = np.stack([above[:, 0] != above[:, 1], above[:, 1] != above[:, 2], above[:, 2] != above[:, 0]], axis=1)
+    cut = crossed.any(axis=1)  # such triangles have two crossed sides
+    return np.stack(segments, axis=1)[cut][crossed[cut]].reshape(-1, 2, 3)[:, :, list(plan)]
+
+
+def _length(outline: np.ndarray, column: int, place: float, low: float, high: float) -> float:
+    """How much of a straight line across one axis of the plan lies within an outline, between two ends."""
+    along = outline[:, :, column] - place
+    met = (along[:, 0] >= 0.0) != (along[:, 1] >= 0.0)
+    share = along[met, 0] / (along[met, 0] - along[met, 1])
+    ends = outline[met, 0, 1 - column] + share * (outline[met, 1, 1 - column] - outline[met, 0, 1 - column])
+    return float(np.diff(np.clip(np.sort(ends), low, high).reshape(-1, 2), axis=1).sum())
 
 
 def _split(gmsh: Any, volume: int, axis: int, places: np.ndarray, cutting: Cutting) -> list[int]:

@@ -48,6 +48,15 @@ def test_stones_share_their_corners_to_the_bit(tmp_path: Path) -> None:
         assert np.diff(values).min() > 1e-3  # no two that agree but for rounding
 
 
+def test_no_slivers_where_the_grid_does_not_suit_the_walls(tmp_path: Path) -> None:
+    """Walls of 0.4 m and stones of 0.7 m: planes fall into the walls that run along them, and are left out there."""
+    blocks = cut(tmp_path, TOWER, unit_length=0.7)
+    parts = [part for block in blocks if not block.fixed for part in block.convex_parts]
+    assert min(np.ptp(part.vertices, axis=0).min() for part in parts) > 0.25 * 0.7 - 1e-9
+    assert any(block.parts for block in blocks)  # stones around the corner
+    assert free_volume(blocks) == pytest.approx((2.4**2 - 1.6**2) * 1.5 - 0.4 * 0.4 * 1.0, rel=1e-6)
+
+
 def test_a_step_file_states_its_units_and_may_have_y_up(tmp_path: Path) -> None:
     with solid.kernel() as gmsh:  # a wall of 2000 x 500 x 400 mm, y up; gmsh writes STEP in millimetres
         gmsh.model.occ.addBox(0, 0, 0, 2000, 500, 400)
