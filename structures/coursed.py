@@ -38,7 +38,7 @@ ALONG = 0.75  # a plane runs along a wall that ends near it where, so far beside
 TRIANGLE = 2  # gmsh's number of this type of element
 FINEST = 64  # most facets along one curve
 
-Piece = tuple[int, int, str]  # the kernel's number of a volume, its course, its group
+Stone = tuple[int, str, np.ndarray, Faces]  # its course, its group, its shell in the units and axes of the file
 
 
 class SolidTable(BaseModel):
@@ -87,14 +87,20 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
     with _opened(path) as gmsh:
         cutting = _cutting(gmsh, keys, scale)
         whole = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.occ.getEntities(3))
-        pieces = _cut(gmsh, cutting)
-        shells, off = _shells(gmsh, [tag for tag, _, _ in pieces], cutting, path.name)
-    blocks = _named(pieces, shells, keys, scale, density, path.name)
+        curved = [tag for _, tag in gmsh.model.getEntities(2) if gmsh.model.getType(2, tag) != "Plane"]
+        if curved and cutting.chord is None:
+            where = ", ".join(f"{x:.4g}" for x in gmsh.model.occ.getCenterOfMass(2, curved[0]))
+            raise InputError(
+                f"structure.chord: missing; {path.name} has {len(curved)} curved face{'s' if len(curved) > 1 else ''}, the first at "
+                f"({where}): say how far flat facets may be off"
+            )
+        stones, off = _stones(gmsh, cutting, path.name)
+    blocks = _named(stones, keys, scale, density, path.name)
     filled = sum(mass_properties(block.vertices, block.faces).volume for block in blocks)
-    if off is None and abs(filled / (whole * scale**3) - 1.0) > FILLED:
+    if not curved and abs(filled / (whole * scale**3) - 1.0) > FILLED:
         raise InputError(f"{path.name}: its pieces have {filled:.9g} m3, the solid has {whole * scale**3:.9g} m3")
     notes = []
-    if off is not None:
+    if curved:
         share = 100.0 * (filled / (whole * scale**3) - 1.0)
         notes.append(
             f"{path.name}: curved faces are flat facets, at most {1e3 * scale * off:.3g} mm off; the volume changes by {share:+.3g} %"
@@ -163,32 +169,46 @@ def _cutting(gmsh: Any, keys: SolidTable, scale: float) -> Cutting:
     )
 
 
-def _cut(gmsh: Any, cutting: Cutting) -> list[Piece]:
-    """Cut all volumes: first by the beds, then each body across the plan."""
+def _stones(gmsh: Any, cutting: Cutting, source: str) -> tuple[list[Stone], float]:
+    """Cut all volumes, first by the beds, then each body of a course across the plan; the stones, and how far facets are off.
+
+    A course leaves the kernel when its shells are read: the cost of an operation grows with all that is in there.
+    """
+    outlines = _outlines(gmsh, cutting)
+    groups = {}
+    for volume in outlines:
+        names = [gmsh.model.getPhysicalName(3, tag) for tag in gmsh.model.getPhysicalGroupsForEntity(3, volume)]
+        groups[volume] = next((name for name in names if name), "block")
+    done: list[Stone] = []
+    off = 0.0
+    for volume, plans in outlines.items():
+        courses: dict[int, list[int]] = {}
+        for body in _split(gmsh, volume, cutting.up, cutting.beds[1:-1], cutting)[0]:
+            course = int(np.searchsorted(cutting.beds, gmsh.model.occ.getCenterOfMass(3, body)[cutting.up])) - 1
+            courses.setdefault(course, []).append(body)
+        for course, bodies in courses.items():
+            stones, loose = bodies, []
+            for axis in cutting.plan:
+                cuts = [_split(gmsh, piece, axis, _heads(gmsh, piece, axis, course, plans[course], cutting), cutting) for piece in stones]
+                stones = [stone for pieces, _ in cuts for stone in pieces]
+                loose += [entity for _, rest in cuts for entity in rest]
+            shells, here = _shells(gmsh, stones, cutting, source)
+            gmsh.model.occ.remove([*((3, stone) for stone in stones), *loose], recursive=True)
+            done += [(course, groups[volume], *shell) for shell in shells]
+            off = max(off, here)
+    return done, off
+
+
+def _outlines(gmsh: Any, cutting: Cutting) -> dict[int, list[np.ndarray]]:
+    """The outline in plan of each volume in the middle of each course, from a rough mesh of its surface."""
     gmsh.model.occ.synchronize()
     for name, value in (("MeshSizeExtendFromBoundary", 0), ("MeshSizeMax", float(cutting.reach.max())), ("MeshSizeFromCurvature", 24)):
         gmsh.option.setNumber(f"Mesh.{name}", value)
     gmsh.model.mesh.generate(2)
-    surfaces = {volume: _surface(gmsh, volume) for _, volume in gmsh.model.getEntities(3)}
-    gmsh.model.mesh.clear()
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
     middles = 0.5 * (cutting.beds[:-1] + cutting.beds[1:])
-    done: list[Piece] = []
-    for volume, surface in surfaces.items():
-        names = [gmsh.model.getPhysicalName(3, tag) for tag in gmsh.model.getPhysicalGroupsForEntity(3, volume)]
-        group = next((name for name in names if name), "block")
-        for body in _split(gmsh, volume, cutting.up, cutting.beds[1:-1], cutting):
-            course = int(np.searchsorted(cutting.beds, gmsh.model.occ.getCenterOfMass(3, body)[cutting.up])) - 1
-            outline = _section(surface, cutting.up, middles[course], cutting.plan)
-            stones = [body]
-            for axis in cutting.plan:
-                stones = [
-                    stone
-                    for piece in stones
-                    for stone in _split(gmsh, piece, axis, _heads(gmsh, piece, axis, course, outline, cutting), cutting)
-                ]
-            done += [(stone, course, group) for stone in stones]
-    return done
+    surfaces = {volume: _surface(gmsh, volume) for _, volume in gmsh.model.getEntities(3)}
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
+    return {v: [_section(surface, cutting.up, middle, cutting.plan) for middle in middles] for v, surface in surfaces.items()}
 
 
 def _heads(gmsh: Any, body: int, axis: int, course: int, plan: np.ndarray, cutting: Cutting) -> np.ndarray:
@@ -244,16 +264,13 @@ def _length(outline: np.ndarray, column: int, place: float, low: float, high: fl
     return float(np.diff(np.clip(np.sort(ends), low, high).reshape(-1, 2), axis=1).sum())
 
 
-def _split(gmsh: Any, volume: int, axis: int, places: np.ndarray, cutting: Cutting) -> list[int]:
-    """Cut a volume by planes across an axis; the numbers of its pieces."""
+def _split(gmsh: Any, volume: int, axis: int, places: np.ndarray, cutting: Cutting) -> tuple[list[int], list[tuple[int, int]]]:
+    """Cut a volume by planes across an axis: the numbers of its pieces, and the faces made, some of which belong to no piece."""
     if not len(places):
-        return [volume]
-    occ = gmsh.model.occ
-    planes = [(2, _plane(occ, axis, float(place), cutting)) for place in places]
-    made, pieces_of = occ.fragment([(3, volume)], planes)
-    pieces = [tag for dim, tag in pieces_of[0] if dim == 3]
-    occ.remove([entity for entity in made if entity[0] == 2], recursive=True)  # what of the planes lies outside
-    return pieces
+        return [volume], []
+    planes = [(2, _plane(gmsh.model.occ, axis, float(place), cutting)) for place in places]
+    made, pieces_of = gmsh.model.occ.fragment([(3, volume)], planes)
+    return [tag for dim, tag in pieces_of[0] if dim == 3], [entity for entity in made if entity[0] == 2]
 
 
 def _plane(occ: Any, axis: int, place: float, cutting: Cutting) -> int:
@@ -269,22 +286,17 @@ def _plane(occ: Any, axis: int, place: float, cutting: Cutting) -> int:
     return int(occ.addPlaneSurface([occ.addCurveLoop(sides)]))
 
 
-def _shells(gmsh: Any, volumes: Sequence[int], cutting: Cutting, source: str) -> tuple[list[tuple[np.ndarray, Faces]], float | None]:
-    """The shells of some volumes, and how far facets are off the curved faces; None where all faces are flat.
+def _shells(gmsh: Any, volumes: Sequence[int], cutting: Cutting, source: str) -> tuple[list[tuple[np.ndarray, Faces]], float]:
+    """The shells of some volumes, and how far their facets are off curved faces.
 
     Raises:
-        InputError: a curved face, but no chord is given; or facets that stay farther off.
+        InputError: facets that stay farther off than the chord error allowed.
     """
+    gmsh.model.mesh.clear()
     gmsh.model.occ.synchronize()
     faces = {tag: [f for _, f in gmsh.model.getBoundary([(3, tag)], oriented=False)] for tag in volumes}
     curves = {f: [abs(c) for _, c in gmsh.model.getBoundary([(2, f)], oriented=False)] for own in faces.values() for f in own}
     curved = {f for f in curves if gmsh.model.getType(2, f) != "Plane"}
-    if curved and cutting.chord is None:
-        where = gmsh.model.occ.getCenterOfMass(2, min(curved))
-        raise InputError(
-            f"structure.chord: missing; {source} has {len(curved)} curved faces, the first at "
-            f"({', '.join(f'{x:.4g}' for x in where)}): say how far flat facets may be off"
-        )
     for curve in {c for own in curves.values() for c in own}:
         gmsh.model.mesh.setTransfiniteCurve(curve, 1 + _segments(gmsh, curve, cutting))
     gmsh.model.mesh.generate(1)
@@ -300,7 +312,7 @@ def _shells(gmsh: Any, volumes: Sequence[int], cutting: Cutting, source: str) ->
     for volume in volumes:
         polygons = [polygon for f in faces[volume] for polygon in facets[f]]
         shells.append(mended(*_gathered([_on_planes(polygon, cutting) for polygon in polygons]), cutting.tolerance))
-    return shells, off if curved else None
+    return shells, off
 
 
 def _segments(gmsh: Any, curve: int, cutting: Cutting) -> int:
@@ -364,6 +376,7 @@ def _meshed(gmsh: Any, faces: set[int], curved: set[int]) -> dict[int, list[np.n
             gmsh.model.mesh.setTransfiniteSurface(face)
             gmsh.model.mesh.setRecombine(2, face)
     gmsh.model.mesh.generate(2)
+    gmsh.option.setNumber("Mesh.MeshOnlyVisible", 0)
     tags, places, _ = gmsh.model.mesh.getNodes()
     place_of = dict(zip(tags, places.reshape(-1, 3), strict=True))
     out: dict[int, list[np.ndarray]] = {}
@@ -414,12 +427,10 @@ def _gathered(polygons: Sequence[np.ndarray]) -> tuple[np.ndarray, Faces]:
     return np.concatenate(polygons), tuple(tuple(range(a, b)) for a, b in pairwise(ends))
 
 
-def _named(
-    pieces: Sequence[Piece], shells: Sequence[tuple[np.ndarray, Faces]], keys: SolidTable, scale: float, density: float, source: str
-) -> list[Block]:
+def _named(stones: Sequence[Stone], keys: SolidTable, scale: float, density: float, source: str) -> list[Block]:
     """Blocks in metres, z up, named by course and place: ``c0s0``, ``c0s1`` ... from the foot upwards."""
     made = []
-    for (_, course, group), (vertices, faces) in zip(pieces, shells, strict=True):
+    for course, group, vertices, faces in stones:
         if len(faces) < 4:
             raise InputError(f"{source}: a piece of course {course} has only {len(faces)} faces; its solid is not closed")
         made.append((course, Block("", placed(vertices, scale, keys.up), faces, density, group)))

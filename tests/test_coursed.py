@@ -73,7 +73,7 @@ def test_a_step_file_states_its_units_and_may_have_y_up(tmp_path: Path) -> None:
 
 def test_a_column_of_drums_is_faceted_within_the_chord(tmp_path: Path) -> None:
     text = "Cylinder(1) = {0, 0, 0, 0, 0, 1.0, 0.4};"
-    with pytest.raises(InputError, match=r"structure\.chord: missing; solid\.geo has 4 curved faces, the first at"):
+    with pytest.raises(InputError, match=r"structure\.chord: missing; solid\.geo has 1 curved face, the first at"):
         cut(tmp_path, text, unit_length=1.0)
     keys = {"kind": "solid", "path": "solid.geo", **KEYS, "unit_length": 1.0, "chord": 0.02}
     blocks, notes = structures.build_with_notes(keys, 2000.0, tmp_path)
