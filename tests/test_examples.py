@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -81,3 +82,35 @@ def test_the_record_shakes_the_aqueduct_at_its_scale(tmp_path, shared):
     pga = [table["after"]["pga"] for table in summary["loads"]["tables"] if table["kind"] == "record"]
     assert pga == pytest.approx([0.5 * 5.366, 0.5 * 6.507, 0.5 * 5.169], rel=0.02)  # the baseline correction changes it a little
     assert json.loads((tmp_path / "summary.json").read_text())["blocks"] == summary["blocks"]
+
+
+def test_the_aqueduct_of_arles_moves_across_twice_as_far_as_along(tmp_path):
+    summary = run("aqueduct_arles.toml", tmp_path, "run.duration=0.04", "report.damage=false")
+    assert not summary["planar"]
+    assert summary["energy"]["balance_error"] < 1e-6
+    with Results.open(tmp_path / "result.h5") as results:
+        fixed = np.array([block.fixed for block in results.blocks])
+        moved = results.position[results.frames - 1][fixed] - results.position[0][fixed]
+    omega, size = 2 * math.pi * 1.5, math.hypot(0.5, 1.0)
+    far = 0.3 / omega * (1 - math.cos(omega * 0.04))
+    assert moved == pytest.approx(np.tile([0.5 / size * far, 1.0 / size * far, 0.0], (len(moved), 1)), rel=5e-4)
+
+
+def test_the_three_naves_stand_at_rest(tmp_path):
+    summary = run("church_sine.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0", "report.damage=false", "run.tolerance=1e-6")
+    reaction, weight = base_reaction(tmp_path)
+    assert reaction == pytest.approx(weight, rel=1e-4)
+    assert 500 <= summary["blocks"] <= 800
+    assert summary["displacement_max"] < 1e-6
+    assert summary["joints_opened"] == summary["joints_slid"] == 0
+
+
+def test_the_three_shocks_follow_one_another_at_their_sizes(tmp_path):
+    summary = run("church_three_shocks.toml", tmp_path, "run.duration=0.05", "report.damage=false")
+    (sequence,) = summary["loads"]["tables"][:1]
+    assert [shock["name"] for shock in sequence["shocks"]] == ["foreshock", "main shock", "aftershock"]
+    lengths = [shock["end"] - shock["start"] for shock in sequence["shocks"]]
+    assert lengths == pytest.approx([3.0, 3.5, 3.0], abs=0.01)
+    assert [b["start"] - a["end"] for a, b in pairwise(sequence["shocks"])] == pytest.approx([2.0, 2.0], abs=0.01)
+    pga = [max(component["after"]["pga"] for component in shock["components"]) for shock in sequence["shocks"]]
+    assert pga == pytest.approx([1.2 * ag for ag in (1.2, 2.2, 1.7)], rel=0.35)  # S ag on ground B; short periods are not matched
