@@ -23,7 +23,7 @@ def draw(outcomes: Sequence[Outcome], path: Path) -> None:
     tall = 1.7 + 0.23 * (places[-1] + 1.0)
     figure: Any = Figure(figsize=(11.0, tall), dpi=100, facecolor="white")
     FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.33, 0.55 / tall, 0.47, (tall - 1.65) / tall))
+    axes = figure.add_axes((0.33, 0.55 / tall, 0.45, (tall - 1.65) / tall))
     axes.set_xscale("log")
     axes.set_xlim(LEAST / 3.0, MOST * 3.0)
     axes.set_ylim(places[-1] + 0.8, -1.0)
@@ -84,7 +84,7 @@ def _groups(axes: Any, outcomes: Sequence[Outcome], places: Sequence[float]) -> 
     for k, found in enumerate(outcomes):
         if k == 0 or found.group != outcomes[k - 1].group:
             axes.text(
-                -0.67, places[k] - 1.0, found.group, transform=axes.get_yaxis_transform(), fontsize=10.5, fontweight="bold", color=INK,
+                -0.70, places[k] - 1.0, found.group, transform=axes.get_yaxis_transform(), fontsize=10.5, fontweight="bold", color=INK,
                 va="center", clip_on=False,
             )  # fmt: skip
 

@@ -148,7 +148,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
 
     with interrupt, _writer(case, file, saved, resume) as writer, show:
         report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, rests)
-    summary = _summary(case, report) | {"dumped": [path.name for path in dumped.written], "left_out": left_out(scene, stepper, report)}
+    summary = _summary(case, report) | {"dumped": [path.name for path in dumped.written], "explanation": left_out(scene, stepper, report)}
     with Results.open(file) as results:
         summary |= write_damage(results, folder, scene.report) | outcome(case, results)
         fast = resolution.after_run(case.assembly, results, settings.dt)

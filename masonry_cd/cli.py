@@ -96,7 +96,7 @@ def run(
         if not quiet:
             typer.echo("\n".join(case.closing_lines(summary)))
             if explain:
-                typer.echo("\n".join(["left out, and why:", *(f"- {line}" for line in summary["left_out"])]))
+                typer.echo("\n".join(["left out, and why:", *(f"- {line}" for line in summary["explanation"])]))
             written = (name for name in (*case.OUTPUTS, *summary["dumped"]) if (output / name).exists())
             typer.echo(f"results: {', '.join(str(output / name) for name in written)}")
         for line in summary["warnings"]:

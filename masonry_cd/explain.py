@@ -1,4 +1,4 @@
-"""What a run left out because its scene does not need it, and why: ``masonry-cd run --explain``, and ``left_out`` in summary.json.
+"""What a run left out because its scene does not need it, and why: ``masonry-cd run --explain``, and ``explanation`` in summary.json.
 
 Every line names what was spared, and what it rests on: a symmetry, a bound, a counter of the run, or what the scene does not ask for.
 """
@@ -45,11 +45,15 @@ def _plane(scene: Scene, stepper: Stepper) -> str:
 
 def _pairs(stepper: Stepper, report: RunReport) -> list[str]:
     """Pairs of blocks that were not looked at, and searches that were not repeated."""
-    parts, detector = len(stepper.assembly.shapes.part_block), stepper.detector
-    possible, listed = parts * (parts - 1) // 2, len(detector.pairs)
+    parts, done = len(stepper.assembly.shapes.part_block), report.left_out
+    possible, listed = parts * (parts - 1) // 2, len(stepper.detector.pairs)
+    kept, far = done["pairs_with_points_kept"], done["pairs_not_looked_at"]
     return [
-        f"pairs of blocks: {possible - listed} of {possible} not looked at, since their boxes are apart",
-        f"broad phase: left out in {report.steps - detector.rebuilds} of {report.steps} steps, since no block had left its box",
+        f"pairs of blocks: {possible - listed} of {possible} not listed, since their boxes are apart",
+        f"broad phase: left out in {report.steps - done['broad_phases']} of {report.steps} steps, since no block had left its box",
+        f"listed pairs: contact points kept {kept} times, since the pair had not moved; "
+        f"not looked at {far} times, since it could not have met",
+        f"iterations: none in {report.steps_as_before} of {report.steps} steps, in which the impulses of the last step were good enough",
     ]
 
 

@@ -46,25 +46,27 @@ def number(lines: list[str], pattern: str) -> tuple[int, ...]:
 def test_every_line_is_said_and_kept(explained):
     said, summary = explained()
     assert "left out, and why:" in said
-    assert all(f"- {line}\n" in said for line in summary["left_out"])
+    assert all(f"- {line}\n" in said for line in summary["explanation"])
 
 
 def test_the_numbers_are_those_of_the_run(explained):
-    lines = explained()[1]["left_out"]
+    lines = explained()[1]["explanation"]
     assert "mirror image about y = 0.25 m" in lines[0]
-    spared, possible = number(lines, r"pairs of blocks: (\d+) of (\d+) not looked at")
+    spared, possible = number(lines, r"pairs of blocks: (\d+) of (\d+) not listed")
     assert possible == 6  # four blocks
     assert spared == 3  # the far cube meets neither of the others, and the upper one does not meet the plate
     apart, steps = number(lines, r"impacts apart from forces: not solved in (\d+) of (\d+) steps")
     assert steps == 60
     assert 57 <= apart <= 59  # the cube lands once, in a step or two
     assert number(lines, r"broad phase: left out in (\d+) of (\d+) steps") == (59, 60)
+    kept, far = number(lines, r"contact points kept (\d+) times, .* not looked at (\d+) times")
+    assert 100 < kept < kept + far <= 60 * 3  # three listed pairs in every step, of which two stand still
     assert any("joints are rigid" in line for line in lines)
     assert any("crack map" in line and "[report] does not ask" in line for line in lines)
 
 
 def test_what_is_asked_for_is_not_left_out(explained):
-    lines = explained("run.planar=false", "run.solver=nlgs", "material.joints.normal_stiffness=1e9", "report.damage=true")[1]["left_out"]
+    lines = explained("run.planar=false", "run.solver=nlgs", "material.joints.normal_stiffness=1e9", "report.damage=true")[1]["explanation"]
     assert lines[0] == "third dimension: kept, since run.planar is false"
     assert any(line.startswith("solvers: all but nlgs") for line in lines)
     assert not any("joints are rigid" in line for line in lines)
