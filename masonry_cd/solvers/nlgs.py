@@ -54,20 +54,19 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
 def _solve_coloured(problem: FrictionProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
     """Sweep colour by colour, on as many threads as asked for."""
-    *arrays, mu, compliance = problem.arrays()
-    factor, g, q, index, law = coulomb.prepare_sweeps(*arrays, compliance)
+    factor, g, index, law = coulomb.prepare_sweeps(*problem.arrays(), impulse)
     bodies, n = problem.v_free.shape
     start, order, ends = coulomb.colour_joints(index, bodies)
     colours = np.flatnonzero(np.diff(ends))
     y, velocity, random = np.empty((bodies + 1, n)), np.empty((bodies, n)), np.random.default_rng(options.seed)
     set_num_threads(max(1, min(options.threads, config.NUMBA_NUM_THREADS)))
-    contacts = (g, q, y, index, law, mu, compliance, impulse)
-    error, sweeps = coulomb.collect_and_measure(*contacts), 0
+    error, sweeps = coulomb.collect_and_measure(g, y, index, law), 0
     while error > options.tolerance and sweeps < limit:
         for _ in range(min(EVERY, limit - sweeps)):
-            coulomb.sweep_coloured(*contacts, start, order, random.permutation(colours), ends[:-1], ends[1:], CHUNK)
+            coulomb.sweep_coloured(g, y, index, law, start, order, random.permutation(colours), ends[:-1], ends[1:], CHUNK)
             sweeps += 1
-        error = coulomb.collect_and_measure(*contacts)
+        error = coulomb.collect_and_measure(g, y, index, law)
+    impulse[:] = law[:, coulomb.P : coulomb.P + problem.dimension]
     coulomb.velocities(factor, problem.v_free, y, velocity)
     return Solution(impulse, velocity, sweeps, _reason(error, options))
 
