@@ -21,8 +21,8 @@ Planar contacts (one tangent) use the same step with a second tangent that carri
 All kernels that call each other live in this one file: numba's cache does not notice a changed callee in another file. Hence its
 length. What sweeps call for each contact takes numbers, not arrays: an array that is passed on, or a view of one, has its references
 counted, which takes longer than the arithmetic. In order: the law and its natural map; Gauss-Seidel over bodies, coloured, and over local
-problems; sparse blocks; ADMM; Newton; both for local problems; the interior point method. What each method does and why stands in its file
-in ``solvers``.
+problems; sparse blocks; ADMM; Newton; both for local problems; the interior point method; proximal points. What each method does and why
+stands in its file in ``solvers``.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ from llvmlite import ir
 from numba import njit, prange, types
 from numba.extending import intrinsic
 
+OPEN, STICK, SLIP = 0, 1, 2  # status of a contact
 GROUP = 16  # contacts visited in a row by a sweep, see _groups
 EPSILON = 2.2e-16  # relative rounding error of a float
 SHORT = 2  # columns: runs up to this length may be padded much, see runs
@@ -1828,158 +1829,442 @@ def _way_out(x0: float, x1: float, x2: float, d0: float, d1: float, d2: float) -
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _nt_scaling(w0: float, w1: float, w2: float, z0: float, z1: float, z2: float) -> tuple[float, float, float, float]:
-    """Nesterov and Todd's scaling W of the pair (w, z): eta and b with W = eta (2 v v^T - J), v = (b + e) / sqrt(2 (b_0 + 1))."""
-    root_w, root_z = np.sqrt(_cone_det(w0, w1, w2)), np.sqrt(_cone_det(z0, z1, z2))
-    half = np.sqrt(2.0 * (1.0 + (w0 * z0 + w1 * z1 + w2 * z2) / (root_w * root_z)))
-    b0, b1, b2 = (w0 / root_w + z0 / root_z) / half, (w1 / root_w - z1 / root_z) / half, (w2 / root_w - z2 / root_z) / half
-    return np.sqrt(root_w / root_z), b0, b1, b2
+def _determinant_sign(plan, squares, size_n):
+    """Sign of the determinant of a factorised matrix, from the inverses of its diagonal squares."""
+    sign = 1.0
+    for s in range(len(plan.first) - 1):
+        width = len(size_n) * (plan.first[s + 1] - plan.first[s])
+        work = _view(squares, plan.square, s, width, size_n).copy()
+        for k in range(width):
+            best = k
+            for i in range(k + 1, width):
+                if abs(work[i, k]) > abs(work[best, k]):
+                    best = i
+            if best != k:
+                sign = -sign
+                for j in range(k, width):
+                    work[k, j], work[best, j] = work[best, j], work[k, j]
+            if work[k, k] < 0.0:
+                sign = -sign
+            for i in range(k + 1, width):
+                factor = work[i, k] / work[k, k]
+                for j in range(k + 1, width):
+                    work[i, j] -= factor * work[k, j]
+    return sign
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _complementarity(w, p, gamma, mu, m, out):
+    """The products of a contact that vanish in a solution: w_n p_n and (gamma, w_t) o (mu p_n, p_t)."""
+    out[0] = w[0] * p[0]
+    out[1] = gamma * mu * p[0]
+    for i in range(1, m):
+        out[1] += w[i] * p[i]
+        out[1 + i] = gamma * p[i] + mu * p[0] * w[i]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _second_order(eta, b0, b1, b2, w, z, dw, dz, out):
-    """out = W^-1 (lambda \\ ((W^-1 dw) o (W dz))), lambda = W z: Mehrotra's correction for one contact."""
-    root = np.sqrt(2.0 * (b0 + 1.0))
-    v0, v1, v2 = (b0 + 1.0) / root, b1 / root, b2 / root
-    back, forth, own = v0 * dw[0] - v1 * dw[1] - v2 * dw[2], v0 * dz[0] + v1 * dz[1] + v2 * dz[2], v0 * z[0] + v1 * z[1] + v2 * z[2]
-    x0, x1, x2 = (2.0 * v0 * back - dw[0]) / eta, (-2.0 * v1 * back + dw[1]) / eta, (-2.0 * v2 * back + dw[2]) / eta
-    y0, y1, y2 = (2.0 * v0 * forth - dz[0]) * eta, (2.0 * v1 * forth + dz[1]) * eta, (2.0 * v2 * forth + dz[2]) * eta
-    l0, l1, l2 = (2.0 * v0 * own - z[0]) * eta, (2.0 * v1 * own + z[1]) * eta, (2.0 * v2 * own + z[2]) * eta
-    c0, c1, c2 = x0 * y0 + x1 * y1 + x2 * y2, x0 * y1 + y0 * x1, x0 * y2 + y0 * x2
-    t0 = (l0 * c0 - l1 * c1 - l2 * c2) / _cone_det(l0, l1, l2)
-    t1, t2 = (c1 - l1 * t0) / l0, (c2 - l2 * t0) / l0
-    back = v0 * t0 - v1 * t1 - v2 * t2
-    out[0], out[1], out[2] = (2.0 * v0 * back - t0) / eta, (-2.0 * v1 * back + t1) / eta, (-2.0 * v2 * back + t2) / eta
+def _move_inside(p, u, mu, d, shift, w, inner, m):
+    """Centred w and impulses with products shift^2 / d for x = d p - u of a contact; returns its gamma.
+
+    On the path w_n = (root - x_n) / 2 and d p_n = (root + x_n) / 2, root = sqrt(x_n^2 + 4 shift^2); tangentially w_t = -x_t gamma / (gamma
+    + beta), d p_t = x_t beta / (gamma + beta), beta = mu d p_n, and gamma solves one cubic equation.
+    """
+    xn = d * p[0] - u[0]
+    root = np.sqrt(xn * xn + 4.0 * shift * shift)
+    far = 0.5 * (root + abs(xn))
+    near = shift * shift / far  # without cancellation
+    w[0], inner[0] = (near, far / d) if xn > 0.0 else (far, near / d)
+    bound, r2 = mu * inner[0] * d, 0.0
+    for i in range(1, m):
+        r2 += (d * p[i] - u[i]) ** 2
+    level = shift * shift / bound
+    gamma = np.sqrt(r2) + level
+    for _ in range(60):
+        total = gamma + bound
+        move = (gamma - r2 * gamma / (total * total) - level) / (1.0 - r2 * (bound - gamma) / (total * total * total))
+        gamma = max(gamma - move, 0.5 * gamma)
+        if abs(move) <= 1e-10 * gamma:
+            break
+    for i in range(1, m):
+        x = d * p[i] - u[i]
+        inner[i], w[i] = x * bound / (gamma + bound) / d, -x * gamma / (gamma + bound)
+    return gamma
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _linearise_products(w, p, gamma, mu, soft, inverse, gain, work, size_m, size_k):
+    """Linearised products of a contact whose w is that of the velocities, softened by its compliance and by the damping.
+
+    (dp, dgamma) = inverse r - gain (du + miss) changes them by r. work (3, k, k). False if they cannot be solved for that.
+    """
+    m, k = len(size_m), len(size_k)
+    change, by_w = work[0], work[1]
+    change[:], by_w[:] = 0.0, 0.0
+    change[0, 0], by_w[0, 0] = w[0], p[0]
+    change[1, 0], change[1, m] = gamma * mu, mu * p[0]
+    for i in range(1, m):
+        change[1, i], by_w[1, i] = w[i], p[i]
+        change[1 + i, i], change[1 + i, m], change[1 + i, 0], by_w[1 + i, i] = gamma, p[i], mu * w[i], mu * p[0]
+    for i in range(k):
+        for j in range(m):
+            change[i, j] += by_w[i, j] * soft[j]
+    regular = _invert(change, inverse, work[2], size_k)
+    for i in range(k):
+        for j in range(m):
+            total = 0.0
+            for q in range(k):
+                total += inverse[i, q] * by_w[q, j]
+            gain[i, j] = total
+    return regular
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _interior_direction(
+    momentum, jacobian, index, wanted, inverse, gain, miss, soft, plan, factors, out, dw, dp, dgamma, size_m, size_n, size_k
+):
+    """The step that changes the products as wanted and takes all other residuals away: out (of v), dw, dp, dgamma.
+
+    momentum is H^T p - M (v - v_free), miss = H v + b + C p - w, factors those of M + H^T B H with B the first rows of gain.
+    """
+    m, n, k = len(size_m), len(size_n), len(size_k)
+    for c in range(len(index)):
+        for i in range(k):
+            total = 0.0
+            for j in range(k):
+                total += inverse[c, i, j] * wanted[c, j]
+            for j in range(m):
+                total -= gain[c, i, j] * miss[c, j]
+            if i < m:
+                dp[c, i] = total
+            else:
+                dgamma[c] = total
+    out[:] = momentum
+    _add_push(jacobian, index, dp, out, size_m, size_n)
+    _solve_factorised(plan, factors[0], factors[1], factors[2], False, out, size_n)
+    out[-1] = 0.0
+    for c in range(len(index)):
+        a, b, h = index[c, 0], index[c, 1], jacobian[c]
+        for j in range(m):
+            change = 0.0
+            for q in range(n):
+                change += h[0, j, q] * out[a, q] + h[1, j, q] * out[b, q]
+            dw[c, j] = change + miss[c, j]
+            for i in range(m):
+                dp[c, i] -= gain[c, i, j] * change
+            dgamma[c] -= gain[c, m, j] * change
+        for i in range(m):
+            dw[c, i] += soft[c, i] * dp[c, i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _longest_step(w, p, gamma, mu, dw, dp, dgamma, size_m):
+    """Largest step that keeps every contact inside its cones."""
+    m, longest = len(size_m), 1e10
+    for c in range(len(mu)):
+        if dw[c, 0] < 0.0:
+            longest = min(longest, -w[c, 0] / dw[c, 0])
+        w2, p2, dw2, dp2 = (w[c, 2], p[c, 2], dw[c, 2], dp[c, 2]) if m == 3 else (0.0, 0.0, 0.0, 0.0)
+        longest = min(longest, _way_out(gamma[c], w[c, 1], w2, dgamma[c], dw[c, 1], dw2))
+        longest = min(longest, _way_out(mu[c] * p[c, 0], p[c, 1], p2, mu[c] * dp[c, 0], dp[c, 1], dp2))
+    return longest
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def interior_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, friction, compliance, order, plan, index, spot, p, v_out, tolerance, limit,
-    size_m, size_n,
+    inverse_mass, v_free, bodies, jacobian, offset, friction, compliance, order, plan, index, spot, impulse, v_out, distance,
+    stiffness, tolerance, limit, size_m, size_n, size_k,
 ):  # fmt: skip
-    """Interior point method over a FrictionProblem, see solvers/interior.py. p receives the best answer found; its start is not used.
+    """Interior point method over a FrictionProblem, see solvers/interior.py. impulse holds the start and then the best answer found.
 
-    Returns iterations and natural map error.
+    size_k is a tuple of m + 1 zeros. Returns iterations and natural map error.
     """
-    count, m, n, contacts = len(order), len(size_m), len(size_n), len(friction)
+    count, m, n, k, contacts = len(order), len(size_m), len(size_n), len(size_k), len(friction)
     inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
     d = _scales(inverse, jacobian, index, compliance, size_m, size_n)
-    v, out, own_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.zeros((count + 1, n))
-    u, target = np.empty((contacts, m)), np.empty((contacts, m))
-    blocks, scale = np.empty((contacts, m, m)), np.empty((contacts, 4))
-    w, z, dw, dz = np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros((contacts, 3))
-    miss, goal, second = np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros(3)
-    series = np.empty(blocks.shape) if len(compliance) else blocks  # blocks softened by the contacts' own springs
-    share, work = np.empty((len(compliance), m, m)), np.empty((m, m))
+    v, out, own_v, momentum = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.zeros((count + 1, n)), np.empty((count + 1, n))
+    u, soft = np.empty((contacts, m)), np.empty((contacts, m))
+    w, p, gamma = np.empty((contacts, m)), np.empty((contacts, m)), np.empty(contacts)
+    dw, dp, dgamma = np.empty((contacts, m)), np.empty((contacts, m)), np.empty(contacts)
+    product, wanted, gain = np.empty((contacts, k)), np.empty((contacts, k)), np.empty((contacts, k, m))
+    undo, work = np.empty((contacts, k, k)), np.empty((3, k, k))
     diagonal, lower, upper = np.empty((count, n, n)), np.empty((len(plan.row), n, n)), np.empty((len(plan.row), n, n))
-    squares, panels, others = _room(plan, size_n)
+    factors = _room(plan, size_n)
+    mu = np.maximum(friction, 1e-6)  # a cone without width has no inside
+    # start: inside the cones, at a distance from their walls
     v[:count] = free
     _rows(jacobian, index, offset, v, u, size_m, size_n)
-    size = _size_of(u, d)
-    largest = np.abs(u).max()
-    best, best_v = np.zeros(p.shape), v.copy()
+    size, shift = _size_of(u, d), distance * np.abs(u).max()
+    _velocity_of(inverse, free, jacobian, index, impulse, out, v, size_m, size_n)
+    best, best_v = impulse.copy(), v.copy()
     smallest = _map_norm(jacobian, index, offset, friction, compliance, d, best, v, size_m, size_n) / size
-    mu = np.maximum(friction, 1e-6)  # a cone without width has no inside
+    _rows(jacobian, index, offset, v, u, size_m, size_n)
     for c in range(contacts):
-        w[c, 0], z[c, 0] = largest, largest / d[c]
-    step, iterations = 1.0, 0
-    while iterations < limit and smallest > tolerance:
-        # where the iterate stands: complementarity, and what w misses of u + mu |u_t| n, in coordinates in which the cone is round
-        _rows(jacobian, index, offset, v, u, size_m, size_n)
-        if len(compliance):
-            for c in range(contacts):
-                for i in range(m):
-                    u[c, i] += compliance[c, i] * (z[c, i] / mu[c] if i == 0 else z[c, i])
-        gap = 0.0
-        for c in range(contacts):
-            gap += (w[c, 0] * z[c, 0] + w[c, 1] * z[c, 1] + w[c, 2] * z[c, 2]) / contacts
-        for c in range(contacts):
-            u2 = u[c, 2] if m == 3 else 0.0
-            smooth = 3.0 * np.sqrt(gap * d[c])  # |u_t| without its kink, which shrinks on the way
-            slip = np.sqrt(u[c, 1] * u[c, 1] + u2 * u2 + smooth * smooth) - smooth
-            miss[c, 0], miss[c, 1], miss[c, 2] = u[c, 0] / mu[c] + slip - w[c, 0], u[c, 1] - w[c, 1], u2 - w[c, 2]
-            eta, b0, b1, b2 = _nt_scaling(w[c, 0], w[c, 1], w[c, 2], z[c, 0], z[c, 1], z[c, 2])
-            scale[c, 0], scale[c, 1], scale[c, 2], scale[c, 3] = eta, b0, b1, b2
-            b = (b0, -b1, -b2)
-            for i in range(m):
-                for j in range(m):
-                    entry = 2.0 * b[i] * b[j] - ((1.0 if i == 0 else -1.0) if i == j else 0.0)
-                    blocks[c, i, j] = entry / (eta * eta) / (mu[c] if i == 0 else 1.0) / (mu[c] if j == 0 else 1.0)
-        if len(compliance):
-            for c in range(contacts):
-                _in_series(blocks[c], compliance[c], share[c], series[c], work, size_m)
-        _augment_blocks(mass, jacobian, index, spot, series, diagonal, lower, upper, size_m, size_n)
-        if not (gap > 0.0) or not _factorise(plan, diagonal, lower, lower, squares, panels, others, True, size_n):
-            break
+        gamma[c] = _move_inside(best[c], u[c], mu[c], d[c], shift, w[c], p[c], m)
+    step, iterations, short = 1.0, 0, 0
+    while iterations < limit and smallest > tolerance and short < 6:
         iterations += 1
-        # predictor (no centring), then corrector with the centring that the predictor asks for
+        _rows(jacobian, index, offset, v, u, size_m, size_n)
+        gap, regular = 0.0, True
+        for c in range(contacts):
+            for i in range(m):
+                own = compliance[c, i] if len(compliance) else 0.0
+                soft[c, i] = own + d[c] / stiffness
+                u[c, i] += own * p[c, i] - w[c, i]  # what w misses
+            _complementarity(w[c], p[c], gamma[c], mu[c], m, product[c])
+            gap += 0.5 * (product[c, 0] + product[c, 1]) / contacts
+            regular = _linearise_products(w[c], p[c], gamma[c], mu[c], soft[c], undo[c], gain[c], work, size_m, size_k) and regular
+        _augment_blocks(mass, jacobian, index, spot, gain, diagonal, lower, upper, size_m, size_n)
+        if not (gap > 0.0 and regular) or not _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], False, size_n):
+            break
+        if _determinant_sign(plan, factors[0], size_n) < 0.0 and stiffness > 1.0:
+            stiffness = max(0.1 * stiffness, 1.0)  # beyond a turning point of the path
+            continue
+        _missing_momentum(mass, free, v, momentum, size_n)
+        _add_push(jacobian, index, p, momentum, size_m, size_n)
+        # predictor, then corrector with the centring that the predictor asks for; a corrector that leads nowhere is left out
         centring, longest = 0.0, 0.0
-        for correcting in range(2):
+        for turn in range(3):
+            if turn == 2 and longest >= 0.1:
+                break
             for c in range(contacts):
-                if correcting:
-                    _second_order(scale[c, 0], scale[c, 1], scale[c, 2], scale[c, 3], w[c], z[c], dw[c], dz[c], second)
-                aim = centring * gap / _cone_det(w[c, 0], w[c, 1], w[c, 2])
-                goal[c, 0] = aim * w[c, 0] - z[c, 0] - second[0]
-                goal[c, 1] = -aim * w[c, 1] - z[c, 1] - second[1]
-                goal[c, 2] = -aim * w[c, 2] - z[c, 2] - second[2]
-                for i in range(m):
-                    total = goal[c, i] * (1.0 / mu[c] if i == 0 else 1.0) + z[c, i] * (1.0 / mu[c] if i == 0 else 1.0)
-                    for j in range(m):
-                        total -= blocks[c, i, j] * miss[c, j] * (mu[c] if j == 0 else 1.0)
-                    target[c, i] = total  # p + its change at u+ = u
-                if len(compliance):
-                    _take_share(share[c], target[c], z[c, 0] / mu[c], z[c, 1], z[c, 2], size_m)
-            _missing_momentum(mass, free, v, out, size_n)
-            _add_push(jacobian, index, target, out, size_m, size_n)
-            _solve_factorised(plan, squares, panels, panels, True, out, size_n)
-            out[count] = 0.0
-            longest = 1e10
-            for c in range(contacts):
-                a, b_, h = index[c, 0], index[c, 1], jacobian[c]
-                for i in range(m):
-                    change = 0.0
-                    for k in range(n):
-                        change += h[0, i, k] * out[a, k] + h[1, i, k] * out[b_, k]
-                    dw[c, i] = change / mu[c] if i == 0 else change
-                for i in range(m):
-                    total = target[c, i]
-                    for j in range(m):
-                        total -= series[c, i, j] * dw[c, j] * (mu[c] if j == 0 else 1.0)
-                    dz[c, i] = total * (mu[c] if i == 0 else 1.0) - z[c, i]
-                if len(compliance):
-                    dw[c, 0] += compliance[c, 0] * dz[c, 0] / (mu[c] * mu[c])
-                    for i in range(1, m):
-                        dw[c, i] += compliance[c, i] * dz[c, i]
-                for i in range(m):
-                    dw[c, i] += miss[c, i]
-                longest = min(longest, _way_out(w[c, 0], w[c, 1], w[c, 2], dw[c, 0], dw[c, 1], dw[c, 2]))
-                longest = min(longest, _way_out(z[c, 0], z[c, 1], z[c, 2], dz[c, 0], dz[c, 1], dz[c, 2]))
-            if not correcting:
+                if turn == 1:
+                    _complementarity(dw[c], dp[c], dgamma[c], mu[c], m, wanted[c])  # second order
+                for i in range(k):
+                    wanted[c, i] = (centring * gap if i < 2 else 0.0) - product[c, i] - (wanted[c, i] if turn == 1 else 0.0)
+            _interior_direction(
+                momentum, jacobian, index, wanted, undo, gain, u, soft, plan, factors, out, dw, dp, dgamma, size_m, size_n, size_k
+            )
+            longest = _longest_step(w, p, gamma, mu, dw, dp, dgamma, size_m)
+            if turn == 0:
                 ahead, reach = 0.0, min(1.0, longest)
                 for c in range(contacts):
-                    for i in range(3):
-                        ahead += (w[c, i] + reach * dw[c, i]) * (z[c, i] + reach * dz[c, i]) / contacts
+                    _complementarity(dw[c], dp[c], dgamma[c], mu[c], m, wanted[c])
+                    ahead += 0.5 * (1.0 - reach) * (product[c, 0] + product[c, 1]) / contacts
+                    ahead += 0.5 * reach * reach * (wanted[c, 0] + wanted[c, 1]) / contacts
                 centring = max(min(1.0, max(ahead / gap, 0.0)) ** 3, 1e-6 if step > 0.2 else (0.5 if step > 0.05 else 1.0))
-        second[:] = 0.0
         step = min(1.0, 0.99 * longest)
         for c in range(contacts):
+            gamma[c] += step * dgamma[c]
             for i in range(m):
                 w[c, i] += step * dw[c, i]
-                z[c, i] += step * dz[c, i]
-                p[c, i] = z[c, i] / mu[c] if i == 0 else z[c, i]
-            if friction[c] == 0.0:
-                p[c, 1:] = 0.0
-        for b_ in range(count):
+                p[c, i] += step * dp[c, i]
+                impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+        for b in range(count):
             for i in range(n):
-                v[b_, i] += step * out[b_, i]
-        _velocity_of(inverse, free, jacobian, index, p, out, own_v, size_m, size_n)
-        error = _map_norm(jacobian, index, offset, friction, compliance, d, p, own_v, size_m, size_n) / size
+                v[b, i] += step * out[b, i]
+        short = short + 1 if step < 0.02 else 0
+        if step > 0.5:
+            stiffness = min(4.0 * stiffness, 1e8)
+        elif step < 0.1:
+            stiffness = max(0.25 * stiffness, 1.0)
+        _velocity_of(inverse, free, jacobian, index, impulse, out, own_v, size_m, size_n)
+        error = _map_norm(jacobian, index, offset, friction, compliance, d, impulse, own_v, size_m, size_n) / size
         if error < smallest:
             smallest = error
-            best[:] = p
+            best[:] = impulse
             best_v[:] = own_v
         if not error < np.inf:
             break
+    impulse[:] = best
+    _put_back(best_v, order, v_out)
+    return iterations, smallest
+
+
+# --- proximal points over bodies ------------------------------------------------------------------------------------------------------
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _softness(compliance, scale, c, m):
+    """Compliance of the springs of contact c along and across the normal: the proximal one and the contact's own."""
+    if len(compliance):
+        return scale + compliance[c, 0], scale + max(compliance[c, 1], compliance[c, m - 1])
+    return scale, scale
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _spring_residual(model, mu, compliance, d, stiffness, centre, v, held, status, x, p, out, size_m, size_n):
+    """Trial impulses x and impulses p of the springs at velocities v, and out = M (v_free - v) + H^T p; returns its norm in M^-1.
+
+    model holds the mass, its inverse, v_free, H by contact, the places of the bodies and b. The status of the contacts follows x, or is
+    held as it is.
+    """
+    mass, inverse, free, jacobian, index, offset = model
+    m, n = len(size_m), len(size_n)
+    _rows(jacobian, index, offset, v, x, size_m, size_n)
+    for c in range(len(mu)):
+        soft_n, soft_t = _softness(compliance, d[c] / stiffness, c, m)
+        for i in range(m):
+            soft = soft_n if i == 0 else soft_t
+            own = compliance[c, i] if len(compliance) else 0.0
+            x[c, i] = ((soft - own) * centre[c, i] - x[c, i]) / soft
+        length = _length(x[c, 1], x[c, 2] if m == 3 else 0.0)
+        if not held:
+            status[c] = OPEN if x[c, 0] <= 0.0 else (STICK if length <= mu[c] * x[c, 0] else SLIP)
+        share = mu[c] * x[c, 0] / length if status[c] == SLIP and length > 0.0 else 1.0
+        for i in range(m):
+            p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
+    _missing_momentum(mass, free, v, out, size_n)
+    _add_push(jacobian, index, p, out, size_m, size_n)
+    out[-1] = 0.0
+    total = 0.0
+    for b in range(len(mass)):
+        for i in range(n):
+            for j in range(n):
+                total += out[b, i] * inverse[b, i, j] * out[b, j]
+    return np.sqrt(max(total, 0.0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _spring_blocks(mu, compliance, d, stiffness, status, x, blocks, size_m):
+    """B = -dp/du of the springs."""
+    m = len(size_m)
+    blocks[:] = 0.0
+    for c in range(len(mu)):
+        if status[c] == OPEN:
+            continue
+        soft_n, soft_t = _softness(compliance, d[c] / stiffness, c, m)
+        blocks[c, 0, 0] = 1.0 / soft_n
+        length = _length(x[c, 1], x[c, 2] if m == 3 else 0.0)
+        share = mu[c] * max(x[c, 0], 0.0) / length if length > 0.0 else 1.0
+        for i in range(1, m):
+            if status[c] == STICK:
+                blocks[c, i, i] = 1.0 / soft_t
+            elif length > 0.0:
+                blocks[c, i, 0] = mu[c] * x[c, i] / (length * soft_n)
+                for j in range(1, m):  # zero in a plane
+                    across = (1.0 if i == j else 0.0) - x[c, i] * x[c, j] / (length * length)
+                    blocks[c, i, j] = min(share, 1.0) / soft_t * across
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _spring_changes(jacobian, index, compliance, d, stiffness, change, dx, size_m, size_n):
+    """Change of the trial impulses with the velocities."""
+    m, n = len(size_m), len(size_n)
+    for c in range(len(d)):
+        soft_n, soft_t = _softness(compliance, d[c] / stiffness, c, m)
+        for i in range(m):
+            total = 0.0
+            for k in range(n):
+                total += jacobian[c, 0, i, k] * change[index[c, 0], k] + jacobian[c, 1, i, k] * change[index[c, 1], k]
+            dx[c, i] = -total / (soft_n if i == 0 else soft_t)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _first_change(mu, status, x, dx, size_m):
+    """The step along dx at which the first contact changes its status, that contact, and its new status."""
+    m, first, which, new = len(size_m), np.inf, -1, OPEN
+    for c in range(len(mu)):
+        if (status[c] == OPEN) == (dx[c, 0] > 0.0):  # closes or opens
+            step = max(-x[c, 0] / dx[c, 0], 0.0)
+            if step < first:
+                first, which, new = step, c, SLIP if status[c] == OPEN else OPEN
+        if status[c] == OPEN:
+            continue
+        a, b, e = -((mu[c] * dx[c, 0]) ** 2), -mu[c] * mu[c] * x[c, 0] * dx[c, 0], -((mu[c] * x[c, 0]) ** 2)
+        for i in range(1, m):  # |x_t|^2 - mu^2 x_n^2 = a step^2 + 2 b step + e
+            a += dx[c, i] * dx[c, i]
+            b += x[c, i] * dx[c, i]
+            e += x[c, i] * x[c, i]
+        outward, root, step = 1.0 if status[c] == STICK else -1.0, b * b - a * e, np.inf
+        if outward * e >= 0.0 and outward * b > 0.0:  # there already
+            step = 0.0
+        elif root >= 0.0:
+            q = -(b + np.sqrt(root)) if b >= 0.0 else -(b - np.sqrt(root))
+            if q != 0.0 and e / q > 0.0:
+                step = e / q
+            if a != 0.0 and q / a > 0.0:
+                step = min(step, q / a)
+        if step < first:
+            first, which, new = step, c, STICK + SLIP - status[c]
+    return first, which, new
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _add_step(v, step, change, size_n, out):
+    """out = v + step change."""
+    for b in range(len(v)):
+        for i in range(len(size_n)):
+            out[b, i] = v[b, i] + step * change[b, i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def proximal_bodies(
+    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, p, v_out, tolerance, limit, size_m,
+    size_n,
+):  # fmt: skip
+    """Proximal points over a FrictionProblem, see solvers/interior.py. p holds the start and then the best answer found.
+
+    Returns iterations (one factorisation each) and natural map error.
+    """
+    count, m, n, contacts = len(order), len(size_m), len(size_n), len(mu)
+    inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
+    model = (mass, inverse, free, jacobian, index, offset)
+    d = _scales(inverse, jacobian, index, compliance, size_m, size_n)
+    v, out, change, trial = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.zeros((count + 1, n)), np.zeros((count + 1, n))
+    x, dx, blocks = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m, m))
+    diagonal, lower, upper = np.empty((count, n, n)), np.empty((len(plan.row), n, n)), np.empty((len(plan.row), n, n))
+    factors = _room(plan, size_n)
+    status, held = np.zeros(contacts, dtype=np.int64), np.zeros(contacts, dtype=np.int64)
+    v[:count] = free
+    _rows(jacobian, index, offset, v, x, size_m, size_n)
+    size = _size_of(x, d)
+    _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
+    smallest = error = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
+    best, best_v, centre, centre_v = p.copy(), v.copy(), p.copy(), v.copy()
+    stiffness = min(max(1.0 / max(error, 1e-300), 1e2), 1e6)
+    iterations, failed = 0, 0
+    while iterations < limit and smallest > tolerance and failed < 16:
+        # the springs' problem to a hundredth of the error, from the centre
+        goal = size * max(1e-2 * error, 1e-3 * tolerance)
+        v[:] = centre_v
+        norm = _spring_residual(model, mu, compliance, d, stiffness, centre, v, False, status, x, p, out, size_m, size_n)
+        begun, turned, last = iterations, 0, -1
+        while norm > goal and iterations < min(limit, begun + 60) and turned < 3:
+            _spring_blocks(mu, compliance, d, stiffness, status, x, blocks, size_m)
+            _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
+            iterations += 1
+            if not _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], False, size_n):
+                break
+            _solve_factorised(plan, factors[0], factors[1], factors[2], False, out, size_n)
+            change[:count] = out[:count]
+            step, new = 2.0, np.inf
+            held[:] = status
+            while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
+                step *= 0.5
+                _add_step(v, step, change, size_n, trial)
+                new = _spring_residual(model, mu, compliance, d, stiffness, centre, trial, False, status, x, p, out, size_m, size_n)
+            if new < (1.0 - 0.1 * step) * norm:
+                v[:], norm, last, turned = trial, new, -1, 0
+                continue
+            # no progress across the kinks: as far as the first of them, and the contact there changes its status
+            status[:] = held
+            _spring_residual(model, mu, compliance, d, stiffness, centre, v, True, status, x, p, out, size_m, size_n)
+            _spring_changes(jacobian, index, compliance, d, stiffness, change, dx, size_m, size_n)
+            step, which, other = _first_change(mu, status, x, dx, size_m)
+            if step < 1.0:
+                turned = turned + 1 if which == last and step < 1e-9 else 0
+                status[which], last = other, which
+            _add_step(v, min(step, 0.5) if step >= 1.0 else step, change, size_n, v)
+            norm = _spring_residual(model, mu, compliance, d, stiffness, centre, v, True, status, x, p, out, size_m, size_n)
+        solved, spent = norm <= goal, iterations - begun
+        _velocity_of(inverse, free, jacobian, index, p, out, trial, size_m, size_n)
+        new = _map_norm(jacobian, index, offset, mu, compliance, d, p, trial, size_m, size_n) / size
+        if not solved and not new < error:
+            stiffness, failed = max(0.125 * stiffness, 1.0), failed + 1
+            continue
+        if not solved:
+            stiffness *= 0.25
+        elif spent <= 8:
+            stiffness *= 16.0 if new > 0.5 * error and spent < 4 else 4.0
+        error = new
+        stiffness = min(stiffness, max(1e13 * error, 1e4))  # or else rounding, EPSILON times it, shows
+        centre[:] = p
+        centre_v[:] = v
+        if error < smallest:
+            smallest = error
+            best[:] = p
+            best_v[:] = trial
     p[:] = best
     _put_back(best_v, order, v_out)
     return iterations, smallest

@@ -1,15 +1,22 @@
-"""Interior point: near a solution from nothing, in a number of steps that hardly depends on the problem."""
+"""Interior point and proximal points: solve what slides or rocks as a whole, in a number of steps that hardly depends on the problem."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 import scenes
 from test_extreme_problems import thrown
 
-from masonry_cd.friction import natural_map_error
+from masonry_cd.case import prepare
+from masonry_cd.friction import Solution, natural_map_error
+from masonry_cd.scene import read_scene
 from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.stepping import Stepper
 
 solve = SOLVERS["interior"]
+EXAMPLES = Path(__file__).parent.parent / "examples"
 
 
 @pytest.mark.parametrize("courses", [5, 20, 80])
@@ -22,12 +29,33 @@ def test_few_steps_at_any_height(courses: int) -> None:
 
 
 @pytest.mark.parametrize("speed", [0.01, 0.1, 1.0])
-def test_newton_finishes_from_there(speed: float) -> None:
-    """Where contacts slide and lift off it comes near enough for Newton."""
+def test_solves_what_slides_and_lifts_off(speed: float) -> None:
+    """A wall whose ground jerks away, from nothing and from impulses that are all wrong."""
     problem = thrown(speed)
-    near = solve(problem, Options(tolerance=1e-10), None)
-    solution = SOLVERS["newton"](problem, Options(tolerance=1e-10), near)
-    assert natural_map_error(problem, solution.impulse) <= 1e-10
+    solution = solve(problem, Options(tolerance=1e-9), None)
+    assert natural_map_error(problem, solution.impulse) <= 1e-9
+    elsewhere = Solution(2.0 * solution.impulse[::-1], None, 0)
+    again = solve(problem, Options(tolerance=1e-9), elsewhere)
+    assert natural_map_error(problem, again.impulse) <= 1e-9
+
+
+def test_solves_an_aqueduct_that_slides_as_a_whole() -> None:
+    """The first step of the demo, at 0.24 g: neither ADMM nor Newton comes near."""
+    case = prepare(read_scene(EXAMPLES / "aqueduct_sinusoidal.toml"))
+    loading = case.loading
+    problem, _ = Stepper(case.assembly, loading.support_velocity, loading.acceleration, case.scene.run).friction_problem()
+    for other in ("admm", "newton"):
+        assert natural_map_error(problem, SOLVERS[other](problem, Options(max_iterations=300), None).impulse) > 1e-5
+    solution = solve(problem, Options(tolerance=1e-8), None)
+    assert natural_map_error(problem, solution.impulse) <= 1e-8
+    np.testing.assert_array_equal(solve(problem, Options(tolerance=1e-8), None).impulse, solution.impulse)
+
+
+def test_limit_bounds_both_methods_together() -> None:
+    """max_iterations counts the factorisations of the interior point method and of proximal points."""
+    solution = solve(thrown(0.3), Options(tolerance=1e-15, max_iterations=70), None)
+    assert solution.iterations == 70
+    assert "stopped" in solution.reason
 
 
 def test_impulses_spread_evenly() -> None:

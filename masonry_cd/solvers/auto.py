@@ -8,8 +8,8 @@ undone adds up from step to step, so a step that is begun close to the solution 
 for thousands of steps that then need none. So is the step after it, since the impulses of the first one also had to stop the motion that
 was left.
 
-What neither solves (a whole structure that jerks loose) goes to the interior point method, which comes near from anywhere, and from there
-to Newton again; last, long runs of ADMM.
+What neither solves (a structure that slides or rocks as a whole) goes to the interior point method, which starts near the impulses of the
+last step, not where the others got stuck, and from there to Newton again; a local problem to long runs of ADMM and Newton.
 
 Costs are counted, not timed: floating-point operations by the pattern of the factorisation. The choice, and with it every bit of the
 result, is then the same on every machine.
@@ -33,12 +33,16 @@ DEEP_LIMIT = 60  # iterations
 FAR = 1e3  # times the tolerance: if the last start was farther off, only every LOOK-th one is measured
 LOOK = 8
 TRIAL = 50  # steps between two trials of the solver that is not preferred
-STALLED = 1e-5  # natural map error below which a round of methods that does not halve it is the last
 ADMM, NEWTON, INTERIOR = 0, 1, 2
 METHODS = (admm, newton, interior)
 NAMES = ("admm", "newton", "interior")
-Round = tuple[tuple[int, int], ...]  # methods and their limits of iterations
-LAST_RESORT: tuple[Round, ...] = (((INTERIOR, 40), (NEWTON, 40)), ((ADMM, 600), (NEWTON, 40)), ((ADMM, 1200), (NEWTON, 40)))
+LONG_RUNS: tuple[tuple[int, int], ...] = (
+    (ADMM, 600),
+    (NEWTON, 40),
+    (ADMM, 1200),
+    (NEWTON, 40),
+)  # of local problems, with limits of iterations
+BUDGET = 5e9  # operations that the interior point method may spend on a step, but for its first start: a few seconds
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -67,14 +71,12 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     if error <= NEARLY * options.tolerance:
         search.turn(first, min(limits[first], DEEP_LIMIT), deeper)
     tally[6] = float(options.tolerance < error <= NEARLY * options.tolerance)
-    rest = LAST_RESORT if isinstance(problem, FrictionProblem) else LAST_RESORT[1:]
-    for turns in (((first, limits[first]), (1 - first, limits[1 - first])), *rest):
-        before = search.error
-        for method, limit in turns:
-            if not search.ended:
-                search.turn(method, limit)
-        if search.ended or 0.5 * before < search.error < STALLED:
-            break
+    last_resort = LONG_RUNS
+    if isinstance(problem, FrictionProblem):
+        last_resort = ((INTERIOR, interior.affordable(BUDGET / costs[NEWTON])), (NEWTON, 40))
+    for method, limit in ((first, limits[first]), (1 - first, limits[1 - first]), *last_resort):
+        if not search.ended:
+            search.turn(method, limit)
     _learn(tally, first, [costs[method] * search.iterations[method] for method in (ADMM, NEWTON)])
     return search.solution(tally)
 
@@ -84,7 +86,7 @@ class _Search:
 
     def __init__(self, problem: Problem, options: Options, start: Solution | None) -> None:
         self.problem, self.options = problem, options
-        self.best = self.last = start
+        self.start = self.best = self.last = start
         self.error = np.inf
         self.iterations = [0, 0, 0]  # by method
         self.story: list[str] = []
@@ -95,11 +97,11 @@ class _Search:
         return self.error <= self.options.tolerance or sum(self.iterations) == self.options.max_iterations
 
     def turn(self, method: int, limit: int, tolerance: float | None = None) -> None:
-        """Give a method its turn, from the best impulses so far; Newton goes on from the interior point, which may only look worse."""
+        """Give a method its turn, from the best impulses so far; the interior point method starts from those of the last step."""
         tolerance = self.options.tolerance if tolerance is None else tolerance
         if self.options.max_iterations is not None:
             limit = min(limit, self.options.max_iterations - sum(self.iterations))
-        begin = self.last if self.story[-1:] == ["interior"] else self.best
+        begin = self.start if method == INTERIOR else self.best
         if begin is not None and self.last is not None:
             begin = Solution(begin.impulse, None, 0, memory=self.last.memory)
         options = replace(self.options, max_iterations=limit, tolerance=tolerance)
