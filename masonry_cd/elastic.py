@@ -20,9 +20,10 @@ A spring that is only just closing, g^0 > 0, takes theta = 1 on the normal: the 
 that nobody put in. A stiff spring so lands without a bounce, like a rigid contact, and no spring bounces higher than it fell.
 
 **Bonds.** An intact contact of cohesion c carries |p_t| <= mu p_n + h c A: Coulomb's cone about the impulse p + h tau A n, tau = c / mu,
-and a pretension -h tau A n among the free forces. A contact whose tension has passed its tensile strength, or that slipped or parted, is
-broken from the next step on. Bonds are made at the start of a run where blocks touch, and never again: a contact that appears later takes
-the bond and the slip of the nearest contact of its joint, and where there is none it is dry.
+and a pretension -h tau A n among the free forces. An interface with a contact whose tension has passed the tensile strength, or that
+slipped or parted, is broken from the next step on, all of it: a crack in brittle mortar is not stopped by the less area that is left. So a
+joint bends up to the tensile strength at its edge, and is dry then. Bonds are made at the start of a run where blocks touch, and never
+again: a contact that appears later takes the bond and the slip of the nearest contact of its interface, and where there is none it is dry.
 """
 
 from __future__ import annotations
@@ -153,74 +154,97 @@ def spring_rows(
 
 @njit(cache=True, nogil=True)
 def spring_update(
-    laws, chosen, blocks, group_of, gap, frame, rotation, bodies, jacobian, v, offset, compliance, mu, impulse, support_new, support_of,
-    step, still, area, elastic, bonded, bond, slip, before,
+    laws, chosen, blocks, group_of, pair, gap, frame, rotation, bodies, jacobian, v, offset, compliance, mu, impulse, support_new,
+    support_of, step, still, area, elastic, bonded, bond, slip, before,
     new_slip, new_bonded, work,
 ):  # fmt: skip
     """Carry slips and bonds over the step: fill ``new_slip`` and ``new_bonded`` of all contacts.
 
     Adds to ``work`` [J] what elastic contacts took from the blocks, what of that friction used up, and the energy of all springs after
-    and before the step.
-    ``still`` [m/s] is the slip that counts as none when bonds are judged.
+    and before the step. ``still`` [m/s] is the slip that counts as none when bonds are judged.
     """
-    m, n = jacobian.shape[2], jacobian.shape[3]
-    u, w = np.empty(m), np.empty(m)
-    for c in range(chosen.shape[0]):
-        if area[c] == 0.0:
-            continue
-        k, first, second = chosen[c], group_of[blocks[chosen[c], 0]], group_of[blocks[chosen[c], 1]]
-        for i in range(m):
-            u[i], w[i] = 0.0, offset[c, i] + compliance[c, i] * impulse[c, i]
-            for side in range(2):
-                b, sign = bodies[c, side], 1.0 - 2.0 * side
-                if b >= 0:
-                    for j in range(n):
-                        moved = jacobian[c, side, i, j] * v[b, j]
-                        u[i] += moved
-                        w[i] += moved
-                else:
-                    for d in range(3):
-                        u[i] += sign * frame[c, i, d] * support_new[support_of[blocks[k, side]], d]
-        push, sliding = 0.0, 0.0
-        for i in range(1, m):
-            push += impulse[c, i] ** 2
-            sliding += w[i] ** 2
-        reach = mu[c] * (impulse[c, 0] + bond[c])
-        slips = np.sqrt(sliding) > still and np.sqrt(push) >= (1.0 - AT_LIMIT) * reach
-        parts = w[0] > still and impulse[c, 0] + bond[c] <= AT_LIMIT * bond[c]
-        torn = -impulse[c, 0] > (1.0 + AT_LIMIT) * step * laws[3, first, second] * area[c]
-        new_bonded[k] = bonded[c] and not (slips or parts or torn)
-        if not elastic[c]:
-            continue
-        theta = laws[4, first, second]
-        stretch = gap[k] + theta * step * u[0]
-        if stretch < 0.0 or new_bonded[k]:
-            work[2] += 0.5 * laws[0, first, second] * area[c] * stretch * stretch
-        start = gap[k] - (1.0 - theta) * step * before[c, 0]
-        if start < 0.0 or bonded[c]:
-            work[3] += 0.5 * laws[0, first, second] * area[c] * start * start
-        work[0] -= 0.5 * impulse[c, 0] * (before[c, 0] + u[0])
-        held, size, taken = 0.0, 0.0, 0.0
-        for i in range(1, m):
-            held += slip[c, i - 1] ** 2
-            slip[c, i - 1] += step * (theta * u[i] + (1.0 - theta) * before[c, i] - theta * w[i])
-            size += slip[c, i - 1] ** 2
-            taken -= 0.5 * impulse[c, i] * (before[c, i] + u[i])
-        stiffness = laws[1, first, second] * area[c]
-        keeps = 1.0
-        if impulse[c, 0] <= 0.0 and not new_bonded[k]:
-            keeps = 0.0
-        elif slips and size > 0.0:  # the state at the end of a slipping step is brought back to the cone
-            keeps = min(1.0, reach / (step * stiffness * np.sqrt(size)))
-        for i in range(1, m):
-            for d in range(3):  # R^T of the antagonist
-                for e in range(3):
-                    new_slip[k, d] += rotation[blocks[k, 1], e, d] * keeps * slip[c, i - 1] * frame[c, i, e]
-        work[0] += taken
-        work[2] += 0.5 * stiffness * keeps * keeps * size
-        work[3] += 0.5 * stiffness * held
-        if slips:
-            work[1] += taken - 0.5 * stiffness * (keeps * keeps * size - held)
+    contacts, m = chosen.shape[0], jacobian.shape[2]
+    u, w, slips = np.zeros((contacts, m)), np.zeros((contacts, m)), np.zeros(contacts, dtype=np.bool_)
+    first = 0
+    while first < contacts:  # interface by interface, whose contacts follow each other: they break together
+        last, holds = first, True
+        while last < contacts and pair[chosen[last]] == pair[chosen[first]]:
+            if area[last] > 0.0:
+                side = blocks[chosen[last]]
+                _velocities(last, side, frame, bodies, jacobian, v, offset, compliance, impulse, support_new, support_of, u[last], w[last])
+                reach = mu[last] * (impulse[last, 0] + bond[last])
+                slips[last] = _size(w[last, 1:]) > still and _size(impulse[last, 1:]) >= (1.0 - AT_LIMIT) * reach
+                parts = w[last, 0] > still and impulse[last, 0] + bond[last] <= AT_LIMIT * bond[last]
+                strength = step * laws[3, group_of[side[0]], group_of[side[1]]] * area[last]
+                torn = -impulse[last, 0] > (1.0 + AT_LIMIT) * strength
+                if bonded[last] and (slips[last] or parts or torn):
+                    holds = False
+            last += 1
+        for c in range(first, last):
+            new_bonded[chosen[c]] = bonded[c] and holds
+        first = last
+    for c in range(contacts):
+        if elastic[c]:
+            k = chosen[c]
+            law = laws[:, group_of[blocks[k, 0]], group_of[blocks[k, 1]]]
+            turn = rotation[blocks[k, 1]]
+            _spring(law, gap[k], area[c], mu[c], bond[c], bonded[c], new_bonded[k], slips[c], step, frame[c], turn, impulse[c], before[c],
+                    u[c], w[c], slip[c], new_slip[k], work)  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _velocities(c, blocks, frame, bodies, jacobian, v, offset, compliance, impulse, support_new, support_of, u, w):
+    """Relative velocity u of a contact at the end of the step, and w = H v + b + C p."""
+    for i in range(u.shape[0]):
+        w[i] = offset[c, i] + compliance[c, i] * impulse[c, i]
+        for side in range(2):
+            b, sign = bodies[c, side], 1.0 - 2.0 * side
+            if b >= 0:
+                for j in range(v.shape[1]):
+                    u[i] += jacobian[c, side, i, j] * v[b, j]
+                    w[i] += jacobian[c, side, i, j] * v[b, j]
+            else:
+                for d in range(3):
+                    u[i] += sign * frame[c, i, d] * support_new[support_of[blocks[side]], d]
+
+
+@njit(cache=True, nogil=True)
+def _spring(law, gap, area, mu, bond, was_bonded, is_bonded, slips, step, frame, turn, impulse, before, u, w, slip, new_slip, work):
+    """Slip and energy of one elastic contact at the end of the step; ``turn`` is the rotation of its antagonist."""
+    m, theta = u.shape[0], law[4]
+    start, stretch = gap - (1.0 - theta) * step * before[0], gap + theta * step * u[0]
+    if start < 0.0 or was_bonded:
+        work[3] += 0.5 * law[0] * area * start * start
+    if stretch < 0.0 or is_bonded:
+        work[2] += 0.5 * law[0] * area * stretch * stretch
+    work[0] -= 0.5 * impulse[0] * (before[0] + u[0])
+    held, taken = _size(slip), 0.0
+    for i in range(1, m):
+        slip[i - 1] += step * (theta * u[i] + (1.0 - theta) * before[i] - theta * w[i])
+        taken -= 0.5 * impulse[i] * (before[i] + u[i])
+    stiffness, size, keeps = law[1] * area, _size(slip), 1.0
+    if impulse[0] <= 0.0 and not is_bonded:
+        keeps = 0.0
+    elif slips and size > 0.0:  # the state at the end of a slipping step is brought back to the cone
+        keeps = min(1.0, mu * (impulse[0] + bond) / (step * stiffness * size))
+    for i in range(1, m):
+        for d in range(3):  # R^T of the antagonist
+            for e in range(3):
+                new_slip[d] += turn[e, d] * keeps * slip[i - 1] * frame[i, e]
+    work[0] += taken
+    work[2] += 0.5 * stiffness * (keeps * size) ** 2
+    work[3] += 0.5 * stiffness * held**2
+    if slips:
+        work[1] += taken - 0.5 * stiffness * ((keeps * size) ** 2 - held**2)
+
+
+@njit(cache=True, nogil=True)
+def _size(x):
+    """Length of a short vector."""
+    total = 0.0
+    for i in range(x.shape[0]):
+        total += x[i] * x[i]
+    return np.sqrt(total)
 
 
 @njit(cache=True, nogil=True)

@@ -447,9 +447,10 @@ class Stepper:
         self._joints.slip, self._joints.bonded = np.zeros((max(1, found.count), 3)), np.zeros(max(1, found.count), dtype=np.bool_)
         still = max(CREEP, self.settings.tolerance) * self._pull * h
         elastic.spring_update(
-            laws, self.chosen, found.bodies, a.group_of, found.gap, self._frames, self._rotation, problem.bodies, problem.jacobian, self._v,
-            problem.offset, problem.compliance, problem.mu, self.solution.impulse, self._support_velocity[self.load_step + 1], a.support_of,
-            h, still, s.area, s.elastic, s.bonded, s.bond, s.slip, s.before, self._joints.slip, self._joints.bonded, work,
+            laws, self.chosen, found.bodies, a.group_of, found.pair, found.gap, self._frames, self._rotation, problem.bodies,
+            problem.jacobian, self._v, problem.offset, problem.compliance, problem.mu, self.solution.impulse,
+            self._support_velocity[self.load_step + 1], a.support_of, h, still, s.area, s.elastic, s.bonded, s.bond, s.slip, s.before,
+            self._joints.slip, self._joints.bonded, work,
         )  # fmt: skip
         taken, friction, stored, before = work
         if self.steps == 0:

@@ -75,6 +75,17 @@ def test_the_trilithon_rocks_beyond_the_slope_of_its_posts(tmp_path, share, open
     assert (summary["displacement_max"] < 1e-6) == (opened == 0)
 
 
+def test_the_mortar_wall_stands_on_its_springs_and_no_bond_breaks_at_rest(tmp_path):
+    summary = run("mortar_wall.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0")
+    reaction, weight = base_reaction(tmp_path)
+    assert reaction == pytest.approx(weight, rel=1e-5)
+    assert summary["joints_bonded"] == summary["joints"]
+    assert summary["joints_broken"] == 0
+    with Results.open(tmp_path / "result.h5") as results:
+        sunk = (results.position[0] - results.position[results.frames - 1])[:, 2]
+    assert abs(sunk).max() < 1e-9  # it settled before the run
+
+
 def test_the_record_shakes_the_aqueduct_at_its_scale(tmp_path, shared):
     record = shared / "records" / "laquila_2009_AQV.csv"
     paths = [f"loads[{i}].path={record}" for i in range(3)]
