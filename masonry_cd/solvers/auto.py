@@ -9,7 +9,9 @@ for thousands of steps that then need none. So is the step after it, since the i
 was left.
 
 What neither solves (a structure that slides or rocks as a whole) goes to the interior point method, which starts near the impulses of the
-last step, not where the others got stuck, and from there to Newton again; a local problem to long runs of ADMM and Newton.
+last step, not where the others got stuck, and from there to Newton again; a local problem to long runs of ADMM and Newton. While a
+structure slides or rocks this happens in step after step; then the interior point method comes first, and only every LOOK-th step begins
+as usual, to see whether it is over.
 
 Costs are counted, not timed: floating-point operations by the pattern of the factorisation. The choice, and with it every bit of the
 result, is then the same on every machine.
@@ -32,6 +34,7 @@ ROUNDING = 1e-13  # natural map error not worth trying for
 DEEP_LIMIT = 60  # iterations
 FAR = 1e3  # times the tolerance: if the last start was farther off, only every LOOK-th one is measured
 LOOK = 8
+STUCK = 0.5  # share of the last steps begun as usual that needed the interior point method, above which it comes first
 TRIAL = 50  # steps between two trials of the solver that is not preferred
 ADMM, NEWTON, INTERIOR = 0, 1, 2
 METHODS = (admm, newton, interior)
@@ -71,12 +74,15 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     if error <= NEARLY * options.tolerance:
         search.turn(first, min(limits[first], DEEP_LIMIT), deeper)
     tally[6] = float(options.tolerance < error <= NEARLY * options.tolerance)
-    last_resort = LONG_RUNS
+    usual, last_resort = ((first, limits[first]), (1 - first, limits[1 - first])), LONG_RUNS
     if isinstance(problem, FrictionProblem):
         last_resort = ((INTERIOR, interior.affordable(BUDGET / costs[NEWTON])), (NEWTON, 40))
-    for method, limit in ((first, limits[first]), (1 - first, limits[1 - first]), *last_resort):
+    slides = tally[8] > STUCK and int(tally[2]) % LOOK != 0
+    for method, limit in (*last_resort, *usual) if slides else (*usual, *last_resort):
         if not search.ended:
             search.turn(method, limit)
+    if not slides:
+        tally[8] = 0.5 * tally[8] + 0.5 * float(search.iterations[INTERIOR] > 0)
     _learn(tally, first, [costs[method] * search.iterations[method] for method in (ADMM, NEWTON)])
     return search.solution(tally)
 
@@ -123,11 +129,12 @@ class _Search:
 
 
 def _recall(start: Solution | None) -> np.ndarray:
-    """(8,) mean cost of steps begun with ADMM and with Newton, nan if unknown, the number of steps, what :func:`_costs` counted, whether
-    the last step was solved deeper than asked because it began close to the solution, and the error at the last start looked at."""
+    """(9,) mean cost of steps begun with ADMM and with Newton, nan if unknown, the number of steps, what :func:`_costs` counted, whether
+    the last step was solved deeper than asked because it began close to the solution, the error at the last start looked at, and the share
+    of steps that needed the interior point method."""
     if start is not None and "auto_tally" in start.memory:
         return start.memory["auto_tally"].copy()
-    return np.array([np.nan, np.nan, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0])
+    return np.array([np.nan, np.nan, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 
 
 def _prefer(tally: np.ndarray) -> int:
