@@ -95,7 +95,7 @@ def test_a_plain_block_is_left_as_it_is() -> None:
         ({"blocks": [cube(), cube()]}, 'blocks.json: block "c": two blocks have this name'),
         ({"blocks": [cube(densty=1.0)]}, 'blocks.json: block "c".densty: unknown key (did you mean "density"?)'),
         ({"blocks": [cube(density=-1.0)]}, 'blocks.json: block "c".density: input should be greater than 0'),
-        ({"blocks": [cube(vertices=[[0, 0, "x"]] * 4)]}, 'blocks.json: block "c".vertices.0.2: input should be a valid number'),
+        ({"blocks": [cube(vertices=[[0, 0, "x"]] * 4)]}, 'blocks.json: block "c".vertices[0][2]: input should be a valid number'),
         ({"blocks": [cube(faces=cube()["faces"][:-1])]}, 'blocks.json: block "c": open shell'),
         ({"blocks": [cube(faces=[face[::-1] for face in cube()["faces"]])]}, 'blocks.json: block "c": its faces are reversed'),
         ({"blocks": [cube(), cube(name="d")]}, 'blocks.json: blocks "c" and "d" overlap by 1000 mm'),
