@@ -45,6 +45,7 @@ def sweep_picture(found: Mapping[str, Any], path: Path) -> None:
     axes.grid(color="#e8eaed", linewidth=0.8)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
+    axes.set_ylim(top=4.0 * axes.get_ylim()[1])  # room for the legend above the peak
     axes.legend(frameon=False, fontsize=11, loc="upper left")
     figure.text(0.02, 0.945, f"Sweep: {found['title']}", fontsize=15, fontweight="bold", color=INK, va="center", parse_math=False)
     words = f"block {found['block']} along {axis}; base moved by v(t) = C sin(2 pi f t), C = {found['velocity']:.3g} m/s"
