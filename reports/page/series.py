@@ -72,7 +72,7 @@ def base_motion(results: Results, solids: Solids) -> dict[str, Curve]:
 
 
 def step_curves(results: Results) -> dict[str, Curve]:
-    """What was written per step: energies [J], solver error, cost; what a file does not hold is left out."""
+    """Written per step: energies [J], solver error, cost; what a file does not hold, or an energy that is always zero, is left out."""
     time = _steps(results, "step_time")
     if time is None:
         return {}
@@ -81,7 +81,7 @@ def step_curves(results: Results) -> dict[str, Curve]:
     out = {}
     for name, path in names.items():
         values = _steps(results, path)
-        if values is not None:
+        if values is not None and (values.any() or not name.startswith("energy/")):
             rows = min(len(values), len(time))
             out[name] = thinned(time[:rows], values[:rows])
     return out
