@@ -18,15 +18,17 @@ import scenes
 
 from masonry_cd.friction import Problem, natural_map_error
 from masonry_cd.problem_files import read_problem
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.solvers import SOLVERS, Options, nlgs
 
 COLLECTED = Path(__file__).parents[1].parent / "shared" / "friction_problems"
 REPEATS = 5
 
 
-def measure(problem: Problem, solver: str, tolerance: float, limit: int | None = None, repeats: int = REPEATS) -> tuple[float, int, float]:
+def measure(
+    problem: Problem, solver: str, tolerance: float, limit: int | None = None, repeats: int = REPEATS, threads: int = 1
+) -> tuple[float, int, float]:
     """Error, iterations and median seconds of a cold start."""
-    options = Options(tolerance=tolerance, max_iterations=limit)
+    options = Options(tolerance=tolerance, max_iterations=limit, threads=threads)
     SOLVERS[solver](problem, Options(tolerance=1e-300, max_iterations=1), None)
     seconds = []
     for _ in range(repeats):
@@ -57,12 +59,14 @@ def walls(sizes: list[tuple[int, int]]) -> None:
 
 
 def sweeps() -> None:
-    """Cost of a Gauss-Seidel sweep, preparation taken off."""
-    print("\n| scene | contacts | ns per contact and sweep |\n|---|---|---|")
+    """Cost of a Gauss-Seidel sweep on one thread and on two, preparation taken off; small problems are swept by one."""
+    print("\n| scene | contacts | ns per contact and sweep | on two threads |\n|---|---|---|---|")
     for name, problem in (("tower of 50", scenes.tower(50)), ("wall 10 x 10", scenes.wall(10, 10)), ("wall 40 x 25", scenes.wall(40, 25))):
-        prepared = measure(problem, "nlgs", 1e-300, 0)[2]
-        swept = measure(problem, "nlgs", 1e-300, 300)[2]
-        print(f"| {name} | {problem.contacts} | {(swept - prepared) / 300 / problem.contacts * 1e9:.0f} |", flush=True)
+        cells = []
+        for threads in (1, 2) if problem.contacts >= nlgs.COLOURED else (1,):
+            prepared, swept = (measure(problem, "nlgs", 1e-300, limit, threads=threads)[2] for limit in (0, 300))
+            cells.append(f"{(swept - prepared) / 300 / problem.contacts * 1e9:.0f}")
+        print(f"| {name} | {problem.contacts} | {' | '.join((*cells, '')[:2])} |", flush=True)
 
 
 def main() -> None:

@@ -136,6 +136,13 @@ class Assembly:
         """Number of blocks B, supports included."""
         return len(self.names)
 
+    @property
+    def reach(self) -> np.ndarray:
+        """Farthest corner of each block from its centre of mass, (B,) [m]."""
+        out = np.zeros(self.count)
+        np.maximum.at(out, self.shapes.part_block, self.shapes.radius)
+        return out
+
     @classmethod
     def from_blocks(
         cls, blocks: Sequence[Block], friction: float | Mapping[str, float], joints: Mapping[str, JointLaw] | None = None

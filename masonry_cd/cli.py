@@ -194,7 +194,8 @@ def _draw_problem(fault: Unsound, folder: Path) -> None:
 
         folder.mkdir(parents=True, exist_ok=True)
         problem_picture(fault.blocks, fault.faulty, str(fault), folder / "problem.png")
-    except (ImportError, InputError):
+    except (ImportError, InputError) as failure:
+        typer.echo(f"masonry-cd: warning: problem.png is not drawn: {failure}", err=True)
         return
     typer.echo(f"written: {folder / 'problem.png'}")
 

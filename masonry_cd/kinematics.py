@@ -255,42 +255,28 @@ def finish(v, v_free, columns, free_index, support_of, support_velocity, rotatio
 
 
 @njit(cache=True, nogil=True)
-def joint_forces(impulse, chosen, frames, pair, pair_joint, step, total, out):
-    """Normal force and shear force [N] of each joint, (2, J): the contact impulses of its two blocks over the step."""
-    out[:] = 0.0
-    total[:] = 0.0
-    for c in range(impulse.shape[0]):
-        joint = pair_joint[pair[chosen[c]]]
-        if joint < 0:
-            continue
-        frame = frames[c]
-        out[0, joint] += impulse[c, 0] / step
-        for i in range(1, impulse.shape[1]):
-            for d in range(3):
-                total[joint, d] += impulse[c, i] * frame[i, d] / step
-    for j in range(total.shape[0]):
-        out[1, j] = np.sqrt(total[j, 0] ** 2 + total[j, 1] ** 2 + total[j, 2] ** 2)
+def joint_forces(impulse, chosen, frames, point, pair, pair_joint, plane_axis, plane_at, step, total, force, at):
+    """Normal force and shear force [N] of each joint, (2, J), and where their resultant crosses its plane, (J, 3) [m].
 
-
-@njit(cache=True, nogil=True)
-def force_points(impulse, chosen, point, pair, pair_joint, plane_axis, plane_at, total, out):
-    """Where the resultant of each joint crosses its plane, (J, 3) [m]; NaN where no normal force acts.
-
-    The contacts of a joint lie in its plane, so their tangential parts turn about its normal alone: the point about which the
-    moment in the plane vanishes is the mean of the contact points weighted by normal impulse.
+    They come from the contact impulses of its two blocks over the step. The contacts of a joint lie in its plane, so their tangential
+    parts turn about its normal alone: the point about which the moment in the plane vanishes is the mean of the contact points
+    weighted by normal impulse; NaN where there is none. ``total`` (J, 4) is room for sums: tangential force, normal impulse.
     """
-    out[:] = 0.0
-    total[:] = 0.0
+    force[:], at[:], total[:] = 0.0, 0.0, 0.0
     for c in range(impulse.shape[0]):
         joint = pair_joint[pair[chosen[c]]]
         if joint < 0:
             continue
-        total[joint] += impulse[c, 0]
+        force[0, joint] += impulse[c, 0] / step
+        total[joint, 3] += impulse[c, 0]
         for d in range(3):
-            out[joint, d] += impulse[c, 0] * (plane_at if d == plane_axis else point[chosen[c], d])
+            at[joint, d] += impulse[c, 0] * (plane_at if d == plane_axis else point[chosen[c], d])
+            for i in range(1, impulse.shape[1]):
+                total[joint, d] += impulse[c, i] * frames[c, i, d] / step
     for j in range(total.shape[0]):
+        force[1, j] = np.sqrt(total[j, 0] ** 2 + total[j, 1] ** 2 + total[j, 2] ** 2)
         for d in range(3):
-            out[j, d] = out[j, d] / total[j] if total[j] != 0.0 else np.nan
+            at[j, d] = at[j, d] / total[j, 3] if total[j, 3] != 0.0 else np.nan
 
 
 @njit(cache=True, nogil=True)

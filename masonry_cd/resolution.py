@@ -41,9 +41,7 @@ def before_run(assembly: Assembly, support_velocity: np.ndarray, gravity: float,
             f"{frequency:.3g} Hz, of which a period has {1.0 / (frequency * step):.2g} steps; "
             f"{PER_PERIOD:g} need dt {_round_down(1.0 / (PER_PERIOD * frequency)):g}"
         )
-    reach = np.zeros(assembly.count)
-    np.maximum.at(reach, assembly.shapes.part_block, assembly.shapes.radius)
-    reach[assembly.fixed] = np.inf
+    reach = np.where(assembly.fixed, np.inf, assembly.reach)
     smallest = int(np.argmin(reach))
     p = float(np.sqrt(0.75 * gravity / reach[smallest]))
     if p * step > ROCKING:

@@ -85,8 +85,7 @@ class Rests:
         self._assembly, self._pauses, self._shocks = assembly, pauses, shocks
         self._over = [shock.first for shock in shocks[1:]] + [steps]  # where the rest after each shock ends
         self._height = np.array([np.ptp(block.vertices[:, 2]) for block in assembly.blocks])
-        self._radius = np.zeros(assembly.count)
-        np.maximum.at(self._radius, assembly.shapes.part_block, assembly.shapes.radius)
+        self._reach = assembly.reach
 
     def next_step(self, load_step: int, state: State) -> int:
         """The step of the loads at which to go on after ``load_step``, with the state that it led to."""
@@ -104,7 +103,7 @@ class Rests:
     def _fastest(self, state: State) -> float:
         """The largest speed of a point of a block that stands [m/s]."""
         standing = ~self._assembly.fixed & ~fallen(self._assembly, self._height, state)
-        speed = np.linalg.norm(state.velocity[:, :3], axis=1) + np.linalg.norm(state.velocity[:, 3:], axis=1) * self._radius
+        speed = np.linalg.norm(state.velocity[:, :3], axis=1) + np.linalg.norm(state.velocity[:, 3:], axis=1) * self._reach
         return float(speed[standing].max(initial=0.0))
 
 

@@ -122,9 +122,8 @@ class Recorder:
         state, writer = self._stepper.state, self._writer
         writer.append({"time": state.time, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
         writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
-        force = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
-        writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1]})
-        writer.append({"joints/force_point": self._stepper.force_points(self._joint_of_pairs(), self._joints.count)})
+        force, point = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
+        writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1], "joints/force_point": point})
         if self._stepper.assembly.laws.apex.any():
             writer.append({f"joints/{BONDED}": self._stepper.joint_bonds(self._joint_of_pairs(), self._joints)})
         self.frames += 1

@@ -118,9 +118,7 @@ class Stepper:
         self._gravity = float(np.linalg.norm(acceleration, axis=1).max())
         self._pull = self._gravity  # largest acceleration of a block by gravity and forces, in this step [m/s2]
         bodies, n = int((~assembly.fixed).sum()), len(self._columns)
-        self._radius = np.zeros(assembly.count)
-        np.maximum.at(self._radius, assembly.shapes.part_block, assembly.shapes.radius)
-        self._radius = self._radius[~assembly.fixed]
+        self._reach = assembly.reach[~assembly.fixed]
         self._width = float(assembly.shapes.size[~assembly.fixed[assembly.shapes.part_block]].min())
         self._inverse_mass, self._v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
         self._v = self.state.velocity[~assembly.fixed][:, self._columns]
@@ -361,7 +359,7 @@ class Stepper:
             return
         gain = np.einsum("bij,bj->bi", self._inverse_mass, self._handover)
         turning = self._columns >= 3
-        speed = np.linalg.norm(gain[:, ~turning], axis=1) + np.linalg.norm(gain[:, turning], axis=1) * self._radius
+        speed = np.linalg.norm(gain[:, ~turning], axis=1) + np.linalg.norm(gain[:, turning], axis=1) * self._reach
         share = np.minimum(1.0, self._pull * self.settings.dt / np.maximum(speed, 1e-300))[:, None]
         self._handover = share * self._handover
         self._v_free += share * gain
@@ -482,26 +480,19 @@ class Stepper:
         self._joints.restore(part("joints", arrays))
         self.solution.memory = part("memory", arrays)
 
-    def joint_forces(self, pair_joint: np.ndarray, joints: int) -> np.ndarray:
-        """Normal and shear force of each joint over the last step, (2, J) [N]; ``pair_joint`` names the joint of each pair or -1."""
-        out = np.zeros((2, joints))
-        kinematics.joint_forces(
-            self.solution.impulse, self.chosen, self._frames, self.contacts.pair, pair_joint, self.settings.dt,
-            np.zeros((joints, 3)), out,
-        )  # fmt: skip
-        return out
+    def joint_forces(self, pair_joint: np.ndarray, joints: int) -> tuple[np.ndarray, np.ndarray]:
+        """Normal and shear force of each joint over the last step, (2, J) [N], and where it crosses the joint's plane, (J, 3) [m].
 
-    def force_points(self, pair_joint: np.ndarray, joints: int) -> np.ndarray:
-        """Where the force of each joint over the last step crosses its plane, (J, 3) [m]; NaN where it has none.
-
-        The places are those of q_m, in the middle of the step.
+        The places are those of q_m, in the middle of the step; NaN where a joint has no force. ``pair_joint`` names the joint of each
+        pair or -1.
         """
         axis, at = (-1, 0.0) if self.plane is None else (self.plane.axis, self.plane.at)
-        out = np.zeros((joints, 3))
-        kinematics.force_points(
-            self.solution.impulse, self.chosen, self.contacts.point, self.contacts.pair, pair_joint, axis, at, np.zeros(joints), out
-        )
-        return out
+        force, point = np.empty((2, joints)), np.empty((joints, 3))
+        kinematics.joint_forces(
+            self.solution.impulse, self.chosen, self._frames, self.contacts.point, self.contacts.pair, pair_joint, axis, at,
+            self.settings.dt, np.empty((joints, 4)), force, point,
+        )  # fmt: skip
+        return force, point
 
     def joint_bonds(self, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
         """Share of the area of each joint that is bonded, (J,); ``pair_joint`` names the joint of each pair or -1."""
