@@ -31,6 +31,7 @@ import numpy as np
 
 from benchmarks.ours import stepper
 from benchmarks.scenes import GRAVITY, BenchScene, arcade, arch, tower, wall
+from masonry_cd.settling import settle
 from masonry_cd.stepping import RunStopped
 
 DRIFT = 1e-6
@@ -142,7 +143,7 @@ def run(case: StabilityCase, solver: str = "auto") -> Outcome:
     """Step a case and judge it."""
     machine = stepper(case.scene, case.steps, solver, TOLERANCE)
     assembly, free = machine.assembly, ~machine.assembly.fixed
-    machine.settle()
+    settle(machine)
     begin = machine.state.position.copy()
     width = float(assembly.shapes.size[free[assembly.shapes.part_block]].min())
     support = int(np.argmax(assembly.fixed))

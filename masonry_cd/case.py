@@ -30,6 +30,7 @@ from masonry_cd.results import Results, ResultWriter
 from masonry_cd.runner import RunReport
 from masonry_cd.runner import run as run_steps
 from masonry_cd.scene import Report, Run, Scene
+from masonry_cd.settling import settle
 from masonry_cd.state import State
 from masonry_cd.stepping import Stepper
 from masonry_cd.warmup import compile_kernels
@@ -168,7 +169,7 @@ def _settle(stepper: Stepper, scene: Scene) -> None:
     """Let elastic joints take up the weight, unless the scene wants it to come at once."""
     try:
         if scene.run.settle:
-            stepper.settle()
+            settle(stepper)
     except InputError as error:
         raise scene.at_fault(error) from None
 

@@ -28,55 +28,12 @@ again: a contact that appears later takes the bond and the slip of the nearest c
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
 import numpy as np
 from numba import njit
 
-from masonry_cd.friction import FrictionProblem
 from masonry_cd.material import JointLaws
 
 AT_LIMIT = 1e-6  # an impulse this close to the cone, as a share of it, is on it
-
-
-@dataclass(eq=False)
-class Springs:
-    """The contacts of a friction problem whose law goes by area; C contacts with m rows each."""
-
-    area: np.ndarray  # (C,) [m2], that of mirror images in a plane included
-    elastic: np.ndarray  # (C,) bool
-    bonded: np.ndarray  # (C,) bool: intact in this step
-    bond: np.ndarray  # (C,) h tau A of intact contacts, else 0 [N s]
-    slip: np.ndarray  # (C, m - 1) elastic slip s^0 in the contact frame [m]
-    before: np.ndarray  # (C, m) relative velocity u at the beginning of the step [m/s]
-
-    @classmethod
-    def none(cls, contacts: int, rows: int) -> Springs:
-        """Contacts that are rigid and dry."""
-        off = np.zeros(contacts, dtype=np.bool_)
-        return cls(np.zeros(contacts), off, off.copy(), np.zeros(contacts), np.zeros((contacts, rows - 1)), np.zeros((contacts, rows)))
-
-    @property
-    def whole(self) -> np.ndarray:
-        """(C,) bool: the law holds for the impulse of the whole step, that of an impact included."""
-        return self.elastic | self.bonded
-
-
-class JointMemory:
-    """What elastic and bonded contacts hand on from step to step; arrays over all contacts of the last set, which always has one entry."""
-
-    def __init__(self) -> None:
-        self.slip = np.zeros((1, 3))  # elastic slip in the frame of the antagonist [m]
-        self.bonded = np.zeros(1, dtype=np.bool_)
-
-    def snapshot(self) -> dict[str, np.ndarray]:
-        """All of it, as arrays for a checkpoint."""
-        return {"slip": self.slip, "bonded": self.bonded}
-
-    def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
-        """Take back what :meth:`snapshot` gave."""
-        self.slip, self.bonded = arrays["slip"], arrays["bonded"]
 
 
 def law_arrays(laws: JointLaws) -> np.ndarray:
@@ -85,20 +42,13 @@ def law_arrays(laws: JointLaws) -> np.ndarray:
     return np.stack(tables)
 
 
-def pretensioned(problem: FrictionProblem, bond: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Free velocity (B, n) and offset (C, m) of the problem in the impulses p + h tau A n, whose cones begin at zero."""
-    pull = np.zeros_like(problem.offset)
-    pull[:, 0] = bond
-    return problem.body_velocity(-pull), problem.offset - problem.compliance * pull
-
-
 @njit(cache=True, nogil=True)
 def spring_rows(
     laws, chosen, blocks, group_of, point, gap, share, previous, frame, plane_axis, plane_at, closed, bonding, last_slip, last_bonded,
     rotation, bodies, jacobian, v, support_old, support_new, support_of, step,
     compliance, offset, area, elastic, bonded, bond, slip, before,
 ):  # fmt: skip
-    """Fill C and b of the elastic contacts, and the arrays of :class:`Springs`, see the head of this file.
+    """Fill C and b of the elastic contacts, and the arrays of ``springs.Springs``, see the head of this file.
 
     ``bonding`` [m]: gaps up to which new contacts are bonded; negative after the start. ``v`` (B, n): velocities of the last step.
     """

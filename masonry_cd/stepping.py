@@ -28,19 +28,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd import elastic, kinematics
+from masonry_cd import kinematics
 from masonry_cd.blocks import Assembly
 from masonry_cd.checkpoint import part, prefixed
 from masonry_cd.detection import ContactSet, Detector
-from masonry_cd.elastic import JointMemory, Springs
-from masonry_cd.errors import InputError
 from masonry_cd.forces import BlockForces
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 from masonry_cd.impacts import open_contacts, solve_apart
 from masonry_cd.joints import Joints
-from masonry_cd.planar import find_plane
+from masonry_cd.planar import Plane, find_plane
 from masonry_cd.scene import Run
 from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.springs import CREEP, JointSprings, Touching, pretensioned
 from masonry_cd.state import State, rotation_matrices
 
 ENERGIES = (
@@ -51,10 +50,6 @@ LOSSES = ("kinetic", "elastic", "friction", "impact", "damping")  # where it wen
 TOUCHING = 1e-8  # gaps up to this share of the smallest width are none
 OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone
 CORRECTED = 0.2  # share of what is beyond that which one step takes away
-SETTLING, SETTLING_STEPS = 30.0, 400  # step of settling, in radians of the swing of a block on its joint, and most steps
-SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last move is this share of all of it; or this, and moves shrink no more
-SUNK = 0.1  # share of the smallest width that no block sinks by while it settles
-CREEP = 1e-6  # slip and opening below this share of g h count as none when bonds are judged
 
 
 class RunStopped(RuntimeError):
@@ -84,6 +79,7 @@ class Stepper:
         settings: time step, theta, solver, tolerance, seed.
         start: where the run begins; None: at rest, as built.
         forces: on single blocks; None for none.
+        plane: in which the scene moves, where that is known; None: looked for, if the settings want it.
     """
 
     def __init__(
@@ -94,13 +90,16 @@ class Stepper:
         settings: Run,
         start: State | None = None,
         forces: BlockForces | None = None,
+        plane: Plane | None = None,
     ) -> None:
         self.assembly, self.settings = assembly, settings
         self.state = State.at_rest(assembly) if start is None else start.copy()
         self.steps = 0
         self.load_step = 0  # k of the loads; it may run ahead of the steps, see rests.py
         self.detector = Detector(assembly)
-        self.plane = find_plane(assembly, self.state, support_velocity, acceleration, forces) if settings.planar else None
+        self.plane = plane
+        if plane is None and settings.planar:
+            self.plane = find_plane(assembly, self.state, support_velocity, acceleration, forces)
         self.energy = dict.fromkeys(ENERGIES, 0.0)
         self._support_velocity, self._acceleration, self._forces = support_velocity, acceleration, forces
         self._columns = np.arange(6) if self.plane is None else self.plane.columns
@@ -119,7 +118,7 @@ class Stepper:
         self._pull = self._gravity  # largest acceleration of a block by gravity and forces, in this step [m/s2]
         bodies, n = int((~assembly.fixed).sum()), len(self._columns)
         self._reach = assembly.reach[~assembly.fixed]
-        self._width = float(assembly.shapes.size[~assembly.fixed[assembly.shapes.part_block]].min())
+        self.width = float(assembly.shapes.size[~assembly.fixed[assembly.shapes.part_block]].min())  # of the thinnest block [m]
         self._inverse_mass, self._v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
         self._v = self.state.velocity[~assembly.fixed][:, self._columns]
         self._v_old, self._push = np.zeros_like(self._v), np.zeros_like(self._v)  # _push: generalised impulse of the forces
@@ -128,21 +127,24 @@ class Stepper:
         self.solution = Solution(np.zeros((0, self.rows)), None, 0)
         self._impulse = np.zeros((1, self.rows))  # of all contacts of the last step
         self._frames = np.empty((0, 3, 3))  # of the contacts of the friction problem: rows n, t1, t2
-        self._laws = elastic.law_arrays(assembly.laws) if assembly.laws.by_area.any() else None
-        self._stretch = assembly.laws.stretch
         self._free_mass = np.where(assembly.fixed, 0.0, assembly.mass)
-        self._springs, self._joints = Springs.none(0, self.rows), JointMemory()
+        self.springs = JointSprings(assembly, self.rows)
         self._begun = self._kinetic()  # energy at the start of the run, that of springs then known from the first step on [J]
 
     @property
     def closed_gap(self) -> float:
         """Gaps up to this one are none [m]."""
-        return TOUCHING * self._width
+        return TOUCHING * self.width
 
     @property
     def rows(self) -> int:
         """Rows per contact: 3 in space, 2 in a plane."""
         return 3 if self.plane is None else 2
+
+    @property
+    def _mirror(self) -> tuple[int, float]:
+        """Axis and place of the plane, for the kernels; axis -1: none."""
+        return (-1, 0.0) if self.plane is None else (self.plane.axis, self.plane.at)
 
     def step(self) -> StepReport:
         """Advance by one time step.
@@ -178,43 +180,7 @@ class Stepper:
     def _rigid_gaps(self) -> np.ndarray:
         """Gaps of the contacts of the friction problem that are no springs, whose overlap is the shortening of the joint [m]."""
         gap = self.contacts.gap[self.chosen]
-        return gap if self._laws is None else gap[~self._springs.elastic]
-
-    def settle(self) -> int:
-        """Let elastic joints take up the weight before the run, and return the steps that took; nothing else moves.
-
-        Implicit steps, long for the swing of a block on its joint, each from rest, with the supports held and the gravity of the first
-        instant; ties and forces come with the run. Without elastic joints there is nothing to do.
-
-        Raises:
-            InputError: the structure does not come to rest.
-        """
-        if self._laws is None or not self.assembly.laws.normal_stiffness.any():
-            return 0
-        kept = self.settings, self._solver, self._laws, self._support_velocity, self._acceleration, self._forces
-        a, h = self.assembly, self._settling_step()
-        self.settings = self.settings.model_copy(update={"dt": h, "theta": 1.0, "tolerance": 1e-12, "max_iterations": None})
-        self._solver, self._laws = SOLVERS["auto"], elastic.law_arrays(replace(a.laws, theta=np.ones_like(a.laws.theta)))
-        self._support_velocity, self._forces = np.zeros_like(self._support_velocity[:2]), None
-        self._acceleration = np.repeat(self._acceleration[:1], 2, axis=0)
-        begin, steps, sunk, moved, rests = self.state.position.copy(), 0, 0.0, np.inf, False
-        while not rests and steps < SETTLING_STEPS and sunk <= SUNK * self._width:
-            before, last = self.state.position.copy(), moved
-            self.step()
-            self._stop()
-            sunk = float(np.abs(self.state.position - begin).max())
-            moved = float(np.abs(self.state.position - before).max())
-            rests = moved <= SETTLED * sunk or (moved <= ROUNDED * sunk and moved > 0.99 * last)
-            steps += 1
-        self.settings, self._solver, self._laws, self._support_velocity, self._acceleration, self._forces = kept
-        if not rests:
-            block = a.names[int(np.abs(self.state.position - begin).max(axis=1).argmax())]
-            raise InputError(f'run.settle: block "{block}" does not come to rest under its weight; settle = false starts the run without')
-        self._impulse *= self.settings.dt / h
-        self.solution.memory = {}
-        self.energy = dict.fromkeys(ENERGIES, 0.0)
-        self._begun = 0.0
-        return steps
+        return gap[~self.springs.now.elastic] if self.springs.any else gap
 
     def kick(self, velocity: np.ndarray) -> None:
         """Add velocities (B, 6) to those of the free blocks [m/s, rad/s], before a run."""
@@ -226,13 +192,22 @@ class Stepper:
         self._v += velocity[free][:, self._columns]
         self._begun = self._kinetic()
 
-    def _settling_step(self) -> float:
-        """Step in which the heaviest block on the softest joint would swing by SETTLING radians [s]."""
-        a, free = self.assembly, ~self.assembly.fixed
-        soft = a.laws.normal_stiffness[a.laws.normal_stiffness > 0.0].min()
-        return SETTLING * float(np.sqrt((a.mass[free] / np.cbrt(a.volume[free]) ** 2).max() / soft))
+    def resting_loads(self) -> tuple[np.ndarray, np.ndarray]:
+        """Support velocities (N + 1, S, 3) of none, and body accelerations (N + 1, 3) whose first two are the first of the run."""
+        acceleration = self._acceleration.copy()
+        acceleration[1] = acceleration[0]
+        return np.zeros_like(self._support_velocity), acceleration
 
-    def _stop(self) -> None:
+    def begin_from(self, other: Stepper, share: float) -> None:
+        """Begin in the state of another stepper of the same blocks and plane, with a share of the impulses of its last step."""
+        self.state, self._spin, self._v = other.state, other._spin, other._v
+        self.detector, self.contacts, self.chosen, self._frames = other.detector, other.contacts, other.chosen, other._frames
+        self.springs.begin_from(other.springs)
+        self._impulse = share * other._impulse
+        self.solution = Solution(share * other.solution.impulse, None, 0)
+        self._begun = self._kinetic()
+
+    def halt(self) -> None:
         """Take all motion out, and begin again at the time zero."""
         self.state.velocity[:], self._v[:], self._spin[:] = 0.0, 0.0, 0.0
         self._handover, self.steps, self.load_step, self.state.time = None, 0, 0, 0.0
@@ -246,10 +221,10 @@ class Stepper:
 
     def _solve(self, problem: FrictionProblem, start: Solution) -> float:
         """Find the impulses of the step, impacts apart from forces; return the natural map error."""
-        bond = self._springs.bond
-        bonded = self._laws is not None and bond.any()
+        bond = self.springs.now.bond
+        bonded = self.springs.any and bond.any()
         if bonded:
-            v_free, offset = elastic.pretensioned(problem, bond)
+            v_free, offset = pretensioned(problem, bond)
             problem = replace(problem, v_free=v_free, offset=offset)
             start.impulse[:, 0] += bond
         error = self._solve_dry(problem, start)
@@ -268,7 +243,7 @@ class Stepper:
             self._handover = None
             self._show("", problem)
             return natural_map_error(problem, self.solution.impulse) if self.solution.error is None else self.solution.error
-        whole = self._springs.whole
+        whole = self.springs.now.whole
         both = solve_apart(problem, is_open, whole, gap, s.dt, start, lambda part, begin: self._solver(part, options, begin))
         self.solution, self._handover = both.solution, both.handover
         self._show("forces", both.forces)
@@ -282,8 +257,8 @@ class Stepper:
 
     def _open_contacts(self, problem: FrictionProblem, gap: np.ndarray) -> np.ndarray | None:
         """See :func:`masonry_cd.impacts.open_contacts`; elastic and bonded contacts are never hit, their law spans the whole step."""
-        pair, whole, step = self.contacts.pair[self.chosen], self._springs.whole, self.settings.dt
-        if self._laws is None or not whole.any():
+        pair, whole, step = self.contacts.pair[self.chosen], self.springs.now.whole, self.settings.dt
+        if not (self.springs.any and whole.any()):
             return open_contacts(problem, gap, pair, step, self._pull)
         rigid = np.flatnonzero(~whole)
         among = open_contacts(problem.subset(rigid), gap[rigid], pair[rigid], step, self._pull)
@@ -304,15 +279,14 @@ class Stepper:
         )  # fmt: skip
         self._apply_forces()
         self._take_handover()
-        slack = 4.0 * h * h * self._pull + self._stretch
+        slack = 4.0 * h * h * self._pull + self.springs.stretch
         found = self.detector.detect(state.position, self._rotation, state.velocity, h, slack, self._support_displacement())
         self.contacts = found
         c, m, n = found.count, self.rows, len(self._columns)
         chosen, bodies, mu = np.empty(c, dtype=np.int64), np.empty((c, 2), dtype=np.int64), np.empty(c)
         jacobian, offset, impulse, frames = np.empty((c, 2, m, n)), np.empty((c, m)), np.empty((c, m)), np.empty((c, 3, 3))
-        axis, at = (-1, 0.0) if self.plane is None else (self.plane.axis, self.plane.at)
         count = kinematics.contact_rows(
-            found.bodies, found.point, found.normal, found.gap, found.area, found.previous, self._impulse, axis, at, state.position,
+            found.bodies, found.point, found.normal, found.gap, found.area, found.previous, self._impulse, *self._mirror, state.position,
             self._support_velocity[self.load_step + 1], a.support_of, self._free_index, a.group_of, a.friction, self._columns, h,
             self.closed_gap,
             chosen, bodies, frames, jacobian, offset, mu, impulse,
@@ -320,9 +294,7 @@ class Stepper:
         self.chosen, self._frames = chosen[:count], frames[:count]
         rigid = np.zeros((count, m))
         problem = FrictionProblem(self._inverse_mass, self._v_free, bodies[:count], jacobian[:count], offset[:count], mu[:count], rigid)
-        self._springs = Springs.none(count, m)
-        if self._laws is not None:
-            self._load_springs(self._laws, problem, axis, at)
+        self.springs.load(problem, self._touching(), self._v, OVERLAP * self.width if self.steps == 0 else -1.0, h)
         return problem, Solution(impulse[:count], None, 0, memory=self.solution.memory)
 
     def _apply_forces(self) -> None:
@@ -338,16 +310,10 @@ class Stepper:
         turning = self._columns >= 3
         self._spin[np.ix_(free, self._columns[turning] - 3)] += self._push[:, turning]
 
-    def _load_springs(self, laws: np.ndarray, problem: FrictionProblem, axis: int, at: float) -> None:
-        """Put springs and bonds into a friction problem of rigid contacts, in place."""
-        found, a, s, memory = self.contacts, self.assembly, self._springs, self._joints
-        bonding = OVERLAP * self._width if self.steps == 0 else -1.0
-        elastic.spring_rows(
-            laws, self.chosen, found.bodies, a.group_of, found.point, found.gap, found.area, found.previous, self._frames, axis, at,
-            self.closed_gap, bonding, memory.slip, memory.bonded, self._rotation, problem.bodies, problem.jacobian, self._v,
-            self._support_velocity[self.load_step], self._support_velocity[self.load_step + 1], a.support_of, self.settings.dt,
-            problem.compliance, problem.offset, s.area, s.elastic, s.bonded, s.bond, s.slip, s.before,
-        )  # fmt: skip
+    def _touching(self) -> Touching:
+        """The contacts of the friction problem, for the laws of the joints."""
+        before, after = self._support_velocity[self.load_step : self.load_step + 2]
+        return Touching(self.contacts, self.chosen, self._frames, self._rotation, self._mirror, self.closed_gap, before, after)
 
     def _take_handover(self) -> None:
         """Add what an impact of the last step left over to the free velocity.
@@ -374,13 +340,13 @@ class Stepper:
         """Take a share of the overlaps away by moving the blocks, without touching their velocities; return the shifts (B, 3) [m]."""
         moved = np.zeros_like(self.state.position)
         gap = self._rigid_gaps()
-        if gap.min(initial=0.0) > -OVERLAP * self._width:
+        if gap.min(initial=0.0) > -OVERLAP * self.width:
             return moved
         if len(gap) < problem.contacts:
-            problem = problem.subset(~self._springs.elastic)
+            problem = problem.subset(~self.springs.now.elastic)
         shift = np.empty_like(problem.v_free)
         kinematics.position_correction(
-            gap, problem.bodies, problem.jacobian, problem.inverse_mass, OVERLAP * self._width, CORRECTED, 20, shift
+            gap, problem.bodies, problem.jacobian, problem.inverse_mass, OVERLAP * self.width, CORRECTED, 20, shift
         )  # fmt: skip
         velocity, free = np.zeros_like(self.state.velocity), ~self.assembly.fixed
         velocity[np.ix_(free, self._columns)] = shift
@@ -424,13 +390,14 @@ class Stepper:
         """Add the step's work and losses to the energy account."""
         a, energy, work = self.assembly, self.energy, np.zeros(3)
         kinematics.dissipation(
-            self.solution.impulse, self.chosen, self.contacts.bodies, self._frames, self._springs.elastic, problem.bodies, problem.jacobian,
-            self._v_old, self._v, self._support_velocity[self.load_step], self._support_velocity[self.load_step + 1], a.support_of, work,
+            self.solution.impulse, self.chosen, self.contacts.bodies, self._frames, self.springs.now.elastic, problem.bodies,
+            problem.jacobian, self._v_old, self._v, self._support_velocity[self.load_step], self._support_velocity[self.load_step + 1],
+            a.support_of, work,
         )  # fmt: skip
         if handover is not None:
             work[1] -= 0.5 * float(np.sum(handover * (self._v_old + self._v)))
-        if self._laws is not None:
-            self._unload_springs(self._laws, problem)
+        if self.springs.any:
+            self._unload_springs(problem)
         energy["friction"] += work[0]
         energy["impact"] += work[1]
         energy["base_work"] += work[2]
@@ -439,18 +406,11 @@ class Stepper:
             energy["force_work"] += 0.5 * float(np.sum(self._push * (self._v_old + self._v)))
         energy["balance"] = self._begun + sum(energy[name] for name in WORKS) - sum(energy[name] for name in LOSSES)
 
-    def _unload_springs(self, laws: np.ndarray, problem: FrictionProblem) -> None:
+    def _unload_springs(self, problem: FrictionProblem) -> None:
         """Carry the slips and bonds of the joints over the step, and book their energy."""
-        found, a, s, h, energy, work = self.contacts, self.assembly, self._springs, self.settings.dt, self.energy, np.zeros(4)
-        self._joints.slip, self._joints.bonded = np.zeros((max(1, found.count), 3)), np.zeros(max(1, found.count), dtype=np.bool_)
+        h, energy = self.settings.dt, self.energy
         still = max(CREEP, self.settings.tolerance) * self._pull * h
-        elastic.spring_update(
-            laws, self.chosen, found.bodies, a.group_of, found.pair, found.gap, self._frames, self._rotation, problem.bodies,
-            problem.jacobian, self._v, problem.offset, problem.compliance, problem.mu, self.solution.impulse,
-            self._support_velocity[self.load_step + 1], a.support_of, h, still, s.area, s.elastic, s.bonded, s.bond, s.slip, s.before,
-            self._joints.slip, self._joints.bonded, work,
-        )  # fmt: skip
-        taken, friction, stored, before = work
+        taken, friction, stored, before = self.springs.unload(problem, self._touching(), self._v, self.solution.impulse, still, h)
         if self.steps == 0:
             self._begun += before
             energy["elastic"] = before
@@ -465,7 +425,7 @@ class Stepper:
         own["energy"] = np.array([self._begun, *(self.energy[name] for name in ENERGIES)])
         if self._handover is not None:
             own["handover"] = self._handover
-        memories = prefixed("detector", self.detector.snapshot()) | prefixed("joints", self._joints.snapshot())
+        memories = prefixed("detector", self.detector.snapshot()) | prefixed("joints", self.springs.snapshot())
         return state | own | memories | prefixed("memory", self.solution.memory)
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
@@ -477,7 +437,7 @@ class Stepper:
         self.energy = dict(zip(ENERGIES, energies, strict=True))
         self._handover = arrays.get("handover")
         self.detector.restore(part("detector", arrays))
-        self._joints.restore(part("joints", arrays))
+        self.springs.restore(part("joints", arrays))
         self.solution.memory = part("memory", arrays)
 
     def joint_forces(self, pair_joint: np.ndarray, joints: int) -> tuple[np.ndarray, np.ndarray]:
@@ -486,10 +446,9 @@ class Stepper:
         The places are those of q_m, in the middle of the step; NaN where a joint has no force. ``pair_joint`` names the joint of each
         pair or -1.
         """
-        axis, at = (-1, 0.0) if self.plane is None else (self.plane.axis, self.plane.at)
         force, point = np.empty((2, joints)), np.empty((joints, 3))
         kinematics.joint_forces(
-            self.solution.impulse, self.chosen, self._frames, self.contacts.point, self.contacts.pair, pair_joint, axis, at,
+            self.solution.impulse, self.chosen, self._frames, self.contacts.point, self.contacts.pair, pair_joint, *self._mirror,
             self.settings.dt, np.empty((joints, 4)), force, point,
         )  # fmt: skip
         return force, point
@@ -499,6 +458,4 @@ class Stepper:
         if not len(self.chosen):  # before the first step
             group = self.assembly.group_of
             return (self.assembly.laws.apex[group[joints.block_a], group[joints.block_b]] > 0.0).astype(float)
-        whole = np.zeros(joints.count)
-        elastic.bonded_area(self.chosen, self.contacts.pair, pair_joint, self._springs.area, self._joints.bonded, whole)
-        return np.minimum(1.0, whole / joints.area)
+        return self.springs.bonded_shares(self.chosen, self.contacts.pair, pair_joint, joints)

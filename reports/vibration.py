@@ -27,6 +27,7 @@ from masonry_cd.blocks import Assembly
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.joints import find_joints
 from masonry_cd.scene import Run, Scene, read_scene
+from masonry_cd.settling import settle
 from masonry_cd.stepping import Stepper
 from reports.elastic_joints import joint_modes
 from reports.shapes import RigidShapes
@@ -241,7 +242,7 @@ def _at_rest(assembly: Assembly, settings: Run, dt: float, shaking: np.ndarray) 
     pull = np.tile(np.asarray(settings.gravity, dtype=float), (len(shaking), 1))
     across = bool(np.any(shaking))  # free vibration has modes out of every plane
     machine = Stepper(assembly, shaking, pull, settings.model_copy(update={"dt": dt, "planar": settings.planar and across}))
-    machine.settle()
+    settle(machine)
     return machine
 
 
