@@ -74,14 +74,14 @@ def stepper(made: BenchScene, steps: int, solver: str = "auto", tolerance: float
 def measure(made: BenchScene, steps: int | None = None, solver: str = "auto", tolerance: float = 1e-8, **settings: Any) -> Measured:
     """Step a scene and collect costs and errors; arguments as of :func:`stepper`."""
     steps = made.steps if steps is None else steps
-    _warm_up(solver, tolerance, settings)
+    warm_up(solver, tolerance, settings)
     machine = stepper(made, steps, solver, tolerance, **settings)
     clock = _clocked(machine)
     reports = [machine.step() for _ in range(steps)]
     return _summary(made, machine, reports, clock.seconds)
 
 
-def _warm_up(solver: str, tolerance: float, settings: dict[str, Any]) -> None:
+def warm_up(solver: str, tolerance: float, settings: dict[str, Any]) -> None:
     """Have the kernels compiled, or loaded from their cache: of the solver, and of all that it may turn to on the way."""
     for name in [solver, *SOLVERS]:
         machine = stepper(tower(2), 3, name, tolerance, **settings)

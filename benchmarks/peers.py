@@ -77,8 +77,16 @@ def run_lmgc90(python: str, made: BenchScene, steps: int, seconds: float, folder
 
 def run_ours(name: str, steps: int, solver: str, tolerance: float, extra: Sequence[str] = ()) -> dict[str, Any]:
     """Step a scene with masonry_cd in a process of its own; the fields of ``ours.Measured``."""
-    command = [sys.executable, "-m", "benchmarks.ours", name, "--json", "--steps", str(steps), "--solver", solver]
-    out = _call([*command, "--tolerance", str(tolerance), *extra], "masonry_cd", HERE.parent)
+    return numbers_of("benchmarks.ours", [name, "--steps", str(steps), "--solver", solver, "--tolerance", str(tolerance), *extra])
+
+
+def numbers_of(module: str, arguments: Sequence[str]) -> dict[str, Any]:
+    """What a benchmark of ours prints with ``--json``, run in a process of its own.
+
+    Raises:
+        RuntimeError: it failed; the last line that it wrote.
+    """
+    out = _call([sys.executable, "-m", module, *arguments, "--json"], "masonry_cd", HERE.parent)
     return dict(json.loads(out.splitlines()[-1]))
 
 

@@ -2,10 +2,12 @@ r"""Cost against size: the same structure, larger and larger.
 
     python -m benchmarks.scaling wall arcade --blocks 500 2000 20000
     python -m benchmarks.scaling courses --courses 10 30 100
+    python -m benchmarks.scaling wall church --parts --blocks 500 5000 20000
 
-Families: `wall`, twice as long as high in blocks; `arcade`, more spans; `courses`, a wall of 50 units in ever more courses, whose first
-step from rest asks how fast news travels up. Shaken, each size in a process of its own. A method whose iterations grow with height, or
-bookkeeping that is not linear, shows as a growing cost per block.
+Families: `wall`, twice as long as high in blocks; `arcade`, more spans; `church`, in space, of ever smaller blocks; `courses`, a wall of 50
+units in ever more courses, whose first step from rest asks how fast news travels up. Shaken, each size in a process of its own. A method
+whose iterations grow with height, or bookkeeping that is not linear, shows as a growing cost per block; with `--parts` it shows where:
+then whole runs are measured, their results written, part by part (see ``benchmarks.parts``).
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.parts import run_parts, table
 from benchmarks.peers import head, run_ours, sitting
 
 HEAD = head(
@@ -23,12 +26,17 @@ HEAD = head(
 )
 
 
+CHURCH_SURFACE = 1700.0  # number of blocks times the square of their length, about [m2]
+
+
 def names(family: str, blocks: list[int], courses: list[int]) -> list[str]:
     """The scenes of a family, of about so many blocks each."""
     if family == "courses":
         return [f"wall50x{count}" for count in courses]
     if family == "arcade":
         return [f"arcade{max(1, round((count - 9) / 20))}" for count in blocks]
+    if family == "church":
+        return [f"church{round(1e3 * np.sqrt(CHURCH_SURFACE / count))}" for count in blocks]
     high = [max(2, round(np.sqrt(count / 2))) for count in blocks]
     return [f"wall{round(count / courses)}x{courses}" for count, courses in zip(blocks, high, strict=True)]
 
@@ -54,31 +62,52 @@ def growth(rows: list[dict[str, Any]]) -> str:
     )
 
 
+def options(given: argparse.Namespace) -> list[str]:
+    """What each run is told beside its scene and its steps."""
+    limit = [] if given.max_iterations is None else ["--max-iterations", str(given.max_iterations)]
+    return limit + (["--space"] if given.space else [])
+
+
+def totals_table(given: argparse.Namespace) -> None:
+    """Print a table of whole steps, line by line as it grows, and how much they grew."""
+    print(HEAD, flush=True)
+    ends = []
+    for family in given.families:
+        rows = []
+        for name in names(family, given.blocks, given.courses):
+            rows.append(run_ours(name, given.steps, given.solver, given.tolerance, options(given)))
+            print(line(name, rows[-1]), flush=True)
+        ends.append(f"{family}: {growth(rows)}")
+    print("", *ends, sep="\n")
+
+
+def parts_tables(given: argparse.Namespace) -> None:
+    """Print a table of the parts for each family."""
+    for family in given.families:
+        sizes = names(family, given.blocks, given.courses)
+        print(*table([run_parts(name, given.steps, options(given)) for name in sizes]), "", sep="\n", flush=True)
+
+
 def main() -> None:
     """The command line, see the head of this file."""
     parser = argparse.ArgumentParser(description="Cost of a step against the size of the structure.")
-    parser.add_argument("families", nargs="*", default=["wall", "arcade"], help="wall, arcade, courses")
+    parser.add_argument("families", nargs="*", default=["wall", "arcade"], help="wall, arcade, church, courses")
     parser.add_argument("--blocks", type=int, nargs="+", default=[500, 1000, 2000, 5000, 10_000, 20_000])
     parser.add_argument("--courses", type=int, nargs="+", default=[10, 20, 50, 100])
     parser.add_argument("--steps", type=int, default=20)
     parser.add_argument("--solver", default="auto")
     parser.add_argument("--tolerance", type=float, default=1e-8)
+    parser.add_argument("--max-iterations", type=int, help="of each solve")
     parser.add_argument("--space", action="store_true", help="all three dimensions, also where a plane would do")
+    parser.add_argument("--parts", action="store_true", help="what each part of a run costs")
     given = parser.parse_args()
-    if wrong := set(given.families) - {"wall", "arcade", "courses"}:
-        parser.error(f"no family {', '.join(wrong)}; known: wall, arcade, courses")
-    print(sitting(), HEAD, sep="\n\n", flush=True)
-    ends = []
-    for family in given.families:
-        rows = []
-        for name in names(family, given.blocks, given.courses):
-            try:
-                rows.append(run_ours(name, given.steps, given.solver, given.tolerance, ["--space"] if given.space else []))
-            except RuntimeError as failed:
-                parser.exit(2, f"{failed}\n")
-            print(line(name, rows[-1]), flush=True)
-        ends.append(f"{family}: {growth(rows)}")
-    print("", *ends, sep="\n")
+    if wrong := set(given.families) - {"wall", "arcade", "church", "courses"}:
+        parser.error(f"no family {', '.join(wrong)}; known: wall, arcade, church, courses")
+    print(sitting(), "", sep="\n", flush=True)
+    try:
+        parts_tables(given) if given.parts else totals_table(given)
+    except RuntimeError as failed:
+        parser.exit(2, f"{failed}\n")
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ import numpy as np
 
 from masonry_cd.blocks import Assembly, Block, Faces
 from masonry_cd.scene import JointLaw
+from structures import church as churches
 from structures.prism import box, prism_xz
 
 GRAVITY = 9.81  # [m/s2]
@@ -120,6 +121,12 @@ def arcade(spans: int, amplitude: float = 0.1, voussoirs: int = 12, courses: int
     return BenchScene(f"arcade {spans}", tuple(blocks), steps=200 if spans < 100 else 20, amplitude=amplitude)
 
 
+def church(block_length: float, amplitude: float = 0.2) -> BenchScene:
+    """The church of ``structures.church`` with blocks of that length [m]: a building in space."""
+    blocks = churches.build({"block_length": block_length}, DENSITY, Path())
+    return BenchScene(f"church {block_length:g} m", tuple(blocks), steps=20, amplitude=amplitude)
+
+
 SCENES = {
     "arch27": lambda: arch(27),
     "tower50": lambda: tower(50),
@@ -133,7 +140,7 @@ SCENES = {
 
 
 def scene(name: str, dt: float | None = None) -> BenchScene:
-    """A scene by its name in :data:`SCENES`, or ``towerN``, ``wallNxM``, ``arcadeN``, ``archN`` of any size.
+    """A scene by its name in :data:`SCENES`, or ``towerN``, ``wallNxM``, ``arcadeN``, ``archN`` of any size, ``churchN`` (blocks N mm long).
 
     Raises:
         ValueError: no such scene.
@@ -150,7 +157,10 @@ def _sized(name: str) -> BenchScene:
         "wall": (wall, 2),
         "arcade": (arcade, 1),
         "arch": (arch, 1),
+        "church": (lambda millimetres: church(1e-3 * millimetres), 1),
     }
     if word not in makers or len(numbers) != makers[word][1]:
-        raise ValueError(f'no scene "{name}"; known: {", ".join(SCENES)}, or towerN, wallNxM, arcadeN, archN of any size N')
+        raise ValueError(
+            f'no scene "{name}"; known: {", ".join(SCENES)}, or towerN, wallNxM, arcadeN, archN of any size N, churchN of blocks N mm long'
+        )
     return makers[word][0](*numbers)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import memory, peers, problem_files, rocking, scaling
+from benchmarks import memory, parts, peers, problem_files, rocking, scaling
 from benchmarks.lmgc90_error import judge
 from benchmarks.ours import measure, stepper
 from benchmarks.scenes import GRAVITY, arcade, arch, scene, tower, wall
@@ -213,9 +213,39 @@ def test_sizes_of_the_scaling_table():
     for family, tolerance in (("wall", 0.05), ("arcade", 0.02)):
         for wanted, name in zip((500, 2000), scaling.names(family, [500, 2000], []), strict=True):
             assert len(scene(name).blocks) == pytest.approx(wanted, rel=tolerance)
+    assert len(scene(scaling.names("church", [2000], [])[0]).blocks) == pytest.approx(2000, rel=0.2)
     small = {"blocks": 10, "contacts": 20, "mean_ms": 1.0, "iterations": 5.0, "first_iterations": 8}
     large = {"blocks": 100, "contacts": 400, "mean_ms": 20.0, "iterations": 10.0, "first_iterations": 8}
     assert "cost per block x 2.00, per contact x 1.00; iterations x 2.00, of the first step x 1.00" in scaling.growth([small, large])
+
+
+def test_each_part_of_a_run_has_its_own_seconds():
+    before = parts.coulomb.error_bodies
+    costs = parts.measure(tower(3), 6, frame_every=3)
+    assert parts.coulomb.error_bodies is before  # the clocks are off again
+    assert set(costs.seconds) >= {"narrow phase", "contact rows", "iterations", "error measure", "joints", "output"}
+    assert (costs.calls["contact rows"], costs.calls["step, rest"], costs.steps) == (6, 6, 6)
+    assert (costs.blocks, costs.joints) == (4, 3)
+    assert sum(costs.seconds.values()) > 0.0
+    lines = parts.table([costs, costs])
+    assert all("x 1.00" in line for line in lines if line.startswith("| all"))
+
+
+def test_the_clock_of_a_part_stops_while_another_one_runs(monkeypatch):
+    now = iter([0.0, 1.0, 5.0, 7.0])
+    monkeypatch.setattr(parts.time, "process_time", lambda: next(now))
+    clocks = parts.Clocks()
+    inner = clocks.timed("inner", lambda: None)
+    clocks.timed("outer", inner)()
+    assert clocks.seconds == {"inner": 4.0, "outer": 3.0}
+
+
+def test_the_second_solve_of_a_step_with_impacts_has_a_name_of_its_own():
+    clocks = parts.Clocks()
+    solver = clocks.timed("iterations", lambda problem, start: problem)
+    clocks.told_apart(lambda solve: [solve(k, None) for k in range(2)])(solver)
+    solver(0, None)
+    assert clocks.calls == {"iterations": 2, "iterations of impacts": 1}
 
 
 def test_a_problem_of_a_scene_goes_to_a_file_and_back(tmp_path):
