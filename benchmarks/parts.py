@@ -37,7 +37,7 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
         (kinematics, "finish"), (kinematics, "position_correction"),
     ),
     "contact rows": ((kinematics, "contact_rows"),),
-    "impacts found": ((impacts, "_impacts"), (impacts, "_handover")),
+    "impacts found": ((impacts, "_impacts"), (impacts, "_hand_over")),
     "analysis": ((Pattern, "of"), (Pattern, "locate")),
     "iterations": tuple((coulomb, f"{name}_bodies") for name in ("nlgs", "admm", "newton", "interior", "proximal")),
     "error measure": ((coulomb, "error_bodies"),),

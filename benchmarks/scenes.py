@@ -140,7 +140,7 @@ SCENES = {
 
 
 def scene(name: str, dt: float | None = None) -> BenchScene:
-    """A scene by its name in :data:`SCENES`, or ``towerN``, ``wallNxM``, ``arcadeN``, ``archN`` of any size, ``churchN`` (blocks N mm long).
+    """A scene by its name in :data:`SCENES`, or ``towerN``, ``wallNxM``, ``arcadeN``, ``archN`` of any size, ``churchN`` (N in mm).
 
     Raises:
         ValueError: no such scene.

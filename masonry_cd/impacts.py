@@ -13,6 +13,8 @@ opens, is added to the free velocity of the next step. Free rocking is so met to
 
 The law of elastic and of bonded contacts holds for the impulse of the whole step, not for either part. They carry in the first solve what
 they would without an impact, so that the others get their share, and are solved anew in the second.
+
+The solver remembers the two apart: in what it has learnt and in what it can use again, the impacts are most like the last impacts.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 
 FAST = 3.0  # impacts faster than this many times g h count
 AT_ONCE = 1e-6  # gaps that close within this share of the step are closed
+LIFTED = 0.01  # contacts that part faster than this share of the fastest impact are opened by it
 CLOSED = 2.0  # gaps below this many times g h^2 count as closed: gravity alone closes them within about a step
 
 
@@ -34,7 +37,8 @@ CLOSED = 2.0  # gaps below this many times g h^2 count as closed: gravity alone 
 class ImpactStep:
     """The outcome of a step with impacts."""
 
-    solution: Solution  # impulses of both solves together
+    solution: Solution  # impulses of both solves together, with the solver's memory of the forces
+    memory: dict[str, np.ndarray]  # the solver's of the impacts
     error: float  # the larger natural map error of the two
     handover: np.ndarray  # (B, n) generalised impulse for the next step
     forces: FrictionProblem  # the two problems as they were solved
@@ -92,6 +96,7 @@ def solve_apart(
     gap: np.ndarray,
     step: float,
     start: Solution,
+    memory: dict[str, np.ndarray],
     solve: Callable[[FrictionProblem, Solution], Solution],
 ) -> ImpactStep:
     """Solve the forces of the closed contacts, then the impacts on what they leave.
@@ -102,7 +107,8 @@ def solve_apart(
         whole: (C,) contacts whose law holds for the whole step.
         gap: (C,) [m].
         step: h [s].
-        start: impulses (C, m) to start from, with the solver's memory.
+        start: impulses (C, m) to start from, with the solver's memory of the last forces.
+        memory: the solver's of the last impacts, which may be long ago.
         solve: the solver, its options bound.
     """
     closed = ~is_open
@@ -112,34 +118,65 @@ def solve_apart(
     force[closed] = first.impulse
     guess[whole], force[whole] = force[whole], 0.0
     impacts = replace(problem, v_free=problem.body_velocity(force))
-    second = solve(impacts, Solution(guess, None, 0))
-    error = max(natural_map_error(forces, first.impulse), natural_map_error(impacts, second.impulse))
+    second = solve(impacts, Solution(guess, None, 0, memory=memory))
+    error = max(_error(forces, first), _error(impacts, second))
     handover = _handover(impacts, force, second.impulse, is_open, gap, step)
     reason = first.reason if first.reason == second.reason else f"{first.reason}; impacts: {second.reason}"
     total = Solution(force + second.impulse, None, first.iterations + second.iterations, reason, first.memory)
-    return ImpactStep(total, error, handover, forces, impacts)
+    return ImpactStep(total, second.memory, error, handover, forces, impacts)
+
+
+def _error(problem: FrictionProblem, solution: Solution) -> float:
+    """The natural map error, measured unless the solver had to."""
+    return natural_map_error(problem, solution.impulse) if solution.error is None else solution.error
 
 
 def _handover(
     impacts: FrictionProblem, force: np.ndarray, blow: np.ndarray, is_open: np.ndarray, gap: np.ndarray, step: float
 ) -> np.ndarray:
     """(f - 1/2) H^T p' of the contacts that the impacts open, (B, n), with f of the hardest blow on either body of the contact."""
-    closing = gap / step - impacts.free_relative_velocity()[:, 0]  # speed at which the gap closes before the blow
-    hit = np.flatnonzero(is_open & (blow[:, 0] > 0.0) & (closing > 0.0))
-    out = np.zeros_like(impacts.v_free)
-    if not len(hit):
-        return out
-    lifted = impacts.apply(blow)[:, 0] > 0.01 * closing[hit].max()
-    opens = np.flatnonzero(~is_open & (force[:, 0] > 0.0) & lifted)
-    hardest, moment = np.zeros(len(out) + 1), np.full(len(out) + 1, 0.5)  # by body; the last entry stands for all supports
-    for c in hit[np.argsort(blow[hit, 0], kind="stable")]:
-        for body in impacts.bodies[c]:
-            if body >= 0:
-                hardest[body], moment[body] = blow[c, 0], gap[c] / (step * closing[c])
-    for c in opens:
-        pair = impacts.bodies[c]
-        f = moment[pair[np.argmax(hardest[pair])]]
-        for side in range(2):
-            if pair[side] >= 0:
-                out[pair[side]] += (f - 0.5) * force[c] @ impacts.jacobian[c, side]
+    _, v_free, bodies, jacobian, offset, _, _ = impacts.arrays()
+    out, after = np.zeros_like(v_free), impacts.body_velocity(blow)
+    _hand_over(bodies, jacobian, offset, impacts.compliance, v_free, after, force, blow, is_open, gap, step, out)
     return out
+
+
+@njit(cache=True, nogil=True)
+def _hand_over(bodies, jacobian, offset, compliance, before, after, force, blow, is_open, gap, step, out):
+    """Fill ``out`` (B, n), see :func:`_handover`; ``before`` and ``after`` (B, n) are the velocities without and with the blows."""
+    contacts, supports = len(gap), len(out)
+    closing = np.zeros(contacts)  # speed at which the gap closes before the blow; of other contacts than those that are hit zero
+    hardest, moment = np.zeros(supports + 1), np.full(supports + 1, 0.5)  # by body; the last entry stands for all supports
+    for c in range(contacts):
+        if is_open[c] and blow[c, 0] > 0.0:
+            closing[c] = max(0.0, gap[c] / step - _normal_velocity(bodies[c], jacobian[c], offset[c], before))
+            for body in bodies[c]:
+                if body >= 0 and closing[c] > 0.0 and blow[c, 0] >= hardest[body]:
+                    hardest[body], moment[body] = blow[c, 0], gap[c] / (step * closing[c])
+    fastest = closing.max() if contacts else 0.0
+    if fastest == 0.0:
+        return
+    for c in range(contacts):
+        if is_open[c] or force[c, 0] <= 0.0:
+            continue
+        if _normal_velocity(bodies[c], jacobian[c], offset[c], after) + compliance[c, 0] * blow[c, 0] <= LIFTED * fastest:
+            continue
+        first, second = bodies[c]
+        f = moment[first] if hardest[first] >= hardest[second] else moment[second]
+        for side in range(2):
+            body = bodies[c, side]
+            if body >= 0:
+                for j in range(out.shape[1]):
+                    for i in range(force.shape[1]):
+                        out[body, j] += (f - 0.5) * force[c, i] * jacobian[c, side, i, j]
+
+
+@njit(cache=True, nogil=True)
+def _normal_velocity(bodies, jacobian, offset, v):
+    """u_n of one contact for body velocities v (B, n)."""
+    u = offset[0]
+    for side in range(2):
+        if bodies[side] >= 0:
+            for j in range(v.shape[1]):
+                u += jacobian[side, 0, j] * v[bodies[side], j]
+    return u

@@ -113,6 +113,7 @@ class Stepper:
         self._spin = np.einsum("bij,bj->bi", inertia, self.state.velocity[:, 3:])  # angular momentum [kg m2/s]
         self._solver = SOLVERS[settings.solver]
         self.watch: Callable[[int, str, FrictionProblem], None] | None = None  # told the step and all that is solved in it, by name
+        self._impact_memory: dict[str, np.ndarray] = {}  # the solver's of the last impacts
         self._handover: np.ndarray | None = None  # generalised impulse left over from an impact, see impacts.py
         self._gravity = float(np.linalg.norm(acceleration, axis=1).max())
         self._pull = self._gravity  # largest acceleration of a block by gravity and forces, in this step [m/s2]
@@ -244,8 +245,9 @@ class Stepper:
             self._show("", problem)
             return natural_map_error(problem, self.solution.impulse) if self.solution.error is None else self.solution.error
         whole = self.springs.now.whole
-        both = solve_apart(problem, is_open, whole, gap, s.dt, start, lambda part, begin: self._solver(part, options, begin))
-        self.solution, self._handover = both.solution, both.handover
+        memory = self._impact_memory
+        both = solve_apart(problem, is_open, whole, gap, s.dt, start, memory, lambda part, begin: self._solver(part, options, begin))
+        self.solution, self._impact_memory, self._handover = both.solution, both.memory, both.handover
         self._show("forces", both.forces)
         self._show("impacts", both.impacts)
         return both.error
@@ -426,7 +428,7 @@ class Stepper:
         if self._handover is not None:
             own["handover"] = self._handover
         memories = prefixed("detector", self.detector.snapshot()) | prefixed("joints", self.springs.snapshot())
-        return state | own | memories | prefixed("memory", self.solution.memory)
+        return state | own | memories | prefixed("memory", self.solution.memory) | prefixed("impact_memory", self._impact_memory)
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Go on from what :meth:`snapshot` gave, in a stepper of the same scene."""
@@ -438,7 +440,7 @@ class Stepper:
         self._handover = arrays.get("handover")
         self.detector.restore(part("detector", arrays))
         self.springs.restore(part("joints", arrays))
-        self.solution.memory = part("memory", arrays)
+        self.solution.memory, self._impact_memory = part("memory", arrays), part("impact_memory", arrays)
 
     def joint_forces(self, pair_joint: np.ndarray, joints: int) -> tuple[np.ndarray, np.ndarray]:
         """Normal and shear force of each joint over the last step, (2, J) [N], and where it crosses the joint's plane, (J, 3) [m].

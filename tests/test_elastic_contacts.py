@@ -130,7 +130,7 @@ def test_impacts_apart_leave_the_springs_their_law() -> None:
         return SOLVERS["auto"](part, Options(tolerance=1e-12), start)
 
     found = solve_apart(
-        problem, is_open, problem.compliance.any(axis=1), gap, STEP, Solution(np.zeros((problem.contacts, 3)), None, 0), solve
+        problem, is_open, problem.compliance.any(axis=1), gap, STEP, Solution(np.zeros((problem.contacts, 3)), None, 0), {}, solve
     )
     impulse, soft = found.solution.impulse, problem.compliance[:, 0] > 0.0
     w = problem.apply(impulse)

@@ -225,6 +225,21 @@ def test_overlaps_are_taken_away_without_feeding_motion():
     assert machine.energy["correction"] == pytest.approx(GRAVITY * machine.assembly.mass[1:] @ (1e-3 * np.arange(1, 4)), rel=1e-3)
 
 
+def test_what_the_solver_learnt_of_impacts_lasts_until_the_next_ones_and_is_resumed():
+    steps = 180
+    velocity = still(steps)
+    velocity[:, 0, 0] = 0.6 * np.sin(2 * np.pi * 2.0 * np.arange(steps + 1) * 1e-3)
+    make = {"support_velocity": velocity, "solver": "auto", "tolerance": 1e-8}
+    first, second = (stepper(tower(4), steps, **make) for _ in range(2))
+    while not first.step().apart:
+        pass
+    second.restore({name: array.copy() for name, array in first.snapshot().items()})
+    for machine in (first, second):
+        assert machine.step().apart
+        assert machine.snapshot()["impact_memory/auto_tally"][2] == 2.0  # impacts solved so far
+    assert first.state.velocity.tobytes() == second.state.velocity.tobytes()
+
+
 # --- falls ------------------------------------------------------------------------------------------------------------------------
 
 
