@@ -244,6 +244,7 @@ def _summary(case: Case, report: RunReport) -> dict[str, Any]:
             "steps_missed": report.steps_missed,
             "reasons": report.solver_reasons,
         },
+        "islands": {"mean": report.islands_mean, "max": report.islands_max, "sleeping_mean": report.sleeping_mean},
         "left_out": {"steps_without_iterations": report.steps_as_before} | report.left_out,
         "penetration_max": report.penetration_max,
         "energy": energy | {"balance_error": report.balance_error},

@@ -505,8 +505,8 @@ def _velocities(factor: np.ndarray, v_free: np.ndarray, y: np.ndarray, v: np.nda
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, scaled):
-    """Norms of the natural map residual and of q for impulses p over a FrictionProblem; scaled by d, or with d = 1."""
+def _law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, scaled):
+    """w = H v + b + C p of impulses p, q = H v_free + b, and d, which is 1 if not ``scaled``."""
     contacts, m = offset.shape
     n = v_free.shape[1]
     _, g, q, index = _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset)
@@ -527,7 +527,27 @@ def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance,
                 trace += compliance[c, i]
         if scaled:
             d[c] = trace / m
+    return w, q, d
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, scaled):
+    """Norms of the natural map residual and of q for impulses p over a FrictionProblem; scaled by d, or with d = 1."""
+    w, q, d = _law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, scaled)
     return natural_map_norms(p, w, q, mu, d)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def errors_by_group(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, group, groups):
+    """The same norms, scaled, over each group of contacts: (G,) and (G,); ``group`` (C,) is the number of each contact's."""
+    w, q, d = _law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, True)
+    residual, size, m = np.zeros(groups), np.zeros(groups), p.shape[1]
+    for c in range(p.shape[0]):
+        p2, w2 = (p[c, 2], w[c, 2]) if m == 3 else (0.0, 0.0)
+        residual[group[c]] += _natural_map2(p[c, 0], p[c, 1], p2, w[c, 0], w[c, 1], w2, mu[c], d[c])
+        for i in range(m):
+            size[group[c]] += q[c, i] * q[c, i] / d[c]
+    return np.sqrt(residual), np.sqrt(size)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

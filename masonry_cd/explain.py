@@ -26,7 +26,8 @@ AXES = "xyz"
 
 def left_out(scene: Scene, stepper: Stepper, report: RunReport) -> list[str]:
     """All that was left out of a run that has ended, one line each."""
-    lines = [_plane(scene, stepper), *_pairs(stepper, report), _impacts(report), _solver(scene, report), *_laws(stepper)]
+    lines = [_plane(scene, stepper), *_pairs(stepper, report), _impacts(report), _islands(scene, report), _solver(scene, report)]
+    lines += _laws(stepper)
     return [*lines, *_outputs(scene.report), _modules()]
 
 
@@ -61,6 +62,14 @@ def _impacts(report: RunReport) -> str:
     """Steps that needed no solution of impacts apart from forces."""
     spared = report.steps - report.steps_apart
     return f"impacts apart from forces: not solved in {spared} of {report.steps} steps, in which no gap closed fast enough to matter"
+
+
+def _islands(scene: Scene, report: RunReport) -> str:
+    """What was solved by itself, and what was not solved at all."""
+    if not scene.run.islands:
+        return "islands: all blocks solved as one, since run.islands is false"
+    found = f"islands, which touch one another only through supports: {report.islands_mean:.3g} on average, {report.islands_max} at most"
+    return f"{found}; each was solved by itself, and {report.sleeping_mean:.0%} of the blocks slept, since they were at rest"
 
 
 def _solver(scene: Scene, report: RunReport) -> str:

@@ -117,6 +117,14 @@ class FrictionProblem:
             compliance=self.compliance[kept],
         )  # fmt: skip
 
+    def part(self, contacts: np.ndarray, blocks: np.ndarray, place: np.ndarray) -> FrictionProblem:
+        """The problem of some blocks (indices) and the contacts (indices) on them; ``place`` (B,): their places among those blocks."""
+        bodies = self.bodies[contacts]
+        return FrictionProblem(
+            self.inverse_mass[blocks], self.v_free[blocks], np.where(bodies >= 0, place[bodies], -1), self.jacobian[contacts],
+            self.offset[contacts], self.mu[contacts], self.compliance[contacts],
+        )  # fmt: skip
+
     def jacobian_matrix(self) -> sparse.csr_matrix:
         """H as a sparse matrix (C m, B n)."""
         m, n = self.dimension, self.v_free.shape[1]

@@ -14,7 +14,8 @@ opens, is added to the free velocity of the next step. Free rocking is so met to
 The law of elastic and of bonded contacts holds for the impulse of the whole step, not for either part. They carry in the first solve what
 they would without an impact, so that the others get their share, and are solved anew in the second.
 
-The solver remembers the two apart: in what it has learnt and in what it can use again, the impacts are most like the last impacts.
+The solver remembers the two apart (see ``islands``): in what it has learnt and in what it can use again, the impacts are most like the
+last impacts.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ import numpy as np
 from numba import njit
 
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
+from masonry_cd.islands import FORCES, IMPACTS
 
 FAST = 3.0  # impacts faster than this many times g h count
 AT_ONCE = 1e-6  # gaps that close within this share of the step are closed
@@ -37,8 +39,7 @@ CLOSED = 2.0  # gaps below this many times g h^2 count as closed: gravity alone 
 class ImpactStep:
     """The outcome of a step with impacts."""
 
-    solution: Solution  # impulses of both solves together, with the solver's memory of the forces
-    memory: dict[str, np.ndarray]  # the solver's of the impacts
+    solution: Solution  # impulses of both solves together
     error: float  # the larger natural map error of the two
     handover: np.ndarray  # (B, n) generalised impulse for the next step
     forces: FrictionProblem  # the two problems as they were solved
@@ -96,8 +97,7 @@ def solve_apart(
     gap: np.ndarray,
     step: float,
     start: Solution,
-    memory: dict[str, np.ndarray],
-    solve: Callable[[FrictionProblem, Solution], Solution],
+    solve: Callable[[FrictionProblem, Solution, str], Solution],
 ) -> ImpactStep:
     """Solve the forces of the closed contacts, then the impacts on what they leave.
 
@@ -107,23 +107,22 @@ def solve_apart(
         whole: (C,) contacts whose law holds for the whole step.
         gap: (C,) [m].
         step: h [s].
-        start: impulses (C, m) to start from, with the solver's memory of the last forces.
-        memory: the solver's of the last impacts, which may be long ago.
-        solve: the solver, its options bound.
+        start: impulses (C, m) to start from.
+        solve: the solver, its options bound; it is told whether the problem is of FORCES or IMPACTS.
     """
     closed = ~is_open
     forces = problem.subset(closed)
-    first = solve(forces, Solution(start.impulse[closed], None, 0, memory=start.memory))
+    first = solve(forces, Solution(start.impulse[closed], None, 0), FORCES)
     force, guess = np.zeros_like(start.impulse), np.zeros_like(start.impulse)
     force[closed] = first.impulse
     guess[whole], force[whole] = force[whole], 0.0
     impacts = replace(problem, v_free=problem.body_velocity(force))
-    second = solve(impacts, Solution(guess, None, 0, memory=memory))
+    second = solve(impacts, Solution(guess, None, 0), IMPACTS)
     error = max(_error(forces, first), _error(impacts, second))
     handover = _handover(impacts, force, second.impulse, is_open, gap, step)
     reason = first.reason if first.reason == second.reason else f"{first.reason}; impacts: {second.reason}"
-    total = Solution(force + second.impulse, None, first.iterations + second.iterations, reason, first.memory)
-    return ImpactStep(total, second.memory, error, handover, forces, impacts)
+    total = Solution(force + second.impulse, None, first.iterations + second.iterations, reason)
+    return ImpactStep(total, error, handover, forces, impacts)
 
 
 def _error(problem: FrictionProblem, solution: Solution) -> float:

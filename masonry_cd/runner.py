@@ -42,6 +42,9 @@ class RunReport:
     steps_as_before: int = 0  # steps that the impulses of the step before solved: no iteration
     steps_missed: int = 0  # steps whose natural map error is above the tolerance
     steps_apart: int = 0  # steps that solved impacts apart from forces
+    islands_mean: float = 0.0  # see islands.py
+    islands_max: int = 0
+    sleeping_mean: float = 0.0  # share of the blocks that slept
     penetration_max: float = 0.0  # [m]
     energy: dict[str, float] = field(default_factory=dict)  # totals at the end [J]
     balance_max: float = 0.0  # largest |balance| so far [J]
@@ -72,6 +75,9 @@ class RunReport:
         self.steps_as_before += step.iterations == 0 and step.contacts > 0
         self.steps_missed += not step.error <= tolerance
         self.steps_apart += step.apart
+        self.islands_mean += (step.islands - self.islands_mean) / (n + 1)
+        self.islands_max = max(self.islands_max, step.islands)
+        self.sleeping_mean += (step.sleeping - self.sleeping_mean) / (n + 1)
         kind = NUMBER.sub("#", step.reason)  # like counts with like, and the dict stays small
         self.solver_reasons[kind] = self.solver_reasons.get(kind, 0) + 1
         self.energy = dict(energy)

@@ -150,6 +150,8 @@ class Run(_Table):
     """Frames written per second of the simulated time [1/s]."""
     planar: bool = True
     """Solve a scene that moves in its plane with half the contacts and three unknowns per block; the answer is the same."""
+    islands: bool = True
+    """Solve by itself what touches the rest only through supports, and let it sleep while it rests; the answer is the same."""
     settle: bool = True
     """Let elastic joints take up the weight before the run begins; else it comes upon them at once, and they swing."""
     gravity: Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)] = (0.0, 0.0, -9.81)

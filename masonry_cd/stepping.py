@@ -35,6 +35,7 @@ from masonry_cd.detection import ContactSet, Detector
 from masonry_cd.forces import BlockForces
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 from masonry_cd.impacts import open_contacts, solve_apart
+from masonry_cd.islands import Islands
 from masonry_cd.joints import Joints
 from masonry_cd.planar import Plane, find_plane
 from masonry_cd.scene import Run
@@ -67,6 +68,8 @@ class StepReport:
     penetration: float  # largest overlap of rigid contacts at q_m [m]
     reason: str  # the solver's word on it
     apart: bool = False  # impacts were solved apart from forces
+    islands: int = 0  # see islands.py
+    sleeping: float = 0.0  # share of the blocks whose island was not solved
 
 
 class Stepper:
@@ -111,13 +114,12 @@ class Stepper:
         self.tensions = np.zeros(0) if forces is None else forces.tensions(*now)  # of the ties, as applied in the last step [N]
         inertia = self._rotation @ assembly.inertia @ self._rotation.transpose(0, 2, 1)
         self._spin = np.einsum("bij,bj->bi", inertia, self.state.velocity[:, 3:])  # angular momentum [kg m2/s]
-        self._solver = SOLVERS[settings.solver]
         self.watch: Callable[[int, str, FrictionProblem], None] | None = None  # told the step and all that is solved in it, by name
-        self._impact_memory: dict[str, np.ndarray] = {}  # the solver's of the last impacts
         self._handover: np.ndarray | None = None  # generalised impulse left over from an impact, see impacts.py
         self._gravity = float(np.linalg.norm(acceleration, axis=1).max())
         self._pull = self._gravity  # largest acceleration of a block by gravity and forces, in this step [m/s2]
         bodies, n = int((~assembly.fixed).sum()), len(self._columns)
+        self.islands = Islands(SOLVERS[settings.solver], bodies, settings.islands)
         self._reach = assembly.reach[~assembly.fixed]
         self.width = float(assembly.shapes.size[~assembly.fixed[assembly.shapes.part_block]].min())  # of the thinnest block [m]
         self._inverse_mass, self._v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
@@ -176,6 +178,8 @@ class Stepper:
             penetration,
             self.solution.reason,
             self._handover is not None,
+            self.islands.count,
+            self.islands.sleeping,
         )
 
     def _rigid_gaps(self) -> np.ndarray:
@@ -239,15 +243,17 @@ class Stepper:
         options = Options(tolerance=s.tolerance, max_iterations=s.max_iterations, seed=s.seed + self.steps, threads=s.threads)
         gap = self.contacts.gap[self.chosen]
         is_open = self._open_contacts(problem, gap)
+        self.islands.link(problem.bodies)
         if is_open is None:
-            self.solution = self._solver(problem, options, start)
+            self.solution = self.islands.solve(problem, options, start)
             self._handover = None
             self._show("", problem)
             return natural_map_error(problem, self.solution.impulse) if self.solution.error is None else self.solution.error
         whole = self.springs.now.whole
-        memory = self._impact_memory
-        both = solve_apart(problem, is_open, whole, gap, s.dt, start, memory, lambda part, begin: self._solver(part, options, begin))
-        self.solution, self._impact_memory, self._handover = both.solution, both.memory, both.handover
+        both = solve_apart(
+            problem, is_open, whole, gap, s.dt, start, lambda part, begin, kind: self.islands.solve(part, options, begin, kind)
+        )
+        self.solution, self._handover = both.solution, both.handover
         self._show("forces", both.forces)
         self._show("impacts", both.impacts)
         return both.error
@@ -297,7 +303,7 @@ class Stepper:
         rigid = np.zeros((count, m))
         problem = FrictionProblem(self._inverse_mass, self._v_free, bodies[:count], jacobian[:count], offset[:count], mu[:count], rigid)
         self.springs.load(problem, self._touching(), self._v, OVERLAP * self.width if self.steps == 0 else -1.0, h)
-        return problem, Solution(impulse[:count], None, 0, memory=self.solution.memory)
+        return problem, Solution(impulse[:count], None, 0)
 
     def _apply_forces(self) -> None:
         """Add the impulses of the forces on single blocks to the free velocity and to the angular momentum."""
@@ -428,7 +434,7 @@ class Stepper:
         if self._handover is not None:
             own["handover"] = self._handover
         memories = prefixed("detector", self.detector.snapshot()) | prefixed("joints", self.springs.snapshot())
-        return state | own | memories | prefixed("memory", self.solution.memory) | prefixed("impact_memory", self._impact_memory)
+        return state | own | memories | prefixed("islands", self.islands.snapshot())
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Go on from what :meth:`snapshot` gave, in a stepper of the same scene."""
@@ -440,7 +446,7 @@ class Stepper:
         self._handover = arrays.get("handover")
         self.detector.restore(part("detector", arrays))
         self.springs.restore(part("joints", arrays))
-        self.solution.memory, self._impact_memory = part("memory", arrays), part("impact_memory", arrays)
+        self.islands.restore(part("islands", arrays))
 
     def joint_forces(self, pair_joint: np.ndarray, joints: int) -> tuple[np.ndarray, np.ndarray]:
         """Normal and shear force of each joint over the last step, (2, J) [N], and where it crosses the joint's plane, (J, 3) [m].

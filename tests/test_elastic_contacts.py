@@ -126,11 +126,11 @@ def test_impacts_apart_leave_the_springs_their_law() -> None:
     is_open = problem.bodies[:, 0] == 2
     gap = np.where(is_open, 1e-5, 0.0)
 
-    def solve(part: FrictionProblem, start: Solution) -> Solution:
+    def solve(part: FrictionProblem, start: Solution, kind: str) -> Solution:
         return SOLVERS["auto"](part, Options(tolerance=1e-12), start)
 
     found = solve_apart(
-        problem, is_open, problem.compliance.any(axis=1), gap, STEP, Solution(np.zeros((problem.contacts, 3)), None, 0), {}, solve
+        problem, is_open, problem.compliance.any(axis=1), gap, STEP, Solution(np.zeros((problem.contacts, 3)), None, 0), solve
     )
     impulse, soft = found.solution.impulse, problem.compliance[:, 0] > 0.0
     w = problem.apply(impulse)

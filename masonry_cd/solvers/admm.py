@@ -74,7 +74,7 @@ class Memory:
     @classmethod
     def read(cls, arrays: dict[str, np.ndarray]) -> Memory | None:
         """The memory in a solution, None if there is none."""
-        if "admm_tally" not in arrays:
+        if "admm_order" not in arrays:
             return None
         own = {name.removeprefix("admm_"): array for name, array in arrays.items() if name.startswith("admm_")}
         pattern = Pattern.read(own)
@@ -123,8 +123,9 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
 def recall(bodies: np.ndarray, count: int, n: int, start: Solution | None) -> tuple[Memory, np.ndarray, np.ndarray]:
     """The memory of the last step as far as it still fits, and the places (C, 2) and coupling blocks (C,) of the contacts."""
     memory = Memory.read(start.memory) if start is not None else None
-    if memory is None or memory.pattern.nodes != count:
-        memory = Memory.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1]), bodies, n)
+    if memory is None or memory.pattern.nodes != count:  # other bodies; what was learnt about k may be left
+        learnt = start.memory.get("admm_tally") if start is not None else None
+        memory = Memory.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1]), bodies, n, None if learnt is None else learnt.copy())
     found = memory.pattern.locate(bodies, memory.bodies)
     if found is None:  # a new pair of bodies: those that were in touch may be again
         pattern = Pattern.of(count, bodies[:, 0], bodies[:, 1], memory.pattern.pairs)

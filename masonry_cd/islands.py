@@ -1,0 +1,206 @@
+r"""Islands: blocks that touch one another only through supports do not feel each other, so each island is solved by itself.
+
+The contact graph, with supports left out, falls into components: columns side by side, a tower beside a church, pieces on the ground.
+The friction problem falls apart with it. An island so takes the iterations that it needs and not those of the hardest one, by the method
+and with the parameters that suit it, and one at rest is not solved at all: while the impulses of its last step still do, it sleeps.
+
+**Tolerance.** The judge is the natural map error of the whole step, residual / size, with squares that add up over the islands. Island i
+with C_i of the C contacts may leave
+
+    residual_i^2 = tolerance^2 (size_i^2 + size^2 C_i / C) / 2,
+
+which adds up to tolerance^2 size^2: half of it is shared out by size, half by contacts, so that an island that hardly moves is not solved
+to more digits than the others leave.
+
+**What holds islands together.** Each has a memory of its own, with a factorisation that fits its blocks. Islands that come into touch are
+one from then on; whether they have come apart is looked at in every REVIEW-th step only, or else a piece that bounces would have a church
+analysed anew each time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numba import njit
+
+from masonry_cd import coulomb
+from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
+from masonry_cd.solvers import Options, Solver
+
+REVIEW = 20  # steps
+FORCES, IMPACTS = "forces", "impacts"
+LEARNT = "_tally"  # ends the names of what a solver learnt about its parameters; it outlives a change of the island
+
+
+class Islands:
+    """Solves friction problems island by island; an island goes by the first of its blocks.
+
+    Args:
+        solver: of each island.
+        bodies: B, free blocks.
+        apart: False takes all blocks as one island.
+    """
+
+    def __init__(self, solver: Solver, bodies: int, apart: bool = True) -> None:
+        self._solver, self._apart, self._age = solver, apart, 0
+        self._root = np.arange(bodies) if apart else np.zeros(bodies, dtype=np.int64)  # first block of the island of each
+        self._asleep = np.zeros(bodies, dtype=np.bool_)  # by first block: the impulses of the step before did
+        self._memory: dict[str, dict[int, dict[str, np.ndarray]]] = {FORCES: {}, IMPACTS: {}}  # of the solver, by first block
+        self.count = 0  # islands in the last problem
+        self.sleeping = 0.0  # share of all blocks whose island was not solved in it
+
+    def link(self, bodies: np.ndarray) -> None:
+        """Take in the contacts (C, 2) of a step."""
+        if not self._apart:
+            return
+        before, review = self._root, self._age % REVIEW == 0
+        self._age += 1
+        self._root = np.arange(len(before)) if review else before.copy()
+        _link(bodies, self._root)
+        for first in np.flatnonzero(_changed(before, self._root)).tolist():
+            self._asleep[first] = False
+            for memory in self._memory.values():
+                old = memory.pop(first, {})
+                if self._root[first] == first:
+                    memory[first] = {name: array for name, array in old.items() if name.endswith(LEARNT)}
+
+    def solve(self, problem: FrictionProblem, options: Options, start: Solution, kind: str = FORCES) -> Solution:
+        """Solve each island that does not sleep. The impulse (C, m) of the start is the first iterate, memories are kept here.
+
+        Args:
+            problem: over bodies.
+            options: ``tolerance`` holds for the whole problem, ``max_iterations`` for each island.
+            start: impulses (C, m) to start from.
+            kind: FORCES, the problem of the step, or IMPACTS, what is solved apart from it.
+        """
+        if problem.contacts == 0:
+            self.count, self.sleeping = 0, 0.0
+            return self._solver(problem, options, start)
+        if not self._root.any():
+            return self._solve_whole(problem, options, start, kind)
+        group, first = _groups(problem.bodies, self._root)
+        self.count, blocks = len(first), np.bincount(self._root, minlength=len(self._root))
+        residual, size = coulomb.errors_by_group(*problem.arrays(), np.ascontiguousarray(start.impulse), group, self.count)
+        contacts = np.bincount(group)
+        allowed = options.tolerance * np.sqrt(0.5 * (size**2 + (size @ size) * contacts / problem.contacts))
+        tolerance = allowed / np.where(size > 0.0, size, 1.0)
+        rests = residual <= allowed
+        if kind == FORCES:
+            rests &= self._asleep[first]
+        out = self._solve_awake(problem, options, start, kind, group, first, np.flatnonzero(~rests), tolerance)
+        self.sleeping = float(blocks[first[self._asleep[first]]].sum()) / len(self._root)
+        return out
+
+    def _solve_whole(self, problem: FrictionProblem, options: Options, start: Solution, kind: str) -> Solution:
+        """Solve all blocks as one island."""
+        self.count, memory = 1, self._memory[kind]
+        out = self._solver(problem, options, Solution(start.impulse, None, 0, memory=memory.get(0, {})))
+        memory[0] = out.memory
+        if kind == FORCES:
+            self._asleep[0] = out.iterations == 0
+            self.sleeping = float(self._asleep[0])
+        return out
+
+    def _solve_awake(
+        self, problem: FrictionProblem, options: Options, start: Solution, kind: str, group: np.ndarray, first: np.ndarray,
+        awake: np.ndarray, tolerance: np.ndarray,
+    ) -> Solution:  # fmt: skip
+        """Solve some islands, each to a tolerance of its own; the others keep the impulses of the start."""
+        island = np.full(len(self._root), -1)
+        island[first] = np.arange(len(first))
+        contacts, contact_start = _sorted(group, len(first))
+        blocks, block_start = _sorted(island[self._root], len(first))
+        place, impulse, memory = np.empty(len(self._root), dtype=np.int64), start.impulse.copy(), self._memory[kind]
+        hardest = Solution(impulse, None, 0, "as in the last step: converged")
+        for i in awake.tolist():
+            own, members = contacts[contact_start[i] : contact_start[i + 1]], blocks[block_start[i] : block_start[i + 1]]
+            place[members] = np.arange(len(members))
+            name = int(first[i])
+            begin = Solution(impulse[own], None, 0, memory=memory.get(name, {}))
+            solved = self._solver(problem.part(own, members, place), replace(options, tolerance=float(tolerance[i])), begin)
+            impulse[own], memory[name] = solved.impulse, solved.memory
+            if kind == FORCES:
+                self._asleep[name] = solved.iterations == 0
+            if solved.iterations >= hardest.iterations:
+                hardest = solved
+        return Solution(impulse, None, hardest.iterations, hardest.reason, error=natural_map_error(problem, impulse))
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """All that the next step depends on, as arrays for a checkpoint."""
+        arrays = {"root": self._root, "asleep": self._asleep, "age": np.array(self._age)}
+        for kind, memory in self._memory.items():
+            for first, own in memory.items():
+                arrays |= {f"{kind} {first} {name}": array for name, array in own.items()}
+        return arrays
+
+    def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """Take back what :meth:`snapshot` gave."""
+        self._root, self._asleep, self._age = arrays["root"], arrays["asleep"], int(arrays["age"])
+        self._memory = {FORCES: {}, IMPACTS: {}}
+        for key, array in arrays.items():
+            if " " in key:
+                kind, first, name = key.split(" ")
+                self._memory[kind].setdefault(int(first), {})[name] = array
+
+
+@njit(cache=True, nogil=True)
+def _find(root, body):
+    """First block of the island of a body, by way of what ``root`` says so far."""
+    while root[body] != body:
+        root[body] = root[root[body]]
+        body = root[body]
+    return body
+
+
+@njit(cache=True, nogil=True)
+def _link(bodies, root):
+    """Unite the islands that contacts (C, 2) join; -1: a support."""
+    for c in range(bodies.shape[0]):
+        if bodies[c, 0] >= 0 and bodies[c, 1] >= 0:
+            first, second = _find(root, bodies[c, 0]), _find(root, bodies[c, 1])
+            root[max(first, second)] = min(first, second)
+    for b in range(root.shape[0]):
+        root[b] = root[root[b]]
+
+
+@njit(cache=True, nogil=True)
+def _changed(before, now):
+    """(B,) True where b is the first block of an island now or was it before, and not of the same blocks."""
+    out = np.zeros(before.shape[0], dtype=np.bool_)
+    for b in range(before.shape[0]):
+        if before[b] != now[b]:
+            out[before[b]] = out[now[b]] = True
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _groups(bodies, root):
+    """Island of each contact (C,), numbered as they come, and the first block of each island (I,)."""
+    number, group, first = np.full(root.shape[0], -1), np.empty(bodies.shape[0], dtype=np.int64), np.empty(root.shape[0], dtype=np.int64)
+    count = 0
+    for c in range(bodies.shape[0]):
+        r = root[max(bodies[c, 0], bodies[c, 1])] if min(bodies[c, 0], bodies[c, 1]) < 0 else root[bodies[c, 0]]
+        if number[r] < 0:
+            number[r], first[count] = count, r
+            count += 1
+        group[c] = number[r]
+    return group, first[:count]
+
+
+@njit(cache=True, nogil=True)
+def _sorted(group, groups):
+    """Entries by group, in their order, and where each group begins (G + 1,); entries of the group -1 are left out."""
+    start = np.zeros(groups + 1, dtype=np.int64)
+    for g in group:
+        if g >= 0:
+            start[g + 1] += 1
+    for g in range(groups):
+        start[g + 1] += start[g]
+    at, order = start.copy(), np.empty(start[groups], dtype=np.int64)
+    for k in range(group.shape[0]):
+        if group[k] >= 0:
+            order[at[group[k]]] = k
+            at[group[k]] += 1
+    return order, start
