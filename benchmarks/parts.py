@@ -23,7 +23,7 @@ from typing import Any
 from benchmarks.ours import stepper, warm_up
 from benchmarks.peers import head, numbers_of
 from benchmarks.scenes import BenchScene, scene
-from masonry_cd import checkpoint, coulomb, detection, impacts, joints, kinematics, runner, stepping
+from masonry_cd import checkpoint, coulomb, detection, impacts, islands, joints, kinematics, runner, stepping
 from masonry_cd.joints import find_joints
 from masonry_cd.results import ResultWriter
 from masonry_cd.solvers.pattern import Pattern
@@ -41,6 +41,7 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
     "analysis": ((Pattern, "of"), (Pattern, "locate")),
     "iterations": tuple((coulomb, f"{name}_bodies") for name in ("nlgs", "admm", "newton", "interior", "proximal")),
     "error measure": ((coulomb, "error_bodies"),),
+    "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
     "energy": ((Stepper, "_balance"),),
     "joints": ((runner, "measure_joints"), (joints.JointPeaks, "update")),
     "output": ((runner.Recorder, "step"), (runner.Recorder, "frame"), (runner.Recorder, "close")),
@@ -83,10 +84,9 @@ class Clocks:
         def call(*args: Any) -> Any:
             *rest, solve = args
 
-            def named(problem: Any, start: Any) -> Any:
-                out = solve(problem, start)
-                self.suffix = IMPACTS
-                return out
+            def named(problem: Any, start: Any, kind: str) -> Any:
+                self.suffix = IMPACTS if kind == islands.IMPACTS else ""
+                return solve(problem, start, kind)
 
             try:
                 return solve_apart(*rest, named)
@@ -99,7 +99,7 @@ class Clocks:
 @contextmanager
 def clocked(machine: Stepper) -> Iterator[Clocks]:
     """Put clocks around all parts, and take them off again."""
-    clocks, kept = Clocks(), [(stepping, "solve_apart", stepping.solve_apart), (machine, "_solver", machine._solver)]
+    clocks, kept = Clocks(), [(stepping, "solve_apart", stepping.solve_apart), (machine.islands, "solver", machine.islands.solver)]
     for part, places in PARTS.items():
         for owner, name in places:
             own = vars(owner)[name]
@@ -108,7 +108,7 @@ def clocked(machine: Stepper) -> Iterator[Clocks]:
                 setattr(owner, name, staticmethod(clocks.timed(part, getattr(owner, name))))
             else:
                 setattr(owner, name, clocks.timed(part, own))
-    machine._solver = clocks.timed("solver, rest", machine._solver)
+    machine.islands.solver = clocks.timed("solver, rest", machine.islands.solver)
     stepping.solve_apart = clocks.told_apart(stepping.solve_apart)
     try:
         yield clocks

@@ -44,7 +44,7 @@ class Islands:
     """
 
     def __init__(self, solver: Solver, bodies: int, apart: bool = True) -> None:
-        self._solver, self._apart, self._age = solver, apart, 0
+        self.solver, self._apart, self._age = solver, apart, 0
         self._root = np.arange(bodies) if apart else np.zeros(bodies, dtype=np.int64)  # first block of the island of each
         self._asleep = np.zeros(bodies, dtype=np.bool_)  # by first block: the impulses of the step before did
         self._memory: dict[str, dict[int, dict[str, np.ndarray]]] = {FORCES: {}, IMPACTS: {}}  # of the solver, by first block
@@ -53,10 +53,10 @@ class Islands:
 
     def link(self, bodies: np.ndarray) -> None:
         """Take in the contacts (C, 2) of a step."""
-        if not self._apart:
-            return
         before, review = self._root, self._age % REVIEW == 0
         self._age += 1
+        if not self._apart or not (review or before.any()):  # all one island, and no other to meet
+            return
         self._root = np.arange(len(before)) if review else before.copy()
         _link(bodies, self._root)
         for first in np.flatnonzero(_changed(before, self._root)).tolist():
@@ -77,7 +77,7 @@ class Islands:
         """
         if problem.contacts == 0:
             self.count, self.sleeping = 0, 0.0
-            return self._solver(problem, options, start)
+            return self.solver(problem, options, start)
         if not self._root.any():
             return self._solve_whole(problem, options, start, kind)
         group, first = _groups(problem.bodies, self._root)
@@ -96,7 +96,7 @@ class Islands:
     def _solve_whole(self, problem: FrictionProblem, options: Options, start: Solution, kind: str) -> Solution:
         """Solve all blocks as one island."""
         self.count, memory = 1, self._memory[kind]
-        out = self._solver(problem, options, Solution(start.impulse, None, 0, memory=memory.get(0, {})))
+        out = self.solver(problem, options, Solution(start.impulse, None, 0, memory=memory.get(0, {})))
         memory[0] = out.memory
         if kind == FORCES:
             self._asleep[0] = out.iterations == 0
@@ -119,7 +119,7 @@ class Islands:
             place[members] = np.arange(len(members))
             name = int(first[i])
             begin = Solution(impulse[own], None, 0, memory=memory.get(name, {}))
-            solved = self._solver(problem.part(own, members, place), replace(options, tolerance=float(tolerance[i])), begin)
+            solved = self.solver(problem.part(own, members, place), replace(options, tolerance=float(tolerance[i])), begin)
             impulse[own], memory[name] = solved.impulse, solved.memory
             if kind == FORCES:
                 self._asleep[name] = solved.iterations == 0

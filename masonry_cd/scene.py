@@ -141,7 +141,7 @@ class Run(_Table):
     tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-8
     """Natural map error that each step has to reach."""
     max_iterations: Annotated[Count, Field(ge=1)] | None = None
-    """Iterations after which a step counts as missed; the solver's own limit when not given."""
+    """Iterations of each island after which a step counts as missed; the solver's own limit when not given."""
     seed: Annotated[Count, Field(ge=0)] = 0
     """Of the order in which contacts are swept."""
     threads: Annotated[Count, Field(ge=1)] = 1

@@ -94,14 +94,14 @@ def test_warnings_are_printed_and_kept(block_on_plate, tmp_path):
 def test_a_run_that_breaks_down_names_step_block_and_contact():
     machine = stepper([ground(), cuboid("low", (0, 0, 0), (1, 1, 1)), cuboid("high", (0, 0, 1), (1, 1, 2))], 10)
     machine.step()
-    solve = machine.islands._solver
+    solve = machine.islands.solver
 
     def broken(problem, options, start):
         found = solve(problem, options, start)
         found.impulse[-1] = np.nan  # a contact of the upper joint
         return found
 
-    machine.islands._solver = broken
+    machine.islands.solver = broken
     with pytest.raises(
         RunStopped, match=r'^step 2: the velocity of block "\w+" is not finite; the impulse of a contact between "'
     ) as stopped:
