@@ -76,3 +76,15 @@ def test_what_is_asked_for_is_not_left_out(explained):
 def test_packages_are_looked_up_not_guessed():
     assert _modules(dict.fromkeys(HEAVY.values())) == "packages not loaded: none"
     assert _modules({"gmsh": None}).startswith("packages not loaded: vtk, pyvista")
+
+
+def test_islands_and_what_slept_are_told(explained):
+    summary = explained()[1]
+    told = summary["islands"]
+    assert told["max"] == 2  # the cubes that come to lie on each other, and the far one
+    assert 0.3 < told["sleeping_mean"] < 1.0
+    mean, most, asleep = number(summary["explanation"], r"islands, .*: ([\d.]+) on average, (\d+) at most; .* (\d+)% of the blocks slept")
+    assert (mean, most, asleep) == (round(told["mean"]), 2, round(100 * told["sleeping_mean"]))
+    whole = explained("run.islands=false")[1]
+    assert "islands: all blocks solved as one, since run.islands is false" in whole["explanation"]
+    assert whole["islands"]["max"] == 1
