@@ -18,8 +18,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy.linalg import expm
+
+from masonry_cd.kernels import njit
 
 PARTS_PER_PERIOD = 40
 
@@ -100,7 +101,7 @@ def _transition(omega: float, damping: float, h: float) -> np.ndarray:
     return np.ascontiguousarray(expm(g * h)[:2])
 
 
-@njit(cache=True, nogil=True)
+@njit(entry=True, cache=True, nogil=True)
 def _peaks(a, parts, transitions, out):
     """Largest |x| at the ends of the parts of every interval, for each oscillator."""
     for i in range(len(out)):

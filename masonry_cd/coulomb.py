@@ -31,14 +31,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, prange, types
+from numba import prange, types
 from numba.extending import intrinsic
 
+from masonry_cd.kernels import njit
+
 OPEN, STICK, SLIP = 0, 1, 2  # status of a contact
+FREE, HELD = np.bool_(False), np.bool_(True)  # whether a status may change; for plain False and True numba would compile the code twice
 GROUP = 16  # contacts visited in a row by a sweep, see _groups
 EPSILON = 2.2e-16  # relative rounding error of a float
 SHORT = 2  # columns: runs up to this length may be padded much, see runs
 WIDEST = 16  # columns that are factorised together
+SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix; likewise
 # The table of contacts: a row for each with all that a sweep reads besides G, so that it comes in a piece. First the local law, see
 # _law_row, then d, s, mu, q, p and C at these places:
 SCALE, START, MU, Q, P, C = 7, 8, 9, 10, 13, 16
@@ -148,7 +152,9 @@ def local_solve(w: np.ndarray, q: np.ndarray, mu: float) -> np.ndarray:
     m = len(q)
     law = np.empty((1, ROW))
     padded = np.zeros((3, 3))
-    padded[:m, :m] = w
+    for i in range(m):
+        for j in range(m):
+            padded[i, j] = w[i, j]
     _law_row(padded, m, mu, law, 0)
     r = law[0]
     pn, p1, p2, _ = _local_step(q[0], q[1], q[2] if m == 3 else 0.0, r[0], r[1], r[2], r[3], r[4], r[5], mu, 0.0)
@@ -157,6 +163,17 @@ def local_solve(w: np.ndarray, q: np.ndarray, mu: float) -> np.ndarray:
     if m == 3:
         p[2] = p2
     return p
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _copy(source, target):
+    """The first entries of target = source, both contiguous, of one shape but for the first length.
+
+    Assigned to a slice, arrays are asked for overlaps and lengths first, which takes longer to compile than many a kernel.
+    """
+    a, b = source.reshape(source.size), target.reshape(target.size)
+    for i in range(len(a)):
+        b[i] = a[i]
 
 
 # --- the natural map -------------------------------------------------------------------------------------------------------
@@ -570,7 +587,9 @@ def nlgs_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, 
             _sweep(g, y, index, law, starts, order, 1)
             sweeps += 1
         error = collect_and_measure(g, y, index, law)
-    p[:] = law[:, P : P + p.shape[1]]
+    for c in range(len(p)):
+        for i in range(p.shape[1]):
+            p[c, i] = law[c, P + i]
     _velocities(factor, v_free, y, v)
     return sweeps, error
 
@@ -680,7 +699,9 @@ def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed
     law = np.empty((contacts, ROW))
     w = np.zeros((3, 3))
     for c in range(contacts):
-        w[:m, :m] = diagonal[c]
+        for i in range(m):
+            for j in range(m):
+                w[i, j] = diagonal[c, i, j]
         _law_row(w, m, mu[c], law, c)
     order = np.arange(contacts)
     state = _seeded(seed)
@@ -775,7 +796,7 @@ def fill_in(start: np.ndarray, neighbour: np.ndarray) -> tuple[np.ndarray, np.nd
         if not writing:
             for i in range(size):
                 column[i + 1] += column[i]
-            at[:] = column[:-1]
+            _copy(column[:-1], at)
             row = np.empty(column[size], dtype=np.int64)
     return column, row
 
@@ -828,7 +849,7 @@ def make_plan(first: np.ndarray, second: np.ndarray, size: int) -> Plan:
         begin[s + 1], square[s + 1], panel[s + 1] = begin[s] + rows, square[s] + width * width, panel[s] + width * rows
     below = np.empty(begin[count], dtype=np.int64)
     for s in range(count):  # those of the last column, which has all that the others have
-        below[begin[s] : begin[s + 1]] = its_row[filled[run[s + 1] - 1] : filled[run[s + 1]]]
+        _copy(its_row[filled[run[s + 1] - 1] : filled[run[s + 1]]], below[begin[s] : begin[s + 1]])
     return Plan(column, row, run, begin, below, square, panel)
 
 
@@ -984,7 +1005,8 @@ def _update(plan, s, d, t0, t1, where, low, up, square, own_low, own_up, symmetr
                 for p in range(n):
                     square[row + p, column + q] -= out[j * n + q, i * n + p]
     for j in range(rows):
-        out[j, : length - first - rows] = out[j, rows : length - first]
+        for i in range(length - first - rows):
+            out[j, i] = out[j, rows + i]
     _subtract(out, plan.below, t0, t1 - t0, last, where, own_up if symmetric else own_low, size_n)
     if not symmetric:
         _dense(low, first, rows, inner, up, first + rows, length, out)
@@ -1010,7 +1032,8 @@ def _invert_square(a, column, out, work, size_n):
                 block[q, p] = inverse[p, q]
         _dense(block, 0, n, n, a[b : b + n], 0, size, out)
         for p in range(n):
-            a[b + p] = out[p, :size]
+            for i in range(size):
+                a[b + p, i] = out[p, i]
         _dense(column, 0, size, n, a[b : b + n], 0, size, out)
         for i in range(size):
             to, what = a[i], out[i]
@@ -1027,14 +1050,14 @@ def _view(values, starts, s, rows, size_n):
     return part.reshape((rows, len(part) // rows))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _room(plan, size_n):
     """Room for the squares of D^-1 and the panels of L and of D U."""
     blocks = len(size_n) * len(size_n)
     return np.empty(plan.square[-1] * blocks), np.empty(plan.panel[-1] * blocks), np.empty(plan.panel[-1] * blocks)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _factorise(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
     """A = L D U: inverse (squares of D^-1), low (panels of L) and up (panels of D U) from diagonal blocks A_jj, lower A_ij, upper A_ji^T.
 
@@ -1080,7 +1103,9 @@ def _factorise(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n
             _dense(square, 0, width, width, own_up, 0, length, own_low)
         else:
             _dense(square, 0, width, width, own_low, 0, length, out)
-            own_low[:] = out[:width, :length]
+            for j in range(width):
+                for i in range(length):
+                    own_low[j, i] = out[j, i]
         at[s], following[s] = plan.start[s], head[owner[plan.below[plan.start[s]]]]
         head[owner[plan.below[plan.start[s]]]] = s
     return True
@@ -1126,7 +1151,7 @@ def _add_rows(lines, at, length, factors, sign, out, size_n):
         out[k] += sign * total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _solve_factorised(plan, inverse, low, up, symmetric, x, size_n):
     """Solve L D U x = x in place, x (N or more, n); ``up`` is of no use for a symmetric matrix."""
     n, count, longest = len(size_n), len(plan.first) - 1, 0
@@ -1151,7 +1176,7 @@ def _solve_factorised(plan, inverse, low, up, symmetric, x, size_n):
                 k += 1
         if not symmetric:
             _add_rows(up, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
-        z[:width] = own
+        _copy(own, z)
         own[:] = 0.0
         _add_rows(inverse, plan.square[s] * blocks, width, z, 1.0, own, size_n)
         if symmetric:
@@ -1306,7 +1331,7 @@ def _put_back(v, order, out):
 def _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n):
     """Diagonal and lower blocks of M + H^T R H."""
     m, n, bodies = len(size_m), len(size_n), len(mass)
-    diagonal[:] = mass
+    _copy(mass, diagonal)
     lower[:] = 0.0
     for c in range(len(index)):
         h, a, b, r = jacobian[c], index[c, 0], index[c, 1], rho[c]
@@ -1332,7 +1357,7 @@ def _choose_stiffness(k, d, compliance, rho):
     for c in range(len(d)):
         rho[c] = k / d[c]
         if len(compliance):
-            soft = compliance[c].mean()
+            soft = compliance[c].sum() / compliance.shape[1]
             own = d[c] - soft
             rho[c] = 1.0 / (own / k + soft / np.sqrt(1.0 + soft / own))
 
@@ -1393,12 +1418,12 @@ def admm_bodies(
     d = _scales(inverse, jacobian, index, compliance, size_m, size_n)
     v, out, best_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n))
     q, best = np.empty(offset.shape), p.copy()
-    v[:count] = free
+    _copy(free, v)
     _rows(jacobian, index, offset, v, q, size_m, size_n)
     size = _size_of(q, d)
     _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
     error = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
-    best_v[:] = v
+    _copy(v, best_v)
     smallest = before = error
     diagonal = np.empty((count, n, n))
     iterations, checked, switched, factorisations, rate = 0, 0, 0, 0, 1.0
@@ -1408,12 +1433,12 @@ def admm_bodies(
             lower = np.empty((len(plan.row), n, n))
             _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n)
             factorisations += 1
-            if not _factorise(plan, diagonal, lower, lower, squares, panels, np.empty_like(panels), True, size_n):
+            if not _factorise(plan, diagonal, lower, lower, squares, panels, np.empty_like(panels), SYMMETRIC, size_n):
                 break
             fresh = False
         _missing_momentum(mass, free, v, out, size_n)
         change = np.sqrt(_augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, out, size_m, size_n)) / size
-        _solve_factorised(plan, squares, panels, panels, True, out, size_n)
+        _solve_factorised(plan, squares, panels, panels, SYMMETRIC, out, size_n)
         for b in range(count):
             for i in range(n):
                 v[b, i] += out[b, i]
@@ -1429,18 +1454,18 @@ def admm_bodies(
         rate = error / change if change > 0.0 else 1.0
         if error < smallest:
             smallest = error
-            best[:] = p
-            best_v[:] = v
-        v[:] = v_hold
+            _copy(p, best)
+            _copy(v, best_v)
+        _copy(v_hold, v)
         if not error < np.inf:
-            p[:] = best
-            v[:] = best_v
+            _copy(best, p)
+            _copy(best_v, v)
         if iterations - switched >= 40:
             if not error < 0.1 * before:
                 k = min(5.0 * k, 1e6) if own > 0.02 * error else max(0.2 * k, 1.0)
                 fresh = True
             switched, before = iterations, error
-    p[:] = best
+    _copy(best, p)
     _put_back(best_v, order, v_out)
     return iterations, smallest, k, factorisations
 
@@ -1505,7 +1530,7 @@ def _take_share(share, target, p0, p1, p2, size_m):
 def _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n):
     """Diagonal, lower and transposed upper blocks of M + H^T B H, B one (m, m) block per contact."""
     m, n, bodies = len(size_m), len(size_n), len(mass)
-    diagonal[:] = mass
+    _copy(mass, diagonal)
     lower[:] = 0.0
     upper[:] = 0.0
     turned = np.empty((2, m, n))
@@ -1560,11 +1585,12 @@ def newton_bodies(
     d = _scales(inverse, jacobian, index, compliance, size_m, size_n)
     v, out, best_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n))
     w, target, blocks = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m, m))
-    v[:count] = free
+    _copy(free, v)
     _rows(jacobian, index, offset, v, w, size_m, size_n)
     size = _size_of(w, d)
     _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
-    best, best_v[:] = p.copy(), v
+    best = p.copy()
+    _copy(v, best_v)
     smallest = error = begin = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
     hold, hold_v = p.copy(), v.copy()
     diagonal, lower, upper = np.empty((count, n, n)), np.empty((len(plan.row), n, n)), np.empty((len(plan.row), n, n))
@@ -1582,14 +1608,14 @@ def newton_bodies(
             if len(compliance):
                 _in_series(blocks[c], compliance[c], share, softer, work, size_m)
                 _take_share(share, target[c], p[c, 0], p[c, 1], p2, size_m)
-                blocks[c] = softer
+                _copy(softer, blocks[c])
         _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
         iterations += 1
         new = np.inf
-        if _factorise(plan, diagonal, lower, upper, squares, panels, others, False, size_n):
+        if _factorise(plan, diagonal, lower, upper, squares, panels, others, UNSYMMETRIC, size_n):
             _missing_momentum(mass, free, v, out, size_n)
             _add_push(jacobian, index, target, out, size_m, size_n)
-            _solve_factorised(plan, squares, panels, others, False, out, size_n)
+            _solve_factorised(plan, squares, panels, others, UNSYMMETRIC, out, size_n)
             out[count] = 0.0
             for c in range(contacts):
                 a, b, h = index[c, 0], index[c, 1], jacobian[c]
@@ -1606,17 +1632,17 @@ def newton_bodies(
         accepted, stiffness = _damp(new, error, iterations == 1, stiffness)
         if accepted:
             error, refused = new, 0
-            hold[:] = p
-            hold_v[:] = v
+            _copy(p, hold)
+            _copy(v, hold_v)
         else:
             refused += 1
-            p[:] = hold
-            v[:] = hold_v
+            _copy(hold, p)
+            _copy(hold_v, v)
         if error < smallest:
             smallest = error
-            best[:] = p
-            best_v[:] = v
-    p[:] = best
+            _copy(p, best)
+            _copy(v, best_v)
+    _copy(best, p)
     _put_back(best_v, order, v_out)
     return iterations, smallest, begin
 
@@ -1710,7 +1736,7 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolera
             for i in range(count):
                 for r in range(m):
                     diagonal[i, r, r] += d[order[i]] / k
-            if not _factorise(plan, diagonal, lower, lower, squares, panels, others, True, size_m):
+            if not _factorise(plan, diagonal, lower, lower, squares, panels, others, SYMMETRIC, size_m):
                 break
             fresh = False
         for c in range(count):
@@ -1724,7 +1750,7 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolera
             if m == 3:
                 right[place[c], 2] = (2.0 * x2 - p2 - pi[c, 2]) / rho
                 p[c, 2] = x2
-        _solve_factorised(plan, squares, panels, panels, True, right, size_m)
+        _solve_factorised(plan, squares, panels, panels, SYMMETRIC, right, size_m)
         for c in range(count):
             for i in range(m):
                 pi[c, i] += right[place[c], i]
@@ -1734,10 +1760,10 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolera
             error = _local_norm(data, indices, indptr, q, mu, d, p, u, size_m) / size
             if error < smallest:
                 smallest = error
-                best[:] = p
+                _copy(p, best)
             if not error < np.inf:
-                p[:] = best
-                pi[:] = best
+                _copy(best, p)
+                _copy(best, pi)
             if iterations - switched >= 40:
                 if not error < 0.1 * before:
                     _product(data, indices, indptr, pi, u, size_m)
@@ -1755,7 +1781,7 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolera
         for c in range(count):
             for i in range(m):
                 u[c, i] += q[c, i]
-    p[:] = best
+    _copy(best, p)
     return iterations, smallest
 
 
@@ -1801,8 +1827,8 @@ def newton_local(data, indices, indptr, own, q, mu, d, place, plan, p, stiffness
                     diagonal[i, r, s] += unit[i, r, s]
         iterations += 1
         new = np.inf
-        if regular and _factorise(plan, diagonal, lower, upper, squares, panels, others, False, size_m):
-            _solve_factorised(plan, squares, panels, others, False, right, size_m)
+        if regular and _factorise(plan, diagonal, lower, upper, squares, panels, others, UNSYMMETRIC, size_m):
+            _solve_factorised(plan, squares, panels, others, UNSYMMETRIC, right, size_m)
             for c in range(count):
                 for i in range(m):
                     p[c, i] += right[place[c], i]
@@ -1810,15 +1836,15 @@ def newton_local(data, indices, indptr, own, q, mu, d, place, plan, p, stiffness
         accepted, stiffness = _damp(new, error, iterations == 1, stiffness)
         if accepted:
             error, refused = new, 0
-            hold[:] = p
+            _copy(p, hold)
         else:
             refused += 1
-            p[:] = hold
+            _copy(hold, p)
             _local_norm(data, indices, indptr, q, mu, d, p, u, size_m)
         if error < smallest:
             smallest = error
-            best[:] = p
-    p[:] = best
+            _copy(p, best)
+    _copy(best, p)
     return iterations, smallest, begin
 
 
@@ -1959,9 +1985,9 @@ def _interior_direction(
                 dp[c, i] = total
             else:
                 dgamma[c] = total
-    out[:] = momentum
+    _copy(momentum, out)
     _add_push(jacobian, index, dp, out, size_m, size_n)
-    _solve_factorised(plan, factors[0], factors[1], factors[2], False, out, size_n)
+    _solve_factorised(plan, factors[0], factors[1], factors[2], UNSYMMETRIC, out, size_n)
     out[-1] = 0.0
     for c in range(len(index)):
         a, b, h = index[c, 0], index[c, 1], jacobian[c]
@@ -1975,6 +2001,16 @@ def _interior_direction(
             dgamma[c] -= gain[c, m, j] * change
         for i in range(m):
             dw[c, i] += soft[c, i] * dp[c, i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _largest(x):
+    """Largest size of an entry."""
+    most = 0.0
+    for c in range(len(x)):
+        for i in range(x.shape[1]):
+            most = max(most, abs(x[c, i]))
+    return most
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -2012,9 +2048,9 @@ def interior_bodies(
     factors = _room(plan, size_n)
     mu = np.maximum(friction, 1e-6)  # a cone without width has no inside
     # start: inside the cones, at a distance from their walls
-    v[:count] = free
+    _copy(free, v)
     _rows(jacobian, index, offset, v, u, size_m, size_n)
-    size, shift = _size_of(u, d), distance * np.abs(u).max()
+    size, shift = _size_of(u, d), distance * _largest(u)
     _velocity_of(inverse, free, jacobian, index, impulse, out, v, size_m, size_n)
     best, best_v = impulse.copy(), v.copy()
     smallest = _map_norm(jacobian, index, offset, friction, compliance, d, best, v, size_m, size_n) / size
@@ -2035,7 +2071,8 @@ def interior_bodies(
             gap += 0.5 * (product[c, 0] + product[c, 1]) / contacts
             regular = _linearise_products(w[c], p[c], gamma[c], mu[c], soft[c], undo[c], gain[c], work, size_m, size_k) and regular
         _augment_blocks(mass, jacobian, index, spot, gain, diagonal, lower, upper, size_m, size_n)
-        if not (gap > 0.0 and regular) or not _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], False, size_n):
+        regular = regular and _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], UNSYMMETRIC, size_n)
+        if not (gap > 0.0 and regular):
             break
         if _determinant_sign(plan, factors[0], size_n) < 0.0 and stiffness > 1.0:
             stiffness = max(0.1 * stiffness, 1.0)  # beyond a turning point of the path
@@ -2082,11 +2119,11 @@ def interior_bodies(
         error = _map_norm(jacobian, index, offset, friction, compliance, d, impulse, own_v, size_m, size_n) / size
         if error < smallest:
             smallest = error
-            best[:] = impulse
-            best_v[:] = own_v
+            _copy(impulse, best)
+            _copy(own_v, best_v)
         if not error < np.inf:
             break
-    impulse[:] = best
+    _copy(best, impulse)
     _put_back(best_v, order, v_out)
     return iterations, smallest
 
@@ -2226,7 +2263,7 @@ def proximal_bodies(
     diagonal, lower, upper = np.empty((count, n, n)), np.empty((len(plan.row), n, n)), np.empty((len(plan.row), n, n))
     factors = _room(plan, size_n)
     status, held = np.zeros(contacts, dtype=np.int64), np.zeros(contacts, dtype=np.int64)
-    v[:count] = free
+    _copy(free, v)
     _rows(jacobian, index, offset, v, x, size_m, size_n)
     size = _size_of(x, d)
     _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
@@ -2237,36 +2274,37 @@ def proximal_bodies(
     while iterations < limit and smallest > tolerance and failed < 16:
         # the springs' problem to a hundredth of the error, from the centre
         goal = size * max(1e-2 * error, 1e-3 * tolerance)
-        v[:] = centre_v
-        norm = _spring_residual(model, mu, compliance, d, stiffness, centre, v, False, status, x, p, out, size_m, size_n)
+        _copy(centre_v, v)
+        norm = _spring_residual(model, mu, compliance, d, stiffness, centre, v, FREE, status, x, p, out, size_m, size_n)
         begun, turned, last = iterations, 0, -1
         while norm > goal and iterations < min(limit, begun + 60) and turned < 3:
             _spring_blocks(mu, compliance, d, stiffness, status, x, blocks, size_m)
             _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
             iterations += 1
-            if not _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], False, size_n):
+            if not _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], UNSYMMETRIC, size_n):
                 break
-            _solve_factorised(plan, factors[0], factors[1], factors[2], False, out, size_n)
-            change[:count] = out[:count]
+            _solve_factorised(plan, factors[0], factors[1], factors[2], UNSYMMETRIC, out, size_n)
+            _copy(out[:count], change)
             step, new = 2.0, np.inf
-            held[:] = status
+            _copy(status, held)
             while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
                 step *= 0.5
                 _add_step(v, step, change, size_n, trial)
-                new = _spring_residual(model, mu, compliance, d, stiffness, centre, trial, False, status, x, p, out, size_m, size_n)
+                new = _spring_residual(model, mu, compliance, d, stiffness, centre, trial, FREE, status, x, p, out, size_m, size_n)
             if new < (1.0 - 0.1 * step) * norm:
-                v[:], norm, last, turned = trial, new, -1, 0
+                _copy(trial, v)
+                norm, last, turned = new, -1, 0
                 continue
             # no progress across the kinks: as far as the first of them, and the contact there changes its status
-            status[:] = held
-            _spring_residual(model, mu, compliance, d, stiffness, centre, v, True, status, x, p, out, size_m, size_n)
+            _copy(held, status)
+            _spring_residual(model, mu, compliance, d, stiffness, centre, v, HELD, status, x, p, out, size_m, size_n)
             _spring_changes(jacobian, index, compliance, d, stiffness, change, dx, size_m, size_n)
             step, which, other = _first_change(mu, status, x, dx, size_m)
             if step < 1.0:
                 turned = turned + 1 if which == last and step < 1e-9 else 0
                 status[which], last = other, which
             _add_step(v, min(step, 0.5) if step >= 1.0 else step, change, size_n, v)
-            norm = _spring_residual(model, mu, compliance, d, stiffness, centre, v, True, status, x, p, out, size_m, size_n)
+            norm = _spring_residual(model, mu, compliance, d, stiffness, centre, v, HELD, status, x, p, out, size_m, size_n)
         solved, spent = norm <= goal, iterations - begun
         _velocity_of(inverse, free, jacobian, index, p, out, trial, size_m, size_n)
         new = _map_norm(jacobian, index, offset, mu, compliance, d, p, trial, size_m, size_n) / size
@@ -2279,12 +2317,12 @@ def proximal_bodies(
             stiffness *= 16.0 if new > 0.5 * error and spent < 4 else 4.0
         error = new
         stiffness = min(stiffness, max(1e13 * error, 1e4))  # or else rounding, EPSILON times it, shows
-        centre[:] = p
-        centre_v[:] = v
+        _copy(p, centre)
+        _copy(v, centre_v)
         if error < smallest:
             smallest = error
-            best[:] = p
-            best_v[:] = trial
-    p[:] = best
+            _copy(p, best)
+            _copy(trial, best_v)
+    _copy(best, p)
     _put_back(best_v, order, v_out)
     return iterations, smallest

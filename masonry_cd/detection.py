@@ -39,9 +39,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from masonry_cd.blocks import Assembly
+from masonry_cd.kernels import njit
 
 SLIVER = 1e-4  # narrowest interface, as a share of the smaller part's width
 STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the smaller part's width
@@ -54,6 +54,7 @@ MATCH = 0.05  # a contact is the same as one of the last step if it moved by les
 
 NEAR = 1e-3  # surfaces closer than this share of the smaller part's width are always in the contact set
 
+OWN = np.int64(0)  # where a block's vertices and normals begin in arrays of its own; for a plain 0 numba would compile the code twice
 UNKNOWN, NOTHING, FACE_OF_A, FACE_OF_B, EDGES = 0, 1, 2, 3, 4  # kinds of separating feature
 APART, KEPT, CLIPPED, SEARCHED = 0, 1, 2, 3  # what was done with a pair: nothing, points carried along, points found, feature found
 
@@ -182,7 +183,9 @@ class Detector:
             self._listed_position, rotation, velocity, step, slack, self._skin, s.part_block, s.vertex_start, s.vertices, s.radius, s.size,
             self._allowance, boxes,
         )  # fmt: skip
-        pairs = _sweep(boxes, self._fixed_part, s.part_block)
+        axis = int(np.argmax(np.std(boxes[:, :3] + boxes[:, 3:], axis=0)))  # on which their centres spread most
+        order = np.argsort(boxes[:, axis], kind="stable")
+        pairs = _sweep(boxes, axis, order, self._fixed_part, s.part_block)
         pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
         self._memory = self._memory.carried_over(pairs, self._room(pairs))
         self._gap = np.empty(len(self._memory.height))
@@ -277,7 +280,7 @@ def _reach(v, radius, size, step, slack):
     return 2.0 * step * speed + 0.5 * slack + 0.5 * NEAR * size
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _list_holds(position, rotation, velocity, step, slack, origin, part_block, radius, size, listed_position, listed_rotation, allowance):
     """Whether no part has moved, nor may move within the step, by more than its box had been grown."""
     for p in range(part_block.shape[0]):
@@ -293,7 +296,7 @@ def _list_holds(position, rotation, velocity, step, slack, origin, part_block, r
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _boxes(position, rotation, velocity, step, slack, skin, part_block, vertex_start, vertices, radius, size, allowance, box):
     """Bounding boxes of all parts, grown by the skin and by what a part may do within a step; the growth is the ``allowance``."""
     for p in range(part_block.shape[0]):
@@ -309,16 +312,10 @@ def _boxes(position, rotation, velocity, step, slack, skin, part_block, vertex_s
             box[p, d], box[p, 3 + d] = low - allowance[p], high + allowance[p]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _sweep(box, fixed, block):
-    """Pairs of overlapping boxes, swept along the axis on which their centres spread most; two supports never pair up."""
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
+def _sweep(box, axis, order, fixed, block):
+    """Pairs of overlapping boxes, swept along an axis in the order in which they begin there; two supports never pair up."""
     parts = box.shape[0]
-    axis, widest = 0, -1.0
-    for d in range(3):
-        spread = np.std(box[:, d] + box[:, 3 + d])
-        if spread > widest:
-            axis, widest = d, spread
-    order = np.argsort(box[:, axis], kind="mergesort")
     u, w = (axis + 1) % 3, (axis + 2) % 3
     capacity, count = 8 * parts + 16, 0
     pairs = np.empty((capacity, 2), dtype=np.int64)
@@ -335,7 +332,8 @@ def _sweep(box, fixed, block):
             if count == capacity:
                 capacity *= 2
                 grown = np.empty((capacity, 2), dtype=np.int64)
-                grown[:count] = pairs
+                for k in range(count):
+                    grown[k, 0], grown[k, 1] = pairs[k, 0], pairs[k, 1]
                 pairs = grown
             pairs[count, 0], pairs[count, 1] = min(p, q), max(p, q)
             count += 1
@@ -348,7 +346,7 @@ def _sweep(box, fixed, block):
 # entries are counted from ``b_vertex``, ``b_face``. Where a kernel treats both alike, it takes an array and where its counting begins.
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _look(
     parts, feature, budget, pose, built, normal, slot, count, local, height, area, place, gap,
     part_block, vertex_start, vertices, face_start, normals, loop_start, loops, edge_start, edges, radius, size, group_of, by_area, scratch,
@@ -384,7 +382,8 @@ def _look(
                     a, b, vertex_start, vertices, face_start, normals, loop_start, loops, edge_start, edges, vertices_b, normals_b,
                     EDGE_BIAS * width, feature[k],
                 )  # fmt: skip
-                pose[k] = now
+                for i in range(12):
+                    pose[k, i] = now[i]
                 if apart > margin:
                     feature[k, 0], budget[k], count[k] = NOTHING, apart, 0
                     continue
@@ -396,17 +395,18 @@ def _look(
                 )  # fmt: skip
             elif feature[k, 0] == FACE_OF_A:
                 found = _face_contacts(
-                    1.0, feature[k, 1], loop_start, loops, vertices, 0, normals, 0,
+                    1.0, feature[k, 1], loop_start, loops, vertices, OWN, normals, OWN,
                     vertices_b, b_vertex, normals_b, b_face, b_face, face_start[b + 1],
                     width, with_area, normal[k], polygon, other, new_height, weight,
                 )  # fmt: skip
             else:
                 found = _face_contacts(
                     -1.0, feature[k, 1], loop_start, loops, vertices_b, b_vertex, normals_b, b_face,
-                    vertices, 0, normals, 0, face_start[a], face_start[a + 1],
+                    vertices, OWN, normals, OWN, face_start[a], face_start[a + 1],
                     width, with_area, normal[k], polygon, other, new_height, weight,
                 )  # fmt: skip
-            built[k] = now
+            for i in range(12):
+                built[k, i] = now[i]
             _match(polygon, found, local, place, first, count[k], MATCH * width, with_area, new_place)
             count[k] = found
             for i in range(found):
@@ -423,7 +423,7 @@ def _look(
     return shown
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _write_down(
     parts, local_normal, slot, count, local, local_area, place, kept_gap, part_block, position, rotation,
     bodies, point, normal, gap, area, pair, previous,
@@ -517,7 +517,7 @@ def _separate(
     Faces win over edges, and the face of the last step over others, unless beaten by the bias: the normal must not flicker.
     """
     b_vertex, b_face = vertex_start[b], face_start[b]
-    best, face = _face_axis(face_start[a], face_start[a + 1], normals, 0, loop_start, loops, vertices, 0, vertices_b,
+    best, face = _face_axis(face_start[a], face_start[a + 1], normals, OWN, loop_start, loops, vertices, OWN, vertices_b,
                             vertex_start[b + 1] - b_vertex)  # fmt: skip
     best_b, face_b = _face_axis(b_face, face_start[b + 1], normals_b, b_face, loop_start, loops, vertices_b, b_vertex,
                                 vertices[vertex_start[a] : vertex_start[a + 1]], vertex_start[a + 1] - vertex_start[a])  # fmt: skip
@@ -605,11 +605,10 @@ def _face_contacts(
     nx, ny, nz = outward[0], outward[1], outward[2]
     n[0], n[1], n[2] = sign * nx, sign * ny, sign * nz
     incident = _incident_face(other_normals, other_normal_from, other_first, other_last, nx, ny, nz)
-    count = 0
-    for i in range(loop_start[incident], loop_start[incident + 1]):
-        v = other_vertices[loops[i] - other_vertex_from]
-        polygon[count, 0], polygon[count, 1], polygon[count, 2] = v[0], v[1], v[2]
-        count += 1
+    start, count = loop_start[incident], loop_start[incident + 1] - loop_start[incident]
+    for i in range(count):
+        v = other_vertices[loops[start + i] - other_vertex_from]
+        polygon[i, 0], polygon[i, 1], polygon[i, 2] = v[0], v[1], v[2]
     snap = (JOINT_SNAP if with_area else SNAP) * width
     first, last = loop_start[reference], loop_start[reference + 1]
     for i in range(first, last):  # side planes of the reference face point inwards: normal x edge
@@ -680,7 +679,8 @@ def _without_twins(polygon, count, tolerance):
         last = polygon[out - 1 if out > 0 else count - 1]
         dx, dy, dz = polygon[k, 0] - last[0], polygon[k, 1] - last[1], polygon[k, 2] - last[2]
         if dx * dx + dy * dy + dz * dz > tolerance * tolerance or count == 1:
-            polygon[out] = polygon[k]
+            for d in range(3):
+                polygon[out, d] = polygon[k, d]
             out += 1
     return out
 

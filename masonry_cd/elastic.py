@@ -29,8 +29,8 @@ again: a contact that appears later takes the bond and the slip of the nearest c
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from masonry_cd.kernels import njit
 from masonry_cd.material import JointLaws
 
 AT_LIMIT = 1e-6  # an impulse this close to the cone, as a share of it, is on it

@@ -24,10 +24,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 from masonry_cd.islands import FORCES, IMPACTS
+from masonry_cd.kernels import njit
 
 FAST = 3.0  # impacts faster than this many times g h count
 AT_ONCE = 1e-6  # gaps that close within this share of the step are closed
@@ -63,7 +63,7 @@ def open_contacts(problem: FrictionProblem, gap: np.ndarray, pair: np.ndarray, s
     return is_open if hit else None
 
 
-@njit(cache=True, nogil=True)
+@njit(entry=True, cache=True, nogil=True)
 def _impacts(gap, pair, bodies, jacobian, offset, v_free, step, gravity, is_open):
     """Fill ``is_open`` (C,), see :func:`open_contacts`; return whether there is an impact. The contacts of a pair follow each other."""
     contacts, any_hit = len(gap), False

@@ -15,10 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from masonry_cd.blocks import Assembly
 from masonry_cd.detection import ContactSet, Detector
+from masonry_cd.kernels import njit
 from masonry_cd.state import State, rotation_matrices
 
 CONTACT_WIDTH = 1e-4  # [m] surfaces farther apart than this count as no longer in contact
@@ -123,7 +123,7 @@ def measure_joints(joints: Joints, assembly: Assembly, state: State) -> JointMea
     return JointMeasures(*out)
 
 
-@njit(cache=True, nogil=True)
+@njit(entry=True, cache=True, nogil=True)
 def _measure(block_a, block_b, normal, start, polygon, centre, position, rotation, out):
     """Fill out (4, J) with opening, sliding, rotation and contact area.
 
@@ -142,7 +142,7 @@ def _measure(block_a, block_b, normal, start, polygon, centre, position, rotatio
         a, b, first, corners = block_a[j], block_b[j], start[j], start[j + 1] - start[j]
         out[2, j] = _relative_pose(rotation[a], rotation[b], position[a], position[b], turn, move)
         _axes(polygon, first, normal[j], axes)
-        size = 0.0
+        size, opening = 0.0, 0.0
         for k in range(corners):
             flat[k, 0], flat[k, 1] = 0.0, 0.0
             apart[k], shift[k, 0], shift[k, 1] = 0.0, 0.0, 0.0
@@ -156,7 +156,8 @@ def _measure(block_a, block_b, normal, start, polygon, centre, position, rotatio
                     shift[k, axis] += d * axes[axis, i]
                     flat[k, axis] += edge * axes[axis, i]
             size = max(size, np.sqrt(flat[k, 0] ** 2 + flat[k, 1] ** 2))
-        out[0, j] = max(0.0, apart[:corners].max())
+            opening = max(opening, apart[k])
+        out[0, j] = opening
         out[1, j] = _largest_shift(apart, shift, corners, TOUCHING * size)
         out[3, j] = _contact_area(flat, apart, shift, corners, work)
 
@@ -191,7 +192,10 @@ def _axes(polygon, first, n, axes):
 @njit(cache=True, nogil=True)
 def _largest_shift(apart, shift, corners, tolerance):
     """Largest tangential displacement among the corners that touch."""
-    limit, largest = apart[:corners].min() + tolerance, 0.0
+    least, largest = np.inf, 0.0
+    for k in range(corners):
+        least = min(least, apart[k])
+    limit = least + tolerance
     for k in range(corners):
         if apart[k] <= limit:
             largest = max(largest, np.sqrt(shift[k, 0] ** 2 + shift[k, 1] ** 2))

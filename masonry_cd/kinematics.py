@@ -9,7 +9,8 @@ normal, first tangent, second tangent; in a plane the first two, and the first t
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from masonry_cd.kernels import njit
 
 
 @njit(cache=True, nogil=True)

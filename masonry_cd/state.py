@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from masonry_cd.blocks import Assembly
+from masonry_cd.kernels import njit
 
 
 @dataclass(eq=False)
@@ -45,7 +45,7 @@ def rotation_matrices(orientation: np.ndarray) -> np.ndarray:
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(entry=True, cache=True, nogil=True)
 def _matrices(orientation, out):
     for b in range(orientation.shape[0]):
         w, x, y, z = orientation[b, 0], orientation[b, 1], orientation[b, 2], orientation[b, 3]

@@ -123,7 +123,7 @@ class Stepper:
         self._reach = assembly.reach[~assembly.fixed]
         self.width = float(assembly.shapes.size[~assembly.fixed[assembly.shapes.part_block]].min())  # of the thinnest block [m]
         self._inverse_mass, self._v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
-        self._v = self.state.velocity[~assembly.fixed][:, self._columns]
+        self._v = np.ascontiguousarray(self.state.velocity[~assembly.fixed][:, self._columns])
         self._v_old, self._push = np.zeros_like(self._v), np.zeros_like(self._v)  # _push: generalised impulse of the forces
         self.contacts = ContactSet.none()
         self.chosen = np.empty(0, dtype=np.int64)  # contacts of the friction problem; all, but half of them in a plane

@@ -12,7 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+
+from masonry_cd.kernels import njit
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +65,7 @@ def _edges(shells: Shells) -> tuple[np.ndarray, np.ndarray]:
     return edges, counted[shells.loop_start[shells.face_start]]
 
 
-@njit(cache=True, nogil=True)
+@njit(entry=True, cache=True, nogil=True)
 def _sweep(order, low, high, owner, skip, tolerance, vertices, vertex_start, face_start, normals, edges, edge_start, size, pairs, depths):
     """Pass a plane along x, keep the boxes it cuts, and test those that meet. Returns the number found."""
     active = np.empty(len(order), dtype=np.int64)
