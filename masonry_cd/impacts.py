@@ -140,7 +140,7 @@ def _handover(
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(entry=True, cache=True, nogil=True)
 def _hand_over(bodies, jacobian, offset, compliance, before, after, force, blow, is_open, gap, step, out):
     """Fill ``out`` (B, n), see :func:`_handover`; ``before`` and ``after`` (B, n) are the velocities without and with the blows."""
     contacts, supports = len(gap), len(out)
