@@ -123,7 +123,10 @@ def measure_joints(joints: Joints, assembly: Assembly, state: State) -> JointMea
     return JointMeasures(*out)
 
 
-@njit(entry=True, cache=True, nogil=True)
+# The kernels below run over all joints in every step: they index whole arrays, since a view of a row costs more than its arithmetic.
+
+
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _measure(block_a, block_b, normal, start, polygon, centre, position, rotation, out):
     """Fill out (4, J) with opening, sliding, rotation and contact area.
 
@@ -140,43 +143,42 @@ def _measure(block_a, block_b, normal, start, polygon, centre, position, rotatio
     turn, move = np.empty((3, 3)), np.empty(3)
     for j in range(block_a.shape[0]):
         a, b, first, corners = block_a[j], block_b[j], start[j], start[j + 1] - start[j]
-        out[2, j] = _relative_pose(rotation[a], rotation[b], position[a], position[b], turn, move)
-        _axes(polygon, first, normal[j], axes)
-        size, opening = 0.0, 0.0
+        out[2, j] = _relative_pose(rotation, position, a, b, turn, move)
+        _axes(polygon, first, normal, j, axes)
+        square, least, most_open = 0.0, np.inf, 0.0
         for k in range(corners):
-            flat[k, 0], flat[k, 1] = 0.0, 0.0
-            apart[k], shift[k, 0], shift[k, 1] = 0.0, 0.0, 0.0
+            open_by, x, y, shift_x, shift_y = 0.0, 0.0, 0.0, 0.0, 0.0
             for i in range(3):
                 d = move[i] - (polygon[first + k, i] - centre[a, i])
                 for e in range(3):
                     d += turn[i, e] * (polygon[first + k, e] - centre[b, e])
-                apart[k] += d * normal[j, i]
                 edge = polygon[first + k, i] - polygon[first, i]
-                for axis in range(2):
-                    shift[k, axis] += d * axes[axis, i]
-                    flat[k, axis] += edge * axes[axis, i]
-            size = max(size, np.sqrt(flat[k, 0] ** 2 + flat[k, 1] ** 2))
-            opening = max(opening, apart[k])
-        out[0, j] = opening
-        out[1, j] = _largest_shift(apart, shift, corners, TOUCHING * size)
-        out[3, j] = _contact_area(flat, apart, shift, corners, work)
+                open_by += d * normal[j, i]
+                x, y = x + edge * axes[0, i], y + edge * axes[1, i]
+                shift_x, shift_y = shift_x + d * axes[0, i], shift_y + d * axes[1, i]
+            apart[k], flat[k, 0], flat[k, 1], shift[k, 0], shift[k, 1] = open_by, x, y, shift_x, shift_y
+            square = max(square, x * x + y * y)
+            least, most_open = min(least, open_by), max(most_open, open_by)
+        out[0, j] = most_open
+        out[1, j] = _largest_shift(apart, shift, corners, least + TOUCHING * np.sqrt(square))
+        out[3, j] = _contact_area(flat, apart, shift, corners, most_open, work)
 
 
-@njit(cache=True, nogil=True)
-def _relative_pose(ra, rb, xa, xb, turn, move):
-    """Rotation ra^T rb and position ra^T (xb - xa) of b in the frame of a; returns the angle, exact near zero."""
+@njit(cache=True, nogil=True, error_model="numpy")
+def _relative_pose(rotation, position, a, b, turn, move):
+    """Rotation R_a^T R_b and position R_a^T (x_b - x_a) of b in the frame of a; returns the angle, exact near zero."""
+    dx, dy, dz = position[b, 0] - position[a, 0], position[b, 1] - position[a, 1], position[b, 2] - position[a, 2]
     for i in range(3):
-        move[i] = 0.0
-        for d in range(3):
-            move[i] += ra[d, i] * (xb[d] - xa[d])
+        x, y, z = rotation[a, 0, i], rotation[a, 1, i], rotation[a, 2, i]
+        move[i] = x * dx + y * dy + z * dz
         for j in range(3):
-            turn[i, j] = ra[0, i] * rb[0, j] + ra[1, i] * rb[1, j] + ra[2, i] * rb[2, j]
-    sine = 0.5 * np.sqrt((turn[2, 1] - turn[1, 2]) ** 2 + (turn[0, 2] - turn[2, 0]) ** 2 + (turn[1, 0] - turn[0, 1]) ** 2)
-    return np.arctan2(sine, 0.5 * (turn[0, 0] + turn[1, 1] + turn[2, 2] - 1.0))
+            turn[i, j] = x * rotation[b, 0, j] + y * rotation[b, 1, j] + z * rotation[b, 2, j]
+    x, y, z = turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]
+    return np.arctan2(0.5 * np.sqrt(x * x + y * y + z * z), 0.5 * (turn[0, 0] + turn[1, 1] + turn[2, 2] - 1.0))
 
 
-@njit(cache=True, nogil=True)
-def _axes(polygon, first, n, axes):
+@njit(cache=True, nogil=True, error_model="numpy")
+def _axes(polygon, first, normal, j, axes):
     """Two unit vectors in the plane of the joint: along its first edge, and n x that."""
     length = 0.0
     for d in range(3):
@@ -184,72 +186,75 @@ def _axes(polygon, first, n, axes):
         length += axes[0, d] ** 2
     for d in range(3):
         axes[0, d] /= np.sqrt(length)
-    axes[1, 0] = n[1] * axes[0, 2] - n[2] * axes[0, 1]
-    axes[1, 1] = n[2] * axes[0, 0] - n[0] * axes[0, 2]
-    axes[1, 2] = n[0] * axes[0, 1] - n[1] * axes[0, 0]
+    axes[1, 0] = normal[j, 1] * axes[0, 2] - normal[j, 2] * axes[0, 1]
+    axes[1, 1] = normal[j, 2] * axes[0, 0] - normal[j, 0] * axes[0, 2]
+    axes[1, 2] = normal[j, 0] * axes[0, 1] - normal[j, 1] * axes[0, 0]
 
 
-@njit(cache=True, nogil=True)
-def _largest_shift(apart, shift, corners, tolerance):
-    """Largest tangential displacement among the corners that touch."""
-    least, largest = np.inf, 0.0
-    for k in range(corners):
-        least = min(least, apart[k])
-    limit = least + tolerance
+@njit(cache=True, nogil=True, error_model="numpy")
+def _largest_shift(apart, shift, corners, limit):
+    """Largest tangential displacement among the corners that are open by no more than ``limit``: those that touch."""
+    square = 0.0
     for k in range(corners):
         if apart[k] <= limit:
-            largest = max(largest, np.sqrt(shift[k, 0] ** 2 + shift[k, 1] ** 2))
-    return largest
+            square = max(square, shift[k, 0] ** 2 + shift[k, 1] ** 2)
+    return np.sqrt(square)
 
 
-@njit(cache=True, nogil=True)
-def _contact_area(flat, apart, shift, corners, work):
+@njit(cache=True, nogil=True, error_model="numpy")
+def _contact_area(flat, apart, shift, corners, most_open, work):
     """Area of a's polygon inside b's moved polygon, where the joint is open by no more than CONTACT_WIDTH.
 
     work[.., :, 2] carries d . n, which is linear over the polygon because both blocks are rigid.
     """
-    count, source = corners, 0
+    count, at = corners, 0
     for k in range(corners):
         work[0, k, 0], work[0, k, 1], work[0, k, 2] = flat[k, 0], flat[k, 1], apart[k]
-    sign = 1.0 if _signed_area(flat, corners) > 0 else -1.0
+    sign = 1.0 if _signed_area(work, at, corners) > 0 else -1.0
     for k in range(corners):  # cut by every side of b's polygon
-        nxt = (k + 1) % corners
+        nxt = k + 1 if k + 1 < corners else 0
         x0, y0 = flat[k, 0] + shift[k, 0], flat[k, 1] + shift[k, 1]
         x1, y1 = flat[nxt, 0] + shift[nxt, 0], flat[nxt, 1] + shift[nxt, 1]
-        count = _cut(work[source], count, -sign * (y1 - y0), sign * (x1 - x0), 0.0, x0, y0, 0.0, work[1 - source])
-        source = 1 - source
-    count = _cut(work[source], count, 0.0, 0.0, -1.0, 0.0, 0.0, CONTACT_WIDTH, work[1 - source])
-    return abs(_signed_area(work[1 - source], count))
+        count, at = _cut(work, at, count, -sign * (y1 - y0), sign * (x1 - x0), 0.0, x0, y0, 0.0)
+    if most_open > CONTACT_WIDTH:
+        count, at = _cut(work, at, count, 0.0, 0.0, -1.0, 0.0, 0.0, CONTACT_WIDTH)
+    return abs(_signed_area(work, at, count))
 
 
-@njit(cache=True, nogil=True)
-def _cut(points, count, ax, ay, az, x0, y0, z0, kept):
-    """Keep the part of a convex polygon where ax (x - x0) + ay (y - y0) + az (z - z0) >= 0."""
-    out = 0
-    if count == 0:
-        return 0
-    px, py, pz = points[count - 1, 0], points[count - 1, 1], points[count - 1, 2]
+@njit(cache=True, nogil=True, error_model="numpy")
+def _cut(work, at, count, ax, ay, az, x0, y0, z0):
+    """Keep the part of the convex polygon work[at] where ax (x - x0) + ay (y - y0) + az (z - z0) >= 0.
+
+    Returns the number of its corners and where it stands: in the other half of ``work``, unless nothing was cut off.
+    """
+    whole = True
+    for k in range(count):
+        whole = whole and ax * (work[at, k, 0] - x0) + ay * (work[at, k, 1] - y0) + az * (work[at, k, 2] - z0) >= 0.0
+    if whole:
+        return count, at
+    out, to = 0, 1 - at
+    px, py, pz = work[at, count - 1, 0], work[at, count - 1, 1], work[at, count - 1, 2]
     fp = ax * (px - x0) + ay * (py - y0) + az * (pz - z0)
     for k in range(count):
-        qx, qy, qz = points[k, 0], points[k, 1], points[k, 2]
+        qx, qy, qz = work[at, k, 0], work[at, k, 1], work[at, k, 2]
         fq = ax * (qx - x0) + ay * (qy - y0) + az * (qz - z0)
         if (fp > 0.0 and fq < 0.0) or (fp < 0.0 and fq > 0.0):
             t = fp / (fp - fq)
-            kept[out, 0], kept[out, 1], kept[out, 2] = px + t * (qx - px), py + t * (qy - py), pz + t * (qz - pz)
+            work[to, out, 0], work[to, out, 1], work[to, out, 2] = px + t * (qx - px), py + t * (qy - py), pz + t * (qz - pz)
             out += 1
         if fq >= 0.0:
-            kept[out, 0], kept[out, 1], kept[out, 2] = qx, qy, qz
+            work[to, out, 0], work[to, out, 1], work[to, out, 2] = qx, qy, qz
             out += 1
         px, py, pz, fp = qx, qy, qz, fq
-    return out
+    return out, to
 
 
-@njit(cache=True, nogil=True)
-def _signed_area(points, count):
-    """Shoelace area of the first count points."""
+@njit(cache=True, nogil=True, error_model="numpy")
+def _signed_area(work, at, count):
+    """Shoelace area of the first count points of work[at]."""
     area = 0.0
     for k in range(1, count - 1):
-        x1, y1 = points[k, 0] - points[0, 0], points[k, 1] - points[0, 1]
-        x2, y2 = points[k + 1, 0] - points[0, 0], points[k + 1, 1] - points[0, 1]
+        x1, y1 = work[at, k, 0] - work[at, 0, 0], work[at, k, 1] - work[at, 0, 1]
+        x2, y2 = work[at, k + 1, 0] - work[at, 0, 0], work[at, k + 1, 1] - work[at, 0, 1]
         area += 0.5 * (x1 * y2 - x2 * y1)
     return area

@@ -94,7 +94,7 @@ def _turn(x, y, z, ax, ay, az, c, s):
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def contact_rows(
     blocks, point, normal, gap, area, previous, last_impulse, plane_axis, plane_at, position, support_velocity, support_of, free_index,
     group_of, friction, columns, step, closed, chosen, bodies, frames, jacobian, offset, mu, impulse,
@@ -107,15 +107,13 @@ def contact_rows(
     a joint with an area lies in that plane and is its own image.
     """
     m, n = jacobian.shape[2], jacobian.shape[3]
-    arm = np.empty(3)
-    row = np.empty(6)
+    arm, row = np.empty(3), np.empty(6)
     count = 0
     for c in range(gap.shape[0]):
         if plane_axis >= 0 and point[c, plane_axis] > plane_at + (closed if area[c] > 0.0 else 0.0):
             continue
         chosen[count] = c
-        frame = frames[count]
-        _frame(normal[c], frame)
+        _frame(normal, c, frames, count)
         for i in range(m):
             offset[count, i] = 0.0
             impulse[count, i] = last_impulse[previous[c], i] if previous[c] >= 0 else 0.0
@@ -126,19 +124,17 @@ def contact_rows(
                 arm[d] = point[c, d] - position[block, d]
             if plane_axis >= 0:
                 arm[plane_axis] = 0.0
+            x, y, z = arm[0], arm[1], arm[2]
             bodies[count, side] = free_index[block]
             for i in range(m):
-                t = frame[i]
-                for d in range(3):
-                    row[d] = sign * t[d]
-                row[3] = sign * (arm[1] * t[2] - arm[2] * t[1])
-                row[4] = sign * (arm[2] * t[0] - arm[0] * t[2])
-                row[5] = sign * (arm[0] * t[1] - arm[1] * t[0])
+                tx, ty, tz = frames[count, i, 0], frames[count, i, 1], frames[count, i, 2]
+                row[0], row[1], row[2] = sign * tx, sign * ty, sign * tz
+                row[3], row[4], row[5] = sign * (y * tz - z * ty), sign * (z * tx - x * tz), sign * (x * ty - y * tx)
                 for j in range(n):
                     jacobian[count, side, i, j] = row[columns[j]]
                 if free_index[block] < 0:
-                    v = support_velocity[support_of[block]]
-                    offset[count, i] += sign * (t[0] * v[0] + t[1] * v[1] + t[2] * v[2])
+                    s = support_of[block]
+                    offset[count, i] += sign * (tx * support_velocity[s, 0] + ty * support_velocity[s, 1] + tz * support_velocity[s, 2])
         mu[count] = friction[group_of[blocks[c, 0]], group_of[blocks[c, 1]]]
         count += 1
     return count
@@ -291,16 +287,19 @@ def _turn_tensor(r, tensor, out):
             out[i, j] = a0 * r[j, 0] + a1 * r[j, 1] + a2 * r[j, 2]
 
 
-@njit(cache=True, nogil=True)
-def _frame(n, frame):
-    """Rows n, t1, t2. t1 is horizontal where n is not vertical-ish along y: for normals in the x-z plane it lies in that plane."""
-    frame[0, 0], frame[0, 1], frame[0, 2] = n[0], n[1], n[2]
-    if abs(n[1]) < 0.9:  # t1 = y x n
-        x, y, z = n[2], 0.0, -n[0]
+@njit(cache=True, nogil=True, error_model="numpy")
+def _frame(normal, c, frames, at):
+    """Fill frames[at] with the rows n, t1, t2 of contact c.
+
+    t1 is horizontal where n is not vertical-ish along y: for normals in the x-z plane it lies in that plane.
+    """
+    nx, ny, nz = normal[c, 0], normal[c, 1], normal[c, 2]
+    if abs(ny) < 0.9:  # t1 = y x n
+        x, y, z = nz, 0.0, -nx
     else:  # t1 = x x n
-        x, y, z = 0.0, -n[2], n[1]
+        x, y, z = 0.0, -nz, ny
     scale = 1.0 / np.sqrt(x * x + y * y + z * z)
-    frame[1, 0], frame[1, 1], frame[1, 2] = scale * x, scale * y, scale * z
-    frame[2, 0] = n[1] * frame[1, 2] - n[2] * frame[1, 1]
-    frame[2, 1] = n[2] * frame[1, 0] - n[0] * frame[1, 2]
-    frame[2, 2] = n[0] * frame[1, 1] - n[1] * frame[1, 0]
+    x, y, z = scale * x, scale * y, scale * z
+    frames[at, 0, 0], frames[at, 0, 1], frames[at, 0, 2] = nx, ny, nz
+    frames[at, 1, 0], frames[at, 1, 1], frames[at, 1, 2] = x, y, z
+    frames[at, 2, 0], frames[at, 2, 1], frames[at, 2, 2] = ny * z - nz * y, nz * x - nx * z, nx * y - ny * x
