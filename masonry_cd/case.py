@@ -153,13 +153,15 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     with Results.open(file) as results:
         summary |= write_damage(results, folder, scene.report) | outcome(case, results)
         fast = resolution.after_run(case.assembly, results, settings.dt)
-        summary["warnings"] = [*_warnings(summary), *case.warnings, *fast, *dumped.warnings()]
+        gravity = float(np.linalg.norm(settings.gravity))
+        restless = resolution.restless(results, loading.pauses, gravity, settings.dt, settings.tolerance)
+        summary["warnings"] = [*_warnings(summary), *case.warnings, *fast, *restless, *dumped.warnings()]
         summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
         write_json(summary, folder / "summary.json")  # before the pictures, which may fail for want of a library
         if scene.report.asks and not report.stopped:
             from reports import outputs
 
-            outputs.write_asked(results, folder, scene.report, summary)
+            summary |= outputs.write_asked(results, folder, scene.report, summary)
             summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
             write_json(summary, folder / "summary.json")
     return summary
@@ -276,6 +278,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         f"{s['title']}: {s['steps']} steps of {length(s['dt'], 's')} in {in_words(s['wall_seconds'])}, {length(per_step, 's')} per step",
         *outcome_lines(s),
         damage_line(s),
+        *_part_lines(s),
         *bonds,
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
         f"largest penetration {length(s['penetration_max'])}",
@@ -293,6 +296,15 @@ def damage_line(s: dict[str, Any]) -> str:
         f"(at most {length(s['sliding_max'])}), {s['joints_separated']} separated; {fallen}; "
         f"largest displacement relative to the base {length(s['displacement_max'])}"
     )
+
+
+def _part_lines(s: dict[str, Any]) -> list[str]:
+    """The damage part by part, where the scene asks for it."""
+    if "parts" not in s:
+        return []
+    from reports.part_files import part_lines
+
+    return part_lines(s["parts"])
 
 
 def _warnings(summary: dict[str, Any]) -> list[str]:

@@ -242,7 +242,7 @@ def report(
             summary = outputs.read_summary(folder) | case.write_damage(results, folder, settings)
             typer.echo(case.damage_line(summary))
             damage = outputs.damage_of(results, settings)
-            typer.echo("\n".join(part_files.part_lines(damage)))
+            typer.echo("\n".join(part_files.part_lines(damage.parts)))
             written = [folder / "joints.csv", *part_files.write_part_damage(damage, folder)]
             if crack_map:
                 written.append(folder / "crack_map.png")

@@ -43,6 +43,7 @@ EPSILON = 2.2e-16  # relative rounding error of a float
 SHORT = 2  # columns: runs up to this length may be padded much, see runs
 WIDEST = 16  # columns that are factorised together
 SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix; likewise
+BALANCE, ALL = 0.6, 0.95  # shares of ADMM's error that lie in the law: its stiffness falls below the one, grows above the other
 # The table of contacts: a row for each with all that a sweep reads besides G, so that it comes in a piece. First the local law, see
 # _law_row, then d, s, mu, q, p and C at these places:
 SCALE, START, MU, Q, P, C = 7, 8, 9, 10, 13, 16
@@ -1363,8 +1364,8 @@ def _choose_stiffness(k, d, compliance, rho):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, out, size_m, size_n):
-    """p+ = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, out += H^T (2 p+ - p). Returns the squared scaled change of p."""
+def _augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, new, out, size_m, size_n):
+    """new = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, out += H^T (2 new - p). Returns the squared scaled change of p."""
     m, n = len(size_m), len(size_n)
     change = 0.0
     for c in range(len(index)):
@@ -1387,9 +1388,9 @@ def _augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, out, 
             xn, x1, x2 = _project_stretched(pn - r * (un + mu[c] * _length(u1, u2)), p1 - s * u1, p2 - s * u2, mu[c], r / s)
         else:
             xn, x1, x2 = _project(pn - r * (un + mu[c] * _length(u1, u2)), p1 - r * u1, p2 - r * u2, mu[c])
-        p[c, 0], p[c, 1] = xn, x1
+        new[c, 0], new[c, 1] = xn, x1
         if m == 3:
-            p[c, 2] = x2
+            new[c, 2] = x2
         change += d[c] * ((xn - pn) * (xn - pn) + (x1 - p1) * (x1 - p1) + (x2 - p2) * (x2 - p2))
         tn, t1, t2 = 2.0 * xn - pn, 2.0 * x1 - p1, 2.0 * x2 - p2
         for k in range(n):
@@ -1402,28 +1403,46 @@ def _augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, out, 
     return change
 
 
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _carried(jacobian, index, rho, last, p, step, out, size_m, size_n):
+    """out = 2 p - last - R H step, the impulses whose velocities an iteration of ADMM has found; step (bodies + 1, n) is what it added."""
+    m, n = len(size_m), len(size_n)
+    for c in range(len(index)):
+        a, b, h = index[c, 0], index[c, 1], jacobian[c]
+        for i in range(m):
+            gain = 0.0
+            for k in range(n):
+                gain += h[0, i, k] * step[a, k] + h[1, i, k] * step[b, k]
+            out[c, i] = 2.0 * p[c, i] - last[c, i] - rho[c] * gain
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def admm_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, squares, panels, rho, p, v_out, k, fresh,
-    tolerance, limit, size_m, size_n,
+    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, squares, panels, rho, p_out, v_out, k, fresh,
+    moving, tolerance, limit, size_m, size_n,
 ):  # fmt: skip
-    """ADMM over a FrictionProblem, see solvers/admm.py. p holds the start and then the best answer found.
+    """ADMM over a FrictionProblem, see solvers/admm.py. p_out and v_out hold the start and then the best answer found.
 
-    squares, panels and rho hold a factorisation of M + H^T R H, used as it is unless ``fresh`` is set.
+    squares, panels and rho hold a factorisation of M + H^T R H, used as it is unless ``fresh`` is set. Unless ``moving`` is set the
+    velocities to start from are those of the impulses.
 
     Returns iterations, natural map error, k at the end and the number of factorisations.
     """
     count, n = len(order), len(size_n)
     inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
     d = _scales(inverse, jacobian, index, compliance, size_m, size_n)
-    v, out, best_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n))
-    q, best = np.empty(offset.shape), p.copy()
+    v, out, best_v, carried_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n))
+    p, new, best, carried = p_out.copy(), np.empty(offset.shape), p_out.copy(), np.empty(offset.shape)
     _copy(free, v)
-    _rows(jacobian, index, offset, v, q, size_m, size_n)
-    size = _size_of(q, d)
+    _rows(jacobian, index, offset, v, new, size_m, size_n)
+    size = _size_of(new, d)
     _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
     error = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
     _copy(v, best_v)
+    if moving:
+        for b in range(count):
+            for i in range(n):
+                v[b, i] = v_out[order[b], i]
     smallest = before = error
     diagonal = np.empty((count, n, n))
     iterations, checked, switched, factorisations, rate = 0, 0, 0, 0, 1.0
@@ -1437,35 +1456,40 @@ def admm_bodies(
                 break
             fresh = False
         _missing_momentum(mass, free, v, out, size_n)
-        change = np.sqrt(_augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, out, size_m, size_n)) / size
+        change = np.sqrt(_augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, new, out, size_m, size_n)) / size
+        p, new = new, p
         _solve_factorised(plan, squares, panels, panels, SYMMETRIC, out, size_n)
+        for i in range(n):
+            out[count, i] = 0.0
         for b in range(count):
             for i in range(n):
                 v[b, i] += out[b, i]
         iterations += 1
         # the change of p tells when to look at the error itself, which costs about an iteration
-        if iterations - checked < 2 or (rate * change > tolerance and iterations - checked < 20 and iterations < limit):
+        if iterations - checked < 2 or (rate * change > tolerance and iterations - checked < 10 and iterations < limit):
             continue
-        own = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size  # for the iterate's own v
-        v_hold = v.copy()
-        _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
-        error = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
+        own = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
+        _carried(jacobian, index, rho, new, p, out, carried, size_m, size_n)
+        _velocity_of(inverse, free, jacobian, index, carried, out, carried_v, size_m, size_n)
+        error = _map_norm(jacobian, index, offset, mu, compliance, d, carried, carried_v, size_m, size_n) / size
         checked = iterations
         rate = error / change if change > 0.0 else 1.0
         if error < smallest:
             smallest = error
-            _copy(p, best)
-            _copy(v, best_v)
-        _copy(v_hold, v)
+            _copy(carried, best)
+            _copy(carried_v, best_v)
         if not error < np.inf:
             _copy(best, p)
             _copy(best_v, v)
-        if iterations - switched >= 40:
+        if iterations - switched >= 40 or (iterations - switched >= 20 and error > before):
             if not error < 0.1 * before:
-                k = min(5.0 * k, 1e6) if own > 0.02 * error else max(0.2 * k, 1.0)
-                fresh = True
+                share = own / error
+                if share > ALL:
+                    k, fresh = min(5.0 * k, 1e6), True
+                elif share < BALANCE:
+                    k, fresh = max(k * max(np.sqrt(share / BALANCE), 0.01), 1.0), True
             switched, before = iterations, error
-    _copy(best, p)
+    _copy(best, p_out)
     _put_back(best_v, order, v_out)
     return iterations, smallest, k, factorisations
 

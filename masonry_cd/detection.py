@@ -29,7 +29,7 @@ that springs at the points act as springs all over it. With A_i the triangles (c
 
 First moments sum w_i c_i are zero for any polygon; lambda, between 1/2 and 3/2, gives the second moments their exact trace (the torsion of
 the joint), and all of them are exact for triangles, parallelograms and regular polygons (A/12 at a corner of a rectangle). No weight is
-negative. Corners that have moved less than JOINT_SNAP off a side plane stay on it, or every small turn would double them. Crossing edges
+negative. Corners that have moved less than SNAP off a side plane stay on it, or every small turn would double them. Crossing edges
 have no area: they are rigid and dry in any joint.
 """
 
@@ -48,8 +48,7 @@ STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the
 REUSE = 1e-3  # a remembered feature is trusted until the pair has moved by this share of the smaller part's width
 SKIN = 0.2  # growth of the bounding boxes, as a share of the median width of the parts
 EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
-SNAP = 1e-7  # a corner this close to a side plane is on it
-JOINT_SNAP = 1e-4  # the same for joints whose law goes by area, as a share of the smaller part's width
+SNAP = 1e-4  # a corner this close to a side plane is on it, as a share of the smaller part's width
 MATCH = 0.05  # a contact is the same as one of the last step if it moved by less than this share of the smaller part's width
 
 NEAR = 1e-3  # surfaces closer than this share of the smaller part's width are always in the contact set
@@ -609,7 +608,7 @@ def _face_contacts(
     for i in range(count):
         v = other_vertices[loops[start + i] - other_vertex_from]
         polygon[i, 0], polygon[i, 1], polygon[i, 2] = v[0], v[1], v[2]
-    snap = (JOINT_SNAP if with_area else SNAP) * width
+    snap = SNAP * width
     first, last = loop_start[reference], loop_start[reference + 1]
     for i in range(first, last):  # side planes of the reference face point inwards: normal x edge
         p, q = vertices[loops[i] - vertex_from], vertices[loops[i + 1 if i + 1 < last else first] - vertex_from]

@@ -107,12 +107,12 @@ def solve_apart(
         whole: (C,) contacts whose law holds for the whole step.
         gap: (C,) [m].
         step: h [s].
-        start: impulses (C, m) to start from.
+        start: impulses (C, m) and velocities to start from.
         solve: the solver, its options bound; it is told whether the problem is of FORCES or IMPACTS.
     """
     closed = ~is_open
     forces = problem.subset(closed)
-    first = solve(forces, Solution(start.impulse[closed], None, 0), FORCES)
+    first = solve(forces, Solution(start.impulse[closed], start.velocity, 0), FORCES)
     force, guess = np.zeros_like(start.impulse), np.zeros_like(start.impulse)
     force[closed] = first.impulse
     guess[whole], force[whole] = force[whole], 0.0

@@ -67,12 +67,12 @@ class Islands:
                     memory[first] = {name: array for name, array in old.items() if name.endswith(LEARNT)}
 
     def solve(self, problem: FrictionProblem, options: Options, start: Solution, kind: str = FORCES) -> Solution:
-        """Solve each island that does not sleep. The impulse (C, m) of the start is the first iterate, memories are kept here.
+        """Solve each island that does not sleep. The start is the first iterate, memories are kept here.
 
         Args:
             problem: over bodies.
             options: ``tolerance`` holds for the whole problem, ``max_iterations`` for each island.
-            start: impulses (C, m) to start from.
+            start: impulses (C, m), and maybe velocities, to start from.
             kind: FORCES, the problem of the step, or IMPACTS, what is solved apart from it.
         """
         if problem.contacts == 0:
@@ -96,7 +96,7 @@ class Islands:
     def _solve_whole(self, problem: FrictionProblem, options: Options, start: Solution, kind: str) -> Solution:
         """Solve all blocks as one island."""
         self.count, memory = 1, self._memory[kind]
-        out = self.solver(problem, options, Solution(start.impulse, None, 0, memory=memory.get(0, {})))
+        out = self.solver(problem, options, Solution(start.impulse, start.velocity, 0, memory=memory.get(0, {})))
         memory[0] = out.memory
         if kind == FORCES:
             self._asleep[0] = out.iterations == 0
@@ -118,7 +118,8 @@ class Islands:
             own, members = contacts[contact_start[i] : contact_start[i + 1]], blocks[block_start[i] : block_start[i + 1]]
             place[members] = np.arange(len(members))
             name = int(first[i])
-            begin = Solution(impulse[own], None, 0, memory=memory.get(name, {}))
+            velocity = None if start.velocity is None else start.velocity[members]
+            begin = Solution(impulse[own], velocity, 0, memory=memory.get(name, {}))
             solved = self.solver(problem.part(own, members, place), replace(options, tolerance=float(tolerance[i])), begin)
             impulse[own], memory[name] = solved.impulse, solved.memory
             if kind == FORCES:

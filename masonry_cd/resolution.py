@@ -1,4 +1,4 @@
-r"""Whether the time step follows the shaking and the blocks; where it does not, the run warns, with the number and the block.
+r"""Whether time step and tolerance resolve the shaking, the blocks and their rest; where not, the run warns, with the number and the block.
 
 **Shaking.** f95 is the frequency below which 95 % of the base acceleration's mean square lies, from its values at the steps. Fewer than
 PER_PERIOD steps per period of f95 are too few.
@@ -9,13 +9,19 @@ centre (Housner, Bull. Seism. Soc. Am. 53, 1963). Against Housner's solution pea
 
 **Passing through.** A block that moves by more than PASSING times the smallest width of any block within one step can get into another
 before the two are found to touch (see ``docs/stability.md``).
+
+**Stillness.** The error of a step is shared by all C contacts; all of it in one of them is a speed of tolerance g h sqrt(C) there. A rest
+that waits for a smaller one may wait in vain.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from masonry_cd.blocks import Assembly
+from masonry_cd.rests import Pause
 from masonry_cd.results import Results
 
 ENERGY = 0.95
@@ -66,6 +72,28 @@ def after_run(assembly: Assembly, results: Results, step: float) -> list[str]:
     return [
         f'block "{assembly.names[block]}" moves at {speed:.3g} m/s at {time:.4g} s, by {speed * step / width:.2g} of the width of '
         f'"{thin}" ({1000 * width:.3g} mm) in one step: it can pass into others; dt {_round_down(PASSING * width / speed):g} is safe'
+    ]
+
+
+def restless(results: Results, pauses: Sequence[Pause], gravity: float, step: float, tolerance: float) -> list[str]:
+    """The rests that took their whole length and waited for a speed that the tolerance does not resolve.
+
+    Args:
+        results: of the run.
+        pauses: of its loads.
+        gravity: magnitude [m/s2].
+        step: h [s].
+        tolerance: of each step.
+    """
+    load_steps, contacts = results.per_step("load_step"), results.per_step("solver/contacts")
+    if not len(load_steps):
+        return []
+    resolved = tolerance * gravity * step * float(np.sqrt(contacts.mean()))
+    return [
+        f'the rest after "{pause.after}" took its whole length: still = {pause.speed:g} m/s asks for less than the {resolved:.2g} m/s that '
+        f"a tolerance of {tolerance:g} resolves for sure"
+        for pause in pauses
+        if pause.speed < resolved and np.any(load_steps == pause.last)  # a rest that ends early jumps over its last step
     ]
 
 

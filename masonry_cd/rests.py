@@ -43,6 +43,10 @@ class Pause(Protocol):
     def hold(self) -> int:
         """Steps in a row that it has to be."""
 
+    @property
+    def after(self) -> str:
+        """The shock before."""
+
 
 class Shock(Protocol):
     """Steps of the loads during which a shock acts."""

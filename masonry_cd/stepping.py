@@ -277,7 +277,7 @@ class Stepper:
         return is_open
 
     def friction_problem(self) -> tuple[FrictionProblem, Solution]:
-        """The friction problem of the state, which stands at q_m, and the solution of the last step to start from."""
+        """The friction problem of the state, which stands at q_m, and what to start from: the velocities, and the impulses of the last step."""
         a, state, h = self.assembly, self.state, self.settings.dt
         gravity = self._acceleration[self.load_step + 1]
         self._rotation = rotation_matrices(state.orientation)
@@ -303,7 +303,7 @@ class Stepper:
         rigid = np.zeros((count, m))
         problem = FrictionProblem(self._inverse_mass, self._v_free, bodies[:count], jacobian[:count], offset[:count], mu[:count], rigid)
         self.springs.load(problem, self._touching(), self._v, OVERLAP * self.width if self.steps == 0 else -1.0, h)
-        return problem, Solution(impulse[:count], None, 0)
+        return problem, Solution(impulse[:count], self._v, 0)
 
     def _apply_forces(self) -> None:
         """Add the impulses of the forces on single blocks to the free velocity and to the angular momentum."""

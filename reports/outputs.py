@@ -14,7 +14,7 @@ from reports.crack_map import Look, framing, sheet_of
 from reports.damage import Thresholds
 from reports.grades import read_grades
 from reports.part_damage import PartDamage, Settings, part_damage
-from reports.part_files import BY_SHOCK, NAMES_OF_FILES, write_part_damage
+from reports.part_files import BY_SHOCK, NAMES_OF_FILES, in_short, write_part_damage
 
 ANIMATION = "crack_map.gif"
 ENERGY = "energy.png"
@@ -132,12 +132,14 @@ def write_pdf(page: Path, path: Path) -> None:
     pdf.write_pdf(page, path)
 
 
-def write_asked(results: Results, folder: Path, settings: Report, summary: Mapping[str, Any]) -> None:
-    """Write the tables, pictures and the page that a scene asks for, beside joints.csv."""
+def write_asked(results: Results, folder: Path, settings: Report, summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Write the tables, pictures and the page that a scene asks for, beside joints.csv; return what they add to the summary."""
+    more: dict[str, Any] = {}
     if settings.damage or settings.html:
         damage = damage_of(results, settings)
         if settings.damage:
             write_part_damage(damage, folder)
+            more["parts"] = in_short(damage.parts)
         if settings.html:
             write_page(results, folder / PAGE, settings, summary, damage)
     if settings.crack_map:
@@ -146,3 +148,4 @@ def write_asked(results: Results, folder: Path, settings: Report, summary: Mappi
         draw_times(results, folder, settings, [time for time in settings.times if time <= results.time[-1]])
     if settings.animation and results.frames > 1:
         draw_animation(results, folder / ANIMATION, settings)
+    return more

@@ -25,6 +25,10 @@ from reports.part_damage import PartDamage, Row
 
 NAMES_OF_FILES = ("damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json")
 BY_SHOCK = "damage_shocks.csv"
+SHORT = (
+    "part", "blocks", "joints", "grade", "grade_label", "grade_reason", "mechanism", "opened", "slid", "separated", "lost_blocks",
+    "max_opening", "max_sliding", "residual_opening", "residual_sliding", "residual_drift",
+)  # fmt: skip
 DIGITS = 9
 NOTE = (
     "A part is a group of blocks. A joint between two parts belongs to both, so the parts add up to more than the structure, which "
@@ -72,19 +76,29 @@ def as_json(damage: PartDamage) -> dict[str, Any]:
     )
 
 
-def part_lines(damage: PartDamage) -> list[str]:
-    """The grade and mechanism of each part in a line, for the terminal; the gravest first, the undamaged ones counted only."""
-    rows = sorted(damage.parts[:-1], key=lambda row: row["grade"], reverse=True)
-    damaged = [row for row in rows if row["grade"] != "D0"]
+def part_lines(parts: Sequence[Row]) -> list[str]:
+    """The grade and mechanism of each part in a line, for the terminal; the gravest first, the undamaged ones counted only.
+
+    Args:
+        parts: rows as in damage.csv, the structure last.
+    """
+    rows = sorted(parts[:-1], key=lambda row: row["grade"], reverse=True)
+    damaged, sound = [row for row in rows if row["grade"] != NAMES[0]], [row for row in rows if row["grade"] == NAMES[0]]
     lines = [f"{'part':<20} {'grade':<5} {'mechanism':<24} {'opened':>6} {'slid':>6} {'lost':>6} {'crack mm':>9} {'drift %':>8}"]
-    for row in [*damaged, damage.parts[-1]]:
+    for row in [*damaged, parts[-1]]:
+        drift = math.nan if row["residual_drift"] is None else row["residual_drift"]
         lines.append(
             f"{row['part']:<20} {row['grade']:<5} {row['mechanism']:<24} {row['opened']:>6} {row['slid']:>6} {row['lost_blocks']:>6} "
-            f"{1000 * row['residual_opening']:>9.3g} {100 * row['residual_drift']:>8.3g}"
+            f"{1000 * row['residual_opening']:>9.3g} {100 * drift:>8.3g}"
         )
-    if len(damaged) < len(rows):
-        lines.append(f"{len(rows) - len(damaged)} of {len(rows)} parts: D0, {damage.settings.grades.labels[0]}")
+    if sound:
+        lines.append(f"{len(sound)} of {len(rows)} parts: {NAMES[0]}, {sound[0]['grade_label']}")
     return lines
+
+
+def in_short(parts: Sequence[Row]) -> list[Row]:
+    """The columns of damage.csv that a summary has room for."""
+    return [{key: row[key] for key in SHORT} for row in parts]
 
 
 def _by_part(history: Sequence[Row]) -> dict[str, Any]:

@@ -29,6 +29,27 @@ def test_velocity_belongs_to_the_impulses() -> None:
     np.testing.assert_allclose(solution.velocity, problem.body_velocity(solution.impulse), atol=1e-12)
 
 
+def test_the_impulses_of_a_short_run_carry_the_velocities_found() -> None:
+    """After a few iterations the answer obeys the equation of motion, and its error is far below that of its part in the cones."""
+    problem = scenes.wall(6, 20)
+    solution = solve(problem, Options(tolerance=1e-12, max_iterations=20), None)
+    p, cut = solution.impulse, solution.impulse.copy()
+    cut[:, 0] = np.maximum(p[:, 0], 0.0)
+    cut[:, 1:] *= np.minimum(1.0, problem.mu * cut[:, 0] / np.maximum(np.linalg.norm(p[:, 1:], axis=1), 1e-300))[:, None]
+    assert not np.array_equal(cut, p)
+    assert natural_map_error(problem, p) < 0.5 * natural_map_error(problem, cut)
+
+
+def test_starts_from_the_velocities_given() -> None:
+    """The solution's own velocities with impulses that miss a part take fewer iterations than the velocities of what is left."""
+    problem = scenes.wall(6, 20)
+    known = solve(problem, Options(), None)
+    lost = known.impulse * (np.arange(problem.contacts) % 10 != 0)[:, None]
+    with_velocity = solve(problem, Options(), Solution(lost, known.velocity, 0, memory=known.memory))
+    without = solve(problem, Options(), Solution(lost, None, 0, memory=known.memory))
+    assert with_velocity.iterations < without.iterations
+
+
 def test_weight_arrives_at_the_ground() -> None:
     """The normal impulses on the ground carry the whole weight over the step."""
     problem = scenes.wall(4, 5)

@@ -16,6 +16,7 @@ from scipy import sparse
 from typer.testing import CliRunner
 
 from masonry_cd import __version__
+from masonry_cd.case import closing_lines
 from masonry_cd.cli import app
 from masonry_cd.errors import InputError
 from masonry_cd.friction import LocalProblem
@@ -363,6 +364,8 @@ def test_what_the_scene_asks_of_the_reports_is_checked_first_and_written_after(b
     modules, errors = modules_loaded_by(tmp_path, "run", scene, "-o", "out", "-q")
     document = json.loads((tmp_path / "out" / "damage.json").read_text())
     assert (document["parts"][-1]["grade"], document["parts"][-1]["grade_label"]) == ("D2", "c"), errors
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert any(line.split()[:2] == [document["parts"][-1]["part"], "D2"] for line in closing_lines(summary))
     assert not {"matplotlib", "vtk", "vtkmodules", "pyvista"} & modules
     asked = tmp_path / "out" / "damage.json"
     masonry_cd("run", block_on_plate(duration="duration = 0.02"), "-o", tmp_path / "out", "-q", "--force")

@@ -13,6 +13,7 @@ from loads.sequence import Pause, Shock
 from masonry_cd import checkpoint, runner
 from masonry_cd.blocks import Assembly
 from masonry_cd.joints import find_joints
+from masonry_cd.resolution import restless
 from masonry_cd.rests import Rests
 from masonry_cd.results import Results, ResultWriter
 from masonry_cd.scene import Run
@@ -59,6 +60,18 @@ def test_rests_end_when_all_is_still_and_nothing_else_changes(tmp_path: Path) ->
         assert second.start == pytest.approx(results.time[first.frame])
         assert second.end - second.start == pytest.approx(0.1)
         assert results.time[second.frame] == results.time[-1] == pytest.approx(short.steps * DT)
+
+
+def test_rests_that_wait_for_what_the_tolerance_does_not_resolve_are_told(tmp_path: Path) -> None:
+    """Of rests that took their whole length only, and only where the tolerance is to blame."""
+    write(tmp_path / "short.h5", shaken())
+    write(tmp_path / "full.h5", shaken(), ())
+    with Results.open(tmp_path / "short.h5") as short, Results.open(tmp_path / "full.h5") as full:
+        told = restless(full, PAUSES, GRAVITY, DT, 0.1)  # 0.1 g h sqrt(4) = 3.9 mm/s, still is 1 mm/s
+        assert [line.split('"')[1] for line in told] == ["first", "second"]
+        assert "0.0039 m/s" in told[0]
+        assert restless(full, PAUSES, GRAVITY, DT, 0.01) == []
+        assert restless(short, PAUSES, GRAVITY, DT, 0.1) == []
 
 
 def test_each_shock_adds_to_the_damage(tmp_path: Path) -> None:

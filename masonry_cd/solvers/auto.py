@@ -109,7 +109,7 @@ class _Search:
             limit = min(limit, self.options.max_iterations - sum(self.iterations))
         begin = self.start if method == INTERIOR else self.best
         if begin is not None and self.last is not None:
-            begin = Solution(begin.impulse, None, 0, memory=self.last.memory)
+            begin = Solution(begin.impulse, begin.velocity, 0, memory=self.last.memory)
         options = replace(self.options, max_iterations=limit, tolerance=tolerance)
         self.last = METHODS[method].solve(self.problem, options, begin)
         self.iterations[method] += self.last.iterations
