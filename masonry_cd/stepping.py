@@ -277,7 +277,7 @@ class Stepper:
         return is_open
 
     def friction_problem(self) -> tuple[FrictionProblem, Solution]:
-        """The friction problem of the state, which stands at q_m, and what to start from: the velocities, and the impulses of the last step."""
+        """The friction problem of the state, which stands at q_m, and the impulses and velocities of the last step to start from."""
         a, state, h = self.assembly, self.state, self.settings.dt
         gravity = self._acceleration[self.load_step + 1]
         self._rotation = rotation_matrices(state.orientation)

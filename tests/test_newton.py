@@ -31,7 +31,7 @@ def test_finishes_what_others_began(local: bool, speed: float) -> None:
 def test_convergence_is_faster_than_linear() -> None:
     """Once the contacts have found their states, one step gains more than three digits."""
     problem = thrown(0.05)
-    start = SOLVERS["admm"](problem, Options(tolerance=1e-3), None)
+    start = SOLVERS["admm"](problem, Options(tolerance=1e-6), None)
     errors = []
     for steps in range(1, 10):
         errors.append(natural_map_error(problem, solve(problem, Options(tolerance=1e-15, max_iterations=steps), start).impulse))
