@@ -71,7 +71,8 @@ def build_structure(scene: Scene) -> tuple[list[Block], list[str]]:
     import structures
 
     try:
-        return structures.build_with_notes(scene.structure, scene.material.density, scene.folder)
+        with np.errstate(all="ignore"):  # blocks that are not finite are refused by name
+            return structures.build_with_notes(scene.structure, scene.material.density, scene.folder)
     except InputError as error:
         raise scene.at_fault(error) from None
 
@@ -99,7 +100,7 @@ def prepare(scene: Scene) -> Case:
         raise InputError(f"{scene.path}: loads: the base is shaken, but no block of the structure is fixed")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
-    with said_if_slow("compiling the kernels, once: this takes about a minute and is kept for later runs"):
+    with said_if_slow("compiling the kernels, once: this takes up to a minute and is kept for later runs"):
         joints = find_joints(assembly)
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))
     gravity = float(np.linalg.norm(scene.run.gravity))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,11 +22,14 @@ Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but warn
 
 
 def free_folder(folder: Path, marks: tuple[str, ...], force: bool) -> None:
-    """Refuse a folder that holds results, or is none."""
+    """Refuse a folder that holds results, is none, or cannot be written."""
     from masonry_cd.errors import InputError
 
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file; -o names a folder")
+    there = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    if not there.is_dir():
+        raise InputError(f"{there}: is a file; -o names a folder")
+    if not os.access(there, os.W_OK):
+        raise InputError(f"{there}: nothing may be written there; -o names another folder")
     if not force and any((folder / mark).exists() for mark in marks):
         raise InputError(f"{folder}: holds results already; choose another folder, or --force to overwrite them")
 
@@ -42,6 +46,9 @@ def told() -> Iterator[None]:
         raise typer.Exit(2) from None
     except OSError as error:
         typer.echo(f"masonry-cd: error: {error}", err=True)
+        raise typer.Exit(1) from None
+    except MemoryError as error:
+        typer.echo(f"masonry-cd: error: not enough memory: {error}", err=True)
         raise typer.Exit(1) from None
     except KeyboardInterrupt:
         typer.echo("masonry-cd: interrupted", err=True)

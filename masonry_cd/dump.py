@@ -11,7 +11,6 @@ from pathlib import Path
 
 from masonry_cd.errors import InputError
 from masonry_cd.friction import FrictionProblem
-from masonry_cd.problem_files import write_problem
 
 FILES = "problem_[0-9]*.npz"  # what a run may have left in its folder
 
@@ -53,6 +52,8 @@ class Dump:
     def __call__(self, step: int, name: str, problem: FrictionProblem) -> None:
         """Write a problem if it belongs to one of the steps."""
         if step in self._steps:
+            from masonry_cd.problem_files import write_problem  # scipy comes with it
+
             path = self._folder / f"problem_{step}{'_' if name else ''}{name}.npz"
             write_problem(path, problem)
             self.written.append(path)

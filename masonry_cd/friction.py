@@ -25,11 +25,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import sparse
 
 from masonry_cd import coulomb, kinematics
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +130,8 @@ class FrictionProblem:
 
     def jacobian_matrix(self) -> sparse.csr_matrix:
         """H as a sparse matrix (C m, B n)."""
+        from scipy import sparse  # a run has no use for it
+
         m, n = self.dimension, self.v_free.shape[1]
         rows, columns, data = [], [], []
         for side in range(2):
@@ -140,6 +145,8 @@ class FrictionProblem:
 
     def to_local(self) -> LocalProblem:
         """The same problem with W + C assembled as a sparse matrix."""
+        from scipy import sparse
+
         h, n, blocks = self.jacobian_matrix(), self.v_free.shape[1], len(self.inverse_mass)
         inverse = sparse.bsr_matrix((self.inverse_mass, np.arange(blocks), np.arange(blocks + 1)), (blocks * n, blocks * n))
         delassus = h @ inverse @ h.T

@@ -29,6 +29,8 @@ from masonry_cd.errors import InputError, parse_table
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Count = Annotated[int, Strict()]
+Flag = Annotated[bool, Strict()]
+MOST_STEPS = 1e8  # of a run: more than years of computing, and gigabytes of loads
 SolverName = Literal["auto", "nlgs", "admm", "newton", "interior"]
 
 
@@ -36,7 +38,7 @@ def _three_numbers(value: object) -> object:
     """Say what is expected of a vector before pydantic speaks of tuples."""
     if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 3:
         return tuple(value)
-    raise ValueError(f"should be three numbers [x, y, z], got {value!r}")
+    raise ValueError("should be three numbers [x, y, z]")
 
 
 def _list_of_numbers(value: object) -> object:
@@ -148,11 +150,11 @@ class Run(_Table):
     """Cores to use."""
     frames_per_second: Annotated[Number, Field(gt=0)] = 50.0
     """Frames written per second of the simulated time [1/s]."""
-    planar: bool = True
+    planar: Flag = True
     """Solve a scene that moves in its plane with half the contacts and three unknowns per block; the answer is the same."""
-    islands: bool = True
+    islands: Flag = True
     """Solve by itself what touches the rest only through supports, and let it sleep while it rests; the answer is the same."""
-    settle: bool = True
+    settle: Flag = True
     """Let elastic joints take up the weight before the run begins; else it comes upon them at once, and they swing."""
     gravity: Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)] = (0.0, 0.0, -9.81)
     """[m/s2]."""
@@ -161,6 +163,10 @@ class Run(_Table):
     def _at_least_a_step(self) -> Run:
         if self.duration < self.dt:
             raise ValueError(f"duration {self.duration:g} s is shorter than one step dt {self.dt:g} s")
+        if self.duration > MOST_STEPS * self.dt:
+            raise ValueError(
+                f"duration {self.duration:g} s takes {self.duration / self.dt:.2g} steps of dt {self.dt:g} s; at most {MOST_STEPS:g}"
+            )
         return self
 
     @property
@@ -177,7 +183,7 @@ class Run(_Table):
 class Report(_Table):
     """The table ``[report]``: what is drawn after the run."""
 
-    crack_map: bool = False
+    crack_map: Flag = False
     """Draw crack_map.png."""
     view: Literal["auto", "front", "back", "side", "top", "isometric"] = "auto"
     """From where."""
@@ -187,7 +193,7 @@ class Report(_Table):
     """Smallest opening of a joint that counts as opened [m]."""
     slid: Annotated[Number, Field(gt=0)] = 1e-4
     """Smallest sliding of a joint that counts as slid [m]."""
-    damage: bool = False
+    damage: Flag = False
     """Write the damage by part: damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json."""
     grades: dict[str, Any] = {}
     """Thresholds and labels of the grades D0 to D5; checked by the room reports."""
@@ -195,13 +201,13 @@ class Report(_Table):
     """Where the last class of the crack map's colours begins [m]."""
     cut: str = ""
     """Plane by which the crack map is cut: "y=1.5" [m], or "y" for the middle."""
-    thrust: bool = False
+    thrust: Flag = False
     """Draw the line of thrust in it."""
     times: Annotated[tuple[Annotated[Number, Field(ge=0)], ...], BeforeValidator(_list_of_numbers)] = ()
     """Draw crack maps at these times as well [s]."""
-    animation: bool = False
+    animation: Flag = False
     """Draw crack_map.gif."""
-    html: bool = False
+    html: Flag = False
     """Write report.html, a page that shows the run."""
 
     @property
@@ -303,7 +309,7 @@ def report_of(text: str, **changes: object) -> Report:
 def _read_text(path: Path) -> str:
     """The text of a file, or one line on why there is none."""
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a mark of its encoding
     except FileNotFoundError:
         raise InputError(f"{path}: no such scene file") from None
     except IsADirectoryError:

@@ -167,7 +167,7 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
 def _load(path: Path) -> dict[str, Any]:
     """Parse the JSON text."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as failure:
         raise InputError(f"{path.name}: cannot be read, {failure.strerror}") from None
     except UnicodeDecodeError:

@@ -168,9 +168,10 @@ def test_a_folder_with_a_run_is_kept_unless_forced(block_on_plate, tmp_path):
 
 def test_the_output_must_be_a_folder(block_on_plate, tmp_path):
     (tmp_path / "out").write_text("a file")
-    result = masonry_cd("run", block_on_plate(), "-o", tmp_path / "out")
-    assert result.exit_code == 2
-    assert "is a file" in result.stderr
+    for folder in (tmp_path / "out", tmp_path / "out" / "first"):
+        result = masonry_cd("run", block_on_plate(), "-o", folder)
+        assert result.exit_code == 2
+        assert f"{tmp_path / 'out'}: is a file" in result.stderr
 
 
 def test_ctrl_c_leaves_readable_results(block_on_plate, tmp_path):

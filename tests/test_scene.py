@@ -165,6 +165,8 @@ def test_toml_written_reads_back_the_same():
         (("density = 2200\n", ""), "material.density: missing"),
         (('[[loads]]\nkind = "gravity"\n\n[[loads]]', "[loads]"), "loads: every load is a table of its own, headed [[loads]]"),
         (("crack_map = true", "crack_map = 3"), "report.crack_map: input should be a valid boolean"),
+        (("crack_map = true", "crack_map = 'yes'"), "report.crack_map: input should be a valid boolean, got 'yes'"),
+        (("duration = 8.0", "duration = 1e12"), "run: duration 1e+12 s takes 1e+15 steps of dt 0.001 s; at most 1e+08"),
         (("[run]\ndt", "[run]\nsolver = 'nlgz'\ndt"), "run.solver: input should be 'auto', 'nlgs', 'admm'"),
         (("[run]\ndt", "[run]\ngravity = -9.81\ndt"), "run.gravity: should be three numbers [x, y, z], got -9.81"),
         (("radius = 10.0", "radius = 10.0 m"), "scene.toml:4: not valid TOML"),
@@ -195,6 +197,12 @@ def test_bad_overrides_are_named_in_one_line(write, override, message):
         read_scene(write(GOOD), [override])
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_mark_of_the_encoding_at_the_head_is_no_error(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(GOOD, encoding="utf-8-sig")
+    assert read_scene(path).run.duration == 8.0
 
 
 def test_a_missing_file_a_folder_and_a_binary_file(tmp_path):
