@@ -35,8 +35,7 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     Raises:
         InputError: there is none, or it cannot be read.
     """
-    if not path.exists():
-        raise InputError(f"{path}: nothing to resume from: the run ended, or was stopped before its first checkpoint")
+    require(path)
     try:
         with np.load(path, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files if name != "numbers"}
@@ -44,6 +43,12 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     except (OSError, ValueError, KeyError) as reason:
         raise InputError(f"{path}: not a readable checkpoint: {reason}") from None
     return arrays, numbers
+
+
+def require(path: Path) -> None:
+    """Raise an InputError where there is no checkpoint."""
+    if not path.exists():
+        raise InputError(f"{path}: nothing to resume from: the run ended, or was stopped before its first checkpoint")
 
 
 def prefixed(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -80,7 +80,11 @@ def run(
     """
     with told():
         free_folder(output, ("result.h5", "summary.json"), force or resume)
+        from masonry_cd import checkpoint
         from masonry_cd.scene import read_scene
+
+        if resume:
+            checkpoint.require(output / checkpoint.NAME)
 
         asked = read_scene(scene, set_ or ())
         from masonry_cd import case  # numba and the kernels come with it, after the cheap checks
