@@ -22,9 +22,9 @@ from masonry_cd.dump import FILES, Dump
 from masonry_cd.errors import InputError
 from masonry_cd.explain import left_out
 from masonry_cd.joints import Joints, find_joints
-from masonry_cd.load_outcome import outcome, outcome_lines
+from masonry_cd.load_outcome import joints_in_words, outcome, outcome_lines
 from masonry_cd.planar import find_plane
-from masonry_cd.progress import Interrupt, Progress, in_words, said_if_slow
+from masonry_cd.progress import Interrupt, Progress, in_words, length, said_if_slow
 from masonry_cd.rests import Rests
 from masonry_cd.results import Results, ResultWriter
 from masonry_cd.runner import RunReport
@@ -42,6 +42,8 @@ OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
     "damage_shocks.csv", "crack_map.png", "crack_map.gif", "energy.png", "report.html", "report.pdf",
 )  # fmt: skip
+
+TOLD = 1e-3  # share of the largest work from which on the closing lines tell what the correction of overlaps put in
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,7 +252,7 @@ def _summary(case: Case, report: RunReport) -> dict[str, Any]:
         "islands": {"mean": report.islands_mean, "max": report.islands_max, "sleeping_mean": report.sleeping_mean},
         "left_out": {"steps_without_iterations": report.steps_as_before} | report.left_out,
         "penetration_max": report.penetration_max,
-        "energy": energy | {"balance_error": report.balance_error},
+        "energy": energy | {"balance_error": report.balance_error, "lift_share": report.lift_share},
         "loads": case.loading.summary,
     }
 
@@ -274,6 +276,8 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     """What happened, in words."""
     s, solver, energy = summary, summary["solver"], summary["energy"]
     per_step = s["stepping_seconds"] / max(1, s["steps"])
+    lifted = energy.get("lift_share", 0.0)
+    lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if lifted >= TOLD else ""
     bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
     return [
         f"{s['title']}: {s['steps']} steps of {length(s['dt'], 's')} in {in_words(s['wall_seconds'])}, {length(per_step, 's')} per step",
@@ -285,18 +289,15 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         f"largest penetration {length(s['penetration_max'])}",
         f"solver {solver['name']}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
-        f"energy: balance closed to {energy['balance_error']:.1e} of the largest work done",
+        f"energy: balance closed to {energy['balance_error']:.1e} of the largest work done{lift}",
     ]
 
 
 def damage_line(s: dict[str, Any]) -> str:
     """The damage in one line."""
     fallen = f"{s['collapsed_blocks'] or 'none'} of {s['blocks']} blocks fell"
-    return (
-        f"joints: {s['joints']}, of which {s['joints_opened']} opened (at most {length(s['opening_max'])}), {s['joints_slid']} slid "
-        f"(at most {length(s['sliding_max'])}), {s['joints_separated']} separated; {fallen}; "
-        f"largest displacement relative to the base {length(s['displacement_max'])}"
-    )
+    moved = f"largest displacement relative to the base {length(s['displacement_max'])}"
+    return f"joints: {s['joints']}, of which {joints_in_words(s)}; {fallen}; {moved}"
 
 
 def _part_lines(s: dict[str, Any]) -> list[str]:
@@ -319,13 +320,3 @@ def _warnings(summary: dict[str, Any]) -> list[str]:
     if summary["stopped"]:
         lines.append(f"the run ended early, {summary['stopped']}; the results hold all frames up to there")
     return lines
-
-
-def length(value: float, unit: str = "m") -> str:
-    """A number with the prefix that reads best: ``1.2 mm``, ``0.5 m``, ``30 us``."""
-    if not math.isfinite(value):
-        return f"{value} {unit}"
-    for factor, prefix in ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")):
-        if abs(value) >= factor * 0.9995:
-            return f"{value / factor:.3g} {prefix}{unit}"
-    return f"{value:.3g} {unit}"

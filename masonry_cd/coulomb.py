@@ -21,8 +21,8 @@ Planar contacts (one tangent) use the same step with a second tangent that carri
 All kernels that call each other live in this one file: numba's cache does not notice a changed callee in another file. Hence its
 length. What sweeps call for each contact takes numbers, not arrays: an array that is passed on, or a view of one, has its references
 counted, which takes longer than the arithmetic. In order: the law and its natural map; Gauss-Seidel over bodies, coloured, and over local
-problems; sparse blocks; ADMM; Newton; both for local problems; the interior point method; proximal points. What each method does and why
-stands in its file in ``solvers``.
+problems; sparse blocks; ADMM; Newton; both for local problems; the interior point method; proximal points; these two for local
+problems. What each method does and why stands in its file in ``solvers``.
 """
 
 from __future__ import annotations
@@ -184,10 +184,10 @@ def _copy(source, target):
 def _project(xn: float, x1: float, x2: float, mu: float) -> tuple[float, float, float]:
     """Project (xn, x1, x2) onto Coulomb's cone |x_t| <= mu x_n."""
     tangent = _length(x1, x2)
+    if mu * tangent <= -xn:  # first, or else a frictionless contact that opens without sliding would pass for a point of the cone
+        return 0.0, 0.0, 0.0
     if tangent <= mu * xn:
         return xn, x1, x2
-    if mu * tangent <= -xn:
-        return 0.0, 0.0, 0.0
     height = (xn + mu * tangent) / (1.0 + mu * mu)
     scale = mu * height / tangent
     return height, scale * x1, scale * x2
@@ -1872,6 +1872,31 @@ def newton_local(data, indices, indptr, own, q, mu, d, place, plan, p, stiffness
     return iterations, smallest, begin
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def is_definite(data, indices, indptr, shift, place, plan, size_m):
+    """Whether the symmetric part of W, with shift added to its diagonal, is positive definite: all squares of D are (Sylvester)."""
+    count, m = len(place), len(size_m)
+    diagonal, lower = np.empty((count, m, m)), np.empty((len(plan.row), m, m))
+    squares, panels, others = _room(plan, size_m)
+    _place_blocks(data, indices, indptr, _identities(count, size_m), place, plan, True, diagonal, lower, lower, size_m)
+    for i in range(count):
+        for r in range(m):
+            diagonal[i, r, r] += shift
+    if not _factorise(plan, diagonal, lower, lower, squares, panels, others, True, size_m):
+        return False
+    for s in range(len(plan.first) - 1):
+        width = m * (plan.first[s + 1] - plan.first[s])
+        left = _view(squares, plan.square, s, width, size_m).copy()
+        for k in range(width):
+            if not left[k, k] > 0.0:
+                return False
+            for i in range(k + 1, width):
+                factor = left[i, k] / left[k, k]
+                for j in range(k + 1, width):
+                    left[i, j] -= factor * left[k, j]
+    return True
+
+
 # --- interior point over bodies -------------------------------------------------------------------------------------------------------
 
 
@@ -2349,4 +2374,253 @@ def proximal_bodies(
             _copy(trial, best_v)
     _copy(best, p)
     _put_back(best_v, order, v_out)
+    return iterations, smallest
+
+
+# --- interior point and proximal points for local problems -----------------------------------------------------------------------------
+#
+# In the impulses instead of the velocities: a step solves (I + S W) dp = r, S one block per contact. The problems come scaled, so that
+# trace(W_cc) = m; then the centring treats all contacts alike.
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _factorise_local(data, indices, indptr, blocks, place, plan, diagonal, lower, upper, factors, size_m):
+    """Factorise I + S W, S one block per contact. False if that fails."""
+    _place_blocks(data, indices, indptr, blocks, place, plan, False, diagonal, lower, upper, size_m)
+    for i in range(len(place)):
+        for r in range(len(size_m)):
+            diagonal[i, r, r] += 1.0
+    return _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], False, size_m)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _solve_local(plan, factors, place, right, x, size_m):
+    """x <- (I + S W)^-1 x, by contact; right (C, m) is room for x in the order of elimination."""
+    m = len(size_m)
+    for c in range(len(place)):
+        for i in range(m):
+            right[place[c], i] = x[c, i]
+    _solve_factorised(plan, factors[0], factors[1], factors[2], False, right, size_m)
+    for c in range(len(place)):
+        for i in range(m):
+            x[c, i] = right[place[c], i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _interior_direction_local(
+    data, indices, indptr, wanted, inverse, gain, miss, soft, plan, factors, place, right, dw, dp, dgamma, size_m, size_k
+):
+    """The step that changes the products as wanted and takes the other residual away, miss = W p + q - w: dw, dp, dgamma."""
+    m, k = len(size_m), len(size_k)
+    for c in range(len(dp)):
+        for i in range(k):
+            total = 0.0
+            for j in range(k):
+                total += inverse[c, i, j] * wanted[c, j]
+            for j in range(m):
+                total -= gain[c, i, j] * miss[c, j]
+            if i < m:
+                dp[c, i] = total
+            else:
+                dgamma[c] = total
+    _solve_local(plan, factors, place, right, dp, size_m)
+    _product(data, indices, indptr, dp, dw, size_m)
+    for c in range(len(dp)):
+        for j in range(m):
+            dgamma[c] -= gain[c, m, j] * dw[c, j]
+        for i in range(m):
+            dw[c, i] += miss[c, i] + soft[c, i] * dp[c, i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def interior_local(
+    data, indices, indptr, q, friction, place, plan, impulse, distance, stiffness, tolerance, limit, size_m, size_k
+):  # fmt: skip
+    """Interior point method over a scaled LocalProblem, as :func:`interior_bodies`: (I + G W) dp = r, G the first rows of the gains.
+
+    impulse holds the start and then the best answer found. Returns iterations and natural map error.
+    """
+    contacts, m, k = len(friction), len(size_m), len(size_k)
+    d = np.ones(contacts)
+    u, soft, right = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m))
+    w, p, gamma = np.empty((contacts, m)), np.empty((contacts, m)), np.empty(contacts)
+    dw, dp, dgamma = np.empty((contacts, m)), np.empty((contacts, m)), np.empty(contacts)
+    product, wanted, gain = np.empty((contacts, k)), np.empty((contacts, k)), np.empty((contacts, k, m))
+    undo, work, blocks = np.empty((contacts, k, k)), np.empty((3, k, k)), np.empty((contacts, m, m))
+    diagonal, lower, upper = np.empty((contacts, m, m)), np.empty((len(plan.row), m, m)), np.empty((len(plan.row), m, m))
+    factors = _room(plan, size_m)
+    mu = np.maximum(friction, 1e-6)  # a cone without width has no inside
+    size, shift = _size_of(q, d), distance * np.abs(q).max()
+    best = impulse.copy()
+    smallest = _local_norm(data, indices, indptr, q, friction, d, best, u, size_m) / size
+    for c in range(contacts):
+        gamma[c] = _move_inside(best[c], u[c], mu[c], 1.0, shift, w[c], p[c], m)
+    step, iterations, short = 1.0, 0, 0
+    while iterations < limit and smallest > tolerance and short < 6:
+        iterations += 1
+        _product(data, indices, indptr, p, u, size_m)
+        gap, regular = 0.0, True
+        for c in range(contacts):
+            for i in range(m):
+                soft[c, i] = 1.0 / stiffness
+                u[c, i] += q[c, i] - w[c, i]  # what w misses
+            _complementarity(w[c], p[c], gamma[c], mu[c], m, product[c])
+            gap += 0.5 * (product[c, 0] + product[c, 1]) / contacts
+            regular = _linearise_products(w[c], p[c], gamma[c], mu[c], soft[c], undo[c], gain[c], work, size_m, size_k) and regular
+            blocks[c] = gain[c, :m]
+        if not (gap > 0.0 and regular) or not _factorise_local(
+            data, indices, indptr, blocks, place, plan, diagonal, lower, upper, factors, size_m
+        ):
+            break
+        if _determinant_sign(plan, factors[0], size_m) < 0.0 and stiffness > 1.0:
+            stiffness = max(0.1 * stiffness, 1.0)  # beyond a turning point of the path
+            continue
+        centring, longest = 0.0, 0.0
+        for turn in range(3):
+            if turn == 2 and longest >= 0.1:
+                break
+            for c in range(contacts):
+                if turn == 1:
+                    _complementarity(dw[c], dp[c], dgamma[c], mu[c], m, wanted[c])
+                for i in range(k):
+                    wanted[c, i] = (centring * gap if i < 2 else 0.0) - product[c, i] - (wanted[c, i] if turn == 1 else 0.0)
+            _interior_direction_local(
+                data, indices, indptr, wanted, undo, gain, u, soft, plan, factors, place, right, dw, dp, dgamma, size_m, size_k
+            )
+            longest = _longest_step(w, p, gamma, mu, dw, dp, dgamma, size_m)
+            if turn == 0:
+                ahead, reach = 0.0, min(1.0, longest)
+                for c in range(contacts):
+                    _complementarity(dw[c], dp[c], dgamma[c], mu[c], m, wanted[c])
+                    ahead += 0.5 * (1.0 - reach) * (product[c, 0] + product[c, 1]) / contacts
+                    ahead += 0.5 * reach * reach * (wanted[c, 0] + wanted[c, 1]) / contacts
+                centring = max(min(1.0, max(ahead / gap, 0.0)) ** 3, 1e-6 if step > 0.2 else (0.5 if step > 0.05 else 1.0))
+        step = min(1.0, 0.99 * longest)
+        for c in range(contacts):
+            gamma[c] += step * dgamma[c]
+            for i in range(m):
+                w[c, i] += step * dw[c, i]
+                p[c, i] += step * dp[c, i]
+                impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+        short = short + 1 if step < 0.02 else 0
+        if step > 0.5:
+            stiffness = min(4.0 * stiffness, 1e8)
+        elif step < 0.1:
+            stiffness = max(0.25 * stiffness, 1.0)
+        error = _local_norm(data, indices, indptr, q, friction, d, impulse, dw, size_m) / size
+        if error < smallest:
+            smallest = error
+            best[:] = impulse
+        if not error < np.inf:
+            break
+    impulse[:] = best
+    return iterations, smallest
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, held, status, x, p, out, size_m):
+    """Trial impulses x and impulses p of the springs at velocities u (C, m), and out = W p + q - u; returns its norm.
+
+    The status of the contacts follows x, or is held as it is.
+    """
+    m, total = len(size_m), 0.0
+    for c in range(len(mu)):
+        for i in range(m):
+            x[c, i] = centre[c, i] - stiffness * u[c, i]
+        length = _length(x[c, 1], x[c, 2] if m == 3 else 0.0)
+        if not held:
+            status[c] = OPEN if x[c, 0] <= 0.0 else (STICK if length <= mu[c] * x[c, 0] else SLIP)
+        share = mu[c] * x[c, 0] / length if status[c] == SLIP and length > 0.0 else 1.0
+        for i in range(m):
+            p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
+    _product(data, indices, indptr, p, out, size_m)
+    for c in range(len(mu)):
+        for i in range(m):
+            out[c, i] += q[c, i] - u[c, i]
+            total += out[c, i] * out[c, i]
+    return np.sqrt(total)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def proximal_local(data, indices, indptr, q, mu, place, plan, p, tolerance, limit, size_m):
+    """Proximal points over a scaled LocalProblem, as :func:`proximal_bodies` but in u: du = r + W dp, (I + B W) dp = -B r, r = W p + q - u.
+
+    p holds the start and then the best answer found. Returns iterations (one factorisation each) and natural map error.
+    """
+    contacts, m = len(mu), len(size_m)
+    d, u, out = np.ones(contacts), np.empty(p.shape), np.empty(p.shape)
+    change, trial, right = np.empty(p.shape), np.empty(p.shape), np.empty(p.shape)
+    x, dx, blocks, rigid = np.empty(p.shape), np.empty(p.shape), np.empty((contacts, m, m)), np.empty((0, m))
+    diagonal, lower, upper = np.empty((contacts, m, m)), np.empty((len(plan.row), m, m)), np.empty((len(plan.row), m, m))
+    factors = _room(plan, size_m)
+    status, held = np.zeros(contacts, dtype=np.int64), np.zeros(contacts, dtype=np.int64)
+    size = _size_of(q, d)
+    smallest = error = _local_norm(data, indices, indptr, q, mu, d, p, u, size_m) / size
+    best, centre, centre_u = p.copy(), p.copy(), u.copy()
+    stiffness = min(max(1.0 / max(error, 1e-300), 1e2), 1e6)
+    iterations, failed = 0, 0
+    while iterations < limit and smallest > tolerance and failed < 16:
+        # the springs' problem to a hundredth of the error, from the centre
+        goal = size * max(1e-2 * error, 1e-3 * tolerance)
+        u[:] = centre_u
+        norm = _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, False, status, x, p, out, size_m)
+        begun, turned, last = iterations, 0, -1
+        while norm > goal and iterations < min(limit, begun + 60) and turned < 3:
+            _spring_blocks(mu, rigid, d, stiffness, status, x, blocks, size_m)
+            iterations += 1
+            if not _factorise_local(data, indices, indptr, blocks, place, plan, diagonal, lower, upper, factors, size_m):
+                break
+            for c in range(contacts):
+                for i in range(m):
+                    change[c, i] = 0.0
+                    for j in range(m):
+                        change[c, i] -= blocks[c, i, j] * out[c, j]
+            _solve_local(plan, factors, place, right, change, size_m)  # that of p
+            _product(data, indices, indptr, change, trial, size_m)
+            for c in range(contacts):
+                for i in range(m):
+                    change[c, i] = out[c, i] + trial[c, i]
+            step, new = 2.0, np.inf
+            held[:] = status
+            while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
+                step *= 0.5
+                for c in range(contacts):
+                    for i in range(m):
+                        trial[c, i] = u[c, i] + step * change[c, i]
+                new = _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, trial, False, status, x, p, out, size_m)
+            if new < (1.0 - 0.1 * step) * norm:
+                u[:], norm, last, turned = trial, new, -1, 0
+                continue
+            # no progress across the kinks: as far as the first of them, and the contact there changes its status
+            status[:] = held
+            _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, True, status, x, p, out, size_m)
+            for c in range(contacts):
+                for i in range(m):
+                    dx[c, i] = -stiffness * change[c, i]
+            step, which, other = _first_change(mu, status, x, dx, size_m)
+            if step < 1.0:
+                turned = turned + 1 if which == last and step < 1e-9 else 0
+                status[which], last = other, which
+            share = min(step, 0.5) if step >= 1.0 else step
+            for c in range(contacts):
+                for i in range(m):
+                    u[c, i] += share * change[c, i]
+            norm = _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, True, status, x, p, out, size_m)
+        solved, spent = norm <= goal, iterations - begun
+        new = _local_norm(data, indices, indptr, q, mu, d, p, trial, size_m) / size
+        if not solved and not new < error:
+            stiffness, failed = max(0.125 * stiffness, 1.0), failed + 1
+            continue
+        if not solved:
+            stiffness *= 0.25
+        elif spent <= 8:
+            stiffness *= 16.0 if new > 0.5 * error and spent < 4 else 4.0
+        error = new
+        stiffness = min(stiffness, max(1e13 * error, 1e4))  # or else rounding, EPSILON times it, shows
+        centre[:] = p
+        centre_u[:] = u
+        if error < smallest:
+            smallest = error
+            best[:] = p
+    p[:] = best
     return iterations, smallest

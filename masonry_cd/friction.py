@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from masonry_cd import coulomb, kinematics
+from masonry_cd.coulomb import EPSILON
 
 if TYPE_CHECKING:
     from scipy import sparse
@@ -192,6 +193,13 @@ class LocalProblem:
         out[row[on]] = blocks.data[on]
         return out
 
+    def scales(self) -> np.ndarray:
+        """d_c, (C,): trace(W_cc) / m, and the mean of the others where that is zero: no impulse changes the velocity of such a contact."""
+        d = np.trace(self.delassus_diagonal(), axis1=1, axis2=2) / self.dimension
+        nothing = d <= EPSILON * d.max(initial=0.0)
+        d[nothing] = d[~nothing].mean() if not nothing.all() else 1.0
+        return d
+
 
 Problem = FrictionProblem | LocalProblem
 
@@ -220,6 +228,6 @@ def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True
     if isinstance(problem, FrictionProblem):
         residual, size = coulomb.error_bodies(*problem.arrays(), impulse, scaled)
     else:
-        scale = np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / problem.dimension if scaled else np.ones(problem.contacts)
+        scale = problem.scales() if scaled else np.ones(problem.contacts)
         residual, size = coulomb.natural_map_norms(impulse, problem.apply(impulse), problem.q, problem.mu, scale)
     return float(residual / size if size > 0.0 else residual)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.progress import length
 from masonry_cd.results import Results
 
 if TYPE_CHECKING:
@@ -76,10 +77,14 @@ def outcome_lines(summary: dict[str, Any]) -> list[str]:
 
 def _shock_line(shock: dict[str, Any]) -> str:
     when = f"{shock['start']:.4g} to {shock['end']:.4g} s, rest to {shock['rest_end']:.4g} s"
+    return f'after "{shock["name"]}" ({when}): joints: {joints_in_words(shock)}; {shock["collapsed_blocks"] or "no"} blocks fell'
+
+
+def joints_in_words(damage: dict[str, Any]) -> str:
+    """How many joints opened, slid and came apart, and how far."""
     return (
-        f'after "{shock["name"]}" ({when}): {shock["joints_opened"]} joints opened (at most {1e3 * shock["opening_max"]:.3g} mm), '
-        f"{shock['joints_slid']} slid (at most {1e3 * shock['sliding_max']:.3g} mm), {shock['joints_separated']} separated; "
-        f"{shock['collapsed_blocks'] or 'no'} blocks fell"
+        f"{damage['joints_opened']} opened (at most {length(damage['opening_max'])}), {damage['joints_slid']} slid "
+        f"(at most {length(damage['sliding_max'])}), {damage['joints_separated']} separated"
     )
 
 

@@ -24,11 +24,13 @@ from typing import Any
 import h5py
 import numpy as np
 from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
+from masonry_cd.coulomb import is_definite
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.friction import FrictionProblem, LocalProblem, Problem, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.solvers import SOLVERS, Options, admm, nlgs
 
 UNSYMMETRIC = 1e-2  # of the largest entry: published problems reach 1e-3
 INDEFINITE = 1e-4  # of the largest diagonal entry
@@ -115,6 +117,9 @@ def solve_file(
 
 def load_kernels(solver: str, problem: Problem) -> None:
     """Let the kernels of a solver be compiled, or loaded, before time is taken; those of all for auto, which turns to any of them."""
+    if isinstance(problem, LocalProblem):  # any will do, and factorising a large one takes long
+        m = problem.dimension
+        problem = LocalProblem(sparse.identity(m, format="csr"), -np.ones((1, m)), np.ones(1))
     for name in SOLVERS if solver == "auto" else (solver,):
         SOLVERS[name](problem, Options(tolerance=1e-300, max_iterations=1), None)
 
@@ -156,7 +161,8 @@ def _compressed(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> spar
     """A matrix in compressed rows from its three arrays."""
     data, indices, indptr = (_vector(path, arrays, f"{name}_{part}") for part in ("data", "indices", "indptr"))
     rows, last = len(indptr) - 1, int(indices.max(initial=-1)) + 1
-    if rows < 0 or indptr[0] != 0 or indptr[-1] != len(data) or len(indices) != len(data) or (np.diff(indptr) < 0).any() or last < 0:
+    ordered = rows >= 0 and indptr[0] == 0 and indptr[-1] == len(data) and (np.diff(indptr) >= 0).all()
+    if not ordered or len(indices) != len(data) or (indices < 0).any():
         raise InputError(f"{path}: {name}_indptr and {name}_indices do not describe {name}_data as compressed rows")
     columns = 3 * len(arrays["mu"]) if name == "H" else max(rows, last)
     if name == "H" and "w" in arrays:
@@ -225,8 +231,9 @@ def _fclib_matrix(path: Path, group: h5py.Group, name: str) -> sparse.csr_matrix
     try:
         if nz >= 0:
             return sparse.coo_matrix((x[:nz], (i[:nz], p[:nz])), (rows, columns)).tocsr()
-        kind = sparse.csc_matrix if nz == -1 else sparse.csr_matrix
-        return kind((x, i, p), (rows, columns)).tocsr()
+        compressed = (sparse.csc_matrix if nz == -1 else sparse.csr_matrix)((x, i, p), (rows, columns))
+        compressed.check_format(full_check=True)
+        return compressed.tocsr()
     except ValueError as failure:
         raise InputError(f"{path}: {where}: {failure}") from None
 
@@ -272,9 +279,10 @@ def _local(path: Path, w: sparse.csr_matrix, q: np.ndarray, mu: np.ndarray) -> L
     m = _rows_per_contact(path, "q", q, mu)
     if w.shape != (len(q), len(q)):
         raise InputError(f"{path}: W is {w.shape[0]} x {w.shape[1]}, q has {len(q)} entries")
+    problem = LocalProblem(w, q.reshape(-1, m), mu)
     if len(mu):
-        _check_definite(path, w)
-    return LocalProblem(w, q.reshape(-1, m), mu)
+        _check_definite(path, problem)
+    return problem
 
 
 def _rows_per_contact(path: Path, name: str, vector: np.ndarray, mu: np.ndarray) -> int:
@@ -289,8 +297,9 @@ def _rows_per_contact(path: Path, name: str, vector: np.ndarray, mu: np.ndarray)
     return m
 
 
-def _check_definite(path: Path, w: sparse.csr_matrix) -> None:
+def _check_definite(path: Path, problem: LocalProblem) -> None:
     """W should be symmetric and positive semidefinite up to what published problems show."""
+    w = problem.w
     largest = abs(w).max()
     if not largest > 0:
         raise InputError(f"{path}: W is zero")
@@ -298,13 +307,10 @@ def _check_definite(path: Path, w: sparse.csr_matrix) -> None:
     if skew > UNSYMMETRIC:
         raise InputError(f"{path}: W is unsymmetric by {skew:.1e} of its largest entry, at most {UNSYMMETRIC:g} is taken for rounding")
     shift = INDEFINITE * w.diagonal().max()
-    shifted = (0.5 * (w + w.T) + shift * sparse.identity(w.shape[0])).tocsc()
-    try:  # without row exchanges the signs of U's diagonal are those of the eigenvalues (Sylvester)
-        pivots = splu(shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).U.diagonal()
-    except RuntimeError:
-        pivots = np.array([-1.0])
-    if (pivots <= 0).any():
-        raise InputError(f"{path}: W is indefinite: {(pivots <= 0).sum()} of its eigenvalues are below -{shift:.1e}")
+    blocks, indices, indptr, _ = nlgs.block_arrays(problem)
+    pattern = admm.contact_pattern(indices, indptr)
+    if not shift > 0.0 or not is_definite(blocks, indices, indptr, shift, pattern.place, pattern.plan, (0,) * problem.dimension):
+        raise InputError(f"{path}: W is indefinite: it has eigenvalues below -{max(shift, 0.0):.1e}")
 
 
 def _global(
@@ -323,17 +329,41 @@ def _global(
     if bodies is not None:
         return bodies
     try:
-        factors = splu(mass.tocsc())
+        delassus, q = _eliminate(mass, h, f)
     except RuntimeError:
         raise InputError(f"{path}: M is singular") from None
-    delassus = sparse.csr_matrix(h.T @ factors.solve(h.toarray()) + np.diag(compliance))
-    return _local(path, delassus, h.T @ factors.solve(f) + w, mu)
+    return _local(path, delassus + sparse.diags(compliance), q + w, mu)
+
+
+def _eliminate(mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray) -> tuple[sparse.csr_matrix, np.ndarray]:
+    """H^T M^-1 H and H^T M^-1 f, body by body: a body is a set of unknowns that M couples, such as the nodes of a deformable block.
+
+    Raises:
+        RuntimeError: M is singular.
+    """
+    count, body = connected_components(mass, directed=False)
+    order = np.argsort(body, kind="stable")
+    ends = np.cumsum(np.bincount(body, minlength=count))
+    mass, h, f = mass[order][:, order], h[order], f[order]
+    rows, columns, data = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+    q = np.zeros(h.shape[1])
+    for first, end in zip(np.concatenate([[0], ends[:-1]]), ends, strict=True):
+        own = h[first:end]
+        touched = np.unique(own.indices)
+        dense = own[:, touched].toarray()
+        solved = splu(mass[first:end, first:end].tocsc()).solve(np.column_stack([dense, f[first:end]]))
+        rows.append(np.repeat(touched, len(touched)))
+        columns.append(np.tile(touched, len(touched)))
+        data.append((dense.T @ solved[:, :-1]).ravel())
+        q[touched] += dense.T @ solved[:, -1]
+    entries = (np.concatenate(data), (np.concatenate(rows), np.concatenate(columns)))
+    return sparse.csr_matrix(entries, (h.shape[1], h.shape[1])), q
 
 
 def _as_bodies(
     mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray, w: np.ndarray, mu: np.ndarray, compliance: np.ndarray
 ) -> FrictionProblem | None:
-    """The problem over bodies of 6 (planar 3) unknowns, or None if M couples bodies or a contact touches more than two."""
+    """The problem over bodies of 6 (planar 3) unknowns, or None if M couples bodies or a contact touches none or more than two."""
     contacts, m = w.shape
     n = 6 if m == 3 else 3
     if len(f) % n:
@@ -352,7 +382,7 @@ def _as_bodies(
     rows = h.T.tobsr((m, n))
     rows.sort_indices()
     touched = np.diff(rows.indptr)
-    if (touched > 2).any():
+    if (touched > 2).any() or (touched == 0).any():
         return None
     bodies, jacobian = np.full((contacts, 2), -1), np.zeros((contacts, 2, m, n))
     for side in range(2):

@@ -5,6 +5,7 @@ A step may take microseconds, so a call costs no more than a look at the clock u
 
 from __future__ import annotations
 
+import math
 import signal
 import sys
 import threading
@@ -137,3 +138,13 @@ class Interrupt:
         if self.asked:
             raise KeyboardInterrupt
         self.asked = True
+
+
+def length(value: float, unit: str = "m") -> str:
+    """A number with the prefix that reads best: ``1.2 mm``, ``0.5 m``, ``30 us``."""
+    if not math.isfinite(value):
+        return f"{value} {unit}"
+    for factor, prefix in ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")):
+        if abs(value) >= factor * 0.9995:
+            return f"{value / factor:.3g} {prefix}{unit}"
+    return f"{value:.3g} {unit}"

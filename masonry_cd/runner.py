@@ -60,6 +60,11 @@ class RunReport:
         """Largest |balance| over the largest work done, or kinetic energy reached."""
         return self.balance_max / self.work_max if self.work_max > 0 else 0.0
 
+    @property
+    def lift_share(self) -> float:
+        """Work of lifting blocks out of overlaps over the same: energy that the correction of positions puts in, beside the balance."""
+        return abs(self.energy.get("correction", 0.0)) / self.work_max if self.work_max > 0 else 0.0
+
     def add(self, step: StepReport, tolerance: float, energy: Mapping[str, float]) -> None:
         """Take in one step and the energies after it."""
         n = self.steps

@@ -3,7 +3,8 @@
     put in = work of the supports + work of gravity (+ of point loads and ties)  =  kinetic + friction + impact (+ stored) + balance
 
 The losses lie on top of each other, so that their upper edge should follow the line of what was put in; the balance, what is left over, has
-a panel of its own as a share of the largest work.
+a panel of its own as a share of the largest work. The work of gravity is taken without the lifts that take overlaps away (a correction of
+positions, not of velocities): what these put in is drawn beside it, where there are any.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from reports.compare_picture import COLOURS
 from reports.sheet import FAINT, INK
 
 WORKS = (("base_work", "work of the base", "-"), ("gravity_work", "work of gravity", "--"), ("force_work", "work of forces", "-."))
+LIFT = (("correction", "lifts out of overlaps"),)
 GOES = (
     ("impact", "lost in impacts"), ("friction", "lost in friction"), ("damping", "lost in damping"), ("elastic", "stored in joints"),
     ("kinetic", "kinetic"),
@@ -51,7 +53,9 @@ def energy_picture(results: Results, path: Path) -> None:
     ends = np.cumsum([0.0, *(factor * energy[key][-1] for key, _ in goes)])
     names = [(0.5 * (ends[k] + ends[k + 1]), words, colours[key]) for k, (key, words) in enumerate(goes)]
     _names(upper, [*names, (float(put_in[-1]), "put in", INK)])
-    strokes = {key: stroke for key, _, stroke in WORKS}
+    strokes = {key: stroke for key, _, stroke in WORKS} | {"correction": ":"}
+    colours["correction"] = INK
+    works += _present(energy, LIFT)
     for key, _ in works:
         middle.plot(time, factor * energy[key], color=colours[key], linestyle=strokes[key], linewidth=1.8)
     _names(middle, [(factor * float(energy[key][-1]), words, colours[key]) for key, words in works])

@@ -55,6 +55,11 @@ class Opening:
         return (self.width**2 / 4.0 + self.rise**2) / (2.0 * self.rise)
 
     @property
+    def depth_key(self) -> str:
+        """The key that sets the depth: its own in a table of openings, else the width, of which it is a share."""
+        return f"{self.key}depth" if self.key.endswith("].") else f"{self.key}width"
+
+    @property
     def outer(self) -> float:
         """Radius of the extrados."""
         return self.inner + self.depth
@@ -139,7 +144,7 @@ def breaks(opening: Opening) -> list[tuple[float, str]]:
     if opening.sill > 0:
         found.append((opening.sill, f"{opening.key}sill"))
     if opening.skewback > opening.springing + SAME:
-        found.append((opening.skewback, f"{opening.key}depth"))
+        found.append((opening.skewback, opening.depth_key))
     return found
 
 
@@ -159,7 +164,7 @@ def haunch_break(opening: Opening, beds: Sequence[float], fixed: Sequence[float]
     angles = 0.5 * (FIRST + STEEP) + 0.5 * (STEEP - FIRST) * np.array([0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9])
     heights = opening.level + opening.outer * np.sin(angles)
     room = np.minimum(np.abs(heights[:, None] - np.array(fixed)[None, :]).min(axis=1), least)
-    return float(heights[np.argmax(room)]), f"{opening.key}depth"
+    return float(heights[np.argmax(room)]), opening.depth_key
 
 
 def _slope(opening: Opening, z: float) -> float:
@@ -262,7 +267,7 @@ def _corners(opening: Opening, beds: np.ndarray, target: float) -> tuple[np.ndar
         slopes = [_slope(opening, float(z)) for z in beds if opening.skewback + SAME < z < opening.level + opening.outer]
         steep = [slope for slope in slopes if slope <= STEEP]
         if not steep or steep[-1] < FIRST:
-            raise InputError(f"{opening.key}depth: no bed meets the haunches of this arch; take lower courses")
+            raise InputError(f"{opening.depth_key}: no bed meets the haunches of this arch; take lower courses")
         for slope in steep[:-1]:
             if min(slope - found[-1], steep[-1] - slope) * opening.outer >= 0.7 * target:
                 found.append(slope)

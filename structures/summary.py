@@ -3,6 +3,9 @@
 Every corner of a joint carries one normal and two tangential forces, and every free block has six equations of equilibrium. The
 degree of hyperstaticity is the difference of the two numbers; it is a lower bound of the dimension of the space of
 self-balanced contact forces, among which a rigid-block model cannot choose.
+
+A block hangs when no contact pushes it upwards at all: then nothing but friction on its sides holds it, as where no lintel or arch spans an
+opening. It may stand, but seldom should.
 """
 
 from __future__ import annotations
@@ -15,10 +18,12 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.blocks import Assembly, Block
-from masonry_cd.detection import Detector
+from masonry_cd.detection import ContactSet, Detector
 from masonry_cd.errors import InputError
 from masonry_cd.joints import Joints, find_joints
 from masonry_cd.state import State, rotation_matrices
+
+UPRIGHT = 1e-4  # sine of the slope of a joint: less is upright
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:
@@ -26,14 +31,15 @@ def report(blocks: Sequence[Block]) -> dict[str, Any]:
 
     Returns:
         blocks, fixed, joints, joint_area [m2], contacts, pieces, mass [kg], volume [m3], centre_of_mass [m], extent [m], hyperstaticity,
-        smallest and largest (name, volume, size), groups (blocks, mass). Masses and volumes are those of the free blocks.
+        smallest and largest (name, volume, size), hanging (names), groups (blocks, mass). Masses and volumes are those of the free blocks.
 
     Raises:
         InputError: a free block that touches nothing.
     """
     assembly = Assembly.from_blocks(blocks, 0.5)
     joints = find_joints(assembly)
-    pairs, contacts = _touching(assembly)
+    found = _contacts(assembly)
+    pairs, contacts = np.unique(found.bodies, axis=0).reshape(-1, 2), found.count
     free = ~assembly.fixed
     _check_loose(assembly, pairs)
     graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (assembly.count, assembly.count))
@@ -58,6 +64,7 @@ def report(blocks: Sequence[Block]) -> dict[str, Any]:
         "smallest": _one(assembly, int(order[0])),
         "largest": _one(assembly, int(order[-1])),
         "smallest_joint": _smallest(assembly, joints),
+        "hanging": _hanging(assembly, found),
         "groups": _groups(assembly),
     }
 
@@ -75,16 +82,26 @@ def lines(made: Mapping[str, Any]) -> list[str]:
         f"hyperstatic to degree {made['hyperstaticity']}",
         f"smallest block {small['name']} of {small['volume']:.3g} m3, largest {large['name']} of {large['volume']:.3g} m3",
     ]
+    if made["hanging"]:
+        names = ", ".join(made["hanging"][:3]) + (" ..." if len(made["hanging"]) > 3 else "")
+        text.append(f"{len(made['hanging'])} hang: nothing is under {names}, only friction on the sides (does something span the opening?)")
     groups = [f"{name} {group['blocks']} ({group['mass'] / 1e3:.4g} t)" for name, group in made["groups"].items()]
     return [*text, "groups: " + ", ".join(groups)]
 
 
-def _touching(assembly: Assembly) -> tuple[np.ndarray, int]:
-    """Pairs of blocks that touch at rest (n, 2), over faces, edges or corners, and the number of contacts."""
+def _contacts(assembly: Assembly) -> ContactSet:
+    """The contacts at rest, over faces, edges or corners."""
     state = State.at_rest(assembly)
     still = np.zeros((assembly.count, 6))
-    found = Detector(assembly).detect(state.position, rotation_matrices(state.orientation), still, 0.0, 0.0, np.zeros(3))
-    return np.unique(found.bodies, axis=0).reshape(-1, 2), found.count
+    return Detector(assembly).detect(state.position, rotation_matrices(state.orientation), still, 0.0, 0.0, np.zeros(3))
+
+
+def _hanging(assembly: Assembly, contacts: ContactSet) -> list[str]:
+    """Names of the free blocks that no contact pushes upwards."""
+    push = np.zeros(assembly.count)  # steepest upward normal on each block
+    np.maximum.at(push, contacts.bodies[:, 0], contacts.normal[:, 2])  # normals point to the first of the two
+    np.maximum.at(push, contacts.bodies[:, 1], -contacts.normal[:, 2])
+    return [assembly.names[b] for b in np.flatnonzero((push < UPRIGHT) & ~assembly.fixed)]
 
 
 def _check_loose(assembly: Assembly, pairs: np.ndarray) -> None:

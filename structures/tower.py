@@ -94,6 +94,12 @@ def belfry_opening(keys: TowerTable) -> tuple[Opening, ...]:
     course = keys.course_height
     sill = keys.belfry_sill or course * math.floor((keys.height - opening.height - opening.depth) / course - 2.0 + 1e-9)
     most = keys.height - opening.height - opening.depth - course
+    if most <= 0:
+        least = keys.height - most
+        raise InputError(
+            f"structure.height: must exceed {least:.4g} m for the belfry, whose arches need a course above them, got {keys.height:g}; "
+            "belfry_width = 0 leaves it out"
+        )
     if not 0 < sill <= most:
         raise InputError(f"structure.belfry_sill: must be above 0 and at most {most:.4g} m, got {sill:g}")
     return (replace(opening, sill=sill),)

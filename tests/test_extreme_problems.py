@@ -9,8 +9,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scenes
+from scipy import sparse
 
-from masonry_cd.friction import FrictionProblem, natural_map_error
+from masonry_cd.friction import FrictionProblem, LocalProblem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 
 TOLERANCE = 1e-8
@@ -103,6 +104,67 @@ SOLVABLE: dict[str, Callable[[], FrictionProblem]] = {
 def one_contact() -> FrictionProblem:
     """A box that lands on one corner."""
     return column(1).subset(np.array([0]))
+
+
+def local(w: np.ndarray | sparse.sparray, q: np.ndarray, mu: np.ndarray) -> LocalProblem:
+    """A problem in the impulses alone."""
+    return LocalProblem(sparse.csr_matrix(w), q.reshape(len(mu), -1), mu)
+
+
+def low_rank(contacts: int, rank: int, mu: float) -> LocalProblem:
+    """W of a low rank, with free velocities from its range."""
+    h = np.random.default_rng(7).normal(size=(3 * contacts, rank))
+    return local(h @ h.T, h @ np.random.default_rng(8).normal(size=rank), np.full(contacts, mu))
+
+
+def slippery_and_rough() -> LocalProblem:
+    """A wall thrown at 1 cm/s, whose contacts have mu 0 or mu 10 at random."""
+    problem = thrown(0.01)
+    return replace(problem, mu=np.random.default_rng(9).choice([0.0, 10.0], problem.contacts)).to_local()
+
+
+def with_still_contacts() -> LocalProblem:
+    """A wall, and contacts between supports: no impulse moves them, and their rows of W are zero."""
+    problem = thrown(0.01).to_local()
+    q = np.concatenate([problem.q, [[0.1, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]])
+    return local(sparse.block_diag([problem.w, np.zeros((9, 9))]), q, np.append(problem.mu, [0.5, 0.5, 0.0]))
+
+
+def frictionless_rows() -> LocalProblem:
+    """Normal rows only: the tangential ones of W are zero, and so is mu."""
+    h = np.zeros((90, 20))
+    h[::3] = np.random.default_rng(10).normal(size=(30, 20))
+    return local(h @ h.T, h @ np.random.default_rng(11).normal(size=20), np.zeros(30))
+
+
+LOCAL: dict[str, Callable[[], LocalProblem]] = {
+    "thrown at 0.1 m/s": lambda: thrown(0.1).to_local(),
+    "thrown, every contact three times": lambda: thrown(0.01).subset(np.repeat(np.arange(thrown(0.01).contacts), 3)).to_local(),
+    "mu 0 and mu 10": slippery_and_rough,
+    "heavy on light 1e4": lambda: heavy_on_light(1e4).to_local(),
+    "rows of zeros": with_still_contacts,
+    "normal rows only": frictionless_rows,
+    "dense, of low rank": lambda: low_rank(60, 40, 0.5),
+    "in units a million times larger": lambda: replace(thrown(0.1).to_local(), w=1e6 * thrown(0.1).to_local().w),
+}
+
+
+@pytest.mark.parametrize("name", LOCAL)
+def test_auto_solves_local_problems(name: str) -> None:
+    """W alone, singular, with rows of zeros, badly scaled: to 1e-8 all the same."""
+    problem = LOCAL[name]()
+    solution = SOLVERS["auto"](problem, Options(tolerance=TOLERANCE), None)
+    assert natural_map_error(problem, solution.impulse) <= TOLERANCE, solution.reason
+
+
+def test_supports_that_close_on_each_other_are_reported() -> None:
+    """No impulse can hold them apart: the others are solved, and the error is told."""
+    problem = with_still_contacts()
+    problem.q[-3:, 0] = -0.1
+    solution = SOLVERS["auto"](problem, Options(tolerance=TOLERANCE, max_iterations=400), None)
+    assert np.isfinite(solution.impulse).all()
+    assert "missed" in solution.reason
+    assert natural_map_error(problem, solution.impulse) > 1e-2
 
 
 @pytest.mark.parametrize("name", SOLVABLE)

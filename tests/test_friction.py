@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scenes
+from scipy import sparse
 
 from masonry_cd.friction import FrictionProblem, LocalProblem, natural_map_error
 
@@ -12,7 +13,7 @@ from masonry_cd.friction import FrictionProblem, LocalProblem, natural_map_error
 def project(x: np.ndarray, mu: float) -> np.ndarray:
     """Project one vector onto Coulomb's cone, by the definition: inside, polar, or onto the nearest generator."""
     normal, tangent = x[0], np.linalg.norm(x[1:])
-    if tangent <= mu * normal:
+    if normal >= 0.0 and tangent <= mu * normal:
         return x
     if mu * tangent <= -normal:
         return np.zeros_like(x)
@@ -43,6 +44,23 @@ def test_error_agrees_with_its_definition(softness: float, local: bool, scaled: 
     impulse = np.random.default_rng(1).normal(size=(problem.contacts, 3))
     checked = problem.to_local() if local else problem
     assert natural_map_error(checked, impulse, scaled) == pytest.approx(plain_error(problem, impulse, scaled), rel=1e-12)
+
+
+def test_frictionless_contact_that_opens_has_no_error() -> None:
+    """Without friction and without sliding: at the tip of the cone, not beyond it."""
+    problem = LocalProblem(sparse.identity(3, format="csr"), np.array([[0.1, 0.0, 0.0]]), np.zeros(1))
+    assert natural_map_error(problem, np.zeros((1, 3))) == 0.0
+
+
+@pytest.mark.parametrize(("velocity", "solved"), [(0.1, True), (0.0, True), (-0.1, False)])
+def test_contact_that_no_impulse_moves(velocity: float, solved: bool) -> None:
+    """Its rows of W are zero: it is judged by its velocity, on the scale of the other contacts."""
+    w = sparse.block_diag([np.eye(3), np.zeros((3, 3))], format="csr")
+    problem = LocalProblem(w, np.array([[-1.0, 0.0, 0.0], [velocity, 0.0, 0.0]]), np.array([0.5, 0.5]))
+    np.testing.assert_allclose(problem.scales(), 1.0)
+    error = natural_map_error(problem, np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))
+    assert (error < 1e-15) == solved
+    assert np.isfinite(error)
 
 
 def test_error_has_no_unit() -> None:

@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenes
+from scipy import sparse
 from test_extreme_problems import thrown
 
 from masonry_cd.case import prepare
-from masonry_cd.friction import Solution, natural_map_error
+from masonry_cd.friction import LocalProblem, Solution, natural_map_error
 from masonry_cd.scene import read_scene
 from masonry_cd.solvers import SOLVERS, Options
 from masonry_cd.stepping import Stepper
@@ -37,6 +38,18 @@ def test_solves_what_slides_and_lifts_off(speed: float) -> None:
     elsewhere = Solution(2.0 * solution.impulse[::-1], None, 0)
     again = solve(problem, Options(tolerance=1e-9), elsewhere)
     assert natural_map_error(problem, again.impulse) <= 1e-9
+
+
+@pytest.mark.parametrize("uneven", [0.0, 3.0])
+def test_solves_local_problems_that_slide(uneven: float) -> None:
+    """In the impulses alone, also where contacts are written in units that differ by six powers of ten: the error does not change."""
+    problem = thrown(0.1).to_local()
+    unit = 10.0 ** np.random.default_rng(4).uniform(-uneven, uneven, problem.contacts)
+    scale = sparse.diags(np.repeat(unit, 3))
+    problem = LocalProblem((scale @ problem.w @ scale).tocsr(), problem.q * unit[:, None], problem.mu)
+    solution = solve(problem, Options(tolerance=1e-8), None)
+    assert natural_map_error(problem, solution.impulse) <= 1e-8, solution.reason
+    assert solution.iterations <= 120  # from the first start
 
 
 def test_solves_an_aqueduct_that_slides_as_a_whole() -> None:

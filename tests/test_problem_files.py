@@ -134,6 +134,21 @@ def test_unsymmetric_matrix_is_refused(tmp_path: Path) -> None:
         read_problem(tmp_path / "p.npz")
 
 
+@pytest.mark.parametrize("wrong", [999, -1])
+def test_indices_out_of_range_are_told(tmp_path: Path, wrong: int) -> None:
+    """In compressed rows of both formats: never read from beyond an array."""
+    problem = scenes.tower(1).to_local()
+    write_problem(tmp_path / "p.hdf5", problem)
+    with h5py.File(tmp_path / "p.hdf5", "r+") as file:
+        file["fclib_local/W/i"][3] = wrong
+    with pytest.raises(InputError, match="fclib_local/W: indices must be"):
+        read_problem(tmp_path / "p.hdf5")
+    indices = problem.w.indices.copy()
+    indices[3] = wrong
+    with pytest.raises(InputError, match="W is 12 x 1000, q has 12" if wrong > 0 else "do not describe W_data as compressed rows"):
+        read_problem(broken(tmp_path, W_indices=indices))
+
+
 def test_files_that_are_no_problems(tmp_path: Path) -> None:
     """No file, no format, no FCLIB group, no HDF5: one line each."""
     (tmp_path / "text.hdf5").write_text("not HDF5")
@@ -158,3 +173,68 @@ def test_solver_and_tolerance_are_checked(tmp_path: Path) -> None:
         solve_file(tmp_path / "p.npz", solver="adm")
     with pytest.raises(InputError, match="tolerance"):
         solve_file(tmp_path / "p.npz", tolerance=0.0)
+
+
+def deformable(blocks: int, nodes: int) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray]:
+    """M, H (unknowns by rows) and f of a stack of blocks of so many nodes, which M couples, with one contact to a joint."""
+    rng, n = np.random.default_rng(6), 3 * nodes
+    root = rng.normal(size=(blocks, n, n))
+    mass = sparse.block_diag([a @ a.T + n * np.eye(n) for a in root], format="csr")
+    h = np.zeros((blocks * n, 3 * blocks))
+    for b in range(blocks):
+        columns = np.arange(3 * b, 3 * b + 3)
+        weights = rng.dirichlet(np.ones(nodes), 2)
+        for node in range(nodes):
+            h[b * n + 3 * node : b * n + 3 * node + 3, columns] = weights[0, node] * np.eye(3)[[1, 2, 0]].T
+            if b:
+                h[(b - 1) * n + 3 * node : (b - 1) * n + 3 * node + 3, columns] = -weights[1, node] * np.eye(3)[[1, 2, 0]].T
+    return mass, sparse.csr_matrix(h), rng.normal(size=blocks * n)
+
+
+def written_global(path: Path, mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray) -> Path:
+    """A global FCLIB problem of these, with friction 0.5."""
+    with h5py.File(path, "w") as file:
+        group = file.create_group("fclib_global")
+        for name, matrix in {"M": mass, "H": h}.items():
+            for key, value in zip(["m", "n", "nzmax", "nz"], (*matrix.shape, matrix.nnz, -2), strict=True):
+                group[f"{name}/{key}"] = np.array([value], dtype=np.int32)
+            group[f"{name}/p"], group[f"{name}/i"], group[f"{name}/x"] = matrix.indptr, matrix.indices, matrix.data
+        for name, vector in {"f": f, "w": np.zeros(h.shape[1]), "mu": np.full(h.shape[1] // 3, 0.5)}.items():
+            group[f"vectors/{name}"] = vector
+    return path
+
+
+def test_global_problem_of_deformable_blocks(tmp_path: Path) -> None:
+    """Blocks of 24 unknowns: W and q are those of the dense formula, and sparse; the problem is solved."""
+    mass, h, f = deformable(6, 8)
+    path = written_global(tmp_path / "p.hdf5", mass, h, f)
+    problem = read_problem(path)
+    assert isinstance(problem, LocalProblem)
+    inverse = np.linalg.inv(mass.toarray())
+    np.testing.assert_allclose(problem.w.toarray(), h.T @ inverse @ h.toarray(), atol=1e-14)
+    np.testing.assert_allclose(problem.q.ravel(), h.T @ inverse @ f, atol=1e-14)
+    assert problem.w.nnz < 0.5 * problem.q.size**2
+    assert solve_file(path)["error"] <= 1e-8
+
+
+def test_singular_mass_is_told(tmp_path: Path) -> None:
+    """A node without mass."""
+    mass, h, f = deformable(2, 8)
+    keep = sparse.diags((np.arange(mass.shape[0]) != 5).astype(float))
+    with pytest.raises(InputError, match="M is singular"):
+        read_problem(written_global(tmp_path / "p.hdf5", (keep @ mass @ keep).tocsr(), h, f))
+
+
+def test_one_negative_eigenvalue_is_found(tmp_path: Path) -> None:
+    """Symmetric, with a positive diagonal, and indefinite all the same; what rounding may do is let pass."""
+    local = scenes.wall(3, 3).to_local()
+    dense = local.w.toarray()
+    values, vectors = np.linalg.eigh(dense)
+    for depth, refused in ((1e-2, True), (1e-9, False)):
+        worse = dense - (values[0] + depth * dense.diagonal().max()) * np.outer(vectors[:, 0], vectors[:, 0])
+        write_problem(tmp_path / "p.npz", LocalProblem(sparse.csr_matrix(worse), local.q, local.mu))
+        if refused:
+            with pytest.raises(InputError, match="W is indefinite"):
+                read_problem(tmp_path / "p.npz")
+        else:
+            assert read_problem(tmp_path / "p.npz").contacts == local.contacts

@@ -46,8 +46,17 @@ def test_a_block_that_touches_nothing_is_an_error() -> None:
         structures.report(blocks)
 
 
+def test_a_block_between_two_others_hangs() -> None:
+    """Nothing but friction holds it; those beside it stand on the ground."""
+    blocks = [ground(2.0), *(box(f"b{k}", (0.5 * k - 1.0, -0.5, 0.3 * (k == 1)), (0.5 * k - 0.5, 0.5, 1.0)) for k in range(3))]
+    made = structures.report(blocks)
+    assert made["hanging"] == ["b1"]
+    assert "1 hang: nothing is under b1" in "\n".join(lines(made))
+
+
 @pytest.mark.parametrize("kind", ["wall", "column", "vault", "dome"])
 def test_every_kind_is_one_piece_by_default(kind: str) -> None:
     made = structures.report(build(kind))
     assert made["hyperstaticity"] > 0
     assert made["pieces"] == 1
+    assert made["hanging"] == []

@@ -183,11 +183,10 @@ def _reason(error: float, options: Options) -> str:
 
 def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
     """ADMM in the impulses: the same iteration by Woodbury's identity, with (W + R^-1) in place of (M + H^T R H)."""
-    blocks, indices, indptr, own = nlgs.block_arrays(problem)
-    d = np.trace(own, axis1=1, axis2=2) / problem.dimension
+    blocks, indices, indptr, _ = nlgs.block_arrays(problem)
     pattern = contact_pattern(indices, indptr)
     iterations, error = coulomb.admm_local(
-        blocks, indices, indptr, problem.q, problem.mu, d, pattern.order, pattern.place, pattern.plan, impulse, LOCAL_K,
+        blocks, indices, indptr, problem.q, problem.mu, problem.scales(), pattern.order, pattern.place, pattern.plan, impulse, LOCAL_K,
         options.tolerance, limit, (0,) * problem.dimension,
     )  # fmt: skip
     return Solution(impulse, None, iterations, _reason(error, options))

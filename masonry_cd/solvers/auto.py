@@ -9,7 +9,7 @@ for thousands of steps that then need none. So is the step after it, since the i
 was left.
 
 What neither solves (a structure that slides or rocks as a whole) goes to the interior point method, which starts near the impulses of the
-last step, not where the others got stuck, and from there to Newton again; a local problem to long runs of ADMM and Newton. While a
+last step, not where the others got stuck, and from there to Newton again; a local problem then to long runs of ADMM and Newton. While a
 structure slides or rocks this happens in step after step; then the interior point method comes first, and only every LOOK-th step begins
 as usual, to see whether it is over.
 
@@ -74,9 +74,10 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     if error <= NEARLY * options.tolerance:
         search.turn(first, min(limits[first], DEEP_LIMIT), deeper)
     tally[6] = float(options.tolerance < error <= NEARLY * options.tolerance)
-    usual, last_resort = ((first, limits[first]), (1 - first, limits[1 - first])), LONG_RUNS
-    if isinstance(problem, FrictionProblem):
-        last_resort = ((INTERIOR, interior.affordable(BUDGET / costs[NEWTON])), (NEWTON, 40))
+    usual = ((first, limits[first]), (1 - first, limits[1 - first]))
+    last_resort: tuple[tuple[int, int], ...] = ((INTERIOR, interior.affordable(BUDGET / costs[NEWTON])), (NEWTON, 40))
+    if not isinstance(problem, FrictionProblem):
+        last_resort += LONG_RUNS
     slides = tally[8] > STUCK and int(tally[2]) % LOOK != 0
     for method, limit in (*last_resort, *usual) if slides else (*usual, *last_resort):
         if not search.ended:
@@ -115,7 +116,7 @@ class _Search:
         self.iterations[method] += self.last.iterations
         self.story.append(NAMES[method])
         error = natural_map_error(self.problem, self.last.impulse)
-        if error < self.error:
+        if error < self.error or self.best is None:
             self.best, self.error = self.last, error
 
     def solution(self, tally: np.ndarray) -> Solution:

@@ -26,15 +26,19 @@ contact changes its status, as in pivoting methods (Ralph, Math. Oper. Res. 19, 
 cannot be solved so is tried with softer springs. Where ``newton`` moves its centre with every step, this one moves it when the springs'
 problem is solved.
 
+A local problem is solved in the same way in the impulses, u = W p + q, after scaling it so that all d = 1.
+
 Starting near the impulses of the last step is best; if that fails, from nearer, farther, or from nothing.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from masonry_cd import coulomb
-from masonry_cd.friction import FrictionProblem, Problem, Solution
+from masonry_cd.friction import LocalProblem, Problem, Solution
 from masonry_cd.solvers import admm, nlgs
 from masonry_cd.solvers.options import Options
 
@@ -42,45 +46,76 @@ DISTANCES = (1e-2, 1e-1, 1e-3)  # of the start from the walls of the cones, if t
 FAR = 1.0  # without
 TURN = 60  # iterations of the interior point method, and then of proximal points, from one start
 STIFFNESS = 1e4  # K at the start
+Method = Callable[[np.ndarray, float, int], tuple[int, float]]  # improves impulses (C, m) from a distance: iterations, error
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
     """Interior point and proximal points from one start after the other, until the natural map error is below the tolerance.
 
     Args:
-        problem: over bodies; a local problem goes to Gauss-Seidel.
+        problem: over bodies, or in the impulses alone.
         options: ``max_iterations`` counts factorisations.
         start: its impulse (C, m) is where to start near, its memory that of the step before.
     """
-    if not isinstance(problem, FrictionProblem) or problem.contacts == 0:
+    if problem.contacts == 0:
         return nlgs.solve(problem, options, start)
+    if isinstance(problem, LocalProblem):
+        return _solve_local(problem, options, start)
     arrays, n, m = problem.arrays(), problem.v_free.shape[1], problem.dimension
     memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
     pattern = memory.pattern
     given = (*arrays, pattern.order, pattern.plan, index, spot)
-    nothing, sizes = np.zeros((problem.contacts, m)), ((0,) * m, (0,) * n)
-    starts = [(nothing, FAR)]
-    if start is not None and start.impulse.any():
-        starts = [(start.impulse, distance) for distance in DISTANCES] + starts
+    sizes, velocity = ((0,) * m, (0,) * n), np.empty(problem.v_free.shape)
+
+    def interior(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
+        tail = (distance, STIFFNESS, options.tolerance, allowed, *sizes, (0,) * (m + 1))
+        return coulomb.interior_bodies(*given, impulse, velocity, *tail)
+
+    def proximal(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
+        return coulomb.proximal_bodies(*given, impulse, velocity, options.tolerance, allowed, *sizes)
+
+    begin = np.zeros((problem.contacts, m)) if start is None else start.impulse
+    best, iterations, error = _search(begin, interior, proximal, options)
+    return Solution(best, problem.body_velocity(best), iterations, _reason(error, options), memory.arrays())
+
+
+def _solve_local(problem: LocalProblem, options: Options, start: Solution | None) -> Solution:
+    """The same in the impulses, with W scaled to unit diagonal blocks in the mean: a centre is the same for all contacts then."""
+    blocks, indices, indptr, _ = nlgs.block_arrays(problem)
+    m, root, row = problem.dimension, np.sqrt(problem.scales())[:, None], np.repeat(np.arange(problem.contacts), np.diff(indptr))
+    pattern = admm.contact_pattern(indices, indptr)
+    scaled = blocks / (root[row] * root[indices])[:, :, None]
+    given = (scaled, indices, indptr, problem.q / root, problem.mu, pattern.place, pattern.plan)
+
+    def interior(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
+        tail = (distance, STIFFNESS, options.tolerance, allowed, (0,) * m, (0,) * (m + 1))
+        return coulomb.interior_local(*given, impulse, *tail)
+
+    def proximal(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
+        return coulomb.proximal_local(*given, impulse, options.tolerance, allowed, (0,) * m)
+
+    begin = np.zeros((problem.contacts, m)) if start is None else start.impulse * root
+    best, iterations, error = _search(begin, interior, proximal, options)
+    return Solution(best / root, None, iterations, _reason(error, options))
+
+
+def _search(begin: np.ndarray, interior: Method, proximal: Method, options: Options) -> tuple[np.ndarray, int, float]:
+    """Both methods from one start after the other: the best impulses, the iterations spent, and the error reached."""
+    starts = [(np.zeros_like(begin), FAR)]
+    if begin.any():
+        starts = [(begin, distance) for distance in DISTANCES] + starts
     limit = 2 * TURN * len(starts) if options.max_iterations is None else options.max_iterations
-    best, best_velocity, error, iterations = nothing, problem.v_free, np.inf, 0
-    velocity = np.empty(problem.v_free.shape)
-    for begin, distance in starts:
-        impulse = begin.copy()
-        for turn in range(2):
-            allowed = min(TURN, limit - iterations)
-            if turn == 0:
-                spent, reached = coulomb.interior_bodies(
-                    *given, impulse, velocity, distance, STIFFNESS, options.tolerance, allowed, *sizes, (0,) * (m + 1)
-                )
-            else:
-                spent, reached = coulomb.proximal_bodies(*given, impulse, velocity, options.tolerance, allowed, *sizes)
+    best, error, iterations = np.zeros_like(begin), np.inf, 0
+    for start, distance in starts:
+        impulse = start.copy()
+        for method in (interior, proximal):
+            spent, reached = method(impulse, distance, min(TURN, limit - iterations))
             iterations += spent
             if reached < error:
-                best, best_velocity, error = impulse.copy(), velocity.copy(), reached
+                best, error = impulse.copy(), reached
             if error <= options.tolerance or iterations >= limit:
-                return Solution(best, best_velocity, iterations, _reason(error, options), memory.arrays())
-    return Solution(best, best_velocity, iterations, _reason(error, options), memory.arrays())
+                return best, iterations, error
+    return best, iterations, error
 
 
 def affordable(iterations: float) -> int:

@@ -71,10 +71,9 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 def _solve_local(problem: LocalProblem, options: Options, start: Solution, limit: int) -> Solution:
     """Newton in the impulses: (I + B W) (p+ - p) = g - p, with W as it is given."""
     blocks, indices, indptr, own = nlgs.block_arrays(problem)
-    d = np.trace(own, axis1=1, axis2=2) / problem.dimension
     pattern, impulse = admm.contact_pattern(indices, indptr), start.impulse.copy()
     iterations, error, begin = coulomb.newton_local(
-        blocks, indices, indptr, own, problem.q, problem.mu, d, pattern.place, pattern.plan, impulse, STIFFNESS,
+        blocks, indices, indptr, own, problem.q, problem.mu, problem.scales(), pattern.place, pattern.plan, impulse, STIFFNESS,
         options.tolerance, limit, (0,) * problem.dimension,
     )  # fmt: skip
     return Solution(impulse, None, iterations, _reason(error, begin, options))

@@ -72,14 +72,19 @@ def _solve_coloured(problem: FrictionProblem, options: Options, impulse: np.ndar
 
 
 def block_arrays(problem: LocalProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """W of a local problem in blocks: data (nnz, m, m), indices, indptr, and its diagonal blocks (C, m, m)."""
+    """W of a local problem in blocks: data (nnz, m, m), indices, indptr, and its diagonal blocks (C, m, m).
+
+    Diagonal blocks that are zero are given as those of a typical contact: whatever stands there, the impulse is right when it stays.
+    """
     m = problem.dimension
-    blocks = problem.w.tobsr((m, m))
+    blocks, own, scales = problem.w.tobsr((m, m)), problem.delassus_diagonal(), problem.scales()
+    nothing = np.trace(own, axis1=1, axis2=2) < 0.5 * m * scales
+    own[nothing] = scales[nothing, None, None] * np.eye(m)
     return (
         np.ascontiguousarray(blocks.data, dtype=np.float64),
         blocks.indices.astype(np.int64),
         blocks.indptr.astype(np.int64),
-        problem.delassus_diagonal(),
+        own,
     )
 
 
