@@ -1878,11 +1878,11 @@ def is_definite(data, indices, indptr, shift, place, plan, size_m):
     count, m = len(place), len(size_m)
     diagonal, lower = np.empty((count, m, m)), np.empty((len(plan.row), m, m))
     squares, panels, others = _room(plan, size_m)
-    _place_blocks(data, indices, indptr, _identities(count, size_m), place, plan, True, diagonal, lower, lower, size_m)
+    _place_blocks(data, indices, indptr, _identities(count, size_m), place, plan, SYMMETRIC, diagonal, lower, lower, size_m)
     for i in range(count):
         for r in range(m):
             diagonal[i, r, r] += shift
-    if not _factorise(plan, diagonal, lower, lower, squares, panels, others, True, size_m):
+    if not _factorise(plan, diagonal, lower, lower, squares, panels, others, SYMMETRIC, size_m):
         return False
     for s in range(len(plan.first) - 1):
         width = m * (plan.first[s + 1] - plan.first[s])
@@ -2386,11 +2386,11 @@ def proximal_bodies(
 @njit(cache=True, nogil=True, error_model="numpy")
 def _factorise_local(data, indices, indptr, blocks, place, plan, diagonal, lower, upper, factors, size_m):
     """Factorise I + S W, S one block per contact. False if that fails."""
-    _place_blocks(data, indices, indptr, blocks, place, plan, False, diagonal, lower, upper, size_m)
+    _place_blocks(data, indices, indptr, blocks, place, plan, UNSYMMETRIC, diagonal, lower, upper, size_m)
     for i in range(len(place)):
         for r in range(len(size_m)):
             diagonal[i, r, r] += 1.0
-    return _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], False, size_m)
+    return _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], UNSYMMETRIC, size_m)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -2467,7 +2467,7 @@ def interior_local(
             _complementarity(w[c], p[c], gamma[c], mu[c], m, product[c])
             gap += 0.5 * (product[c, 0] + product[c, 1]) / contacts
             regular = _linearise_products(w[c], p[c], gamma[c], mu[c], soft[c], undo[c], gain[c], work, size_m, size_k) and regular
-            blocks[c] = gain[c, :m]
+            _copy(gain[c, :m], blocks[c])
         if not (gap > 0.0 and regular) or not _factorise_local(
             data, indices, indptr, blocks, place, plan, diagonal, lower, upper, factors, size_m
         ):
@@ -2510,10 +2510,10 @@ def interior_local(
         error = _local_norm(data, indices, indptr, q, friction, d, impulse, dw, size_m) / size
         if error < smallest:
             smallest = error
-            best[:] = impulse
+            _copy(impulse, best)
         if not error < np.inf:
             break
-    impulse[:] = best
+    _copy(best, impulse)
     return iterations, smallest
 
 
@@ -2562,8 +2562,8 @@ def proximal_local(data, indices, indptr, q, mu, place, plan, p, tolerance, limi
     while iterations < limit and smallest > tolerance and failed < 16:
         # the springs' problem to a hundredth of the error, from the centre
         goal = size * max(1e-2 * error, 1e-3 * tolerance)
-        u[:] = centre_u
-        norm = _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, False, status, x, p, out, size_m)
+        _copy(centre_u, u)
+        norm = _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, FREE, status, x, p, out, size_m)
         begun, turned, last = iterations, 0, -1
         while norm > goal and iterations < min(limit, begun + 60) and turned < 3:
             _spring_blocks(mu, rigid, d, stiffness, status, x, blocks, size_m)
@@ -2581,19 +2581,20 @@ def proximal_local(data, indices, indptr, q, mu, place, plan, p, tolerance, limi
                 for i in range(m):
                     change[c, i] = out[c, i] + trial[c, i]
             step, new = 2.0, np.inf
-            held[:] = status
+            _copy(status, held)
             while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
                 step *= 0.5
                 for c in range(contacts):
                     for i in range(m):
                         trial[c, i] = u[c, i] + step * change[c, i]
-                new = _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, trial, False, status, x, p, out, size_m)
+                new = _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, trial, FREE, status, x, p, out, size_m)
             if new < (1.0 - 0.1 * step) * norm:
-                u[:], norm, last, turned = trial, new, -1, 0
+                _copy(trial, u)
+                norm, last, turned = new, -1, 0
                 continue
             # no progress across the kinks: as far as the first of them, and the contact there changes its status
-            status[:] = held
-            _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, True, status, x, p, out, size_m)
+            _copy(held, status)
+            _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, HELD, status, x, p, out, size_m)
             for c in range(contacts):
                 for i in range(m):
                     dx[c, i] = -stiffness * change[c, i]
@@ -2605,7 +2606,7 @@ def proximal_local(data, indices, indptr, q, mu, place, plan, p, tolerance, limi
             for c in range(contacts):
                 for i in range(m):
                     u[c, i] += share * change[c, i]
-            norm = _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, True, status, x, p, out, size_m)
+            norm = _spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, HELD, status, x, p, out, size_m)
         solved, spent = norm <= goal, iterations - begun
         new = _local_norm(data, indices, indptr, q, mu, d, p, trial, size_m) / size
         if not solved and not new < error:
@@ -2617,10 +2618,10 @@ def proximal_local(data, indices, indptr, q, mu, place, plan, p, tolerance, limi
             stiffness *= 16.0 if new > 0.5 * error and spent < 4 else 4.0
         error = new
         stiffness = min(stiffness, max(1e13 * error, 1e4))  # or else rounding, EPSILON times it, shows
-        centre[:] = p
-        centre_u[:] = u
+        _copy(p, centre)
+        _copy(u, centre_u)
         if error < smallest:
             smallest = error
-            best[:] = p
-    p[:] = best
+            _copy(p, best)
+    _copy(best, p)
     return iterations, smallest
