@@ -109,6 +109,11 @@ def test_the_report_adds_up(unbroken):
     assert report.balance_error < 1e-10
 
 
+def test_lifts_out_of_overlaps_are_told_beside_the_balance():
+    assert RunReport().lift_share == 0.0
+    assert RunReport(work_max=200.0, energy={"correction": 5.0}).lift_share == pytest.approx(0.025)
+
+
 def test_what_a_gentle_run_leaves_out_is_counted(tmp_path):
     steps = 200
     velocity = still(steps)
