@@ -20,6 +20,7 @@ from masonry_cd.material import JointLaws, friction_table, joint_table
 from masonry_cd.scene import JointLaw
 
 Faces = tuple[tuple[int, ...], ...]
+NEXT, LAST = [1, 2, 0], [2, 0, 1]  # axes in cyclic order after x, y, z
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,9 +229,12 @@ def _shapes(blocks: Sequence[Block], centre: np.ndarray) -> Shapes:
 
 def loop_normal(loop: np.ndarray) -> np.ndarray:
     """Unit normal of a planar loop (n, 3) by Newell's sum, which holds for any convex or non-convex polygon."""
-    rest = np.roll(loop, -1, axis=0)
-    area = 0.5 * np.cross(loop - loop[0], rest - loop[0]).sum(axis=0)
-    return area / np.linalg.norm(area)
+    spoke = loop - loop[0]
+    rest = np.concatenate([spoke[1:], spoke[:1]])
+    ahead, back = spoke.take(NEXT, axis=1), spoke.take(LAST, axis=1)
+    cross = ahead * rest.take(LAST, axis=1) - back * rest.take(NEXT, axis=1)  # numpy's own takes several times as long on a few rows
+    area = 0.5 * cross.sum(axis=0)
+    return area / np.sqrt(area @ area)
 
 
 def _edges(faces: Faces, vertex_base: int, face_base: int) -> list[tuple[int, int, int, int]]:
