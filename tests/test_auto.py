@@ -11,7 +11,7 @@ from models import stepper, wall
 from test_extreme_problems import thrown
 
 from masonry_cd.friction import Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.solvers import SOLVERS, Options, auto
 
 solve = SOLVERS["auto"]
 
@@ -47,6 +47,17 @@ def test_learns_which_method_to_begin_with() -> None:
     again = solve(nearby, Options(tolerance=1e-10), Solution(second.impulse, None, 0, memory=second.memory))
     assert again.iterations == 0
     np.testing.assert_array_equal(again.memory["auto_tally"][:2], second.memory["auto_tally"][:2])
+
+
+@pytest.mark.parametrize(("dearer", "steps"), [(1.2, 60), (8.0, 400), (np.nan, 50)])
+def test_the_other_method_is_tried_the_more_seldom_the_dearer_it_was(dearer: float, steps: int) -> None:
+    """Trials of a method that took so many times as much are that many times as far apart, so that their share of all costs is the same."""
+    tally = auto._recall(None)
+    tally[auto.ADMM], tally[auto.NEWTON] = 1.0, dearer
+    chosen = [auto._prefer(tally) for _ in range(1000)]
+    tried = np.flatnonzero(np.array(chosen) == auto.NEWTON)
+    np.testing.assert_array_equal(np.diff(tried, prepend=-1), steps)
+    assert len(tried) == 1000 // steps
 
 
 @pytest.mark.parametrize("solver", ["admm", "newton", "auto"])

@@ -35,7 +35,7 @@ DEEP_LIMIT = 60  # iterations
 FAR = 1e3  # times the tolerance: if the last start was farther off, only every LOOK-th one is measured
 LOOK = 8
 STUCK = 0.5  # share of the last steps begun as usual that needed the interior point method, above which it comes first
-TRIAL = 50  # steps between two trials of the solver that is not preferred
+TRIAL = 50  # steps between two trials of the solver that is not preferred, times how much dearer it was
 ADMM, NEWTON, INTERIOR = 0, 1, 2
 METHODS = (admm, newton, interior)
 NAMES = ("admm", "newton", "interior")
@@ -130,19 +130,23 @@ class _Search:
 
 
 def _recall(start: Solution | None) -> np.ndarray:
-    """(9,) mean cost of steps begun with ADMM and with Newton, nan if unknown, the number of steps, what :func:`_costs` counted, whether
-    the last step was solved deeper than asked because it began close to the solution, the error at the last start looked at, and the share
-    of steps that needed the interior point method."""
+    """(10,) mean cost of steps begun with ADMM and with Newton, nan if unknown, the number of steps, what :func:`_costs` counted, whether
+    the last step was solved deeper than asked because it began close to the solution, the error at the last start looked at, the share
+    of steps that needed the interior point method, and the number of steps since the last trial."""
     if start is not None and "auto_tally" in start.memory:
         return start.memory["auto_tally"].copy()
-    return np.array([np.nan, np.nan, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    return np.array([np.nan, np.nan, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 
 
 def _prefer(tally: np.ndarray) -> int:
-    """The method to begin with."""
-    other_is_due = int(tally[2]) % TRIAL == TRIAL - 1
+    """The method to begin with; now and then, so that trials stay a small share of all costs, the other one."""
     cheaper = NEWTON if tally[NEWTON] < tally[ADMM] else ADMM
-    return 1 - cheaper if other_is_due else cheaper
+    dearer = tally[1 - cheaper] / tally[cheaper]
+    tally[9] += 1.0
+    if tally[9] < (TRIAL * dearer if dearer > 1.0 else TRIAL):
+        return cheaper
+    tally[9] = 0.0
+    return 1 - cheaper
 
 
 def _learn(tally: np.ndarray, first: int, spent: list[float]) -> None:
