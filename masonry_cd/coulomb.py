@@ -1481,10 +1481,11 @@ def admm_bodies(
         if not error < np.inf:
             _copy(best, p)
             _copy(best_v, v)
-        if iterations - switched >= 40 or (iterations - switched >= 20 and error > before):
-            if not error < 0.1 * before:
+        ends = iterations == limit and smallest > tolerance  # the next step begins with a k that suits this one better
+        if ends or iterations - switched >= 40 or (iterations - switched >= 20 and error > before):
+            if ends or not error < 0.1 * before:
                 share = own / error
-                if share > ALL:
+                if share > ALL and not ends:
                     k, fresh = min(5.0 * k, 1e6), True
                 elif share < BALANCE:
                     k, fresh = max(k * max(np.sqrt(share / BALANCE), 0.01), 1.0), True

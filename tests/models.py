@@ -69,7 +69,7 @@ def stepper(
     **settings: object,
 ) -> Stepper:
     """A stepper for a number of steps; ``joints`` are laws by pair of groups, ``settings`` keys of the table [run]."""
-    run = Run.model_validate({"dt": 1e-3, "duration": 1e9, "solver": "nlgs", "tolerance": 1e-10} | settings)
+    run = Run.model_validate({"dt": 1e-3, "duration": 1e3, "solver": "nlgs", "tolerance": 1e-10} | settings)
     velocity = still(steps) if support_velocity is None else support_velocity
     pull = gravity(steps) if acceleration is None else acceleration
     return Stepper(Assembly.from_blocks(blocks, friction, joints), velocity, pull, run, start)

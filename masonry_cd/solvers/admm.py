@@ -33,8 +33,8 @@ times. Measured from rest, k = 1e4 takes 16 iterations for towers of 50 and 33 f
 as many; on walls and arcades that are shaken without much damage 1e3 to 1e5 differ by less than a factor 2; smaller values pay where
 much slides: a church of 5,000 blocks that rattles takes k = 1 to 10 to errors of 5e-3. So: start at 1e4; where an iteration has not won a
 factor of 10 in 40 iterations, or is worse off after 20, look at the map error of the pair (p+, v+), which is what R is to make small, as
-a share of that of p^. If it is nearly all, k grows by 5; if little, k falls with its square root. And over a run a neighbouring k is
-tried now and then and kept if it took fewer iterations.
+a share of that of p^. If it is nearly all, k grows by 5; if little, k falls with its square root. It also falls where the limit of
+iterations ends a step before its time. And over a run a neighbouring k is tried now and then and kept if it took fewer iterations.
 
 **Cost.** The factorisation costs as much as ten to fifty iterations and is kept from step to step while it pays.
 """
