@@ -12,9 +12,10 @@ with C_i of the C contacts may leave
 which adds up to tolerance^2 size^2: half of it is shared out by size, half by contacts, so that an island that hardly moves is not solved
 to more digits than the others leave.
 
-**What holds islands together.** Each has a memory of its own, with a factorisation that fits its blocks. Islands that come into touch are
-one from then on; whether they have come apart is looked at in every REVIEW-th step only, or else a piece that bounces would have a church
-analysed anew each time.
+**What is solved together.** Calling a solver costs as much as some hundred contacts do, so islands of less than SMALL contacts are solved
+in groups of FULL contacts or a little more, those that sleep apart from the others. Each group has a memory of its own, with a
+factorisation that fits its blocks. Groups that come into touch are one from then on; what has come apart is looked at in every REVIEW-th
+step only, or else a piece that bounces would have a church analysed anew each time.
 """
 
 from __future__ import annotations
@@ -30,12 +31,13 @@ from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 from masonry_cd.solvers import Options, Solver
 
 REVIEW = 20  # steps
+SMALL, FULL = 16, 100  # contacts
 FORCES, IMPACTS = "forces", "impacts"
 LEARNT = "_tally"  # ends the names of what a solver learnt about its parameters; it outlives a change of the island
 
 
 class Islands:
-    """Solves friction problems island by island; an island goes by the first of its blocks.
+    """Solves friction problems island by island, small ones in groups; a group goes by the first of its blocks.
 
     Args:
         solver: of each island.
@@ -45,20 +47,24 @@ class Islands:
 
     def __init__(self, solver: Solver, bodies: int, apart: bool = True) -> None:
         self.solver, self._apart, self._age = solver, apart, 0
-        self._root = np.arange(bodies) if apart else np.zeros(bodies, dtype=np.int64)  # first block of the island of each
+        self._root = np.arange(bodies) if apart else np.zeros(bodies, dtype=np.int64)  # first block of the group of each
         self._asleep = np.zeros(bodies, dtype=np.bool_)  # by first block: the impulses of the step before did
         self._memory: dict[str, dict[int, dict[str, np.ndarray]]] = {FORCES: {}, IMPACTS: {}}  # of the solver, by first block
-        self.count = 0  # islands in the last problem
-        self.sleeping = 0.0  # share of all blocks whose island was not solved in it
+        self.count = 0  # islands at the last review
+        self.sleeping = 0.0  # share of all blocks whose group was not solved in the last problem
 
     def link(self, bodies: np.ndarray) -> None:
         """Take in the contacts (C, 2) of a step."""
         before, review = self._root, self._age % REVIEW == 0
         self._age += 1
+        if not self._apart:
+            self.count = 1
         if not self._apart or not (review or before.any()):  # all one island, and no other to meet
             return
         self._root = np.arange(len(before)) if review else before.copy()
         _link(bodies, self._root)
+        if review:
+            self.count = _gather(bodies, self._root, self._asleep[before], SMALL, FULL)
         for first in np.flatnonzero(_changed(before, self._root)).tolist():
             self._asleep[first] = False
             for memory in self._memory.values():
@@ -76,13 +82,12 @@ class Islands:
             kind: FORCES, the problem of the step, or IMPACTS, what is solved apart from it.
         """
         if problem.contacts == 0:
-            self.count, self.sleeping = 0, 0.0
+            self.sleeping = 0.0
             return self.solver(problem, options, start)
         if not self._root.any():
             return self._solve_whole(problem, options, start, kind)
         group, first = _groups(problem.bodies, self._root)
-        self.count, blocks = len(first), np.bincount(self._root, minlength=len(self._root))
-        residual, size = coulomb.errors_by_group(*problem.arrays(), np.ascontiguousarray(start.impulse), group, self.count)
+        residual, size = coulomb.errors_by_group(*problem.arrays(), np.ascontiguousarray(start.impulse), group, len(first))
         contacts = np.bincount(group)
         allowed = options.tolerance * np.sqrt(0.5 * (size**2 + (size @ size) * contacts / problem.contacts))
         tolerance = allowed / np.where(size > 0.0, size, 1.0)
@@ -90,12 +95,13 @@ class Islands:
         if kind == FORCES:
             rests &= self._asleep[first]
         out = self._solve_awake(problem, options, start, kind, group, first, np.flatnonzero(~rests), tolerance)
+        blocks = np.bincount(self._root)
         self.sleeping = float(blocks[first[self._asleep[first]]].sum()) / len(self._root)
         return out
 
     def _solve_whole(self, problem: FrictionProblem, options: Options, start: Solution, kind: str) -> Solution:
-        """Solve all blocks as one island."""
-        self.count, memory = 1, self._memory[kind]
+        """Solve all blocks together."""
+        memory = self._memory[kind]
         out = self.solver(problem, options, Solution(start.impulse, start.velocity, 0, memory=memory.get(0, {})))
         memory[0] = out.memory
         if kind == FORCES:
@@ -107,11 +113,11 @@ class Islands:
         self, problem: FrictionProblem, options: Options, start: Solution, kind: str, group: np.ndarray, first: np.ndarray,
         awake: np.ndarray, tolerance: np.ndarray,
     ) -> Solution:  # fmt: skip
-        """Solve some islands, each to a tolerance of its own; the others keep the impulses of the start."""
-        island = np.full(len(self._root), -1)
-        island[first] = np.arange(len(first))
+        """Solve some groups, each to a tolerance of its own; the others keep the impulses of the start."""
+        number = np.full(len(self._root), -1)
+        number[first] = np.arange(len(first))
         contacts, contact_start = _sorted(group, len(first))
-        blocks, block_start = _sorted(island[self._root], len(first))
+        blocks, block_start = _sorted(number[self._root], len(first))
         place, impulse, memory = np.empty(len(self._root), dtype=np.int64), start.impulse.copy(), self._memory[kind]
         hardest = Solution(impulse, None, 0, "as in the last step: converged")
         for i in awake.tolist():
@@ -130,7 +136,7 @@ class Islands:
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that the next step depends on, as arrays for a checkpoint."""
-        arrays = {"root": self._root, "asleep": self._asleep, "age": np.array(self._age)}
+        arrays = {"root": self._root, "asleep": self._asleep, "counts": np.array([self._age, self.count])}
         for kind, memory in self._memory.items():
             for first, own in memory.items():
                 arrays |= {f"{kind} {first} {name}": array for name, array in own.items()}
@@ -138,7 +144,7 @@ class Islands:
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Take back what :meth:`snapshot` gave."""
-        self._root, self._asleep, self._age = arrays["root"], arrays["asleep"], int(arrays["age"])
+        self._root, self._asleep, (self._age, self.count) = arrays["root"], arrays["asleep"], arrays["counts"].tolist()
         self._memory = {FORCES: {}, IMPACTS: {}}
         for key, array in arrays.items():
             if " " in key:
@@ -148,7 +154,7 @@ class Islands:
 
 @njit(cache=True, nogil=True)
 def _find(root, body):
-    """First block of the island of a body, by way of what ``root`` says so far."""
+    """First block of the group of a body, by way of what ``root`` says so far."""
     while root[body] != body:
         root[body] = root[root[body]]
         body = root[body]
@@ -157,7 +163,7 @@ def _find(root, body):
 
 @njit(cache=True, nogil=True)
 def _link(bodies, root):
-    """Unite the islands that contacts (C, 2) join; -1: a support."""
+    """Unite what contacts (C, 2) join; -1: a support."""
     for c in range(bodies.shape[0]):
         if bodies[c, 0] >= 0 and bodies[c, 1] >= 0:
             first, second = _find(root, bodies[c, 0]), _find(root, bodies[c, 1])
@@ -167,8 +173,38 @@ def _link(bodies, root):
 
 
 @njit(cache=True, nogil=True)
+def _gather(bodies, root, asleep, small, full):
+    """Put small islands into groups, sleeping ones apart, and return the number of islands that have contacts.
+
+    ``root`` (B,) holds the first block of the island of each block, then that of its group; ``asleep`` (B,) is by block.
+    """
+    contacts, count = np.zeros(root.shape[0], dtype=np.int64), 0
+    for c in range(bodies.shape[0]):
+        contacts[root[_host(bodies[c])]] += 1
+    open_group, load = np.full(2, -1), np.zeros(2, dtype=np.int64)  # of those awake, of those asleep
+    for b in range(root.shape[0]):
+        if root[b] != b:
+            root[b] = root[root[b]]  # its group, settled before
+        elif contacts[b] > 0:
+            count += 1
+            if contacts[b] < small:
+                kind = 1 if asleep[b] else 0
+                if open_group[kind] < 0 or load[kind] >= full:
+                    open_group[kind], load[kind] = b, 0
+                root[b] = open_group[kind]
+                load[kind] += contacts[b]
+    return count
+
+
+@njit(cache=True, nogil=True)
+def _host(pair):
+    """The block, or one of the two, that a contact is on."""
+    return pair[0] if pair[0] >= 0 else pair[1]
+
+
+@njit(cache=True, nogil=True)
 def _changed(before, now):
-    """(B,) True where b is the first block of an island now or was it before, and not of the same blocks."""
+    """(B,) True where b is the first block of a group now or was it before, and not of the same blocks."""
     out = np.zeros(before.shape[0], dtype=np.bool_)
     for b in range(before.shape[0]):
         if before[b] != now[b]:
@@ -178,11 +214,11 @@ def _changed(before, now):
 
 @njit(cache=True, nogil=True)
 def _groups(bodies, root):
-    """Island of each contact (C,), numbered as they come, and the first block of each island (I,)."""
+    """Group of each contact (C,), numbered as they come, and the first block of each group (G,)."""
     number, group, first = np.full(root.shape[0], -1), np.empty(bodies.shape[0], dtype=np.int64), np.empty(root.shape[0], dtype=np.int64)
     count = 0
     for c in range(bodies.shape[0]):
-        r = root[max(bodies[c, 0], bodies[c, 1])] if min(bodies[c, 0], bodies[c, 1]) < 0 else root[bodies[c, 0]]
+        r = root[_host(bodies[c])]
         if number[r] < 0:
             number[r], first[count] = count, r
             count += 1
