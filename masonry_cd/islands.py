@@ -12,10 +12,11 @@ with C_i of the C contacts may leave
 which adds up to tolerance^2 size^2: half of it is shared out by size, half by contacts, so that an island that hardly moves is not solved
 to more digits than the others leave.
 
-**What is solved together.** Calling a solver costs as much as some hundred contacts do, so islands of less than SMALL contacts are solved
-in groups of FULL contacts or a little more, those that sleep apart from the others. Each group has a memory of its own, with a
-factorisation that fits its blocks. Groups that come into touch are one from then on; what has come apart is looked at in every REVIEW-th
-step only, or else a piece that bounces would have a church analysed anew each time.
+**What is solved together.** Calling a solver costs as much as some hundred contacts do. In every REVIEW-th step the islands are found anew
+and gathered: those that are easy (no solve took more than EASY iterations since the last review) and those at rest in groups of up to FULL
+contacts each; hard ones are solved alone. If all are easy there is nothing to win, and they stay one problem. Each group has a memory of
+its own, with a factorisation that fits its blocks. Groups that come into touch are one until the next review, or else a piece that bounces
+would have a church analysed anew each time.
 """
 
 from __future__ import annotations
@@ -31,8 +32,10 @@ from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 from masonry_cd.solvers import Options, Solver
 
 REVIEW = 20  # steps
-SMALL, FULL = 16, 100  # contacts
+EASY = 40  # iterations
+FULL = 400  # contacts
 FORCES, IMPACTS = "forces", "impacts"
+HARD = 2  # kind of an island; of others whether they are at rest
 LEARNT = "_tally"  # ends the names of what a solver learnt about its parameters; it outlives a change of the island
 
 
@@ -48,13 +51,14 @@ class Islands:
     def __init__(self, solver: Solver, bodies: int, apart: bool = True) -> None:
         self.solver, self._apart, self._age = solver, apart, 0
         self._root = np.arange(bodies) if apart else np.zeros(bodies, dtype=np.int64)  # first block of the group of each
+        self._hard = np.zeros(bodies, dtype=np.bool_)  # by first block: took more than EASY iterations since the last review
         self._asleep = np.zeros(bodies, dtype=np.bool_)  # by first block: the impulses of the step before did
         self._memory: dict[str, dict[int, dict[str, np.ndarray]]] = {FORCES: {}, IMPACTS: {}}  # of the solver, by first block
         self.count = 0  # islands at the last review
         self.sleeping = 0.0  # share of all blocks whose group was not solved in the last problem
 
-    def link(self, bodies: np.ndarray) -> None:
-        """Take in the contacts (C, 2) of a step."""
+    def link(self, problem: FrictionProblem, impulse: np.ndarray, tolerance: float) -> None:
+        """Take in the contacts of a step, with the impulses (C, m) to start from and the natural map error that it has to reach."""
         before, review = self._root, self._age % REVIEW == 0
         self._age += 1
         if not self._apart:
@@ -62,15 +66,26 @@ class Islands:
         if not self._apart or not (review or before.any()):  # all one island, and no other to meet
             return
         self._root = np.arange(len(before)) if review else before.copy()
-        _link(bodies, self._root)
+        _link(problem.bodies, self._root)
         if review:
-            self.count = _gather(bodies, self._root, self._asleep[before], SMALL, FULL)
+            self._review(problem, impulse, tolerance, self._hard[before])
         for first in np.flatnonzero(_changed(before, self._root)).tolist():
             self._asleep[first] = False
             for memory in self._memory.values():
                 old = memory.pop(first, {})
                 if self._root[first] == first:
                     memory[first] = {name: array for name, array in old.items() if name.endswith(LEARNT)}
+
+    def _review(self, problem: FrictionProblem, impulse: np.ndarray, tolerance: float, hard: np.ndarray) -> None:
+        """Gather the islands into groups; ``hard`` (B,) is by block."""
+        group, first = _groups(problem.bodies, self._root)
+        residual, allowed, _ = _measure(problem, impulse, tolerance, group, len(first))
+        kind = np.where(hard[first], HARD, residual <= allowed)
+        self.count, self._hard[:] = len(first), False
+        if kind.any():
+            _gather(first, kind, np.bincount(group), FULL, self._root)
+        else:
+            self._root[:] = 0
 
     def solve(self, problem: FrictionProblem, options: Options, start: Solution, kind: str = FORCES) -> Solution:
         """Solve each island that does not sleep. The start is the first iterate, memories are kept here.
@@ -87,11 +102,8 @@ class Islands:
         if not self._root.any():
             return self._solve_whole(problem, options, start, kind)
         group, first = _groups(problem.bodies, self._root)
-        residual, size = coulomb.errors_by_group(*problem.arrays(), np.ascontiguousarray(start.impulse), group, len(first))
-        contacts = np.bincount(group)
-        allowed = options.tolerance * np.sqrt(0.5 * (size**2 + (size @ size) * contacts / problem.contacts))
-        tolerance = allowed / np.where(size > 0.0, size, 1.0)
-        rests = residual <= allowed
+        residual, allowed, size = _measure(problem, start.impulse, options.tolerance, group, len(first))
+        tolerance, rests = allowed / np.where(size > 0.0, size, 1.0), residual <= allowed
         if kind == FORCES:
             rests &= self._asleep[first]
         out = self._solve_awake(problem, options, start, kind, group, first, np.flatnonzero(~rests), tolerance)
@@ -105,6 +117,7 @@ class Islands:
         out = self.solver(problem, options, Solution(start.impulse, start.velocity, 0, memory=memory.get(0, {})))
         memory[0] = out.memory
         if kind == FORCES:
+            self._hard[0] |= out.iterations > EASY
             self._asleep[0] = out.iterations == 0
             self.sleeping = float(self._asleep[0])
         return out
@@ -128,6 +141,7 @@ class Islands:
             begin = Solution(impulse[own], velocity, 0, memory=memory.get(name, {}))
             solved = self.solver(problem.part(own, members, place), replace(options, tolerance=float(tolerance[i])), begin)
             impulse[own], memory[name] = solved.impulse, solved.memory
+            self._hard[name] |= solved.iterations > EASY
             if kind == FORCES:
                 self._asleep[name] = solved.iterations == 0
             if solved.iterations >= hardest.iterations:
@@ -136,7 +150,7 @@ class Islands:
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that the next step depends on, as arrays for a checkpoint."""
-        arrays = {"root": self._root, "asleep": self._asleep, "counts": np.array([self._age, self.count])}
+        arrays = {"root": self._root, "hard": self._hard, "asleep": self._asleep, "counts": np.array([self._age, self.count])}
         for kind, memory in self._memory.items():
             for first, own in memory.items():
                 arrays |= {f"{kind} {first} {name}": array for name, array in own.items()}
@@ -144,12 +158,22 @@ class Islands:
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Take back what :meth:`snapshot` gave."""
-        self._root, self._asleep, (self._age, self.count) = arrays["root"], arrays["asleep"], arrays["counts"].tolist()
+        self._root, self._hard, self._asleep = arrays["root"], arrays["hard"], arrays["asleep"]
+        self._age, self.count = arrays["counts"].tolist()
         self._memory = {FORCES: {}, IMPACTS: {}}
         for key, array in arrays.items():
             if " " in key:
                 kind, first, name = key.split(" ")
                 self._memory[kind].setdefault(int(first), {})[name] = array
+
+
+def _measure(
+    problem: FrictionProblem, impulse: np.ndarray, tolerance: float, group: np.ndarray, groups: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What impulses leave in each group, what they may leave, and its size, see the head of this file; (G,) each."""
+    residual, size = coulomb.errors_by_group(*problem.arrays(), np.ascontiguousarray(impulse), group, groups)
+    share = np.bincount(group, minlength=groups) / max(problem.contacts, 1)
+    return residual, tolerance * np.sqrt(0.5 * (size**2 + (size @ size) * share)), size
 
 
 @njit(cache=True, nogil=True)
@@ -173,27 +197,22 @@ def _link(bodies, root):
 
 
 @njit(cache=True, nogil=True)
-def _gather(bodies, root, asleep, small, full):
-    """Put small islands into groups, sleeping ones apart, and return the number of islands that have contacts.
+def _gather(first, kind, contacts, full, root):
+    """Gather islands of one kind into groups, but for HARD ones.
 
-    ``root`` (B,) holds the first block of the island of each block, then that of its group; ``asleep`` (B,) is by block.
+    First block, kind and number of contacts are by island (I,); ``root`` (B,) holds the first block of the island of each block, then
+    that of its group. A block without contacts stays alone.
     """
-    contacts, count = np.zeros(root.shape[0], dtype=np.int64), 0
-    for c in range(bodies.shape[0]):
-        contacts[root[_host(bodies[c])]] += 1
-    open_group, load = np.full(2, -1), np.zeros(2, dtype=np.int64)  # of those awake, of those asleep
+    group, load, leader = np.full(HARD, -1), np.zeros(HARD, dtype=np.int64), np.arange(root.shape[0])
+    for i in np.argsort(first):
+        k = kind[i]
+        if k < HARD and contacts[i] < full:
+            if group[k] < 0 or load[k] + contacts[i] > full:
+                group[k], load[k] = first[i], 0
+            leader[first[i]] = group[k]
+            load[k] += contacts[i]
     for b in range(root.shape[0]):
-        if root[b] != b:
-            root[b] = root[root[b]]  # its group, settled before
-        elif contacts[b] > 0:
-            count += 1
-            if contacts[b] < small:
-                kind = 1 if asleep[b] else 0
-                if open_group[kind] < 0 or load[kind] >= full:
-                    open_group[kind], load[kind] = b, 0
-                root[b] = open_group[kind]
-                load[kind] += contacts[b]
-    return count
+        root[b] = leader[root[b]]
 
 
 @njit(cache=True, nogil=True)

@@ -243,7 +243,7 @@ class Stepper:
         options = Options(tolerance=s.tolerance, max_iterations=s.max_iterations, seed=s.seed + self.steps, threads=s.threads)
         gap = self.contacts.gap[self.chosen]
         is_open = self._open_contacts(problem, gap)
-        self.islands.link(problem.bodies)
+        self.islands.link(problem, start.impulse, s.tolerance)
         if is_open is None:
             self.solution = self.islands.solve(problem, options, start)
             self._handover = None

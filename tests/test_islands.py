@@ -1,10 +1,13 @@
 """Islands: the same answer as of one problem, sleep without a trace, memory that lasts and is resumed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from models import GRAVITY, box, ground, stepper, still
 
-from masonry_cd.islands import REVIEW, Islands
+from masonry_cd.friction import Solution
+from masonry_cd.islands import EASY, HARD, REVIEW, Islands, _gather
 from masonry_cd.solvers import Options
 from masonry_cd.stepping import Stepper
 
@@ -70,7 +73,7 @@ def test_a_sleeping_island_wakes_when_it_is_hit():
             moved.append(machine.state.position - machine.assembly.centre)
         paths.append(np.array(moved))
     assert max(sleeping[lands - 10 : lands - 3]) == pytest.approx(5 / 6)  # all but the block that falls
-    assert min(sleeping[lands - 3 : lands + 4]) <= 0.5  # its tower is awake, the other one sleeps on
+    assert min(sleeping[lands - 3 : lands + 4]) == 0.0
     assert sleeping[119] == 1.0
     assert np.abs(paths[0] - paths[1]).max() < 1e-8
 
@@ -87,31 +90,46 @@ def test_a_resumed_stepper_goes_on_with_the_same_bits():
     assert first.islands.sleeping == second.islands.sleeping
 
 
-def test_islands_that_meet_are_one_until_the_next_review_and_keep_what_was_learnt():
+def test_hard_islands_are_solved_alone_until_they_meet_and_keep_what_was_learnt():
     seen: list[tuple[int, list[str]]] = []
 
     def solver(problem, options, start):
+        """Notes what it is given, and takes long."""
         seen.append((len(problem.v_free), sorted(start.memory)))
-        start.impulse[:] = 0.0
-        start.memory = {"k_tally": np.ones(1), "factors": np.ones(len(problem.v_free))}
-        start.iterations = 1
-        return start
+        memory = {"k_tally": np.ones(1), "factors": np.ones(len(problem.v_free))}
+        return Solution(start.impulse, None, EASY + 1, memory=memory)
 
     machine = towers("broad", "slender", steps=1)  # blocks 0 to 2 and 3 to 5
-    problem, start = machine.friction_problem()
-    islands, bridge = Islands(solver, 6), np.array([[2, 3]])
-    islands.link(problem.bodies)
-    islands.solve(problem, Options(), start)
-    assert seen == [(3, []), (3, [])]
-    for age in range(1, REVIEW + 1):
+    apart, start = machine.friction_problem()
+    bodies = apart.bodies.copy()
+    bodies[np.flatnonzero((bodies == 3).any(axis=1) & (bodies == -1).any(axis=1))[0]] = [3, 2]
+    touching = replace(apart, bodies=bodies)
+    islands, met = Islands(solver, 6), REVIEW + 3
+    for step in range(2 * REVIEW + 1):
         seen.clear()
-        islands.link(np.concatenate([problem.bodies, bridge]) if age == 3 else problem.bodies)
+        problem = touching if step == met else apart
+        islands.link(problem, start.impulse, 1e-8)
         islands.solve(problem, Options(), start)
-        if age < 3:
+        if step == 0:
+            assert seen == [(6, [])]  # not yet known to be hard
+        elif step < REVIEW:
+            assert seen == [(6, ["factors", "k_tally"])]
+        elif step == REVIEW:
+            assert seen == [(3, ["k_tally"]), (3, [])]
+        elif step < met:
             assert seen == [(3, ["factors", "k_tally"])] * 2
-        elif age == 3:
+        elif step == met:
             assert seen == [(6, ["k_tally"])]  # other blocks, so other factors
-        elif age < REVIEW:
+        elif step < 2 * REVIEW:
             assert seen == [(6, ["factors", "k_tally"])]
         else:
             assert seen == [(3, ["k_tally"]), (3, [])]
+    assert islands.count == 2
+
+
+def test_easy_islands_and_those_at_rest_are_gathered_up_to_a_size():
+    first, contacts = np.array([0, 2, 4, 6, 8, 10]), np.array([4, 4, 9, 4, 4, 4])
+    root = np.repeat(first, 2)
+    _gather(first, np.array([0, 1, 0, 0, HARD, 1]), contacts, 9, root)
+    assert root[::2].tolist() == [0, 2, 4, 0, 8, 2]  # the third is as large as a group may be, the fifth is hard
+    assert root[1::2].tolist() == root[::2].tolist()
