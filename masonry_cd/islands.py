@@ -25,10 +25,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
 from masonry_cd import coulomb
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
+from masonry_cd.kernels import njit
 from masonry_cd.solvers import Options, Solver
 
 REVIEW = 20  # steps
@@ -83,7 +83,8 @@ class Islands:
         kind = np.where(hard[first], HARD, residual <= allowed)
         self.count, self._hard[:] = len(first), False
         if kind.any():
-            _gather(first, kind, np.bincount(group), FULL, self._root)
+            order = np.argsort(first)
+            _gather(first[order], kind[order], np.bincount(group)[order], FULL, self._root)
         else:
             self._root[:] = 0
 
@@ -167,6 +168,13 @@ class Islands:
                 self._memory[kind].setdefault(int(first), {})[name] = array
 
 
+def compile_kernels() -> None:
+    """Have those kernels compiled, or loaded from their cache, that only a run with several groups calls."""
+    one = np.zeros(1, dtype=np.int64)
+    _gather(one, one, one, FULL, one.copy())
+    _sorted(one, 1)
+
+
 def _measure(
     problem: FrictionProblem, impulse: np.ndarray, tolerance: float, group: np.ndarray, groups: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -185,7 +193,7 @@ def _find(root, body):
     return body
 
 
-@njit(cache=True, nogil=True)
+@njit(entry=True, cache=True, nogil=True)
 def _link(bodies, root):
     """Unite what contacts (C, 2) join; -1: a support."""
     for c in range(bodies.shape[0]):
@@ -196,15 +204,15 @@ def _link(bodies, root):
         root[b] = root[root[b]]
 
 
-@njit(cache=True, nogil=True)
+@njit(entry=True, cache=True, nogil=True)
 def _gather(first, kind, contacts, full, root):
     """Gather islands of one kind into groups, but for HARD ones.
 
-    First block, kind and number of contacts are by island (I,); ``root`` (B,) holds the first block of the island of each block, then
-    that of its group. A block without contacts stays alone.
+    First block (ascending), kind and number of contacts are by island (I,); ``root`` (B,) holds the first block of the island of each
+    block, then that of its group. A block without contacts stays alone.
     """
     group, load, leader = np.full(HARD, -1), np.zeros(HARD, dtype=np.int64), np.arange(root.shape[0])
-    for i in np.argsort(first):
+    for i in range(first.shape[0]):
         k = kind[i]
         if k < HARD and contacts[i] < full:
             if group[k] < 0 or load[k] + contacts[i] > full:
@@ -221,7 +229,7 @@ def _host(pair):
     return pair[0] if pair[0] >= 0 else pair[1]
 
 
-@njit(cache=True, nogil=True)
+@njit(entry=True, cache=True, nogil=True)
 def _changed(before, now):
     """(B,) True where b is the first block of a group now or was it before, and not of the same blocks."""
     out = np.zeros(before.shape[0], dtype=np.bool_)
@@ -231,7 +239,7 @@ def _changed(before, now):
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(entry=True, cache=True, nogil=True)
 def _groups(bodies, root):
     """Group of each contact (C,), numbered as they come, and the first block of each group (G,)."""
     number, group, first = np.full(root.shape[0], -1), np.empty(bodies.shape[0], dtype=np.int64), np.empty(root.shape[0], dtype=np.int64)
@@ -245,7 +253,7 @@ def _groups(bodies, root):
     return group, first[:count]
 
 
-@njit(cache=True, nogil=True)
+@njit(entry=True, cache=True, nogil=True)
 def _sorted(group, groups):
     """Entries by group, in their order, and where each group begins (G + 1,); entries of the group -1 are left out."""
     start = np.zeros(groups + 1, dtype=np.int64)

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from masonry_cd import islands
 from masonry_cd.blocks import Assembly, Block
 from masonry_cd.joints import find_joints
 from masonry_cd.results import ResultWriter
@@ -38,3 +39,4 @@ def compile_kernels(solver: SolverName, planar: bool, by_area: bool) -> None:
     settings = Run(dt=STEP, duration=STEPS * STEP, solver=solver, tolerance=1e-300, planar=planar)
     with TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", assembly, joints) as writer:
         run(Stepper(assembly, shaking, gravity, settings), joints, writer, STEPS)
+    islands.compile_kernels()
