@@ -117,8 +117,8 @@ class Islands:
         memory = self._memory[kind]
         out = self.solver(problem, options, Solution(start.impulse, start.velocity, 0, memory=memory.get(0, {})))
         memory[0] = out.memory
+        self._hard[0] |= out.iterations > EASY
         if kind == FORCES:
-            self._hard[0] |= out.iterations > EASY
             self._asleep[0] = out.iterations == 0
             self.sleeping = float(self._asleep[0])
         return out
