@@ -2178,6 +2178,172 @@ def interior_bodies(
     return iterations, smallest
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def _way_product(a, b, w, p, gamma, mu, size_m):
+    """Inner product of two changes (dw, dp, dgamma), each relative to what it changes, mean over the contacts."""
+    m, total = len(size_m), 0.0
+    for c in range(len(mu)):
+        slide, bound = 1.0 / gamma[c], 1.0 / (mu[c] * p[c, 0])
+        total += a[0][c, 0] * b[0][c, 0] / (w[c, 0] * w[c, 0]) + a[1][c, 0] * b[1][c, 0] / (p[c, 0] * p[c, 0])
+        total += a[2][c] * b[2][c] * slide * slide
+        for i in range(1, m):
+            total += a[0][c, i] * b[0][c, i] * slide * slide + a[1][c, i] * b[1][c, i] * bound * bound
+    return total / len(mu)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _combine(x, a, y, b, z, out):
+    """out = x + a y + b z, for arrays of any shape."""
+    x, y, z, out = x.reshape(x.size), y.reshape(y.size), z.reshape(z.size), out.reshape(out.size)
+    for i in range(len(out)):
+        out[i] = x[i] + a * y[i] + b * z[i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _combine_ways(x, a, y, b, z, out):
+    """The same for changes of (w, p, gamma, v)."""
+    _combine(x[0], a, y[0], b, z[0], out[0])
+    _combine(x[1], a, y[1], b, z[1], out[1])
+    _combine(x[2], a, y[2], b, z[2], out[2])
+    _combine(x[3], a, y[3], b, z[3], out[3])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _step_ahead(w, p, gamma, mu, back, tangent, bend, drop, sign, curve, wide, tau, level, way, trial, size_m):
+    """way = back + h tangent + h^2 bend with the largest h that stays inside the cones and near the path.
+
+    The change of tau goes along, tau drop + h sign + h^2 curve. Near: no product of a contact is off tau times its level by more than
+    ``wide`` times that. trial (k,) is room. Returns the relative change of tau.
+    """
+    m, h = len(size_m), 2.0 if sign > 0.0 else 0.97
+    for _ in range(40):
+        _combine_ways(back, h * sign, tangent, h * h, bend, way)
+        change = drop + h * sign + h * h * curve
+        if change > -0.98 and _longest_step(w, p, gamma, mu, way[0], way[1], way[2], size_m) > 1.02:
+            off = 0.0
+            for c in range(len(mu)):
+                _complementarity(w[c] + way[0][c], p[c] + way[1][c], gamma[c] + way[2][c], mu[c], m, trial)
+                off = max(off, _off_path(trial, tau * (1.0 + change) * level[c]))
+            if off < wide:
+                break
+        h *= 0.75
+    return change
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _off_path(product, goal):
+    """How far the products of a contact are from goal (1, e), relative to goal."""
+    across = (product[1] - goal) ** 2
+    for i in range(2, len(product)):
+        across += product[i] * product[i]
+    return max(abs(product[0] - goal), np.sqrt(across)) / goal
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def path_bodies(
+    inverse_mass, v_free, bodies, jacobian, offset, friction, compliance, order, plan, index, spot, impulse, v_out, distance,
+    stiffness, wide, tolerance, limit, size_m, size_n, size_k,
+):  # fmt: skip
+    """The central path followed by its length over a FrictionProblem, see solvers/interior.py. impulse holds the start and then the best.
+
+    size_k is a tuple of m + 1 zeros. Returns iterations and natural map error.
+    """
+    count, m, n, k, contacts = len(order), len(size_m), len(size_n), len(size_k), len(friction)
+    inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
+    d = _scales(inverse, jacobian, index, compliance, size_m, size_n)
+    v, own_v = np.zeros((count + 1, n)), np.zeros((count + 1, n))
+    momentum, still = np.empty((count + 1, n)), np.zeros((count + 1, n))
+    miss, far, soft = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m))
+    w, p, gamma, level = np.empty((contacts, m)), np.empty((contacts, m)), np.empty(contacts), np.empty(contacts)
+    ways = [(np.zeros((contacts, m)), np.zeros((contacts, m)), np.zeros(contacts), np.zeros((count + 1, n))) for _ in range(4)]
+    back, tangent, bend, way = ways[0], ways[1], ways[2], ways[3]
+    product, wanted, gain = np.empty((contacts, k)), np.empty((contacts, k)), np.empty((contacts, k, m))
+    undo, work, trial = np.empty((contacts, k, k)), np.empty((3, k, k)), np.empty(k)
+    diagonal, lower, upper = np.empty((count, n, n)), np.empty((len(plan.row), n, n)), np.empty((len(plan.row), n, n))
+    factors = _room(plan, size_n)
+    mu = np.maximum(friction, 1e-6)  # a cone without width has no inside
+    # start: a point on the path at tau = 1, where w is off by far
+    _copy(free, v)
+    _rows(jacobian, index, offset, v, miss, size_m, size_n)
+    size, shift = _size_of(miss, d), distance * _largest(miss)
+    _velocity_of(inverse, free, jacobian, index, impulse, momentum, v, size_m, size_n)
+    best, best_v = impulse.copy(), v.copy()
+    smallest = _map_norm(jacobian, index, offset, friction, compliance, d, best, v, size_m, size_n) / size
+    _rows(jacobian, index, offset, v, miss, size_m, size_n)
+    for c in range(contacts):
+        gamma[c] = _move_inside(best[c], miss[c], mu[c], d[c], shift, w[c], p[c], m)
+        level[c] = shift * shift / d[c]
+    _velocity_of(inverse, free, jacobian, index, p, momentum, v, size_m, size_n)
+    _rows(jacobian, index, offset, v, far, size_m, size_n)
+    for c in range(contacts):
+        for i in range(m):
+            own = compliance[c, i] if len(compliance) else 0.0
+            soft[c, i] = own + d[c] / stiffness
+            far[c, i] += own * p[c, i] - w[c, i]
+    tau, iterations = 1.0, 0
+    while iterations < limit and smallest > tolerance:
+        iterations += 1
+        _rows(jacobian, index, offset, v, miss, size_m, size_n)
+        regular = True
+        for c in range(contacts):
+            for i in range(m):
+                own = compliance[c, i] if len(compliance) else 0.0
+                miss[c, i] += own * p[c, i] - w[c, i] - tau * far[c, i]
+            _complementarity(w[c], p[c], gamma[c], mu[c], m, product[c])
+            regular = _linearise_products(w[c], p[c], gamma[c], mu[c], soft[c], undo[c], gain[c], work, size_m, size_k) and regular
+        _augment_blocks(mass, jacobian, index, spot, gain, diagonal, lower, upper, size_m, size_n)
+        if not regular or not _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], UNSYMMETRIC, size_n):
+            break
+        sign = -_determinant_sign(plan, factors[0], size_n)  # of the change of tau on the way
+        # back to the path with tau held; the tangent, by d(log tau); and how it bends
+        _missing_momentum(mass, free, v, momentum, size_n)
+        _add_push(jacobian, index, p, momentum, size_m, size_n)
+        for turn in range(3):
+            for c in range(contacts):
+                if turn == 2:
+                    _complementarity(tangent[0][c], tangent[1][c], tangent[2][c], mu[c], m, wanted[c])
+                for i in range(k):
+                    goal = tau * level[c] if i < 2 else 0.0
+                    wanted[c, i] = goal - product[c, i] if turn == 0 else (goal if turn == 1 else -wanted[c, i])
+                for i in range(m):
+                    if turn > 0:
+                        miss[c, i] = -tau * far[c, i] if turn == 1 else 0.0
+            dw, dp, dgamma, out = ways[turn]
+            _interior_direction(
+                momentum if turn == 0 else still, jacobian, index, wanted, undo, gain, miss, soft, plan, factors, out, dw, dp, dgamma,
+                size_m, size_n, size_k,
+            )  # fmt: skip
+        # both corrections across the tangent: this is what lets the path turn back
+        length = 1.0 + _way_product(tangent, tangent, w, p, gamma, mu, size_m)
+        drop = -_way_product(back, tangent, w, p, gamma, mu, size_m) / length
+        curve = -_way_product(bend, tangent, w, p, gamma, mu, size_m) / length
+        _combine_ways(back, drop, tangent, 0.0, tangent, back)
+        _combine_ways(bend, curve, tangent, 0.0, tangent, bend)
+        longest = 0.9 * _longest_step(w, p, gamma, mu, back[0], back[1], back[2], size_m)
+        if longest < 1.0:  # back to the path first
+            change = longest * drop
+            _combine_ways(back, longest - 1.0, back, 0.0, back, way)
+        else:
+            change = _step_ahead(w, p, gamma, mu, back, tangent, bend, drop, sign, curve, wide, tau, level, way, trial, size_m)
+        here = (w, p, gamma, v)
+        _combine_ways(here, 1.0, way, 0.0, way, here)
+        tau *= 1.0 + change
+        for c in range(contacts):
+            for i in range(m):
+                impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+        _velocity_of(inverse, free, jacobian, index, impulse, momentum, own_v, size_m, size_n)
+        error = _map_norm(jacobian, index, offset, friction, compliance, d, impulse, own_v, size_m, size_n) / size
+        if error < smallest:
+            smallest = error
+            _copy(impulse, best)
+            _copy(own_v, best_v)
+        if not error < np.inf:
+            break
+    _copy(best, impulse)
+    _put_back(best_v, order, v_out)
+    return iterations, smallest
+
+
 # --- proximal points over bodies ------------------------------------------------------------------------------------------------------
 
 
@@ -2257,7 +2423,7 @@ def _spring_changes(jacobian, index, compliance, d, stiffness, change, dx, size_
             dx[c, i] = -total / (soft_n if i == 0 else soft_t)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _first_change(mu, status, x, dx, size_m):
     """The step along dx at which the first contact changes its status, that contact, and its new status."""
     m, first, which, new = len(size_m), np.inf, -1, OPEN
@@ -2278,9 +2444,9 @@ def _first_change(mu, status, x, dx, size_m):
             step = 0.0
         elif root >= 0.0:
             q = -(b + np.sqrt(root)) if b >= 0.0 else -(b - np.sqrt(root))
-            if q != 0.0 and e / q > 0.0:
+            if q != 0.0 and e / q > 0.0 and outward * (a * (e / q) + b) > 0.0:
                 step = e / q
-            if a != 0.0 and q / a > 0.0:
+            if a != 0.0 and q / a > 0.0 and outward * (q + b) > 0.0:
                 step = min(step, q / a)
         if step < first:
             first, which, new = step, c, STICK + SLIP - status[c]
@@ -2306,7 +2472,8 @@ def proximal_bodies(
     """
     count, m, n, contacts = len(order), len(size_m), len(size_n), len(mu)
     inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
-    model = (mass, inverse, free, jacobian, index, offset)
+    left, slip = np.empty((count, n)), np.empty((contacts, m))
+    model = (mass, inverse, left, jacobian, index, slip)  # of the change of velocity from that of the centre, which rounding spares
     d = _scales(inverse, jacobian, index, compliance, size_m, size_n)
     v, out, change, trial = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.zeros((count + 1, n)), np.zeros((count + 1, n))
     x, dx, blocks = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m, m))
@@ -2318,16 +2485,18 @@ def proximal_bodies(
     size = _size_of(x, d)
     _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
     smallest = error = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
-    best, best_v, centre, centre_v = p.copy(), v.copy(), p.copy(), v.copy()
+    best, best_v, centre, centre_v, own_v = p.copy(), v.copy(), p.copy(), v.copy(), v.copy()
     stiffness = min(max(1.0 / max(error, 1e-300), 1e2), 1e6)
     iterations, failed = 0, 0
-    while iterations < limit and smallest > tolerance and failed < 16:
+    while iterations < limit and smallest > tolerance and failed < 8:
         # the springs' problem to a hundredth of the error, from the centre
         goal = size * max(1e-2 * error, 1e-3 * tolerance)
-        _copy(centre_v, v)
+        _add_step(free, -1.0, centre_v, size_n, left)
+        _rows(jacobian, index, offset, centre_v, slip, size_m, size_n)
+        _add_step(centre_v, -1.0, centre_v, size_n, v)
         norm = _spring_residual(model, mu, compliance, d, stiffness, centre, v, FREE, status, x, p, out, size_m, size_n)
         begun, turned, last = iterations, 0, -1
-        while norm > goal and iterations < min(limit, begun + 60) and turned < 3:
+        while norm > goal and iterations < min(limit, begun + 25) and turned < 3:
             _spring_blocks(mu, compliance, d, stiffness, status, x, blocks, size_m)
             _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
             iterations += 1
@@ -2356,8 +2525,8 @@ def proximal_bodies(
             _add_step(v, min(step, 0.5) if step >= 1.0 else step, change, size_n, v)
             norm = _spring_residual(model, mu, compliance, d, stiffness, centre, v, HELD, status, x, p, out, size_m, size_n)
         solved, spent = norm <= goal, iterations - begun
-        _velocity_of(inverse, free, jacobian, index, p, out, trial, size_m, size_n)
-        new = _map_norm(jacobian, index, offset, mu, compliance, d, p, trial, size_m, size_n) / size
+        _velocity_of(inverse, free, jacobian, index, p, out, own_v, size_m, size_n)
+        new = _map_norm(jacobian, index, offset, mu, compliance, d, p, own_v, size_m, size_n) / size
         if not solved and not new < error:
             stiffness, failed = max(0.125 * stiffness, 1.0), failed + 1
             continue
@@ -2365,14 +2534,14 @@ def proximal_bodies(
             stiffness *= 0.25
         elif spent <= 8:
             stiffness *= 16.0 if new > 0.5 * error and spent < 4 else 4.0
-        error = new
-        stiffness = min(stiffness, max(1e13 * error, 1e4))  # or else rounding, EPSILON times it, shows
+        error, failed = new, 0
+        stiffness = min(stiffness, max(1e15 * error, 1e4))  # or else rounding, EPSILON times it, shows
         _copy(p, centre)
-        _copy(v, centre_v)
+        _add_step(centre_v, 1.0, v, size_n, centre_v)
         if error < smallest:
             smallest = error
             _copy(p, best)
-            _copy(trial, best_v)
+            _copy(own_v, best_v)
     _copy(best, p)
     _put_back(best_v, order, v_out)
     return iterations, smallest

@@ -45,7 +45,7 @@ LONG_RUNS: tuple[tuple[int, int], ...] = (
     (ADMM, 1200),
     (NEWTON, 40),
 )  # of local problems, with limits of iterations
-BUDGET = 5e9  # operations that the interior point method may spend on a step, but for its first start: a few seconds
+BUDGET = 2e10  # operations that the interior point method may spend on a step, but for its first start: a few seconds
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
