@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,12 @@ import scenes
 from scipy import sparse
 from test_extreme_problems import thrown
 
+from masonry_cd import coulomb
 from masonry_cd.case import prepare
-from masonry_cd.friction import LocalProblem, Solution, natural_map_error
+from masonry_cd.friction import FrictionProblem, LocalProblem, Solution, natural_map_error
 from masonry_cd.scene import read_scene
 from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.solvers.interior import TURN
 from masonry_cd.stepping import Stepper
 
 solve = SOLVERS["interior"]
@@ -62,6 +65,34 @@ def test_solves_an_aqueduct_that_slides_as_a_whole() -> None:
     solution = solve(problem, Options(tolerance=1e-8), None)
     assert natural_map_error(problem, solution.impulse) <= 1e-8
     np.testing.assert_array_equal(solve(problem, Options(tolerance=1e-8), None).impulse, solution.impulse)
+
+
+def rough(columns: int, courses: int, mu: float, seed: int) -> FrictionProblem:
+    """A wall of rough blocks that are thrown apart at random: contacts that slide push others open or shut."""
+    problem, random = scenes.wall(columns, courses, mu=mu), np.random.default_rng(seed)
+    v_free = problem.v_free.copy()
+    v_free[:, :2] += 0.05 * np.linspace(0.0, 1.0, len(v_free))[:, None] * random.normal(size=2)
+    return replace(problem, v_free=v_free + 0.02 * random.normal(size=v_free.shape))
+
+
+@pytest.mark.parametrize(("columns", "courses", "mu", "seed"), [(3, 4, 1.5, 0), (3, 4, 2.5, 6), (5, 6, 2.5, 0), (5, 6, 2.5, 2)])
+def test_path_leads_around_turning_points(columns: int, courses: int, mu: float, seed: int) -> None:
+    """Where the damped path and proximal points after it stall, the path by its length goes on to a solution."""
+    problem = rough(columns, courses, mu, seed)
+    stalled = solve(problem, Options(tolerance=1e-8, max_iterations=2 * TURN), None)
+    assert natural_map_error(problem, stalled.impulse) > 1e-6
+    solution = solve(problem, Options(tolerance=1e-8), None)
+    assert natural_map_error(problem, solution.impulse) <= 1e-8
+
+
+@pytest.mark.parametrize("side", [1.0 - 1e-14, 1.0 + 1e-14])
+@pytest.mark.parametrize(("status", "outward"), [(coulomb.SLIP, 1.0), (coulomb.STICK, -1.0)])
+def test_contact_keeps_the_status_that_it_moves_into(side: float, status: int, outward: float) -> None:
+    """Rounding leaves a contact on either side of the cone where it changed: on its way into its new status it does not change back."""
+    mu, x = np.array([0.5]), np.array([[2.0, side, 0.0]])
+    dx = np.array([[0.1, 0.1 + outward, 0.0]])
+    step, _, _ = coulomb._first_change(mu, np.array([status]), x, dx, (0, 0, 0))
+    assert step > 1.0
 
 
 def test_limit_bounds_both_methods_together() -> None:
