@@ -24,7 +24,7 @@ Optim. 11, 2000). So tau is an unknown. Each factorisation, here with K = RIGID,
 the tangent, and how the path bends; lengths are relative to the distance from the walls of the cones. The step is the longest that stays
 inside the cones and, by WIDE times the products, near the path. It takes 50 to 200 iterations to an error of CLOSE, more than the damped
 path, but also where that one stalls at 1e-2, and what it leaves is centred: proximal points gain two to three digits more from there. Of 22
-steps of an aqueduct and a church in space, missed by all else at errors of 1e-6 to 4e-4, it left 10 below 1e-6 and none above 3e-5.
+steps of an aqueduct and a church in space, missed by all else at errors of 1e-6 to 4e-4, it left 12 below 1e-6 and none above 3e-5.
 
 **Proximal points** finish (Rockafellar, SIAM J. Control Optim. 14, 1976): p+ solves the problem with springs that are at rest in p,
 
