@@ -42,6 +42,7 @@ GROUP = 16  # contacts visited in a row by a sweep, see _groups
 EPSILON = 2.2e-16  # relative rounding error of a float
 SHORT = 2  # columns: runs up to this length may be padded much, see runs
 WIDEST = 16  # columns that are factorised together
+THIN = 2.0  # mean number of rows below a column of L up to which columns stay alone
 SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix; likewise
 BALANCE, ALL = 0.6, 0.95  # shares of ADMM's error that lie in the law: its stiffness falls below the one, grows above the other
 # The table of contacts: a row for each with all that a sweep reads besides G, so that it comes in a piece. First the local law, see
@@ -523,52 +524,6 @@ def _velocities(factor: np.ndarray, v_free: np.ndarray, y: np.ndarray, v: np.nda
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, scaled):
-    """w = H v + b + C p of impulses p, q = H v_free + b, and d, which is 1 if not ``scaled``."""
-    contacts, m = offset.shape
-    n = v_free.shape[1]
-    _, g, q, index = _mass_scaled(inverse_mass, v_free, bodies, jacobian, offset)
-    y = np.empty((v_free.shape[0] + 1, n))
-    _collect(g, index, p, y)
-    w = q.copy()
-    d = np.ones(contacts)
-    for c in range(contacts):
-        a, b = index[c, 0], index[c, 1]
-        trace = 0.0
-        for i in range(m):
-            for k in range(n):
-                first, second = g[c, 0, i, k], g[c, 1, i, k]
-                w[c, i] += first * y[a, k] + second * y[b, k]
-                trace += first * first + second * second + (2.0 * first * second if a == b else 0.0)
-            if len(compliance):
-                w[c, i] += compliance[c, i] * p[c, i]
-                trace += compliance[c, i]
-        if scaled:
-            d[c] = trace / m
-    return w, q, d
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, scaled):
-    """Norms of the natural map residual and of q for impulses p over a FrictionProblem; scaled by d, or with d = 1."""
-    w, q, d = _law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, scaled)
-    return natural_map_norms(p, w, q, mu, d)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def errors_by_group(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, group, groups):
-    """The same norms, scaled, over each group of contacts: (G,) and (G,); ``group`` (C,) is the number of each contact's."""
-    w, q, d = _law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, True)
-    residual, size, m = np.zeros(groups), np.zeros(groups), p.shape[1]
-    for c in range(p.shape[0]):
-        p2, w2 = (p[c, 2], w[c, 2]) if m == 3 else (0.0, 0.0)
-        residual[group[c]] += _natural_map2(p[c, 0], p[c, 1], p2, w[c, 0], w[c, 1], w2, mu[c], d[c])
-        for i in range(m):
-            size[group[c]] += q[c, i] * q[c, i] / d[c]
-    return np.sqrt(residual), np.sqrt(size)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def nlgs_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, v, tolerance, limit, seed, every):
     """Gauss-Seidel over a FrictionProblem. p (C, m) holds the start and then the answer, v (B, n) the velocities.
 
@@ -734,10 +689,11 @@ def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed
 # Positive Definite Systems, 1981). Neighbouring columns with nearly the same rows below go together, as in CHOLMOD (Chen, Davis, Hager &
 # Rajamanickam, ACM Trans. Math. Softw. 35, 2008): D has a dense square block per run of columns, kept as its inverse, L and D U one dense
 # panel each, so that most of the work is products of dense matrices with long inner loops. Panels are stored by columns of L: entry [k, i]
-# belongs to column k of the run and row i below it. Symmetric and unsymmetric matrices share the code, the bits do not depend on a
-# library's threads, and the loops below solve without leaving compiled code, which for small scenes is most of the time.
-# Multiplications and additions are fused ("contract"), which rounds once instead of twice, and the sums of a solve are taken in the
-# order that the processor likes ("reassoc"); equal inputs still give equal bits on one machine.
+# belongs to column k of the run and row i below it. Where there is hardly any fill-in (arches, towers, arcades) columns stay alone, their
+# blocks one after another in plain unrolled loops, which takes a quarter of the time there. Symmetric and unsymmetric matrices share the
+# code, the bits do not depend on a library's threads, and the loops below solve without leaving compiled code, which for small scenes is
+# most of the time. Multiplications and additions are fused ("contract"), which rounds once instead of twice, and the sums of a solve are
+# taken in the order that the processor likes ("reassoc"); equal inputs still give equal bits on one machine.
 #
 # size_m and size_n are tuples of m and n zeros: their lengths are part of their types, so the compiler knows m and n and unrolls.
 
@@ -806,9 +762,13 @@ def fill_in(start: np.ndarray, neighbour: np.ndarray) -> tuple[np.ndarray, np.nd
 def runs(column: np.ndarray, row: np.ndarray) -> np.ndarray:
     """Starts of the runs of columns of L that are factorised together, with the end appended: columns with the same rows below, nearly.
 
+    All columns stay alone where L has few blocks to a column.
+
     A run takes in the one before it if few zeros come along: at most these shares of its blocks, more where it is short.
     """
     size, count = len(column) - 1, 0
+    if column[size] <= THIN * size:
+        return np.arange(size + 1)
     first, zeros = np.empty(size + 1, dtype=np.int64), np.zeros(size + 1)
     for j in range(size):
         start, below, added = j, column[j + 1] - column[j], 0.0
@@ -1058,6 +1018,96 @@ def _room(plan, size_n):
     return np.empty(plan.square[-1] * blocks), np.empty(plan.panel[-1] * blocks), np.empty(plan.panel[-1] * blocks)
 
 
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _minus_product(c, at, a, i, b, size_n):
+    """c[at] -= a[i] b for blocks. For n = 6 a row of c is held in registers."""
+    n = len(size_n)
+    for p in range(n):
+        if n == 6:
+            c0, c1, c2, c3, c4, c5 = c[at, p, 0], c[at, p, 1], c[at, p, 2], c[at, p, 3], c[at, p, 4], c[at, p, 5]
+            for r in range(6):
+                x = a[i, p, r]
+                c0 -= x * b[r, 0]
+                c1 -= x * b[r, 1]
+                c2 -= x * b[r, 2]
+                c3 -= x * b[r, 3]
+                c4 -= x * b[r, 4]
+                c5 -= x * b[r, 5]
+            c[at, p, 0], c[at, p, 1], c[at, p, 2], c[at, p, 3], c[at, p, 4], c[at, p, 5] = c0, c1, c2, c3, c4, c5
+        else:
+            for q in range(n):
+                total = c[at, p, q]
+                for r in range(n):
+                    total -= a[i, p, r] * b[r, q]
+                c[at, p, q] = total
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _factorise_columns(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
+    """The same where each run is one node: blocks of L and of U^T one after another, all loops over them unrolled."""
+    n, size, first, below = len(size_n), len(plan.column) - 1, plan.start, plan.below
+    squares, lows, ups = inverse.reshape((size, n, n)), low.reshape((len(below), n, n)), up.reshape((len(below), n, n))
+    head, following, at = np.full(size, -1), np.full(size, -1), np.empty(size, dtype=np.int64)
+    where = np.empty(size, dtype=np.int64)
+    square, turned, other, work = np.empty((1, n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
+    lows[:] = 0.0
+    if not symmetric:
+        ups[:] = 0.0
+    for j in range(size):
+        for t in range(first[j], first[j + 1]):
+            where[below[t]] = t
+        for t in range(plan.column[j], plan.column[j + 1]):
+            i = where[plan.row[t]]
+            for p in range(n):
+                for q in range(n):
+                    lows[i, p, q] = lower[t, p, q]
+            if not symmetric:
+                for p in range(n):
+                    for q in range(n):
+                        ups[i, p, q] = upper[t, p, q]
+        for p in range(n):
+            for q in range(n):
+                square[0, p, q] = diagonal[j, p, q]
+        k = head[j]
+        while k >= 0:  # all columns k < j with a block in row j
+            coming, t0, end = following[k], at[k], first[k + 1]
+            for p in range(n):
+                for q in range(n):
+                    total = 0.0
+                    for r in range(n):
+                        total += squares[k, q, r] * (lows[t0, p, r] if symmetric else ups[t0, p, r])
+                    turned[q, p] = total
+            _minus_product(square, 0, lows, t0, turned, size_n)
+            for t in range(t0 + 1, end):
+                _minus_product(lows, where[below[t]], lows, t, turned, size_n)
+            if symmetric:
+                for p in range(n):
+                    for q in range(n):
+                        lows[t0, p, q] = turned[q, p]
+            else:
+                for p in range(n):
+                    for q in range(n):
+                        total = 0.0
+                        for r in range(n):
+                            total += lows[t0, p, r] * squares[k, r, q]
+                        other[q, p] = total
+                for t in range(t0 + 1, end):
+                    _minus_product(ups, where[below[t]], ups, t, other, size_n)
+                for p in range(n):
+                    for q in range(n):
+                        lows[t0, p, q], ups[t0, p, q] = other[q, p], turned[q, p]
+            if t0 + 1 < end:
+                at[k], following[k] = t0 + 1, head[below[t0 + 1]]
+                head[below[t0 + 1]] = k
+            k = coming
+        if not _invert(square[0], squares[j], work, size_n):
+            return False
+        if first[j] < first[j + 1]:
+            at[j], following[j] = first[j], head[below[first[j]]]
+            head[below[first[j]]] = j
+    return True
+
+
 @njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _factorise(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
     """A = L D U: inverse (squares of D^-1), low (panels of L) and up (panels of D U) from diagonal blocks A_jj, lower A_ij, upper A_ji^T.
@@ -1065,6 +1115,8 @@ def _factorise(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n
     For a symmetric A give lower as upper too. Returns False when a diagonal block cannot be inverted.
     """
     n, count, size = len(size_n), len(plan.first) - 1, len(plan.column) - 1
+    if count == size:
+        return _factorise_columns(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n)
     owner, where = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
     widest, longest = 0, 0
     for s in range(count):
@@ -1152,10 +1204,45 @@ def _add_rows(lines, at, length, factors, sign, out, size_n):
         out[k] += sign * total
 
 
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _solve_columns(plan, inverse, low, up, x, size_n):
+    """The same where each run is one node."""
+    n, size, first, below = len(size_n), len(plan.column) - 1, plan.start, plan.below
+    squares, lows, ups = inverse.reshape((size, n, n)), low.reshape((len(below), n, n)), up.reshape((len(below), n, n))
+    y = np.empty(n)
+    for j in range(size):
+        for t in range(first[j], first[j + 1]):
+            i = below[t]
+            for p in range(n):
+                total = x[i, p]
+                for q in range(n):
+                    total -= lows[t, p, q] * x[j, q]
+                x[i, p] = total
+    for j in range(size):
+        for p in range(n):
+            total = 0.0
+            for q in range(n):
+                total += squares[j, p, q] * x[j, q]
+            y[p] = total
+        for p in range(n):
+            x[j, p] = y[p]
+    for j in range(size - 1, -1, -1):
+        for t in range(first[j], first[j + 1]):
+            i = below[t]
+            for q in range(n):
+                total = x[j, q]
+                for p in range(n):
+                    total -= ups[t, p, q] * x[i, p]
+                x[j, q] = total
+
+
 @njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _solve_factorised(plan, inverse, low, up, symmetric, x, size_n):
     """Solve L D U x = x in place, x (N or more, n); ``up`` is of no use for a symmetric matrix."""
     n, count, longest = len(size_n), len(plan.first) - 1, 0
+    if count == len(plan.column) - 1:
+        _solve_columns(plan, inverse, low, low if symmetric else up, x, size_n)
+        return
     blocks, flat = n * n, x.reshape(x.size)
     for s in range(count):
         longest = max(longest, n * max(plan.first[s + 1] - plan.first[s], plan.start[s + 1] - plan.start[s]))
@@ -1191,14 +1278,20 @@ def _solve_factorised(plan, inverse, low, up, symmetric, x, size_n):
 def _in_order(inverse_mass, v_free, order, size_n):
     """M^-1, M and v_free with the bodies in elimination order."""
     bodies, n = len(order), len(size_n)
-    inverse, mass, free = np.empty((bodies, n, n)), np.empty((bodies, n, n)), np.empty((bodies, n))
+    inverse, mass, free = np.empty((bodies, n, n)), np.zeros((bodies, n, n)), np.empty((bodies, n))
     work = np.empty((n, n))
     for b in range(bodies):
+        coupled = False
         for i in range(n):
             free[b, i] = v_free[order[b], i]
             for j in range(n):
                 inverse[b, i, j] = inverse_mass[order[b], i, j]
-        _invert(inverse[b], mass[b], work, size_n)
+                coupled = coupled or (i != j and inverse[b, i, j] != 0.0)
+        if coupled:
+            _invert(inverse[b], mass[b], work, size_n)
+        else:  # as in a plane
+            for i in range(n):
+                mass[b, i, i] = 1.0 / inverse[b, i, i]
     return inverse, mass, free
 
 
@@ -1233,11 +1326,11 @@ def _rows(jacobian, index, offset, v, u, size_m, size_n):
     """u = H v + b; v (bodies + 1, n) with a last row of zeros for the supports."""
     m, n = len(size_m), len(size_n)
     for c in range(len(index)):
-        a, b, h = index[c, 0], index[c, 1], jacobian[c]
+        a, b = index[c, 0], index[c, 1]
         for i in range(m):
             total = offset[c, i]
             for k in range(n):
-                total += h[0, i, k] * v[a, k] + h[1, i, k] * v[b, k]
+                total += jacobian[c, 0, i, k] * v[a, k] + jacobian[c, 1, i, k] * v[b, k]
             u[c, i] = total
 
 
@@ -1246,12 +1339,12 @@ def _add_push(jacobian, index, p, out, size_m, size_n):
     """out += H^T p; the last row of out, of the supports, is of no use."""
     m, n = len(size_m), len(size_n)
     for c in range(len(index)):
-        a, b, h = index[c, 0], index[c, 1], jacobian[c]
+        a, b = index[c, 0], index[c, 1]
         for i in range(m):
             x = p[c, i]
             for k in range(n):
-                out[a, k] += h[0, i, k] * x
-                out[b, k] += h[1, i, k] * x
+                out[a, k] += jacobian[c, 0, i, k] * x
+                out[b, k] += jacobian[c, 1, i, k] * x
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
@@ -1298,16 +1391,16 @@ def _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n):
     m, n = len(size_m), len(size_n)
     total = 0.0
     for c in range(len(index)):
-        a, b, h = index[c, 0], index[c, 1], jacobian[c]
+        a, b = index[c, 0], index[c, 1]
         un, u1, u2 = offset[c, 0], offset[c, 1], 0.0
         if m == 3:
             u2 = offset[c, 2]
         for k in range(n):
             x, y = v[a, k], v[b, k]
-            un += h[0, 0, k] * x + h[1, 0, k] * y
-            u1 += h[0, 1, k] * x + h[1, 1, k] * y
+            un += jacobian[c, 0, 0, k] * x + jacobian[c, 1, 0, k] * y
+            u1 += jacobian[c, 0, 1, k] * x + jacobian[c, 1, 1, k] * y
             if m == 3:
-                u2 += h[0, 2, k] * x + h[1, 2, k] * y
+                u2 += jacobian[c, 0, 2, k] * x + jacobian[c, 1, 2, k] * y
         p2 = p[c, 2] if m == 3 else 0.0
         if len(compliance):
             un += compliance[c, 0] * p[c, 0]
@@ -1323,6 +1416,47 @@ def _put_back(v, order, out):
     for b in range(len(order)):
         for i in range(out.shape[1]):
             out[order[b], i] = v[b, i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, scaled, size_m, size_n):
+    """w = H v + b + C p of impulses p, q = H v_free + b, and d, which is 1 if not ``scaled``."""
+    count, contacts, m, n = len(v_free), len(p), len(size_m), len(size_n)
+    index = np.empty((contacts, 2), dtype=np.int64)
+    for c in range(contacts):
+        for side in range(2):
+            index[c, side] = bodies[c, side] if bodies[c, side] >= 0 else count
+    v, push, q, w = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((contacts, m)), np.empty((contacts, m))
+    _copy(v_free, v)
+    _rows(jacobian, index, offset, v, q, size_m, size_n)
+    _velocity_of(inverse_mass, v_free, jacobian, index, p, push, v, size_m, size_n)
+    _rows(jacobian, index, offset, v, w, size_m, size_n)
+    if len(compliance):
+        for c in range(contacts):
+            for i in range(m):
+                w[c, i] += compliance[c, i] * p[c, i]
+    d = _scales(inverse_mass, jacobian, index, compliance, size_m, size_n) if scaled else np.ones(contacts)
+    return w, q, d
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, scaled, size_m, size_n):
+    """Norms of the natural map residual and of q for impulses p over a FrictionProblem; scaled by d, or with d = 1."""
+    w, q, d = _law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, scaled, size_m, size_n)
+    return natural_map_norms(p, w, q, mu, d)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def errors_by_group(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, group, groups, size_m, size_n):
+    """The same norms, scaled, over each group of contacts: (G,) and (G,); ``group`` (C,) is the number of each contact's."""
+    w, q, d = _law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, True, size_m, size_n)
+    residual, size, m = np.zeros(groups), np.zeros(groups), len(size_m)
+    for c in range(len(p)):
+        p2, w2 = (p[c, 2], w[c, 2]) if m == 3 else (0.0, 0.0)
+        residual[group[c]] += _natural_map2(p[c, 0], p[c, 1], p2, w[c, 0], w[c, 1], w2, mu[c], d[c])
+        for i in range(m):
+            size[group[c]] += q[c, i] * q[c, i] / d[c]
+    return np.sqrt(residual), np.sqrt(size)
 
 
 # --- ADMM over bodies ------------------------------------------------------------------------------------------------------------------
@@ -1369,17 +1503,17 @@ def _augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, new, 
     m, n = len(size_m), len(size_n)
     change = 0.0
     for c in range(len(index)):
-        a, b, h, r = index[c, 0], index[c, 1], jacobian[c], rho[c]
+        a, b, r = index[c, 0], index[c, 1], rho[c]
         un, u1, u2 = offset[c, 0], offset[c, 1], 0.0
         pn, p1, p2 = p[c, 0], p[c, 1], 0.0
         if m == 3:
             u2, p2 = offset[c, 2], p[c, 2]
         for k in range(n):
             x, y = v[a, k], v[b, k]
-            un += h[0, 0, k] * x + h[1, 0, k] * y
-            u1 += h[0, 1, k] * x + h[1, 1, k] * y
+            un += jacobian[c, 0, 0, k] * x + jacobian[c, 1, 0, k] * y
+            u1 += jacobian[c, 0, 1, k] * x + jacobian[c, 1, 1, k] * y
             if m == 3:
-                u2 += h[0, 2, k] * x + h[1, 2, k] * y
+                u2 += jacobian[c, 0, 2, k] * x + jacobian[c, 1, 2, k] * y
         if len(compliance):
             un += compliance[c, 0] * pn
             u1 += compliance[c, 1] * p1
@@ -1395,11 +1529,11 @@ def _augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, new, 
         tn, t1, t2 = 2.0 * xn - pn, 2.0 * x1 - p1, 2.0 * x2 - p2
         for k in range(n):
             if m == 3:
-                out[a, k] += h[0, 0, k] * tn + h[0, 1, k] * t1 + h[0, 2, k] * t2
-                out[b, k] += h[1, 0, k] * tn + h[1, 1, k] * t1 + h[1, 2, k] * t2
+                out[a, k] += jacobian[c, 0, 0, k] * tn + jacobian[c, 0, 1, k] * t1 + jacobian[c, 0, 2, k] * t2
+                out[b, k] += jacobian[c, 1, 0, k] * tn + jacobian[c, 1, 1, k] * t1 + jacobian[c, 1, 2, k] * t2
             else:
-                out[a, k] += h[0, 0, k] * tn + h[0, 1, k] * t1
-                out[b, k] += h[1, 0, k] * tn + h[1, 1, k] * t1
+                out[a, k] += jacobian[c, 0, 0, k] * tn + jacobian[c, 0, 1, k] * t1
+                out[b, k] += jacobian[c, 1, 0, k] * tn + jacobian[c, 1, 1, k] * t1
     return change
 
 
@@ -1499,32 +1633,36 @@ def admm_bodies(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _tangent(pn, p1, p2, un, u1, u2, mu, d, stiffness, block, target, spatial):
-    """Linearised law of one contact, p+ = target - block (u+ - u), for contact stiffness ``stiffness`` / d; see solvers/newton.py."""
-    block[:] = 0.0
-    target[:] = 0.0
+def _tangent(pn, p1, p2, un, u1, u2, mu, d, stiffness, block, target, c, size_m):
+    """Linearised law of contact c, p+ = target[c] - block[c] (u+ - u), for contact stiffness ``stiffness`` / d; see solvers/newton.py."""
+    m = len(size_m)
+    spatial = m == 3
+    for i in range(m):
+        target[c, i] = 0.0
+        for j in range(m):
+            block[c, i, j] = 0.0
     xn, x1, x2 = pn - un / d, p1 - u1 / d, p2 - u2 / d
     if xn <= 0.0:
         return
     kappa = stiffness / d
     length = _length(x1, x2)
-    target[0] = pn - kappa * un
-    block[0, 0] = kappa
+    target[c, 0] = pn - kappa * un
+    block[c, 0, 0] = kappa
     if length <= mu * xn:
-        target[1], block[1, 1] = p1 - kappa * u1, kappa
+        target[c, 1], block[c, 1, 1] = p1 - kappa * u1, kappa
         if spatial:
-            target[2], block[2, 2] = p2 - kappa * u2, kappa
+            target[c, 2], block[c, 2, 2] = p2 - kappa * u2, kappa
         return
     e1, e2 = x1 / length, x2 / length
-    target[1], block[1, 0] = mu * e1 * target[0], mu * e1 * kappa
+    target[c, 1], block[c, 1, 0] = mu * e1 * target[c, 0], mu * e1 * kappa
     if spatial:  # across the slip the direction of friction turns with the velocity
         share = mu * xn / length
         beta = min(share / (d * max(1.0 - share, 1e-12)), kappa)
         across = u2 * e1 - u1 * e2
-        target[2], block[2, 0] = mu * e2 * target[0], mu * e2 * kappa
-        target[1] += beta * across * e2
-        target[2] -= beta * across * e1
-        block[1, 1], block[1, 2], block[2, 1], block[2, 2] = beta * e2 * e2, -beta * e1 * e2, -beta * e1 * e2, beta * e1 * e1
+        target[c, 2], block[c, 2, 0] = mu * e2 * target[c, 0], mu * e2 * kappa
+        target[c, 1] += beta * across * e2
+        target[c, 2] -= beta * across * e1
+        block[c, 1, 1], block[c, 1, 2], block[c, 2, 1], block[c, 2, 2] = beta * e2 * e2, -beta * e1 * e2, -beta * e1 * e2, beta * e1 * e1
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -1560,30 +1698,38 @@ def _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper,
     upper[:] = 0.0
     turned = np.empty((2, m, n))
     for c in range(len(index)):
-        h, a, b = jacobian[c], index[c, 0], index[c, 1]
+        a, b = index[c, 0], index[c, 1]
         for side in range(2):
             for i in range(m):
                 for q in range(n):
                     total = 0.0
                     for k in range(m):
-                        total += blocks[c, i, k] * h[side, k, q]
+                        total += blocks[c, i, k] * jacobian[c, side, k, q]
                     turned[side, i, q] = total
-        for i in range(m):
+            body = index[c, side]
+            if body < bodies:
+                for p in range(n):
+                    for q in range(n):
+                        total = 0.0
+                        for i in range(m):
+                            total += jacobian[c, side, i, p] * turned[side, i, q]
+                        diagonal[body, p, q] += total
+        if a == b < bodies:
             for p in range(n):
-                x, y = h[0, i, p], h[1, i, p]
                 for q in range(n):
-                    if a < bodies:
-                        diagonal[a, p, q] += x * turned[0, i, q]
-                    if b < bodies:
-                        diagonal[b, p, q] += y * turned[1, i, q]
-                if a == b < bodies:
-                    for q in range(n):
-                        diagonal[a, p, q] += x * turned[1, i, q] + y * turned[0, i, q]
-                if spot[c] >= 0:
-                    x_low, x_high, low, high = (y, x, 1, 0) if a > b else (x, y, 0, 1)
-                    for q in range(n):
-                        lower[spot[c], p, q] += x_high * turned[low, i, q]
-                        upper[spot[c], q, p] += x_low * turned[high, i, q]
+                    for i in range(m):
+                        diagonal[a, p, q] += jacobian[c, 0, i, p] * turned[1, i, q] + jacobian[c, 1, i, p] * turned[0, i, q]
+        if spot[c] >= 0:
+            low = 1 if a > b else 0
+            high = 1 - low
+            for p in range(n):
+                for q in range(n):
+                    one, other = 0.0, 0.0
+                    for i in range(m):
+                        one += jacobian[c, high, i, p] * turned[low, i, q]
+                        other += jacobian[c, low, i, q] * turned[high, i, p]
+                    lower[spot[c], p, q] += one
+                    upper[spot[c], p, q] += other
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -1603,7 +1749,7 @@ def newton_bodies(
 ):  # fmt: skip
     """Semismooth Newton over a FrictionProblem, see solvers/newton.py. p holds the start and then the best answer found.
 
-    Returns iterations, natural map error, and the error at the start.
+    Returns iterations, natural map error, the error at the start, and the stiffness at the end.
     """
     count, m, n, contacts = len(order), len(size_m), len(size_n), len(mu)
     inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
@@ -1629,7 +1775,7 @@ def newton_bodies(
                 for i in range(m):
                     w[c, i] += compliance[c, i] * p[c, i]
             p2, w2 = (p[c, 2], w[c, 2]) if m == 3 else (0.0, 0.0)
-            _tangent(p[c, 0], p[c, 1], p2, w[c, 0], w[c, 1], w2, mu[c], d[c], stiffness, blocks[c], target[c], m == 3)
+            _tangent(p[c, 0], p[c, 1], p2, w[c, 0], w[c, 1], w2, mu[c], d[c], stiffness, blocks, target, c, size_m)
             if len(compliance):
                 _in_series(blocks[c], compliance[c], share, softer, work, size_m)
                 _take_share(share, target[c], p[c, 0], p[c, 1], p2, size_m)
@@ -1643,13 +1789,13 @@ def newton_bodies(
             _solve_factorised(plan, squares, panels, others, UNSYMMETRIC, out, size_n)
             out[count] = 0.0
             for c in range(contacts):
-                a, b, h = index[c, 0], index[c, 1], jacobian[c]
+                a, b = index[c, 0], index[c, 1]
                 for i in range(m):
                     p[c, i] = target[c, i]
                 for i in range(m):
                     change = 0.0
                     for k in range(n):
-                        change += h[0, i, k] * out[a, k] + h[1, i, k] * out[b, k]
+                        change += jacobian[c, 0, i, k] * out[a, k] + jacobian[c, 1, i, k] * out[b, k]
                     for k in range(m):
                         p[c, k] -= blocks[c, k, i] * change
             _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
@@ -1669,7 +1815,7 @@ def newton_bodies(
             _copy(v, best_v)
     _copy(best, p)
     _put_back(best_v, order, v_out)
-    return iterations, smallest, begin
+    return iterations, smallest, begin, stiffness
 
 
 # --- ADMM and Newton for local problems ------------------------------------------------------------------------------------------------
@@ -1820,7 +1966,7 @@ def newton_local(data, indices, indptr, own, q, mu, d, place, plan, p, stiffness
     diagonal, lower, upper = np.empty((count, m, m)), np.empty((len(plan.row), m, m)), np.empty((len(plan.row), m, m))
     squares, panels, others = _room(plan, size_m)
     scale, right, unit = np.empty((count, m, m)), np.empty(p.shape), np.empty((count, m, m))
-    target, block, work, inverse = np.zeros(3), np.zeros((3, 3)), np.empty((m, m)), np.empty((m, m))
+    target, block, work, inverse = np.zeros((1, m)), np.zeros((1, m, m)), np.empty((m, m)), np.empty((m, m))
     small = np.empty((m, m))
     size = _size_of(q, d)
     u, best, hold = np.empty(p.shape), p.copy(), p.copy()
@@ -1830,10 +1976,10 @@ def newton_local(data, indices, indptr, own, q, mu, d, place, plan, p, stiffness
         regular = True
         for c in range(count):
             p2, u2 = (p[c, 2], u[c, 2]) if m == 3 else (0.0, 0.0)
-            _tangent(p[c, 0], p[c, 1], p2, u[c, 0], u[c, 1], u2, mu[c], d[c], stiffness, block, target, m == 3)
+            _tangent(p[c, 0], p[c, 1], p2, u[c, 0], u[c, 1], u2, mu[c], d[c], stiffness, block, target, 0, size_m)
             for i in range(m):
                 for j in range(m):
-                    small[i, j] = block[i, j]
+                    small[i, j] = block[0, i, j]
             _times(small, own[c], False, work, size_m)
             for i in range(m):
                 work[i, i] += 1.0
@@ -1842,7 +1988,7 @@ def newton_local(data, indices, indptr, own, q, mu, d, place, plan, p, stiffness
             for i in range(m):
                 total = 0.0
                 for j in range(m):
-                    total += inverse[i, j] * (target[j] - p[c, j])
+                    total += inverse[i, j] * (target[0, j] - p[c, j])
                     unit[place[c], i, j] = inverse[i, j]
                 right[place[c], i] = total
         _place_blocks(data, indices, indptr, scale, place, plan, False, diagonal, lower, upper, size_m)

@@ -226,7 +226,7 @@ def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True
         return 0.0
     impulse = np.ascontiguousarray(impulse, dtype=np.float64)
     if isinstance(problem, FrictionProblem):
-        residual, size = coulomb.error_bodies(*problem.arrays(), impulse, scaled)
+        residual, size = coulomb.error_bodies(*problem.arrays(), impulse, scaled, (0,) * problem.dimension, (0,) * problem.v_free.shape[1])
     else:
         scale = problem.scales() if scaled else np.ones(problem.contacts)
         residual, size = coulomb.natural_map_norms(impulse, problem.apply(impulse), problem.q, problem.mu, scale)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+import scenes
 from test_extreme_problems import thrown
 
-from masonry_cd.friction import FrictionProblem, LocalProblem, natural_map_error
+from masonry_cd.friction import FrictionProblem, LocalProblem, Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 
 solve = SOLVERS["newton"]
@@ -37,6 +39,20 @@ def test_convergence_is_faster_than_linear() -> None:
         errors.append(natural_map_error(problem, solve(problem, Options(tolerance=1e-15, max_iterations=steps), start).impulse))
     assert min(after / before for before, after in pairwise(errors)) < 1e-3
     assert errors[-1] < 1e-11
+
+
+def test_begins_as_stiff_as_the_last_step_ended() -> None:
+    """A problem next to the last one takes at most half as many steps as without the memory of it, and a failure forgets it."""
+    problem, options = scenes.tower(40), Options(tolerance=1e-12)
+    first = solve(problem, options, SOLVERS["admm"](problem, Options(tolerance=1e-4), None))
+    nearby = replace(problem, v_free=1.0001 * problem.v_free)
+    anew = solve(nearby, options, Solution(first.impulse, None, 0))
+    again = solve(nearby, options, Solution(first.impulse, None, 0, memory=first.memory))
+    assert max(natural_map_error(nearby, s.impulse) for s in (anew, again)) <= 1e-12
+    assert 0 < 2 * again.iterations <= anew.iterations
+    failed = solve(problem, Options(tolerance=1e-15, max_iterations=1), Solution(0.0 * first.impulse, None, 0, memory=first.memory))
+    assert "failed" in failed.reason
+    assert solve(nearby, options, Solution(first.impulse, None, 0, memory=failed.memory)).iterations == anew.iterations
 
 
 def test_never_worse_than_its_start() -> None:

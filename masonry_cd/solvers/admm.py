@@ -53,6 +53,7 @@ from masonry_cd.solvers.pattern import Pattern
 
 LIMIT = 2000  # iterations
 FIRST_K = 1e4
+FIRST_STIFFNESS = 1e3  # K of Newton, see newton.py
 LOCAL_K = 1e3  # of local problems, which are solved once
 PROBE = 40  # steps between two trials of a neighbouring k
 
@@ -70,13 +71,13 @@ class Memory:
     squares: np.ndarray  # of D^-1, flat
     panels: np.ndarray  # of L, flat
     rho: np.ndarray  # (C,)
-    tally: np.ndarray  # (5,) k; 1: factorise anew; iterations after the last new factorisation; steps; mean iterations at this k
+    tally: np.ndarray  # (6,) k; 1: factorise anew; iterations after the last new factors; steps; mean iterations at this k; Newton's K
 
     @classmethod
     def empty(cls, pattern: Pattern, bodies: np.ndarray, n: int, tally: np.ndarray | None = None) -> Memory:
         """Room for the factors of a pattern; nothing factorised."""
         if tally is None:
-            tally = np.array([FIRST_K, 1.0, 0.0, 0.0, 0.0])
+            tally = np.array([FIRST_K, 1.0, 0.0, 0.0, 0.0, FIRST_STIFFNESS])
         tally[1] = 1.0
         squares, panels = np.empty(n * n * int(pattern.plan.square[-1])), np.empty(n * n * int(pattern.plan.panel[-1]))
         return cls(pattern, bodies, squares, panels, np.empty(len(bodies)), tally)
