@@ -13,6 +13,7 @@ from benchmarks import memory, parts, peers, problem_files, rocking, scaling
 from benchmarks.lmgc90_error import judge
 from benchmarks.ours import measure, stepper
 from benchmarks.scenes import GRAVITY, arcade, arch, scene, tower, wall
+from masonry_cd import islands
 from masonry_cd.blocks import mass_properties
 from masonry_cd.friction import natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
@@ -82,7 +83,8 @@ def test_an_unknown_solver_is_named():
 def test_memory_is_sampled_on_the_way():
     found = memory.measure(tower(2), 3 * 256)
     assert found.steps == [256, 512, 768]
-    assert min(found.resident) > 10.0 > max(found.held) > 0.0
+    assert min(found.resident) > max(found.held) > 0.0
+    assert found.held[-1] - found.held[0] < 1.0
     assert found.growth()[0] == pytest.approx(found.resident[2] / found.resident[1] - 1.0)
 
 
@@ -242,9 +244,9 @@ def test_the_clock_of_a_part_stops_while_another_one_runs(monkeypatch):
 
 def test_the_second_solve_of_a_step_with_impacts_has_a_name_of_its_own():
     clocks = parts.Clocks()
-    solver = clocks.timed("iterations", lambda problem, start: problem)
-    clocks.told_apart(lambda solve: [solve(k, None) for k in range(2)])(solver)
-    solver(0, None)
+    solver = clocks.timed("iterations", lambda problem, start, kind: problem)
+    clocks.told_apart(lambda solve: [solve(0, None, kind) for kind in (islands.FORCES, islands.IMPACTS)])(solver)
+    solver(0, None, islands.FORCES)
     assert clocks.calls == {"iterations": 2, "iterations of impacts": 1}
 
 
