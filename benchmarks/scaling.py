@@ -65,7 +65,7 @@ def growth(rows: list[dict[str, Any]]) -> str:
 def options(given: argparse.Namespace) -> list[str]:
     """What each run is told beside its scene and its steps."""
     limit = [] if given.max_iterations is None else ["--max-iterations", str(given.max_iterations)]
-    return limit + (["--space"] if given.space else [])
+    return limit + ["--threads", str(given.threads)] + (["--space"] if given.space else [])
 
 
 def totals_table(given: argparse.Namespace) -> None:
@@ -98,6 +98,7 @@ def main() -> None:
     parser.add_argument("--solver", default="auto")
     parser.add_argument("--tolerance", type=float, default=1e-8)
     parser.add_argument("--max-iterations", type=int, help="of each solve")
+    parser.add_argument("--threads", type=int, default=1, help="of each run")
     parser.add_argument("--space", action="store_true", help="all three dimensions, also where a plane would do")
     parser.add_argument("--parts", action="store_true", help="what each part of a run costs")
     given = parser.parse_args()

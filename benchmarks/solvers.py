@@ -1,4 +1,4 @@
-"""Times and errors of the friction solvers, as Markdown tables: python -m benchmarks.solvers [--collected FOLDER] [--large]
+"""Times and errors of the friction solvers, as Markdown tables: python -m benchmarks.solvers [--collected FOLDER] [--large] [--threads N]
 
 Every error is the scaled natural map error, measured outside the solver; every time the median of several solves of the same problem,
 kernels compiled before.
@@ -48,12 +48,12 @@ def collected(folder: Path) -> None:
             print(f"| {path.stem} | {problem.contacts} | {solver} | {iterations} | {error:.1e} | {seconds * 1e3:.1f} |", flush=True)
 
 
-def walls(sizes: list[tuple[int, int]]) -> None:
+def walls(sizes: list[tuple[int, int]], threads: int) -> None:
     """One step from rest of a wall in running bond, solved to 1e-8 from a cold start."""
     print("\n| wall | blocks | contacts | iterations | error | time [s] | per contact [us] |\n|---|---|---|---|---|---|---|")
     for columns, courses in sizes:
         problem = scenes.wall(columns, courses)
-        error, iterations, seconds = measure(problem, "auto", 1e-8, repeats=3)
+        error, iterations, seconds = measure(problem, "auto", 1e-8, repeats=3, threads=threads)
         cells = (f"{columns} x {courses}", len(problem.v_free), problem.contacts, iterations, f"{error:.1e}", f"{seconds:.3f}")
         print("|", " | ".join(map(str, cells)), f"| {seconds / problem.contacts * 1e6:.2f} |", flush=True)
 
@@ -74,11 +74,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--collected", type=Path, default=COLLECTED, help="folder of .npz problems")
     parser.add_argument("--large", action="store_true", help="walls of up to 50,000 blocks, minutes to build")
+    parser.add_argument("--threads", type=int, default=1, help="of each solve of a wall")
     arguments = parser.parse_args()
     sweeps()
-    walls([(50, 10), (50, 20), (50, 50), (50, 100)])
+    walls([(50, 10), (50, 20), (50, 50), (50, 100)], arguments.threads)
     if arguments.large:
-        walls([(10, 100), (200, 100), (500, 100)])
+        walls([(10, 100), (200, 100), (500, 100)], arguments.threads)
     if arguments.collected.is_dir():
         collected(arguments.collected)
     else:

@@ -32,6 +32,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from llvmlite import ir
 from numba import prange, types
+from numba.core.cgutils import get_or_insert_function
 from numba.extending import intrinsic
 
 from masonry_cd.kernels import njit
@@ -45,6 +46,7 @@ WIDEST = 16  # columns that are factorised together
 THIN = 2.0  # mean number of rows below a column of L up to which columns stay alone
 SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix; likewise
 BALANCE, ALL = 0.6, 0.95  # shares of ADMM's error that lie in the law: its stiffness falls below the one, grows above the other
+PART = 4096  # blocks of L in a part of the first level
 # The table of contacts: a row for each with all that a sweep reads besides G, so that it comes in a piece. First the local law, see
 # _law_row, then d, s, mu, q, p and C at these places:
 SCALE, START, MU, Q, P, C = 7, 8, 9, 10, 13, 16
@@ -682,6 +684,78 @@ def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed
     return sweeps, error
 
 
+# --- a team of threads ---------------------------------------------------------------------------------------------------------------
+#
+# Threads that share a solve all run the same kernel on the same arrays. Each takes its share of the parts of a :class:`Plan` and waits for
+# the others where their results are needed; decisions are taken by all of them alike, from the same numbers. Which thread takes what
+# never enters a result: a sum over parts is taken in the order of the parts. So equal inputs give equal bits with any number of threads,
+# and with one the same code runs without waiting.
+
+
+class Team(NamedTuple):
+    """What a thread knows of the others."""
+
+    rank: int
+    size: int
+    gate: np.ndarray  # (3,) of all: how many wait, how often all were through, whether a factorisation failed
+
+
+@intrinsic
+def _add_at(typing: Any, array: types.Array, entry: types.Integer, value: types.Integer) -> tuple[Any, Any]:
+    """Add to an entry of an array of int64 at once for all threads; returns what was there."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        address = builder.gep(data, [context.cast(builder, arguments[1], signature.args[1], types.intp)])
+        return builder.atomic_rmw("add", address, context.cast(builder, arguments[2], signature.args[2], types.int64), "seq_cst")
+
+    return types.int64(array, entry, value), generate
+
+
+@intrinsic
+def _look_at(typing: Any, array: types.Array, entry: types.Integer) -> tuple[Any, Any]:
+    """An entry of an array of int64 as the other threads left it."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        address = builder.gep(data, [context.cast(builder, arguments[1], signature.args[1], types.intp)])
+        return builder.load_atomic(address, "seq_cst", 8)
+
+    return types.int64(array, entry), generate
+
+
+@intrinsic
+def _let_others_run(typing: Any) -> tuple[Any, Any]:
+    """Give the processor to another thread that wants it."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        number = ir.IntType(32)
+        builder.call(get_or_insert_function(builder.module, ir.FunctionType(number, []), "sched_yield"), [])
+        return context.get_dummy_value()
+
+    return types.void(), generate
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _wait(team):
+    """Go on when all threads of the team are here."""
+    if team.size == 1:
+        return
+    turn = _look_at(team.gate, 1)
+    if _add_at(team.gate, 0, 1) == team.size - 1:
+        team.gate[0] = 0
+        _add_at(team.gate, 1, 1)
+    while _look_at(team.gate, 1) == turn:
+        _let_others_run()
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _share(team, first, end):
+    """The thread's share of a range."""
+    count = end - first
+    return first + count * team.rank // team.size, first + count * (team.rank + 1) // team.size
+
+
 # --- sparse blocks: L D U of a matrix over the body graph -----------------------------------------------------------------------
 #
 # A matrix such as M + H^T R H has one (n, n) block per body and one per pair of bodies that touch. It is factorised as A = L D U, in the
@@ -695,6 +769,12 @@ def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed
 # most of the time. Multiplications and additions are fused ("contract"), which rounds once instead of twice, and the sums of a solve are
 # taken in the order that the processor likes ("reassoc"); equal inputs still give equal bits on one machine.
 #
+# **Parts.** Large plans are cut into parts of about PART blocks: subtrees of the elimination tree, which do not know of one another, then
+# subtrees of what is left of it, of twice the size, and so on; the parts of a level can be worked on at the same time. What a part leaves
+# to nodes of later parts goes to rows of its own, the copies, which are added up when their node's turn comes. A part's factors stay in
+# the cache while an iteration comes down to it, meets its contacts and goes up again, which pays with one thread too. They are stored in
+# the order in which it comes down, when they have to be fetched.
+#
 # size_m and size_n are tuples of m and n zeros: their lengths are part of their types, so the compiler knows m and n and unrolls.
 
 
@@ -706,8 +786,17 @@ class Plan(NamedTuple):
     first: np.ndarray  # (S + 1,) first node of each run
     start: np.ndarray  # (S + 1,) starts of the rows below each run
     below: np.ndarray  # (R,) these rows, ascending in each run
-    square: np.ndarray  # (S + 1,) starts of the squares of D, in blocks
-    panel: np.ndarray  # (S + 1,) starts of the panels of L and D U, in blocks
+    square: np.ndarray  # (S + 1,) starts of the squares of D, in blocks, and the end of all; see make_plan for their order
+    panel: np.ndarray  # (S + 1,) starts of the panels of L and D U likewise
+    pull: np.ndarray  # (S + 1,) starts of the earlier runs that leave something to each run
+    puller: np.ndarray  # (U,) these runs, ascending
+    entry: np.ndarray  # (U,) the first of their rows that is in the run
+    part: np.ndarray  # (K + 1,) starts of the parts, in runs
+    level: np.ndarray  # (Y + 1,) starts of the levels, in parts
+    target: np.ndarray  # (R,) row that stands for each of ``below``: the node itself, or its copy if it is in a later part
+    border: np.ndarray  # (K + 1,) starts of the copies of each part; copy e is row N + 1 + e, after the nodes and the supports' row
+    spread: np.ndarray  # (N + 1,) starts of the copies of each node
+    copies: np.ndarray  # (E,) rows of these copies, by part
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -759,10 +848,10 @@ def fill_in(start: np.ndarray, neighbour: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def runs(column: np.ndarray, row: np.ndarray) -> np.ndarray:
+def runs(column: np.ndarray, row: np.ndarray, head: np.ndarray) -> np.ndarray:
     """Starts of the runs of columns of L that are factorised together, with the end appended: columns with the same rows below, nearly.
 
-    All columns stay alone where L has few blocks to a column.
+    All columns stay alone where L has few blocks to a column. None reaches across a column of which ``head`` says that it starts a part.
 
     A run takes in the one before it if few zeros come along: at most these shares of its blocks, more where it is short.
     """
@@ -772,7 +861,7 @@ def runs(column: np.ndarray, row: np.ndarray) -> np.ndarray:
     first, zeros = np.empty(size + 1, dtype=np.int64), np.zeros(size + 1)
     for j in range(size):
         start, below, added = j, column[j + 1] - column[j], 0.0
-        while count > 0 and column[start] > column[start - 1] and row[column[start - 1]] <= j:
+        while count > 0 and not head[start] and column[start] > column[start - 1] and row[column[start - 1]] <= j:
             before = first[count - 1]
             width = j + 1 - before
             more = zeros[count - 1] + (start - before) * (j + 1 - start + below - (column[start] - column[start - 1]))
@@ -787,8 +876,134 @@ def runs(column: np.ndarray, row: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def make_plan(first: np.ndarray, second: np.ndarray, size: int) -> Plan:
-    """The plan for a graph of given edges, each once, whose nodes are numbered in order of elimination."""
+def cut(first: np.ndarray, second: np.ndarray, size: int, limit: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cut the elimination tree of a graph of given edges, numbered in order of elimination, into parts of about ``limit`` blocks of L.
+
+    Returns the nodes part by part, each part in an order of elimination (N,), the starts of the parts among them (K + 1,), and the starts
+    of the levels among the parts. Where L has few blocks to a column there is one part.
+    """
+    start, neighbour = neighbours_below(first, second, size)
+    column, row = fill_in(start, neighbour)
+    if column[size] <= THIN * size:  # columns stay alone, see runs
+        limit = column[size] + size
+    parent, weight = np.full(size, -1), np.empty(size, dtype=np.int64)
+    child, sibling = np.full(size, -1), np.full(size, -1)
+    for j in range(size - 1, -1, -1):
+        weight[j] = 1 + column[j + 1] - column[j]
+        if column[j + 1] > column[j]:
+            parent[j] = row[column[j]]
+            sibling[j], child[parent[j]] = child[parent[j]], j
+    # the nodes, children before parents and subtrees together
+    post, count, stack = np.empty(size, dtype=np.int64), 0, np.empty(size, dtype=np.int64)
+    for root in range(size):
+        if parent[root] >= 0:
+            continue
+        depth, stack[0] = 1, root
+        while depth > 0:
+            j = stack[depth - 1]
+            if child[j] >= 0:
+                stack[depth], child[j] = child[j], sibling[child[j]]
+                depth += 1
+            else:
+                post[count] = j
+                count, depth = count + 1, depth - 1
+    order, part, level = np.empty(size, dtype=np.int64), np.zeros(size + 1, dtype=np.int64), np.zeros(size + 1, dtype=np.int64)
+    placed, total = np.zeros(size, dtype=np.bool_), np.empty(size, dtype=np.int64)
+    done, parts, levels = 0, 0, 0
+    while done < size:
+        _copy(weight, total)
+        for j in range(size):  # weight of what is left below each node
+            if not placed[j] and parent[j] >= 0:
+                total[parent[j]] += total[j]
+        filled, begun = 0, done
+        for i in range(size):
+            j = post[i]
+            if placed[j] or total[j] > limit:
+                continue
+            order[done] = j
+            done += 1
+            if parent[j] < 0 or total[parent[j]] > limit:  # the end of a subtree
+                filled += total[j]
+                if filled > limit // 2:
+                    parts, filled = parts + 1, 0
+                    part[parts] = done
+        if filled > 0:
+            parts += 1
+            part[parts] = done
+        for i in range(begun, done):
+            placed[order[i]] = True
+        if done > begun:
+            levels += 1
+            level[levels] = parts
+        limit *= 2
+    if size == 0:  # a part all the same
+        return order, np.zeros(2, dtype=np.int64), np.arange(2)
+    return order, part[: parts + 1], level[: levels + 1]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _pulls(run, begin, below):
+    """For each run the earlier ones with a row in it: starts, these runs ascending, and the first of their rows there."""
+    count = len(run) - 1
+    owner, pull = np.empty(run[count], dtype=np.int64), np.zeros(count + 1, dtype=np.int64)
+    for s in range(count):
+        owner[run[s] : run[s + 1]] = s
+    puller, entry, at = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    for writing in range(2):
+        for d in range(count):
+            for t in range(begin[d], begin[d + 1]):
+                s = owner[below[t]]
+                if t > begin[d] and owner[below[t - 1]] == s:
+                    continue
+                if writing:
+                    puller[at[s]], entry[at[s]] = d, t
+                    at[s] += 1
+                else:
+                    pull[s + 1] += 1
+        if not writing:
+            for s in range(count):
+                pull[s + 1] += pull[s]
+            puller, entry, at = np.empty(pull[count], dtype=np.int64), np.empty(pull[count], dtype=np.int64), pull[:-1].copy()
+    return pull, puller, entry
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _copies(run, begin, below, part, size):
+    """The copies of a plan: target, border, spread and copies, see :class:`Plan`."""
+    count = len(part) - 1
+    target, border, mark, slot = below.copy(), np.zeros(count + 1, dtype=np.int64), np.full(size, -1), np.empty(size, dtype=np.int64)
+    spread, copies, at = np.zeros(size + 1, dtype=np.int64), np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    for writing in range(2):
+        mark[:] = -1
+        for q in range(count):
+            border[q + 1] = border[q]
+            for s in range(part[q], part[q + 1]):
+                for t in range(begin[s], begin[s + 1]):
+                    j = below[t]
+                    if j < run[part[q + 1]]:
+                        continue
+                    if mark[j] != q:
+                        mark[j], slot[j] = q, size + 1 + border[q + 1]
+                        border[q + 1] += 1
+                        if writing:
+                            copies[at[j]] = slot[j]
+                            at[j] += 1
+                        else:
+                            spread[j + 1] += 1
+                    target[t] = slot[j]
+        if not writing:
+            for j in range(size):
+                spread[j + 1] += spread[j]
+            copies, at = np.empty(spread[size], dtype=np.int64), spread[:-1].copy()
+    return target, border, spread, copies
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def make_plan(first: np.ndarray, second: np.ndarray, size: int, part: np.ndarray, level: np.ndarray) -> Plan:
+    """The plan for a graph of given edges, each once, whose nodes are numbered in order of elimination.
+
+    part and level are the starts of the parts among the nodes and of the levels among the parts, as :func:`cut` gives them.
+    """
     start, neighbour = neighbours_below(first, second, size)
     column, at = np.zeros(size + 1, dtype=np.int64), np.zeros(size, dtype=np.int64)
     row = np.empty(len(neighbour), dtype=np.int64)
@@ -802,16 +1017,83 @@ def make_plan(first: np.ndarray, second: np.ndarray, size: int) -> Plan:
             row[at[neighbour[e]]] = i
             at[neighbour[e]] += 1
     filled, its_row = fill_in(start, neighbour)
-    run = runs(filled, its_row)
+    head = np.zeros(size + 1, dtype=np.bool_)
+    for q in range(len(part)):
+        head[part[q]] = True
+    run = runs(filled, its_row, head)
     count = len(run) - 1
+    part_of_runs, q = np.zeros(len(part), dtype=np.int64), 0
+    for s in range(count + 1):
+        if run[s] == part[q]:
+            part_of_runs[q] = s
+            q += 1
     begin, square, panel = np.zeros(count + 1, dtype=np.int64), np.zeros(count + 1, dtype=np.int64), np.zeros(count + 1, dtype=np.int64)
     for s in range(count):
-        width, rows = run[s + 1] - run[s], filled[run[s + 1]] - filled[run[s + 1] - 1]
-        begin[s + 1], square[s + 1], panel[s + 1] = begin[s] + rows, square[s] + width * width, panel[s] + width * rows
+        begin[s + 1] = begin[s] + filled[run[s + 1]] - filled[run[s + 1] - 1]
+    alone = count == size and len(part) == 2  # see _columns_alone; else in the order in which a solve comes down
+    for q in range(len(part) - 1):
+        for i in range(part_of_runs[q], part_of_runs[q + 1]):
+            s = i if alone else part_of_runs[q] + part_of_runs[q + 1] - 1 - i
+            width = run[s + 1] - run[s]
+            square[s], panel[s] = square[count], panel[count]
+            square[count] += width * width
+            panel[count] += width * (begin[s + 1] - begin[s])
     below = np.empty(begin[count], dtype=np.int64)
     for s in range(count):  # those of the last column, which has all that the others have
         _copy(its_row[filled[run[s + 1] - 1] : filled[run[s + 1]]], below[begin[s] : begin[s + 1]])
-    return Plan(column, row, run, begin, below, square, panel)
+    pull, puller, entry = _pulls(run, begin, below)
+    target, border, spread, copies = _copies(run, begin, below, part_of_runs, size)
+    return Plan(column, row, run, begin, below, square, panel, pull, puller, entry, part_of_runs, level, target, border, spread, copies)
+
+
+class Turns(NamedTuple):
+    """The contacts part by part: each belongs to the part of the one of its two bodies that is eliminated first."""
+
+    contact: np.ndarray  # (C,)
+    start: np.ndarray  # (K + 1,) starts of the parts
+    place: np.ndarray  # (C, 2) places of the bodies, in this order
+    landing: np.ndarray  # (C, 2) rows that stand for them: themselves, or their copies in the part
+    spot: np.ndarray  # (C,) blocks that couple them
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def share_contacts(index: np.ndarray, spot: np.ndarray, plan: Plan) -> Turns:
+    """Assign contacts, whose bodies are at the places index (C, 2), to the parts of a plan; those that meet no body go to the last."""
+    contacts, count, size = len(index), len(plan.part) - 1, len(plan.column) - 1
+    start, order = np.zeros(count + 1, dtype=np.int64), np.arange(contacts)
+    start[count] = contacts
+    if count == 1:
+        return Turns(order, start, index, index, spot)
+    own, row = np.empty(size + 1, dtype=np.int64), np.arange(size + 1)
+    for q in range(count):
+        own[plan.first[plan.part[q]] : plan.first[plan.part[q + 1]]] = q
+    own[size] = count - 1
+    start[count] = 0
+    for c in range(contacts):
+        start[own[min(index[c, 0], index[c, 1])] + 1] += 1
+    for q in range(count):
+        start[q + 1] += start[q]
+    at = start[:-1].copy()
+    for c in range(contacts):
+        q = own[min(index[c, 0], index[c, 1])]
+        order[at[q]] = c
+        at[q] += 1
+    sorted_index, landing, sorted_spot = (
+        np.empty((contacts, 2), dtype=np.int64),
+        np.empty((contacts, 2), dtype=np.int64),
+        np.empty_like(spot),
+    )
+    for q in range(count):
+        for s in range(plan.part[q], plan.part[q + 1]):
+            for t in range(plan.start[s], plan.start[s + 1]):
+                row[plan.below[t]] = plan.target[t]
+        for k in range(start[q], start[q + 1]):
+            sorted_spot[k] = spot[order[k]]
+            for side in range(2):
+                b = index[order[k], side]
+                sorted_index[k, side] = b
+                landing[k, side] = row[b] if own[b] > q else b
+    return Turns(order, start, sorted_index, landing, sorted_spot)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -954,11 +1236,18 @@ def _subtract(product, below, begin, own, end, where, panel, size_n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _update(plan, s, d, t0, t1, where, low, up, square, own_low, own_up, symmetric, out, size_n):
-    """Take from run s what the earlier run d leaves to it; ``low`` and ``up`` are the panels of d, t0 to t1 its rows in s."""
-    n, last, inner, length = len(size_n), plan.start[d + 1], len(low), low.shape[1]
+def _update(plan, s, d, t0, t1, where, inverse, low, up, square, own_low, own_up, symmetric, turned, out, size_n):
+    """Take from run s what the earlier run d leaves to it; ``low`` and ``up`` are the panels of d, t0 to t1 its rows in s.
+
+    Of a symmetric matrix ``up`` does: L = (D U)^T D^-1, with the square ``inverse`` of d.
+    """
+    n, last, inner, length = len(size_n), plan.start[d + 1], len(up), up.shape[1]
     first, rows = length - n * (last - t0), n * (t1 - t0)
-    _dense(up, first, rows, inner, low, first, length, out)
+    if symmetric:
+        _dense(inverse, 0, inner, inner, up, first, first + rows, turned)
+        _dense(turned, 0, rows, inner, up, first, length, out)
+    else:
+        _dense(up, first, rows, inner, low, first, length, out)
     for j in range(t1 - t0):
         for i in range(t1 - t0):
             row, column = n * where[plan.below[t0 + i]], n * where[plan.below[t0 + j]]
@@ -1004,11 +1293,10 @@ def _invert_square(a, column, out, work, size_n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _view(values, starts, s, rows, size_n):
-    """The square or panel of run s as a matrix."""
-    blocks = len(size_n) * len(size_n)
-    part = values[starts[s] * blocks : starts[s + 1] * blocks]
-    return part.reshape((rows, len(part) // rows))
+def _view(values, start, rows, columns, size_n):
+    """A square or panel as a matrix."""
+    begin = start * len(size_n) * len(size_n)
+    return values[begin : begin + rows * columns].reshape((rows, columns))
 
 
 @njit(entry=True, cache=True, nogil=True, error_model="numpy")
@@ -1016,6 +1304,12 @@ def _room(plan, size_n):
     """Room for the squares of D^-1 and the panels of L and of D U."""
     blocks = len(size_n) * len(size_n)
     return np.empty(plan.square[-1] * blocks), np.empty(plan.panel[-1] * blocks), np.empty(plan.panel[-1] * blocks)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _columns_alone(plan):
+    """Whether each run is one node, all of them in one part."""
+    return len(plan.first) == len(plan.column) and len(plan.part) == 2
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
@@ -1044,7 +1338,7 @@ def _minus_product(c, at, a, i, b, size_n):
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _factorise_columns(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
-    """The same where each run is one node: blocks of L and of U^T one after another, all loops over them unrolled."""
+    """:func:`_factorise` where each run is one node: blocks of L and of U^T one after another, all loops over them unrolled."""
     n, size, first, below = len(size_n), len(plan.column) - 1, plan.start, plan.below
     squares, lows, ups = inverse.reshape((size, n, n)), low.reshape((len(below), n, n)), up.reshape((len(below), n, n))
     head, following, at = np.full(size, -1), np.full(size, -1), np.empty(size, dtype=np.int64)
@@ -1108,60 +1402,102 @@ def _factorise_columns(plan, diagonal, lower, upper, inverse, low, up, symmetric
     return True
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def _longest(plan, first, last, size_n):
+    """Entries of the longest panel line or square of runs first to last."""
+    longest = 0
+    for s in range(first, last):
+        longest = max(longest, len(size_n) * max(plan.first[s + 1] - plan.first[s], plan.start[s + 1] - plan.start[s]))
+    return longest
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _factorise_runs(plan, first, last, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
+    """The factorisation for runs first to last, if all that they pull from are done; see :func:`_factorise`."""
+    if _columns_alone(plan):
+        return _factorise_columns(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n)
+    n, size, widest, longest = len(size_n), len(plan.column) - 1, 0, 0
+    for s in range(first, last):
+        width = plan.first[s + 1] - plan.first[s]
+        widest, longest = max(widest, n * width), max(longest, n * max(width, plan.start[s + 1] - plan.start[s]))
+        for e in range(plan.pull[s], plan.pull[s + 1]):
+            d = plan.puller[e]
+            widest, longest = max(widest, n * (plan.first[d + 1] - plan.first[d])), max(longest, n * (plan.start[d + 1] - plan.entry[e]))
+    out, column, turned = np.empty((widest, longest)), np.empty((n, widest)), np.empty((widest, widest))
+    work, where = np.empty((3, n, n)), np.empty(size, dtype=np.int64)
+    for s in range(first, last):
+        begin, end, width = plan.first[s], plan.first[s + 1], n * (plan.first[s + 1] - plan.first[s])
+        for i in range(begin, end):
+            where[i] = i - begin
+        for t in range(plan.start[s], plan.start[s + 1]):
+            where[plan.below[t]] = t - plan.start[s]
+        length, panel = n * (plan.start[s + 1] - plan.start[s]), plan.panel[s]
+        square = _view(inverse, plan.square[s], width, width, size_n)
+        own_up = _view(up, panel, width, length, size_n)
+        own_low = own_up if symmetric else _view(low, panel, width, length, size_n)
+        _load(plan, s, where, diagonal, lower, upper, square, own_low, own_up, symmetric, size_n)
+        for e in range(plan.pull[s], plan.pull[s + 1]):
+            d, t0 = plan.puller[e], plan.entry[e]
+            t1, inner = t0, n * (plan.first[d + 1] - plan.first[d])
+            while t1 < plan.start[d + 1] and plan.below[t1] < end:
+                t1 += 1
+            length, panel = n * (plan.start[d + 1] - plan.start[d]), plan.panel[d]
+            its_square, its_up = _view(inverse, plan.square[d], inner, inner, size_n), _view(up, panel, inner, length, size_n)
+            its_low = its_up if symmetric else _view(low, panel, inner, length, size_n)
+            _update(plan, s, d, t0, t1, where, its_square, its_low, its_up, square, own_low, own_up, symmetric, turned, out, size_n)
+        if not _invert_square(square, column, out, work, size_n):
+            return False
+        if not symmetric and own_low.shape[1] > 0:
+            _dense(square, 0, width, width, own_low, 0, own_low.shape[1], out)
+            for j in range(width):
+                for i in range(own_low.shape[1]):
+                    own_low[j, i] = out[j, i]
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _lower_panels(plan, first, last, inverse, up, low, size_n):
+    """Panels of L from those of D U of a symmetric matrix, for runs first to last; in the precision of ``low``."""
+    n, out = len(size_n), np.empty((len(size_n) * WIDEST, _longest(plan, first, last, size_n)))
+    for s in range(first, last):
+        width, length = n * (plan.first[s + 1] - plan.first[s]), n * (plan.start[s + 1] - plan.start[s])
+        square, panel = _view(inverse, plan.square[s], width, width, size_n), _view(up, plan.panel[s], width, length, size_n)
+        _dense(square, 0, width, width, panel, 0, length, out)
+        to = _view(low, plan.panel[s], width, length, size_n)
+        for k in range(width):
+            for i in range(length):
+                to[k, i] = out[k, i]
+
+
 @njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _factorise(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
     """A = L D U: inverse (squares of D^-1), low (panels of L) and up (panels of D U) from diagonal blocks A_jj, lower A_ij, upper A_ji^T.
 
     For a symmetric A give lower as upper too. Returns False when a diagonal block cannot be inverted.
     """
-    n, count, size = len(size_n), len(plan.first) - 1, len(plan.column) - 1
-    if count == size:
-        return _factorise_columns(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n)
-    owner, where = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
-    widest, longest = 0, 0
-    for s in range(count):
-        width = plan.first[s + 1] - plan.first[s]
-        widest, longest = max(widest, n * width), max(longest, n * max(width, plan.start[s + 1] - plan.start[s]))
-        owner[plan.first[s] : plan.first[s + 1]] = s
-    out, column, work = np.empty((widest, longest)), np.empty((n, widest)), np.empty((3, n, n))
-    head, following, at = np.full(count, -1), np.full(count, -1), np.empty(count, dtype=np.int64)
-    for s in range(count):
-        begin, end, width = plan.first[s], plan.first[s + 1], n * (plan.first[s + 1] - plan.first[s])
-        for i in range(begin, end):
-            where[i] = i - begin
-        for t in range(plan.start[s], plan.start[s + 1]):
-            where[plan.below[t]] = t - plan.start[s]
-        square, own_low, own_up = (
-            _view(inverse, plan.square, s, width, size_n), _view(low, plan.panel, s, width, size_n), _view(up, plan.panel, s, width, size_n)
-        )  # fmt: skip
-        _load(plan, s, where, diagonal, lower, upper, square, own_low, own_up, symmetric, size_n)
-        d = head[s]
-        while d >= 0:  # all runs d < s with a row in s
-            coming, t0, last, inner = following[d], at[d], plan.start[d + 1], n * (plan.first[d + 1] - plan.first[d])
-            t1 = t0
-            while t1 < last and plan.below[t1] < end:
-                t1 += 1
-            its_low, its_up = _view(low, plan.panel, d, inner, size_n), _view(up, plan.panel, d, inner, size_n)
-            _update(plan, s, d, t0, t1, where, its_low, its_up, square, own_low, own_up, symmetric, out, size_n)
-            if t1 < last:
-                at[d], following[d] = t1, head[owner[plan.below[t1]]]
-                head[owner[plan.below[t1]]] = d
-            d = coming
-        if not _invert_square(square, column, out, work, size_n):
-            return False
-        if plan.start[s] == plan.start[s + 1]:
-            continue
-        length = own_low.shape[1]
-        if symmetric:
-            _dense(square, 0, width, width, own_up, 0, length, own_low)
-        else:
-            _dense(square, 0, width, width, own_low, 0, length, out)
-            for j in range(width):
-                for i in range(length):
-                    own_low[j, i] = out[j, i]
-        at[s], following[s] = plan.start[s], head[owner[plan.below[plan.start[s]]]]
-        head[owner[plan.below[plan.start[s]]]] = s
+    count = len(plan.first) - 1
+    if not _factorise_runs(plan, 0, count, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
+        return False
+    if symmetric and not _columns_alone(plan):
+        _lower_panels(plan, 0, count, inverse, up, low, size_n)
     return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _factorise_together(team, plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
+    """The same by a team, but for the panels of L of a symmetric matrix: there ``low`` is ``up``."""
+    for level in range(len(plan.level) - 1):
+        begin, end = _share(team, plan.level[level], plan.level[level + 1])
+        for q in range(begin, end):
+            if team.gate[2] == 0:
+                ok = _factorise_runs(plan, plan.part[q], plan.part[q + 1], diagonal, lower, upper, inverse, low, up, symmetric, size_n)
+                if not ok:
+                    team.gate[2] = 1
+        _wait(team)
+    ok = team.gate[2] == 0
+    _wait(team)
+    team.gate[2] = 0
+    return ok
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc"})
@@ -1184,50 +1520,57 @@ def _add_columns(lines, at, length, factors, out, size_n):
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc"})
 def _add_rows(lines, at, length, factors, sign, out, size_n):
     """out[k] += sign times line k . factors."""
+    factor = lines.dtype.type(sign)
     count, threes = len(out), len(out) - len(out) % 3 if len(size_n) % 3 else len(out)
     for k in range(0, threes, 3):
         a, b, c = at + k * length, at + (k + 1) * length, at + (k + 2) * length
         l0, l1, l2 = lines[a:b], lines[b:c], lines[c : c + length]
-        t0, t1, t2 = 0.0, 0.0, 0.0
+        t0 = t1 = t2 = lines.dtype.type(0.0)
         for i in range(length):
             x = factors[i]
             t0 += l0[i] * x
             t1 += l1[i] * x
             t2 += l2[i] * x
-        out[k] += sign * t0
-        out[k + 1] += sign * t1
-        out[k + 2] += sign * t2
+        out[k] += factor * t0
+        out[k + 1] += factor * t1
+        out[k + 2] += factor * t2
     for k in range(threes, count):
-        line, total = lines[at + k * length : at + (k + 1) * length], 0.0
+        line, total = lines[at + k * length : at + (k + 1) * length], lines.dtype.type(0.0)
         for i in range(length):
             total += line[i] * factors[i]
-        out[k] += sign * total
+        out[k] += factor * total
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _solve_columns(plan, inverse, low, up, x, size_n):
-    """The same where each run is one node."""
-    n, size, first, below = len(size_n), len(plan.column) - 1, plan.start, plan.below
-    squares, lows, ups = inverse.reshape((size, n, n)), low.reshape((len(below), n, n)), up.reshape((len(below), n, n))
-    y = np.empty(n)
-    for j in range(size):
-        for t in range(first[j], first[j + 1]):
+def _go_up_columns(plan, low, x, size_n):
+    """:func:`_go_up` where each run is one node."""
+    n, below = len(size_n), plan.below
+    lows = low.reshape((len(below), n, n))
+    for j in range(len(plan.column) - 1):
+        for t in range(plan.start[j], plan.start[j + 1]):
             i = below[t]
             for p in range(n):
                 total = x[i, p]
                 for q in range(n):
                     total -= lows[t, p, q] * x[j, q]
                 x[i, p] = total
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _come_down_columns(plan, inverse, up, x, size_n):
+    """:func:`_come_down` where each run is one node."""
+    n, below, size = len(size_n), plan.below, len(plan.column) - 1
+    squares, ups, y = inverse.reshape((size, n, n)), up.reshape((len(below), n, n)), np.empty(n, dtype=up.dtype)
     for j in range(size):
         for p in range(n):
-            total = 0.0
+            total = up.dtype.type(0.0)
             for q in range(n):
                 total += squares[j, p, q] * x[j, q]
             y[p] = total
         for p in range(n):
             x[j, p] = y[p]
     for j in range(size - 1, -1, -1):
-        for t in range(first[j], first[j + 1]):
+        for t in range(plan.start[j], plan.start[j + 1]):
             i = below[t]
             for q in range(n):
                 total = x[j, q]
@@ -1236,26 +1579,34 @@ def _solve_columns(plan, inverse, low, up, x, size_n):
                 x[j, q] = total
 
 
-@njit(entry=True, cache=True, nogil=True, error_model="numpy")
-def _solve_factorised(plan, inverse, low, up, symmetric, x, size_n):
-    """Solve L D U x = x in place, x (N or more, n); ``up`` is of no use for a symmetric matrix."""
-    n, count, longest = len(size_n), len(plan.first) - 1, 0
-    if count == len(plan.column) - 1:
-        _solve_columns(plan, inverse, low, low if symmetric else up, x, size_n)
+@njit(cache=True, nogil=True, error_model="numpy")
+def _go_up(plan, first, last, row, low, x, size_n):
+    """x <- L^-1 x for runs first to last; ``row`` says where what they leave to later ones goes: plan.below, or plan.target."""
+    if _columns_alone(plan):
+        _go_up_columns(plan, low, x, size_n)
         return
+    n, y = len(size_n), np.empty(_longest(plan, first, last, size_n), dtype=low.dtype)
     blocks, flat = n * n, x.reshape(x.size)
-    for s in range(count):
-        longest = max(longest, n * max(plan.first[s + 1] - plan.first[s], plan.start[s + 1] - plan.start[s]))
-    y, z = np.empty(longest), np.empty(longest)
-    for s in range(count):
+    for s in range(first, last):
         length = n * (plan.start[s + 1] - plan.start[s])
         _add_columns(low, plan.panel[s] * blocks, length, flat[n * plan.first[s] : n * plan.first[s + 1]], y, size_n)
         k = 0
         for t in range(plan.start[s], plan.start[s + 1]):
             for p in range(n):
-                x[plan.below[t], p] -= y[k]
+                x[row[t], p] -= y[k]
                 k += 1
-    for s in range(count - 1, -1, -1):
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _come_down(plan, first, last, inverse, low, up, symmetric, x, size_n):
+    """x <- (D U)^-1 x for runs first to last, if the later ones are done."""
+    if _columns_alone(plan):
+        _come_down_columns(plan, inverse, low if symmetric else up, x, size_n)
+        return
+    n, longest = len(size_n), _longest(plan, first, last, size_n)
+    y, z = np.empty(longest, dtype=low.dtype), np.empty(longest, dtype=low.dtype)
+    blocks, flat = n * n, x.reshape(x.size)
+    for s in range(last - 1, first - 1, -1):
         length, own = n * (plan.start[s + 1] - plan.start[s]), flat[n * plan.first[s] : n * plan.first[s + 1]]
         width, k = len(own), 0
         for t in range(plan.start[s], plan.start[s + 1]):
@@ -1271,6 +1622,14 @@ def _solve_factorised(plan, inverse, low, up, symmetric, x, size_n):
             _add_rows(low, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
 
 
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
+def _solve_factorised(plan, inverse, low, up, symmetric, x, size_n):
+    """Solve L D U x = x in place, x (N or more, n); ``up`` is of no use for a symmetric matrix."""
+    count = len(plan.first) - 1
+    _go_up(plan, 0, count, plan.below, low, x, size_n)
+    _come_down(plan, 0, count, inverse, low, up, symmetric, x, size_n)
+
+
 # --- bodies in the order of the factorisation --------------------------------------------------------------------------------------
 
 
@@ -1278,29 +1637,44 @@ def _solve_factorised(plan, inverse, low, up, symmetric, x, size_n):
 def _in_order(inverse_mass, v_free, order, size_n):
     """M^-1, M and v_free with the bodies in elimination order."""
     bodies, n = len(order), len(size_n)
-    inverse, mass, free = np.empty((bodies, n, n)), np.zeros((bodies, n, n)), np.empty((bodies, n))
+    inverse, mass, free = np.empty((bodies, n, n)), np.empty((bodies, n, n)), np.empty((bodies, n))
+    _put_in_order(inverse_mass, v_free, order, 0, bodies, inverse, mass, free, size_n)
+    return inverse, mass, free
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _put_in_order(inverse_mass, v_free, order, first, end, inverse, mass, free, size_n):
+    """The same for places first to end of given arrays."""
+    n = len(size_n)
     work = np.empty((n, n))
-    for b in range(bodies):
+    for b in range(first, end):
         coupled = False
         for i in range(n):
             free[b, i] = v_free[order[b], i]
             for j in range(n):
                 inverse[b, i, j] = inverse_mass[order[b], i, j]
+                mass[b, i, j] = 0.0
                 coupled = coupled or (i != j and inverse[b, i, j] != 0.0)
         if coupled:
             _invert(inverse[b], mass[b], work, size_n)
         else:  # as in a plane
             for i in range(n):
                 mass[b, i, i] = 1.0 / inverse[b, i, i]
-    return inverse, mass, free
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _scales(inverse, jacobian, index, compliance, size_m, size_n):
     """d_c = trace(W_cc + C_cc) / m."""
-    m, n, bodies = len(size_m), len(size_n), len(inverse)
     d = np.empty(len(index))
-    for c in range(len(index)):
+    _measure_scales(inverse, jacobian, index, compliance, 0, len(index), d, size_m, size_n)
+    return d
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _measure_scales(inverse, jacobian, index, compliance, first, end, d, size_m, size_n):
+    """The same for contacts first to end."""
+    m, n, bodies = len(size_m), len(size_n), len(inverse)
+    for c in range(first, end):
         a, b, trace = index[c, 0], index[c, 1], 0.0
         for side in range(2):
             body = index[c, side]
@@ -1318,14 +1692,19 @@ def _scales(inverse, jacobian, index, compliance, size_m, size_n):
             for i in range(m):
                 trace += compliance[c, i]
         d[c] = trace / m
-    return d
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _rows(jacobian, index, offset, v, u, size_m, size_n):
     """u = H v + b; v (bodies + 1, n) with a last row of zeros for the supports."""
+    _some_rows(jacobian, index, offset, v, 0, len(index), u, size_m, size_n)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _some_rows(jacobian, index, offset, v, first, end, u, size_m, size_n):
+    """The same for contacts first to end."""
     m, n = len(size_m), len(size_n)
-    for c in range(len(index)):
+    for c in range(first, end):
         a, b = index[c, 0], index[c, 1]
         for i in range(m):
             total = offset[c, i]
@@ -1365,14 +1744,20 @@ def _velocity_of(inverse, free, jacobian, index, p, push, v, size_m, size_n):
 @njit(cache=True, nogil=True, error_model="numpy")
 def _missing_momentum(mass, free, v, out, size_n):
     """out = M (v_free - v)."""
+    _some_momentum(mass, free, v, 0, len(mass), out, size_n)
+    out[-1] = 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _some_momentum(mass, free, v, first, end, out, size_n):
+    """The same for bodies first to end."""
     n = len(size_n)
-    for b in range(len(mass)):
+    for b in range(first, end):
         for i in range(n):
             total = 0.0
             for k in range(n):
                 total += mass[b, i, k] * (free[b, k] - v[b, k])
             out[b, i] = total
-    out[-1] = 0.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -1388,9 +1773,15 @@ def _size_of(q: np.ndarray, d: np.ndarray) -> float:
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n):
     """Norm of the natural map residual for impulses p and body velocities v."""
+    return np.sqrt(_some_map2(jacobian, index, offset, mu, compliance, d, p, v, 0, len(index), size_m, size_n))
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _some_map2(jacobian, index, offset, mu, compliance, d, p, v, first, end, size_m, size_n):
+    """Its square, of the contacts first to end."""
     m, n = len(size_m), len(size_n)
     total = 0.0
-    for c in range(len(index)):
+    for c in range(first, end):
         a, b = index[c, 0], index[c, 1]
         un, u1, u2 = offset[c, 0], offset[c, 1], 0.0
         if m == 3:
@@ -1407,7 +1798,84 @@ def _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n):
             u1 += compliance[c, 1] * p[c, 1]
             u2 += compliance[c, m - 1] * p2
         total += _natural_map2(p[c, 0], p[c, 1], p2, un, u1, u2, mu[c], d[c])
-    return np.sqrt(total)
+    return total
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _nodes(plan, q):
+    """First node of a part and the one after its last."""
+    return plan.first[plan.part[q]], plan.first[plan.part[q + 1]]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _clear_copies(plan, q, values):
+    """Nothing left by part q to later ones; values (N + 1 + E, ...)."""
+    size = len(plan.spread)
+    values[size + plan.border[q] : size + plan.border[q + 1]] = 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _add_copies(plan, q, values):
+    """Add to the nodes of part q what earlier parts left to them."""
+    begin, end = _nodes(plan, q)
+    for j in range(begin, end):
+        for e in range(plan.spread[j], plan.spread[j + 1]):
+            for i in range(values.shape[1]):
+                values[j, i] += values[plan.copies[e], i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _all_parts(team, plan):
+    """The thread's share of all parts."""
+    return _share(team, 0, len(plan.part) - 1)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _velocity_together(team, plan, turns, inverse, free, jacobian, p, push, v, size_m, size_n):
+    """v = v_free + M^-1 H^T p by a team."""
+    n, (begin, end) = len(size_n), _all_parts(team, plan)
+    for q in range(begin, end):
+        first, last = _nodes(plan, q)
+        push[first:last] = 0.0
+        _clear_copies(plan, q, push)
+        _push_some(jacobian, turns, q, p, push, size_m, size_n)
+    _wait(team)
+    for q in range(begin, end):
+        first, last = _nodes(plan, q)
+        _add_copies(plan, q, push)
+        for b in range(first, last):
+            for i in range(n):
+                total = free[b, i]
+                for k in range(n):
+                    total += inverse[b, i, k] * push[b, k]
+                v[b, i] = total
+    _wait(team)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _push_some(jacobian, turns, q, p, out, size_m, size_n):
+    """out += H^T p of the contacts of part q."""
+    m, n = len(size_m), len(size_n)
+    for c in range(turns.start[q], turns.start[q + 1]):
+        a, b = turns.landing[c, 0], turns.landing[c, 1]
+        for i in range(m):
+            x = p[c, i]
+            for k in range(n):
+                out[a, k] += jacobian[c, 0, i, k] * x
+                out[b, k] += jacobian[c, 1, i, k] * x
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _map_norm_together(team, plan, turns, jacobian, index, offset, mu, compliance, d, p, v, sums, size_m, size_n):
+    """Norm of the natural map residual by a team; sums (K,) is where they put their shares."""
+    begin, end = _all_parts(team, plan)
+    for q in range(begin, end):
+        first, last = turns.start[q], turns.start[q + 1]
+        sums[q] = _some_map2(jacobian, index, offset, mu, compliance, d, p, v, first, last, size_m, size_n)
+    _wait(team)
+    total = np.sqrt(sums.sum())
+    _wait(team)
+    return total
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -1462,34 +1930,87 @@ def errors_by_group(inverse_mass, v_free, bodies, jacobian, offset, mu, complian
 # --- ADMM over bodies ------------------------------------------------------------------------------------------------------------------
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n):
-    """Diagonal and lower blocks of M + H^T R H."""
-    m, n, bodies = len(size_m), len(size_n), len(mass)
-    _copy(mass, diagonal)
-    lower[:] = 0.0
-    for c in range(len(index)):
-        h, a, b, r = jacobian[c], index[c, 0], index[c, 1], rho[c]
-        for i in range(m):
-            for p in range(n):
-                x, y = r * h[0, i, p], r * h[1, i, p]
-                for q in range(n):
-                    if a < bodies:
-                        diagonal[a, p, q] += x * h[0, i, q]
-                    if b < bodies:
-                        diagonal[b, p, q] += y * h[1, i, q]
-                if a == b < bodies:
-                    for q in range(n):
-                        diagonal[a, p, q] += x * h[1, i, q] + y * h[0, i, q]
-                if spot[c] >= 0:
-                    for q in range(n):
-                        lower[spot[c], p, q] += x * h[1, i, q] if a > b else y * h[0, i, q]
+class Desk(NamedTuple):
+    """Room for what a team works on together: bodies in the order of elimination, then the supports, then the copies."""
+
+    inverse: np.ndarray  # (N, n, n) M^-1
+    mass: np.ndarray  # (N, n, n)
+    free: np.ndarray  # (N, n) v_free
+    v: np.ndarray  # (N + 1, n)
+    trial: np.ndarray  # (N + 1, n) velocities to be judged
+    best_v: np.ndarray  # (N + 1, n)
+    push: np.ndarray  # (N + 1 + E, n)
+    x: np.ndarray  # (N + 1 + E, n) in single precision
+    jacobian: np.ndarray  # (C, 2, m, n) contacts in the order of their parts, here and in what follows
+    offset: np.ndarray  # (C, m)
+    mu: np.ndarray  # (C,)
+    compliance: np.ndarray  # (C, m), or (0, m)
+    even: np.ndarray  # (C, m) impulses after an even number of iterations
+    odd: np.ndarray  # (C, m)
+    best: np.ndarray  # (C, m)
+    carried: np.ndarray  # (C, m) impulses to be judged
+    d: np.ndarray  # (C,)
+    sums: np.ndarray  # (3, K) shares of the parts in sums
+    diagonal: np.ndarray  # (N + 1 + E, n n) blocks of M + H^T R H
+    lower: np.ndarray  # (pairs, n, n)
+    squares: np.ndarray  # of D^-1
+    up: np.ndarray  # panels of D U
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _choose_stiffness(k, d, compliance, rho):
+def _sort_contacts(turns, jacobian, offset, mu, compliance, p, first, end, desk, size_m, size_n):
+    """Put contacts first to end on the desk, unless they lie there as they are."""
+    m, n, moved = len(size_m), len(size_n), len(turns.start) > 2
+    for c in range(first, end):
+        old = turns.contact[c]
+        for i in range(m):
+            desk.even[c, i] = p[old, i]
+        if not moved:
+            continue
+        desk.mu[c] = mu[old]
+        for i in range(m):
+            desk.offset[c, i] = offset[old, i]
+            if len(compliance):
+                desk.compliance[c, i] = compliance[old, i]
+            for k in range(n):
+                desk.jacobian[c, 0, i, k] = jacobian[old, 0, i, k]
+                desk.jacobian[c, 1, i, k] = jacobian[old, 1, i, k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _augment(plan, turns, q, mass, jacobian, rho, diagonal, lower, size_m, size_n):
+    """Blocks of M + H^T R H in the columns of part q, and what its contacts add to diagonal blocks (.., n n) of later ones."""
+    m, n, bodies, (first, last) = len(size_m), len(size_n), len(mass), _nodes(plan, q)
+    lower[plan.column[first] : plan.column[last]] = 0.0
+    _clear_copies(plan, q, diagonal)
+    for b in range(first, last):
+        for p in range(n):
+            for r in range(n):
+                diagonal[b, n * p + r] = mass[b, p, r]
+    for c in range(turns.start[q], turns.start[q + 1]):
+        a, b, r = turns.landing[c, 0], turns.landing[c, 1], rho[c]
+        for i in range(m):
+            for p in range(n):
+                x, y = r * jacobian[c, 0, i, p], r * jacobian[c, 1, i, p]
+                for t in range(n):
+                    if a != bodies:
+                        diagonal[a, n * p + t] += x * jacobian[c, 0, i, t]
+                    if b != bodies:
+                        diagonal[b, n * p + t] += y * jacobian[c, 1, i, t]
+                if a == b != bodies:
+                    for t in range(n):
+                        diagonal[a, n * p + t] += x * jacobian[c, 1, i, t] + y * jacobian[c, 0, i, t]
+                if turns.spot[c] >= 0:
+                    for t in range(n):
+                        lower[turns.spot[c], p, t] += (
+                            x * jacobian[c, 1, i, t] if turns.place[c, 0] > turns.place[c, 1] else y * jacobian[c, 0, i, t]
+                        )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _choose_stiffness(k, d, compliance, first, end, rho):
     """R of each contact: k / d_c for rigid ones, softer for elastic ones, see solvers/admm.py."""
-    for c in range(len(d)):
+    for c in range(first, end):
         rho[c] = k / d[c]
         if len(compliance):
             soft = compliance[c].sum() / compliance.shape[1]
@@ -1497,12 +2018,43 @@ def _choose_stiffness(k, d, compliance, rho):
             rho[c] = 1.0 / (own / k + soft / np.sqrt(1.0 + soft / own))
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def _prepare_admm(team, plan, turns, k, desk, squares, panels, rho, size_m, size_n):
+    """Factorise M + H^T R H by a team, in double precision, and keep the factors in single precision. False if that is not possible."""
+    n, (begin, end) = len(size_n), _all_parts(team, plan)
+    first, last = _share(team, 0, len(rho))
+    _choose_stiffness(k, desk.d, desk.compliance, first, last, rho)
+    _wait(team)
+    for q in range(begin, end):
+        _augment(plan, turns, q, desk.mass, desk.jacobian, rho, desk.diagonal, desk.lower, size_m, size_n)
+    _wait(team)
+    for q in range(begin, end):
+        _add_copies(plan, q, desk.diagonal)
+    _wait(team)
+    blocks = desk.diagonal.reshape((len(desk.diagonal), n, n))
+    if not _factorise_together(team, plan, blocks, desk.lower, desk.lower, desk.squares, desk.up, desk.up, SYMMETRIC, size_n):
+        return False
+    first, last = _share(team, 0, len(squares))
+    _copy(desk.squares[first:last], squares[first:last])
+    if _columns_alone(plan):
+        first, last = _share(team, 0, len(panels))
+        _copy(desk.up[first:last], panels[first:last])
+    else:
+        for q in range(begin, end):
+            _lower_panels(plan, plan.part[q], plan.part[q + 1], desk.squares, desk.up, panels, size_n)
+    _wait(team)
+    return True
+
+
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, new, out, size_m, size_n):
-    """new = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, out += H^T (2 new - p). Returns the squared scaled change of p."""
-    m, n = len(size_m), len(size_n)
+def _augmented_pass(turns, part, jacobian, offset, mu, compliance, d, rho, p, v, new, out, size_m, size_n):
+    """new = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, out += H^T (2 new - p), for the contacts of a part.
+
+    Returns the squared scaled change of p.
+    """
+    m, n, index = len(size_m), len(size_n), turns.place
     change = 0.0
-    for c in range(len(index)):
+    for c in range(turns.start[part], turns.start[part + 1]):
         a, b, r = index[c, 0], index[c, 1], rho[c]
         un, u1, u2 = offset[c, 0], offset[c, 1], 0.0
         pn, p1, p2 = p[c, 0], p[c, 1], 0.0
@@ -1527,6 +2079,7 @@ def _augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, new, 
             new[c, 2] = x2
         change += d[c] * ((xn - pn) * (xn - pn) + (x1 - p1) * (x1 - p1) + (x2 - p2) * (x2 - p2))
         tn, t1, t2 = 2.0 * xn - pn, 2.0 * x1 - p1, 2.0 * x2 - p2
+        a, b = turns.landing[c, 0], turns.landing[c, 1]
         for k in range(n):
             if m == 3:
                 out[a, k] += jacobian[c, 0, 0, k] * tn + jacobian[c, 0, 1, k] * t1 + jacobian[c, 0, 2, k] * t2
@@ -1538,83 +2091,140 @@ def _augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, new, 
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _carried(jacobian, index, rho, last, p, step, out, size_m, size_n):
-    """out = 2 p - last - R H step, the impulses whose velocities an iteration of ADMM has found; step (bodies + 1, n) is what it added."""
+def _carried(jacobian, place, rho, last, p, step, first, end, out, size_m, size_n):
+    """out = 2 p - last - R H step, the impulses whose velocities an iteration of ADMM has found; ``step`` is what it added to them.
+
+    Of contacts first to end; step (bodies + 1, n) or more.
+    """
     m, n = len(size_m), len(size_n)
-    for c in range(len(index)):
-        a, b, h = index[c, 0], index[c, 1], jacobian[c]
+    for c in range(first, end):
+        a, b = place[c, 0], place[c, 1]
         for i in range(m):
             gain = 0.0
             for k in range(n):
-                gain += h[0, i, k] * step[a, k] + h[1, i, k] * step[b, k]
+                gain += jacobian[c, 0, i, k] * step[a, k] + jacobian[c, 1, i, k] * step[b, k]
             out[c, i] = 2.0 * p[c, i] - last[c, i] - rho[c] * gain
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def admm_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, squares, panels, rho, p_out, v_out, k, fresh,
-    moving, tolerance, limit, size_m, size_n,
-):  # fmt: skip
-    """ADMM over a FrictionProblem, see solvers/admm.py. p_out and v_out hold the start and then the best answer found.
+def _rise(plan, turns, q, desk, rho, panels, p, new, size_m, size_n):
+    """The contacts of part q, and L^-1 of what they ask for. Returns the squared scaled change of p."""
+    first, last = _nodes(plan, q)
+    push, x = desk.push, desk.x
+    _some_momentum(desk.mass, desk.free, desk.v, first, last, push, size_n)
+    _clear_copies(plan, q, push)
+    _add_copies(plan, q, push)
+    change = _augmented_pass(
+        turns, q, desk.jacobian, desk.offset, desk.mu, desk.compliance, desk.d, rho, p, desk.v, new, push, size_m, size_n
+    )
+    _copy(push[first:last], x[first:last])
+    _clear_copies(plan, q, x)
+    _add_copies(plan, q, x)
+    _go_up(plan, plan.part[q], plan.part[q + 1], plan.target, panels, x, size_n)
+    return change
 
-    squares, panels and rho hold a factorisation of M + H^T R H, used as it is unless ``fresh`` is set. Unless ``moving`` is set the
-    velocities to start from are those of the impulses.
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _descend(plan, q, desk, squares, panels, size_n):
+    """The velocities of the bodies of part q change by D^-1 L^-T of what :func:`_rise` left."""
+    first, last = _nodes(plan, q)
+    _come_down(plan, plan.part[q], plan.part[q + 1], squares, panels, panels, SYMMETRIC, desk.x, size_n)
+    size = (last - first) * len(size_n)
+    v, x = desk.v[first:last].reshape(size), desk.x[first:last].reshape(size)
+    for i in range(size):
+        v[i] += x[i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def admm_bodies(
+    team, inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, turns, desk, squares, panels, rho, p_out, v_out, k,
+    fresh, moving, tolerance, limit, size_m, size_n,
+):  # fmt: skip
+    """ADMM over a FrictionProblem, see solvers/admm.py, by a team. p_out and v_out hold the start and then the best answer found.
+
+    squares, panels and rho (in the order of the parts) hold a factorisation of M + H^T R H, used as it is unless ``fresh`` is set. It is in
+    single precision: what it is asked for are corrections, which become small, of velocities and impulses in double precision. Unless
+    ``moving`` is set the velocities to start from are those of the impulses.
 
     Returns iterations, natural map error, k at the end and the number of factorisations.
     """
-    count, n = len(order), len(size_n)
-    inverse, mass, free = _in_order(inverse_mass, v_free, order, size_n)
-    d = _scales(inverse, jacobian, index, compliance, size_m, size_n)
-    v, out, best_v, carried_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n))
-    p, new, best, carried = p_out.copy(), np.empty(offset.shape), p_out.copy(), np.empty(offset.shape)
-    _copy(free, v)
-    _rows(jacobian, index, offset, v, new, size_m, size_n)
-    size = _size_of(new, d)
-    _velocity_of(inverse, free, jacobian, index, p, out, v, size_m, size_n)
-    error = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
-    _copy(v, best_v)
+    count, contacts, top = len(order), len(mu), len(plan.level) - 2
+    b0, b1 = _share(team, 0, count)
+    c0, c1 = _share(team, 0, contacts)
+    q0, q1 = _share(team, plan.level[0], plan.level[1])
+    problem = (desk.jacobian, turns.place, desk.offset, desk.mu, desk.compliance)
+    v, trial, p, new, best, d, sums = desk.v, desk.trial, desk.even, desk.odd, desk.best, desk.d, desk.sums
+    _put_in_order(inverse_mass, v_free, order, b0, b1, desk.inverse, desk.mass, desk.free, size_n)
+    _copy(desk.free[b0:b1], v[b0:b1])
+    v[count] = 0.0
+    trial[count] = 0.0
+    desk.x[count] = 0.0
+    _sort_contacts(turns, jacobian, offset, mu, compliance, p_out, c0, c1, desk, size_m, size_n)
+    _copy(p[c0:c1], best[c0:c1])
+    _wait(team)
+    _measure_scales(desk.inverse, desk.jacobian, turns.place, desk.compliance, c0, c1, d, size_m, size_n)
+    _some_rows(desk.jacobian, turns.place, desk.offset, v, c0, c1, desk.carried, size_m, size_n)
+    _wait(team)
+    size = _size_of(desk.carried, d)
+    _velocity_together(team, plan, turns, desk.inverse, desk.free, desk.jacobian, p, desk.push, v, size_m, size_n)
+    error = _map_norm_together(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size
+    _copy(v[b0:b1], desk.best_v[b0:b1])
     if moving:
-        for b in range(count):
-            for i in range(n):
+        for b in range(b0, b1):
+            for i in range(len(size_n)):
                 v[b, i] = v_out[order[b], i]
+        _wait(team)
     smallest = before = error
-    diagonal = np.empty((count, n, n))
-    iterations, checked, switched, factorisations, rate = 0, 0, 0, 0, 1.0
+    iterations, checked, switched, factorisations, rate, ahead = 0, 0, 0, 0, 1.0, False
     while iterations < limit and smallest > tolerance:
         if fresh:
-            _choose_stiffness(k, d, compliance, rho)
-            lower = np.empty((len(plan.row), n, n))
-            _augment(mass, jacobian, index, spot, rho, diagonal, lower, size_m, size_n)
             factorisations += 1
-            if not _factorise(plan, diagonal, lower, lower, squares, panels, np.empty_like(panels), SYMMETRIC, size_n):
+            if not _prepare_admm(team, plan, turns, k, desk, squares, panels, rho, size_m, size_n):
                 break
             fresh = False
-        _missing_momentum(mass, free, v, out, size_n)
-        change = np.sqrt(_augmented_pass(jacobian, index, offset, mu, compliance, d, rho, p, v, new, out, size_m, size_n)) / size
-        p, new = new, p
-        _solve_factorised(plan, squares, panels, panels, SYMMETRIC, out, size_n)
-        for i in range(n):
-            out[count, i] = 0.0
-        for b in range(count):
-            for i in range(n):
-                v[b, i] += out[b, i]
+        changes = sums[iterations % 2]
+        if not ahead:
+            for q in range(q0, q1):
+                changes[q] = _rise(plan, turns, q, desk, rho, panels, p, new, size_m, size_n)
+            _wait(team)
+        for level in range(1, top + 1):
+            begin, end = _share(team, plan.level[level], plan.level[level + 1])
+            for q in range(begin, end):
+                changes[q] = _rise(plan, turns, q, desk, rho, panels, p, new, size_m, size_n)
+            _wait(team)
+        change = np.sqrt(changes.sum()) / size
         iterations += 1
+        p, new = new, p
         # the change of p tells when to look at the error itself, which costs about an iteration
-        if iterations - checked < 2 or (rate * change > tolerance and iterations - checked < 10 and iterations < limit):
+        ahead = iterations - checked < 2 or (rate * change > tolerance and iterations - checked < 10)
+        ahead = ahead and iterations < limit
+        for level in range(top, 0, -1):
+            begin, end = _share(team, plan.level[level], plan.level[level + 1])
+            for q in range(begin, end):
+                _descend(plan, q, desk, squares, panels, size_n)
+            _wait(team)
+        for q in range(q0, q1):
+            _descend(plan, q, desk, squares, panels, size_n)
+            if ahead:  # while the factors are in the cache
+                sums[iterations % 2, q] = _rise(plan, turns, q, desk, rho, panels, p, new, size_m, size_n)
+        _wait(team)
+        if ahead:
             continue
-        own = _map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
-        _carried(jacobian, index, rho, new, p, out, carried, size_m, size_n)
-        _velocity_of(inverse, free, jacobian, index, carried, out, carried_v, size_m, size_n)
-        error = _map_norm(jacobian, index, offset, mu, compliance, d, carried, carried_v, size_m, size_n) / size
+        own = _map_norm_together(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size
+        begin, end = _all_parts(team, plan)
+        _carried(desk.jacobian, turns.place, rho, new, p, desk.x, turns.start[begin], turns.start[end], desk.carried, size_m, size_n)
+        _velocity_together(team, plan, turns, desk.inverse, desk.free, desk.jacobian, desk.carried, desk.push, trial, size_m, size_n)
+        error = _map_norm_together(team, plan, turns, *problem, d, desk.carried, trial, sums[2], size_m, size_n) / size
         checked = iterations
         rate = error / change if change > 0.0 else 1.0
         if error < smallest:
             smallest = error
-            _copy(carried, best)
-            _copy(carried_v, best_v)
+            _copy(desk.carried[c0:c1], best[c0:c1])
+            _copy(trial[b0:b1], desk.best_v[b0:b1])
         if not error < np.inf:
-            _copy(best, p)
-            _copy(best_v, v)
+            _copy(best[c0:c1], p[c0:c1])
+            _copy(desk.best_v[b0:b1], v[b0:b1])
+        _wait(team)
         ends = iterations == limit and smallest > tolerance  # the next step begins with a k that suits this one better
         if ends or iterations - switched >= 40 or (iterations - switched >= 20 and error > before):
             if ends or not error < 0.1 * before:
@@ -1624,8 +2234,13 @@ def admm_bodies(
                 elif share < BALANCE:
                     k, fresh = max(k * max(np.sqrt(share / BALANCE), 0.01), 1.0), True
             switched, before = iterations, error
-    _copy(best, p_out)
-    _put_back(best_v, order, v_out)
+    for c in range(c0, c1):
+        old = turns.contact[c]
+        for i in range(len(size_m)):
+            p_out[old, i] = best[c, i]
+    for b in range(b0, b1):
+        for i in range(len(size_n)):
+            v_out[order[b], i] = desk.best_v[b, i]
     return iterations, smallest, k, factorisations
 
 
@@ -2033,7 +2648,7 @@ def is_definite(data, indices, indptr, shift, place, plan, size_m):
         return False
     for s in range(len(plan.first) - 1):
         width = m * (plan.first[s + 1] - plan.first[s])
-        left = _view(squares, plan.square, s, width, size_m).copy()
+        left = _view(squares, plan.square[s], width, width, size_m).copy()
         for k in range(width):
             if not left[k, k] > 0.0:
                 return False
@@ -2076,7 +2691,7 @@ def _determinant_sign(plan, squares, size_n):
     sign = 1.0
     for s in range(len(plan.first) - 1):
         width = len(size_n) * (plan.first[s + 1] - plan.first[s])
-        work = _view(squares, plan.square, s, width, size_n).copy()
+        work = _view(squares, plan.square[s], width, width, size_n).copy()
         for k in range(width):
             best = k
             for i in range(k + 1, width):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scenes
 
+from masonry_cd import coulomb
 from masonry_cd.friction import Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 
@@ -76,6 +77,39 @@ def test_memory_of_another_contact_graph_is_not_believed() -> None:
     fewer = problem.subset(keep)
     second = solve(fewer, Options(), Solution(first.impulse[keep], None, 0, memory=first.memory))
     assert natural_map_error(fewer, second.impulse) <= 1e-8
+
+
+def in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have plans of some hundred blocks cut into parts of several levels."""
+    monkeypatch.setattr(coulomb, "PART", 60)
+
+
+def test_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The parts of a plan are solved to the same bits by one, two and three threads, cold and from the memory of the step before."""
+    in_parts(monkeypatch)
+    problem = scenes.softened(scenes.wall(8, 10), 0.3)
+    ends = []
+    for threads in (1, 2, 3):
+        options = Options(tolerance=1e-10, threads=threads)
+        first = solve(problem, options, None)
+        ends.append((first, solve(problem, options, Solution(0.5 * first.impulse, None, 0, memory=first.memory))))
+    assert ends[0][0].memory["admm_level"][1] > 3
+    assert len(ends[0][0].memory["admm_level"]) > 3
+    for ended in ends:
+        for one, other in zip(ends[0], ended, strict=True):
+            assert natural_map_error(problem, other.impulse) <= 1e-10
+            np.testing.assert_array_equal(other.impulse, one.impulse)
+            np.testing.assert_array_equal(other.velocity, one.velocity)
+
+
+def test_parts_give_the_answer_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cut into parts or not, a wall moves with the same velocities."""
+    problem = scenes.wall(7, 9)
+    whole = solve(problem, Options(tolerance=1e-12), None)
+    in_parts(monkeypatch)
+    parts = solve(problem, Options(tolerance=1e-12), None)
+    assert len(parts.memory["admm_part"]) > len(whole.memory["admm_part"]) == 2
+    np.testing.assert_allclose(parts.velocity, whole.velocity, atol=1e-11)
 
 
 def test_same_inputs_same_bits() -> None:

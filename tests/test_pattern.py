@@ -47,10 +47,42 @@ def test_runs_hold_all_columns_in_order_with_the_rows_of_each() -> None:
         assert run[high] == s or high in plan.below[plan.start[s] : plan.start[s + 1]]
 
 
+@pytest.mark.parametrize("limit", [30, 100, 10**6])
+def test_parts_of_a_level_do_not_know_of_one_another(limit: int) -> None:
+    """No edge joins two parts of a level, and what a part leaves to later ones has a copy of its own for each of them."""
+    nodes, first, second = grid(13, 17)
+    place = Pattern.of(nodes, first, second).place
+    order, part, level = coulomb.cut(place[first], place[second], nodes, limit)
+    assert sorted(order) == list(range(nodes))
+    assert (len(level) > 3) == (limit < 10**6)
+    at = np.argsort(order)
+    plan = coulomb.make_plan(at[place[first]], at[place[second]], nodes, part, level)
+    np.testing.assert_array_equal(plan.first[plan.part], part)
+    own = np.repeat(np.arange(len(part) - 1), np.diff(part))
+    its_level = np.repeat(np.arange(len(level) - 1), np.diff(level))[own]
+    ends = np.sort(at[place[np.stack([first, second], axis=1)]], axis=1)
+    low, high = own[ends[:, 0]], own[ends[:, 1]]
+    assert ((low == high) | (its_level[ends[:, 0]] < its_level[ends[:, 1]])).all()
+    # each copy stands for one node, and belongs to one part
+    stands_for = np.repeat(np.arange(nodes), np.diff(plan.spread))[np.argsort(plan.copies)]
+    of_part = np.repeat(np.arange(len(part) - 1), np.diff(plan.border))
+    assert len({*zip(stands_for, of_part, strict=True)}) == len(plan.copies)
+    run = np.repeat(np.arange(len(plan.first) - 1), np.diff(plan.start))
+    mine = np.repeat(np.arange(len(part) - 1), np.diff(plan.part))[run]
+    copied = plan.target > nodes
+    np.testing.assert_array_equal(copied, own[plan.below] != mine)
+    np.testing.assert_array_equal(stands_for[plan.target[copied] - nodes - 1], plan.below[copied])
+    np.testing.assert_array_equal(of_part[plan.target[copied] - nodes - 1], mine[copied])
+
+
 @pytest.mark.parametrize("n", [2, 6])
 @pytest.mark.parametrize("symmetric", [True, False])
+@pytest.mark.parametrize("part", [40, coulomb.PART])
 @pytest.mark.parametrize("graph", [grid(9, 14), comb(7, 9)], ids=["runs", "columns"])
-def test_a_factorised_matrix_solves_as_a_dense_one_does(n: int, symmetric: bool, graph: tuple[int, np.ndarray, np.ndarray]) -> None:
+def test_a_factorised_matrix_solves_as_a_dense_one_does(
+    n: int, symmetric: bool, part: int, graph: tuple[int, np.ndarray, np.ndarray], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(coulomb, "PART", part)
     nodes, first, second = graph
     plan = Pattern.of(nodes, first, second).plan
     random = np.random.default_rng(3)

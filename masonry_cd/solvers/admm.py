@@ -42,6 +42,7 @@ iterations ends a step before its time. And over a run a neighbouring k is tried
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 
@@ -49,13 +50,16 @@ from masonry_cd import coulomb
 from masonry_cd.friction import FrictionProblem, LocalProblem, Problem, Solution
 from masonry_cd.solvers import nlgs
 from masonry_cd.solvers.options import Options
-from masonry_cd.solvers.pattern import Pattern
+from masonry_cd.solvers.pattern import FIELDS, Pattern
+from masonry_cd.solvers.team import together
 
 LIMIT = 2000  # iterations
 FIRST_K = 1e4
 FIRST_STIFFNESS = 1e3  # K of Newton, see newton.py
 LOCAL_K = 1e3  # of local problems, which are solved once
 PROBE = 40  # steps between two trials of a neighbouring k
+NAMES = tuple(f"admm_{name}" for name in (*FIELDS, "bodies", "squares", "panels", "rho", "tally"))  # in the memory of a solution
+_look_up = itemgetter(*NAMES)
 
 
 @dataclass(eq=False)
@@ -68,9 +72,9 @@ class Memory:
 
     pattern: Pattern
     bodies: np.ndarray  # (C, 2) of the contacts of the factors
-    squares: np.ndarray  # of D^-1, flat
-    panels: np.ndarray  # of L, flat
-    rho: np.ndarray  # (C,)
+    squares: np.ndarray  # of D^-1, flat, in single precision
+    panels: np.ndarray  # of L, flat, in single precision
+    rho: np.ndarray  # (C,) in the order of the parts
     tally: np.ndarray  # (6,) k; 1: factorise anew; iterations after the last new factors; steps; mean iterations at this k; Newton's K
 
     @classmethod
@@ -79,7 +83,7 @@ class Memory:
         if tally is None:
             tally = np.array([FIRST_K, 1.0, 0.0, 0.0, 0.0, FIRST_STIFFNESS])
         tally[1] = 1.0
-        squares, panels = np.empty(n * n * int(pattern.plan.square[-1])), np.empty(n * n * int(pattern.plan.panel[-1]))
+        squares, panels = (np.empty(n * n * int(starts[-1]), dtype=np.float32) for starts in (pattern.plan.square, pattern.plan.panel))
         return cls(pattern, bodies, squares, panels, np.empty(len(bodies)), tally)
 
     @classmethod
@@ -87,15 +91,14 @@ class Memory:
         """The memory in a solution, None if there is none."""
         if "admm_order" not in arrays:
             return None
-        own = {name.removeprefix("admm_"): array for name, array in arrays.items() if name.startswith("admm_")}
-        pattern = Pattern.read(own)
-        own["tally"] = own["tally"].copy()
-        return cls(pattern, **own)
+        values = _look_up(arrays)
+        bodies, squares, panels, rho, tally = values[len(FIELDS) :]
+        return cls(Pattern.read(values[: len(FIELDS)]), bodies, squares, panels, rho, tally.copy())
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The memory for a solution."""
-        own = {name: getattr(self, name) for name in ("bodies", "squares", "panels", "rho", "tally")}
-        return {f"admm_{name}": array for name, array in (self.pattern.arrays() | own).items()}
+        own = (self.bodies, self.squares, self.panels, self.rho, self.tally)
+        return dict(zip(NAMES, self.pattern.arrays() + own, strict=True))
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -117,19 +120,38 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
 def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarray, limit: int, start: Solution | None) -> Solution:
     """ADMM in the body velocities."""
-    arrays, n = problem.arrays(), problem.v_free.shape[1]
+    arrays, m, n = problem.arrays(), problem.dimension, problem.v_free.shape[1]
     moving = start is not None and start.velocity is not None
     velocity = start.velocity.copy() if start is not None and start.velocity is not None else np.empty(problem.v_free.shape)
     memory, index, spot = recall(arrays[2], len(velocity), n, start)
     k = _next_k(memory.tally)
     fresh = bool(memory.tally[1]) or k != memory.tally[0]
-    pattern = memory.pattern
-    iterations, error, k_end, factorisations = coulomb.admm_bodies(
-        *arrays, pattern.order, pattern.plan, index, spot, memory.squares, memory.panels, memory.rho, impulse, velocity, k,
-        fresh, moving, options.tolerance, limit, (0,) * problem.dimension, (0,) * n,
+    pattern, plan = memory.pattern, memory.pattern.plan
+    turns, desk = coulomb.share_contacts(index, spot, plan), _desk(pattern, *arrays[3:])
+    iterations, error, k_end, factorisations = together(
+        coulomb.admm_bodies, options.threads, plan, *arrays, pattern.order, plan, turns, desk, memory.squares, memory.panels,
+        memory.rho, impulse, velocity, k, fresh, moving, options.tolerance, limit, (0,) * m, (0,) * n,
     )  # fmt: skip
     _learn(memory.tally, k, k_end, iterations, factorisations)
     return Solution(impulse, velocity, iterations, _reason(error, options), memory.arrays())
+
+
+def _desk(pattern: Pattern, jacobian: np.ndarray, offset: np.ndarray, mu: np.ndarray, compliance: np.ndarray) -> coulomb.Desk:
+    """Room to work in; what is not touched costs nothing. The contacts of a plan of one part stay where they are."""
+    plan, count, (contacts, _, m, n) = pattern.plan, pattern.nodes, jacobian.shape
+    rows = count + 1 + len(plan.copies)
+    if len(plan.part) > 2:
+        jacobian, offset, mu, compliance = (np.empty_like(array) for array in (jacobian, offset, mu, compliance))
+    bodies, blocks, impulses = (count + 1, n), (count, n, n), (contacts, m)
+    panel, square = (n * n * int(starts[-1]) for starts in (plan.panel, plan.square))
+    return coulomb.Desk(
+        inverse=np.empty(blocks), mass=np.empty(blocks), free=np.empty((count, n)), v=np.empty(bodies), trial=np.empty(bodies),
+        best_v=np.empty(bodies), push=np.empty((rows, n)), x=np.empty((rows, n), dtype=np.float32), jacobian=jacobian,
+        offset=offset, mu=mu, compliance=compliance, even=np.empty(impulses), odd=np.empty(impulses),
+        best=np.empty(impulses), carried=np.empty(impulses),
+        d=np.empty(contacts), sums=np.empty((3, len(plan.part) - 1)), diagonal=np.empty((rows, n * n)),
+        lower=np.empty((len(plan.row), n, n)), squares=np.empty(square), up=np.empty(panel),
+    )  # fmt: skip
 
 
 def recall(bodies: np.ndarray, count: int, n: int, start: Solution | None) -> tuple[Memory, np.ndarray, np.ndarray]:
@@ -196,4 +218,4 @@ def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, l
 def contact_pattern(indices: np.ndarray, indptr: np.ndarray) -> Pattern:
     """The pattern of W, contact by contact."""
     count = len(indptr) - 1
-    return Pattern.of(count, np.repeat(np.arange(count), np.diff(indptr)), indices)
+    return Pattern.of(count, np.repeat(np.arange(count), np.diff(indptr)), indices, in_parts=False)

@@ -13,6 +13,8 @@ from cvxopt import amd, spmatrix
 
 from masonry_cd import coulomb
 
+FIELDS = ("pairs", "order", "place", *coulomb.Plan._fields)  # of a pattern
+
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
@@ -24,7 +26,7 @@ class Pattern:
     plan: coulomb.Plan  # where the blocks are
 
     @classmethod
-    def of(cls, nodes: int, first: np.ndarray, second: np.ndarray, kept: np.ndarray | None = None) -> Pattern:
+    def of(cls, nodes: int, first: np.ndarray, second: np.ndarray, kept: np.ndarray | None = None, in_parts: bool = True) -> Pattern:
         """Analyse a graph.
 
         Args:
@@ -32,6 +34,7 @@ class Pattern:
             first: one end of each edge (E,), may repeat; -1 or equal ends: no edge.
             second: the other end (E,).
             kept: pairs of an earlier pattern to include.
+            in_parts: whether a large one is cut into parts.
         """
         on = (first >= 0) & (second >= 0) & (first != second)
         pairs = np.unique(np.minimum(first[on], second[on]) * nodes + np.maximum(first[on], second[on]))
@@ -39,9 +42,11 @@ class Pattern:
             pairs = np.union1d(pairs, kept)
         low, high = pairs // max(nodes, 1), pairs % max(nodes, 1)
         order = _minimum_degree(nodes, low, high)
-        place = np.empty(nodes, dtype=np.int64)
-        place[order] = np.arange(nodes)
-        return cls(pairs, order, place, coulomb.make_plan(place[low], place[high], nodes))
+        place = _places(order)
+        cut, part, level = coulomb.cut(place[low], place[high], nodes, coulomb.PART if in_parts else 2**62)
+        order = order[cut]
+        place = _places(order)
+        return cls(pairs, order, place, coulomb.make_plan(place[low], place[high], nodes, part, level))
 
     @property
     def nodes(self) -> int:
@@ -49,14 +54,14 @@ class Pattern:
         return len(self.order)
 
     @classmethod
-    def read(cls, arrays: dict[str, np.ndarray]) -> Pattern:
-        """A pattern from what :meth:`arrays` gave, which is taken out of the dict."""
-        plan = coulomb.Plan(*(arrays.pop(name) for name in coulomb.Plan._fields))
-        return cls(arrays.pop("pairs"), arrays.pop("order"), arrays.pop("place"), plan)
+    def read(cls, arrays: tuple[np.ndarray, ...]) -> Pattern:
+        """A pattern from what :meth:`arrays` gave."""
+        pairs, order, place, *plan = arrays
+        return cls(pairs, order, place, coulomb.Plan(*plan))
 
-    def arrays(self) -> dict[str, np.ndarray]:
-        """The pattern for a checkpoint."""
-        return {"pairs": self.pairs, "order": self.order, "place": self.place} | self.plan._asdict()
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """The pattern for a checkpoint, in the order of ``FIELDS``."""
+        return (self.pairs, self.order, self.place, *self.plan)
 
     def costs(self, n: int) -> tuple[float, float]:
         """Operations of a solve and of an unsymmetric factorisation, for n unknowns per node."""
@@ -71,6 +76,13 @@ class Pattern:
         index, spot = np.empty((len(bodies), 2), dtype=np.int64), np.empty(len(bodies), dtype=np.int64)
         found = coulomb.locate(bodies, last, self.place, self.plan.column, self.plan.row, index, spot)
         return None if found < 0 else (index, spot, found == 1)
+
+
+def _places(order: np.ndarray) -> np.ndarray:
+    """Place of each node of an order."""
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    return place
 
 
 def _minimum_degree(nodes: int, low: np.ndarray, high: np.ndarray) -> np.ndarray:
