@@ -2143,8 +2143,8 @@ def admm_bodies(
     """ADMM over a FrictionProblem, see solvers/admm.py, by a team. p_out and v_out hold the start and then the best answer found.
 
     squares, panels and rho (in the order of the parts) hold a factorisation of M + H^T R H, used as it is unless ``fresh`` is set. It is in
-    single precision: what it is asked for are corrections, which become small, of velocities and impulses in double precision. Unless
-    ``moving`` is set the velocities to start from are those of the impulses.
+    single precision: what it is asked for are corrections, which become small, of velocities and impulses in double precision. The
+    velocities to start from are those of the impulses; if ``moving`` is set, those of v_out where the impulses fit worse than none would.
 
     Returns iterations, natural map error, k at the end and the number of factorisations.
     """
@@ -2169,7 +2169,7 @@ def admm_bodies(
     _velocity_together(team, plan, turns, desk.inverse, desk.free, desk.jacobian, p, desk.push, v, size_m, size_n)
     error = _map_norm_together(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size
     _copy(v[b0:b1], desk.best_v[b0:b1])
-    if moving:
+    if moving and error > 1.0:  # the impulses fit worse than none would
         for b in range(b0, b1):
             for i in range(len(size_n)):
                 v[b, i] = v_out[order[b], i]
