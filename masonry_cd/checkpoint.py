@@ -17,13 +17,14 @@ import numpy as np
 from masonry_cd.errors import InputError
 
 NAME = "checkpoint.npz"
+FORMAT = 2  # of what a stepper writes; raised when what it holds changes
 
 
 def save(path: Path, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
     """Write arrays and JSON-able numbers in one stroke."""
     aside = path.with_suffix(".part")
     with open(aside, "wb") as file:
-        np.savez(file, **arrays, numbers=np.array(json.dumps(numbers)))  # type: ignore[arg-type]
+        np.savez(file, **arrays, numbers=np.array(json.dumps(dict(numbers) | {"format": FORMAT})))  # type: ignore[arg-type]
         file.flush()
         os.fsync(file.fileno())
     os.replace(aside, path)
@@ -33,7 +34,7 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Read what :func:`save` wrote.
 
     Raises:
-        InputError: there is none, or it cannot be read.
+        InputError: there is none, it cannot be read, or another version of the program wrote it.
     """
     require(path)
     try:
@@ -42,6 +43,8 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
             numbers = json.loads(str(stored["numbers"]))
     except (OSError, ValueError, KeyError) as reason:
         raise InputError(f"{path}: not a readable checkpoint: {reason}") from None
+    if numbers.get("format") != FORMAT:
+        raise InputError(f"{path}: written by another version of masonry_cd, which alone can go on from it; --force starts anew")
     return arrays, numbers
 
 

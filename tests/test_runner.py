@@ -98,6 +98,15 @@ def test_a_missing_or_broken_checkpoint_is_named(tmp_path):
         checkpoint.load(tmp_path / checkpoint.NAME)
 
 
+def test_a_checkpoint_of_another_version_is_refused(tmp_path, monkeypatch):
+    saved = tmp_path / checkpoint.NAME
+    with monkeypatch.context() as older:
+        older.setattr(checkpoint, "FORMAT", checkpoint.FORMAT - 1)
+        checkpoint.save(saved, {"a": np.ones(2)}, {"rows": 3})
+    with pytest.raises(InputError, match="another version of masonry_cd"):
+        checkpoint.load(saved)
+
+
 def test_the_report_adds_up(unbroken):
     path, report = unbroken
     with h5py.File(path) as file:
