@@ -2838,6 +2838,47 @@ def _longest_step(w, p, gamma, mu, dw, dp, dgamma, size_m):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _aim(dw, dp, dgamma, mu, product, target, second, wanted, size_m, size_k):
+    """The changes of the products that lead to ``target``, with the second order of the last direction if ``second`` is set."""
+    m, k = len(size_m), len(size_k)
+    for c in range(len(mu)):
+        if second:
+            _complementarity(dw[c], dp[c], dgamma[c], mu[c], m, wanted[c])
+        for i in range(k):
+            wanted[c, i] = (target if i < 2 else 0.0) - product[c, i] - (wanted[c, i] if second else 0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _centring(dw, dp, dgamma, mu, product, gap, longest, step, room, size_m):
+    """Share of the gap to aim at, from what the predictor would leave of it, and more after a short step; ``room`` (C, k) is used up."""
+    contacts, ahead, reach = len(mu), 0.0, min(1.0, longest)
+    for c in range(contacts):
+        _complementarity(dw[c], dp[c], dgamma[c], mu[c], len(size_m), room[c])
+        ahead += 0.5 * (1.0 - reach) * (product[c, 0] + product[c, 1]) / contacts
+        ahead += 0.5 * reach * reach * (room[c, 0] + room[c, 1]) / contacts
+    return max(min(1.0, max(ahead / gap, 0.0)) ** 3, 1e-6 if step > 0.2 else (0.5 if step > 0.05 else 1.0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _advance(w, p, gamma, dw, dp, dgamma, step, friction, impulse, size_m):
+    """Go a share of the direction; ``impulse`` gets p, without friction where there is none."""
+    for c in range(len(friction)):
+        gamma[c] += step * dgamma[c]
+        for i in range(len(size_m)):
+            w[c, i] += step * dw[c, i]
+            p[c, i] += step * dp[c, i]
+            impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _stiffness_after(step, stiffness):
+    """Long steps can do with stiffer contacts, short ones need softer."""
+    if step > 0.5:
+        return min(4.0 * stiffness, 1e8)
+    return max(0.25 * stiffness, 1.0) if step < 0.1 else stiffness
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def interior_bodies(
     inverse_mass, v_free, bodies, jacobian, offset, friction, compliance, order, plan, index, spot, impulse, v_out, distance,
     stiffness, tolerance, limit, size_m, size_n, size_k,
@@ -2895,37 +2936,20 @@ def interior_bodies(
         for turn in range(3):
             if turn == 2 and longest >= 0.1:
                 break
-            for c in range(contacts):
-                if turn == 1:
-                    _complementarity(dw[c], dp[c], dgamma[c], mu[c], m, wanted[c])  # second order
-                for i in range(k):
-                    wanted[c, i] = (centring * gap if i < 2 else 0.0) - product[c, i] - (wanted[c, i] if turn == 1 else 0.0)
+            _aim(dw, dp, dgamma, mu, product, centring * gap, turn == 1, wanted, size_m, size_k)
             _interior_direction(
                 momentum, jacobian, index, wanted, undo, gain, u, soft, plan, factors, out, dw, dp, dgamma, size_m, size_n, size_k
             )
             longest = _longest_step(w, p, gamma, mu, dw, dp, dgamma, size_m)
             if turn == 0:
-                ahead, reach = 0.0, min(1.0, longest)
-                for c in range(contacts):
-                    _complementarity(dw[c], dp[c], dgamma[c], mu[c], m, wanted[c])
-                    ahead += 0.5 * (1.0 - reach) * (product[c, 0] + product[c, 1]) / contacts
-                    ahead += 0.5 * reach * reach * (wanted[c, 0] + wanted[c, 1]) / contacts
-                centring = max(min(1.0, max(ahead / gap, 0.0)) ** 3, 1e-6 if step > 0.2 else (0.5 if step > 0.05 else 1.0))
+                centring = _centring(dw, dp, dgamma, mu, product, gap, longest, step, wanted, size_m)
         step = min(1.0, 0.99 * longest)
-        for c in range(contacts):
-            gamma[c] += step * dgamma[c]
-            for i in range(m):
-                w[c, i] += step * dw[c, i]
-                p[c, i] += step * dp[c, i]
-                impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+        _advance(w, p, gamma, dw, dp, dgamma, step, friction, impulse, size_m)
         for b in range(count):
             for i in range(n):
                 v[b, i] += step * out[b, i]
         short = short + 1 if step < 0.02 else 0
-        if step > 0.5:
-            stiffness = min(4.0 * stiffness, 1e8)
-        elif step < 0.1:
-            stiffness = max(0.25 * stiffness, 1.0)
+        stiffness = _stiffness_after(step, stiffness)
         _velocity_of(inverse, free, jacobian, index, impulse, out, own_v, size_m, size_n)
         error = _map_norm(jacobian, index, offset, friction, compliance, d, impulse, own_v, size_m, size_n) / size
         if error < smallest:
@@ -3410,34 +3434,17 @@ def interior_local(
         for turn in range(3):
             if turn == 2 and longest >= 0.1:
                 break
-            for c in range(contacts):
-                if turn == 1:
-                    _complementarity(dw[c], dp[c], dgamma[c], mu[c], m, wanted[c])
-                for i in range(k):
-                    wanted[c, i] = (centring * gap if i < 2 else 0.0) - product[c, i] - (wanted[c, i] if turn == 1 else 0.0)
+            _aim(dw, dp, dgamma, mu, product, centring * gap, turn == 1, wanted, size_m, size_k)
             _interior_direction_local(
                 data, indices, indptr, wanted, undo, gain, u, soft, plan, factors, place, right, dw, dp, dgamma, size_m, size_k
             )
             longest = _longest_step(w, p, gamma, mu, dw, dp, dgamma, size_m)
             if turn == 0:
-                ahead, reach = 0.0, min(1.0, longest)
-                for c in range(contacts):
-                    _complementarity(dw[c], dp[c], dgamma[c], mu[c], m, wanted[c])
-                    ahead += 0.5 * (1.0 - reach) * (product[c, 0] + product[c, 1]) / contacts
-                    ahead += 0.5 * reach * reach * (wanted[c, 0] + wanted[c, 1]) / contacts
-                centring = max(min(1.0, max(ahead / gap, 0.0)) ** 3, 1e-6 if step > 0.2 else (0.5 if step > 0.05 else 1.0))
+                centring = _centring(dw, dp, dgamma, mu, product, gap, longest, step, wanted, size_m)
         step = min(1.0, 0.99 * longest)
-        for c in range(contacts):
-            gamma[c] += step * dgamma[c]
-            for i in range(m):
-                w[c, i] += step * dw[c, i]
-                p[c, i] += step * dp[c, i]
-                impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+        _advance(w, p, gamma, dw, dp, dgamma, step, friction, impulse, size_m)
         short = short + 1 if step < 0.02 else 0
-        if step > 0.5:
-            stiffness = min(4.0 * stiffness, 1e8)
-        elif step < 0.1:
-            stiffness = max(0.25 * stiffness, 1.0)
+        stiffness = _stiffness_after(step, stiffness)
         error = _local_norm(data, indices, indptr, q, friction, d, impulse, dw, size_m) / size
         if error < smallest:
             smallest = error
