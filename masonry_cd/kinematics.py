@@ -113,7 +113,7 @@ def contact_rows(
         if plane_axis >= 0 and point[c, plane_axis] > plane_at + (closed if area[c] > 0.0 else 0.0):
             continue
         chosen[count] = c
-        _frame(normal, c, frames, count)
+        _frame(normal, c, plane_axis, frames, count)
         for i in range(m):
             offset[count, i] = 0.0
             impulse[count, i] = last_impulse[previous[c], i] if previous[c] >= 0 else 0.0
@@ -288,16 +288,19 @@ def _turn_tensor(r, tensor, out):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _frame(normal, c, frames, at):
+def _frame(normal, c, plane_axis, frames, at):
     """Fill frames[at] with the rows n, t1, t2 of contact c.
 
-    t1 is horizontal where n is not vertical-ish along y: for normals in the x-z plane it lies in that plane.
+    In a plane t1 lies in it, t1 = e x n with e along ``plane_axis``. In space (-1) e is y, or x where n is nearly along y.
     """
     nx, ny, nz = normal[c, 0], normal[c, 1], normal[c, 2]
-    if abs(ny) < 0.9:  # t1 = y x n
-        x, y, z = nz, 0.0, -nx
-    else:  # t1 = x x n
+    axis = plane_axis if plane_axis >= 0 else 1 if abs(ny) < 0.9 else 0
+    if axis == 0:
         x, y, z = 0.0, -nz, ny
+    elif axis == 1:
+        x, y, z = nz, 0.0, -nx
+    else:
+        x, y, z = -ny, nx, 0.0
     scale = 1.0 / np.sqrt(x * x + y * y + z * z)
     x, y, z = scale * x, scale * y, scale * z
     frames[at, 0, 0], frames[at, 0, 1], frames[at, 0, 2] = nx, ny, nz

@@ -253,10 +253,11 @@ class Results:
 
 
 def _growing(file: h5py.File, name: str, row: tuple[int, ...], dtype: np.dtype) -> h5py.Dataset:
-    """A dataset that grows along its first axis, in chunks of about 64 kB."""
+    """A dataset that grows along its first axis, in chunks of about 64 kB. Its rows may be empty, those of a scene without joints are."""
     row_bytes = max(1, int(np.prod(row)) * dtype.itemsize)
     chunk = int(np.clip(65536 // row_bytes, 1, 4096))
-    return file.create_dataset(name, shape=(0, *row), maxshape=(None, *row), chunks=(chunk, *row), dtype=dtype)
+    chunks = (chunk, *(max(1, size) for size in row))
+    return file.create_dataset(name, shape=(0, *row), maxshape=(None, *(size or None for size in row)), chunks=chunks, dtype=dtype)
 
 
 def _copy_rows(old: h5py.Dataset, file: h5py.File, name: str, count: int) -> None:

@@ -91,6 +91,21 @@ def test_a_frictionless_block_stays_while_the_plate_moves_under_it(block_on_plat
     assert not (tmp_path / "out" / "crack_map.png").exists()
 
 
+def test_a_scene_without_joints_runs_and_reports(block_on_plate, tmp_path):
+    scene, out = block_on_plate(duration="duration = 0.2"), tmp_path / "out"
+    blocks = json.loads((tmp_path / "blocks.json").read_text())
+    for vertex in blocks["blocks"][1]["vertices"]:
+        vertex[2] += 0.05
+    (tmp_path / "blocks.json").write_text(json.dumps(blocks))
+    result = masonry_cd("run", scene, "-o", out)
+    assert result.exit_code == 0, result.output
+    assert json.loads((out / "summary.json").read_text())["joints"] == 0
+    with Results.open(out / "result.h5") as results:
+        assert results.position[-1, 1, 2] == pytest.approx(results.position[0, 1, 2] - 0.05, abs=1e-7)
+        assert results.joint_history("force_point").shape == (results.frames, 0, 3)
+    assert masonry_cd("report", out, "--thrust").exit_code == 0
+
+
 def test_the_results_keep_the_scene_that_was_run(block_on_plate, tmp_path):
     masonry_cd("run", block_on_plate(), "-o", tmp_path / "out", "--set", "run.duration=0.02", "-q")
     with Results.open(tmp_path / "out" / "result.h5") as results:

@@ -32,16 +32,38 @@ def test_what_breaks_the_symmetry_is_seen():
     assert tilted.axis == 1
 
 
-def test_planar_and_spatial_runs_agree():
-    steps = 150
+@pytest.mark.parametrize("axis", range(3))
+def test_friction_acts_in_any_plane(axis):
+    """A cube on a face, pressed on it and pushed along it: s = (push - mu pull) t^2 / 2, whatever the normal of the plane it moves in."""
+    along, down = [d for d in range(3) if d != axis]
+    push, pull, mu, steps = 3.0, 10.0, 0.2, 200
+    acceleration = np.zeros(3)
+    acceleration[along], acceleration[down] = push, -pull
+    low, high = np.full(3, -0.5), np.full(3, 0.5)
+    plate_low, plate_high = np.full(3, -5.0), np.full(3, 5.0)
+    plate_low[axis], plate_high[axis] = -0.5, 0.5
+    plate_low[down], plate_high[down] = -1.0, -0.5
+    blocks = [box("plate", tuple(plate_low), tuple(plate_high), fixed=True), box("cube", tuple(low), tuple(high))]
+    run = stepper(blocks, steps, friction=mu, acceleration=gravity(steps, tuple(acceleration)))
+    for _ in range(steps):
+        run.step()
+    assert run.plane is not None
+    assert run.plane.axis == axis
+    assert run.state.position[1, along] == pytest.approx(0.5 * (push - mu * pull) * 0.2**2, rel=1e-6)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_planar_and_spatial_runs_agree(axis):
+    steps, turn = 150, slice(None) if axis == 1 else [1, 0, 2]
     velocity = still(steps)
-    velocity[:, 0, 0] = 0.5 * np.sin(2 * np.pi * 4.0 * np.arange(steps + 1) * 1e-3)
+    velocity[:, 0, 1 - axis] = 0.5 * np.sin(2 * np.pi * 4.0 * np.arange(steps + 1) * 1e-3)
+    blocks = [box(b.name, tuple(b.vertices.min(axis=0)[turn]), tuple(b.vertices.max(axis=0)[turn]), b.fixed) for b in wall(2, 3)]
     ends = []
     for planar in (True, False):
-        run = stepper(wall(2, 3), steps, support_velocity=velocity, planar=planar, solver="admm", tolerance=1e-9)
+        run = stepper(blocks, steps, support_velocity=velocity, planar=planar, solver="admm", tolerance=1e-9)
         reports = [run.step() for _ in range(steps)]
         assert max(report.error for report in reports) <= 1e-9
-        assert (run.plane is not None) == planar
+        assert (run.plane.axis if run.plane else None) == (axis if planar else None)
         ends.append((run.state.position.copy(), run.state.orientation.copy(), reports[-1].contacts))
     assert ends[0][2] * 2 == ends[1][2]
     assert ends[0][0] == pytest.approx(ends[1][0], abs=1e-8)

@@ -138,8 +138,9 @@ def test_free_rocking_follows_housner(base, height, impacts, peaks, capsys):
 
 
 def test_a_tower_at_rest_stays_where_it_was_built():
-    machine = stepper(tower(10), 400, dt=5e-3, tolerance=1e-9)
+    machine = stepper(tower(10), 400, dt=5e-3, tolerance=1e-9, solver="auto")
     reports = advance(machine, 400)
+    assert max(report.error for report in reports) <= 1e-9
     assert np.abs(machine.state.position - machine.assembly.centre).max() < 1e-8
     assert max(report.penetration for report in reports) < 1e-8
 
