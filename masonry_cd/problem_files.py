@@ -34,6 +34,7 @@ from masonry_cd.solvers import SOLVERS, Options, admm, nlgs
 
 UNSYMMETRIC = 1e-2  # of the largest entry: published problems reach 1e-3
 INDEFINITE = 1e-4  # of the largest diagonal entry
+LARGEST = 1e100  # entry of any array: its square is a number, and so are sums of them
 HDF5 = (".hdf5", ".h5")
 
 
@@ -46,7 +47,7 @@ def read_problem(path: Path | str) -> Problem:
     """
     path = Path(path)
     if not path.is_file():
-        raise InputError(f"{path}: no such file")
+        raise InputError(f"{path}: {'is a folder, not a friction problem' if path.is_dir() else 'no such file'}")
     if path.suffix == ".npz":
         return _read_npz(path)
     if path.suffix in HDF5:
@@ -88,13 +89,17 @@ def solve_file(
         error (scaled natural map error), error_unscaled, iterations, seconds (of the solve alone), converged, contacts, solver, reason.
 
     Raises:
-        InputError: see :func:`read_problem`; an unknown solver or an impossible tolerance.
+        InputError: see :func:`read_problem`; an unknown solver, an impossible tolerance, an output that is no .npz.
     """
     if solver not in SOLVERS:
         raise InputError(f'solver "{solver}": unknown{suggest(solver, SOLVERS)}; known are {", ".join(SOLVERS)}')
     if not 0.0 < tolerance < 1.0:
         raise InputError(f"tolerance: should be between 0 and 1, got {tolerance:g}")
+    if output is not None and Path(output).suffix != ".npz":
+        raise InputError(f"{output}: the solution is written to a file of its own, SOLUTION.npz")
     problem = read_problem(path)
+    if output is not None:
+        Path(output).parent.mkdir(parents=True, exist_ok=True)
     options = Options(tolerance=tolerance, max_iterations=max_iterations, seed=seed)
     load_kernels(solver, problem)
     begin = time.perf_counter()
@@ -131,11 +136,11 @@ def _read_npz(path: Path) -> Problem:
     """Read the plain format."""
     try:
         with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files if file[name].dtype.kind in "fiu"}
+            arrays = {name: file[name] for name in file.files}
     except (ValueError, OSError, zipfile.BadZipFile, EOFError) as failure:
         raise InputError(f"{path}: no .npz file that can be read ({failure})") from None
     mu = _vector(path, arrays, "mu")
-    if "M_data" in arrays:
+    if any(name.startswith("M_") for name in arrays):
         mass, h = (_compressed(path, arrays, name) for name in ("M", "H"))
         w = _vector(path, arrays, "w")
         compliance = _vector(path, arrays, "C") if "C" in arrays else np.zeros_like(w)
@@ -159,7 +164,7 @@ def _write_npz(path: Path, problem: Problem) -> None:
 
 def _compressed(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> sparse.csr_matrix:
     """A matrix in compressed rows from its three arrays."""
-    data, indices, indptr = (_vector(path, arrays, f"{name}_{part}") for part in ("data", "indices", "indptr"))
+    data, indices, indptr = (_vector(path, arrays, f"{name}_{part}", whole=part != "data") for part in ("data", "indices", "indptr"))
     rows, last = len(indptr) - 1, int(indices.max(initial=-1)) + 1
     ordered = rows >= 0 and indptr[0] == 0 and indptr[-1] == len(data) and (np.diff(indptr) >= 0).all()
     if not ordered or len(indices) != len(data) or (indices < 0).any():
@@ -167,17 +172,25 @@ def _compressed(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> spar
     columns = 3 * len(arrays["mu"]) if name == "H" else max(rows, last)
     if name == "H" and "w" in arrays:
         columns = len(arrays["w"])
-    return sparse.csr_matrix((data, indices.astype(np.int64), indptr.astype(np.int64)), (rows, max(columns, last)))
+    return sparse.csr_matrix((data, indices, indptr), (rows, max(columns, last)))
 
 
-def _vector(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> np.ndarray:
-    """A one-dimensional array of finite numbers."""
+def _vector(path: Path, arrays: Mapping[str, np.ndarray], name: str, whole: bool = False) -> np.ndarray:
+    """A one-dimensional array of finite numbers that can be squared, or of ``whole`` ones."""
     if name not in arrays:
         raise InputError(f"{path}: {name} is missing{suggest(name, arrays)}; it holds {', '.join(arrays) or 'nothing'}")
     out = np.asarray(arrays[name]).ravel()
-    if not np.isfinite(out).all():
-        raise InputError(f"{path}: {name}[{int(np.argmin(np.isfinite(out)))}] is not a finite number")
-    return out.astype(np.int64) if name.endswith(("indices", "indptr")) else out.astype(np.float64)
+    if out.dtype.kind not in "fiu":
+        raise InputError(f"{path}: {name} should hold real numbers, not {out.dtype.name}")
+    numbers = out.astype(np.float64)
+    for wrong, what in (
+        (~np.isfinite(numbers), "is not a finite number"),
+        (np.abs(numbers) > LARGEST, "is too large to be squared"),
+        ((numbers != np.floor(numbers)) & whole, "is no whole number"),
+    ):
+        if wrong.any():
+            raise InputError(f"{path}: {name}[{int(np.argmax(wrong))}] {what}")
+    return out.astype(np.int64) if whole else numbers
 
 
 # --- FCLIB ----------------------------------------------------------------------------------------------------------------------
@@ -190,17 +203,24 @@ def _read_fclib(path: Path) -> Problem:
     except OSError as failure:
         raise InputError(f"{path}: no HDF5 file that can be read ({failure})") from None
     with file:
-        if "fclib_local" in file:
-            group = file["fclib_local"]
+        if isinstance(group := file.get("fclib_local"), h5py.Group):
             _refuse_equalities(path, group, ("V", "R"))
-            return _local(path, _fclib_matrix(path, group, "W"), _fclib_vector(path, group, "q"), _fclib_vector(path, group, "mu"))
-        if "fclib_global" in file:
-            group = file["fclib_global"]
+            w, q, mu = _fclib_matrix(path, group, "W"), _fclib_vector(path, group, "q"), _fclib_vector(path, group, "mu")
+            return _of_dimension(path, group, _local(path, w, q, mu))
+        if isinstance(group := file.get("fclib_global"), h5py.Group):
             _refuse_equalities(path, group, ("G",))
             mass, h = (_fclib_matrix(path, group, name) for name in ("M", "H"))
             f, w, mu = (_fclib_vector(path, group, name) for name in ("f", "w", "mu"))
-            return _global(path, mass, h, f, w, mu, np.zeros_like(w))
+            return _of_dimension(path, group, _global(path, mass, h, f, w, mu, np.zeros_like(w)))
     raise InputError(f"{path}: an HDF5 file, but no FCLIB one: it has neither fclib_local nor fclib_global")
+
+
+def _of_dimension(path: Path, group: h5py.Group, problem: Problem) -> Problem:
+    """The problem, if it has as many rows per contact as the file says."""
+    found = _datasets(group)
+    if "spacedim" in found and problem.contacts and (said := _count(path, found, "spacedim")) != problem.dimension:
+        raise InputError(f"{path}: spacedim is {said}, but its arrays hold {problem.dimension} rows per contact")
+    return problem
 
 
 def _refuse_equalities(path: Path, group: h5py.Group, names: tuple[str, ...]) -> None:
@@ -210,10 +230,23 @@ def _refuse_equalities(path: Path, group: h5py.Group, names: tuple[str, ...]) ->
             raise InputError(f"{path}: {group.name[1:]}/{name}: equality constraints are not supported")
 
 
+def _datasets(group: h5py.Group | h5py.Dataset | None, prefix: str = "") -> dict[str, np.ndarray]:
+    """The datasets in a group by name, with a prefix; none where there is no group."""
+    items = group.items() if isinstance(group, h5py.Group) else ()
+    return {prefix + key: np.asarray(value) for key, value in items if isinstance(value, h5py.Dataset)}
+
+
+def _count(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> int:
+    """One whole number."""
+    found = _vector(path, arrays, name, whole=True)
+    if len(found) != 1:
+        raise InputError(f"{path}: {name} should be one number, it holds {len(found)}")
+    return int(found[0])
+
+
 def _fclib_vector(path: Path, group: h5py.Group, name: str) -> np.ndarray:
     """One of the vectors of a problem."""
-    found = {key: np.asarray(value) for key, value in group["vectors"].items()} if "vectors" in group else {}
-    return _vector(path, found, name)
+    return _vector(path, _datasets(group.get("vectors")), name)
 
 
 def _fclib_matrix(path: Path, group: h5py.Group, name: str) -> sparse.csr_matrix:
@@ -221,13 +254,12 @@ def _fclib_matrix(path: Path, group: h5py.Group, name: str) -> sparse.csr_matrix
     where = f"{group.name[1:]}/{name}"
     if name not in group:
         raise InputError(f"{path}: {where} is missing")
-    try:
-        rows, columns, nz = (int(np.asarray(group[name][key]).ravel()[0]) for key in ("m", "n", "nz"))
-        i, p, x = (np.asarray(group[name][key]) for key in ("i", "p", "x"))
-    except (KeyError, IndexError) as failure:
-        raise InputError(f"{path}: {where} is no sparse matrix of FCLIB ({failure})") from None
-    if not np.isfinite(x).all():
-        raise InputError(f"{path}: {where} holds NaN or infinity")
+    arrays = _datasets(group[name], f"{where}/")
+    rows, columns, nz = (_count(path, arrays, f"{where}/{key}") for key in ("m", "n", "nz"))
+    i, p = (_vector(path, arrays, f"{where}/{key}", whole=True) for key in ("i", "p"))
+    x = _vector(path, arrays, f"{where}/x")
+    if nz > min(len(i), len(p), len(x)):
+        raise InputError(f"{path}: {where}/nz counts {nz} entries, more than i, p and x hold")
     try:
         if nz >= 0:
             return sparse.coo_matrix((x[:nz], (i[:nz], p[:nz])), (rows, columns)).tocsr()
@@ -300,17 +332,25 @@ def _rows_per_contact(path: Path, name: str, vector: np.ndarray, mu: np.ndarray)
 def _check_definite(path: Path, problem: LocalProblem) -> None:
     """W should be symmetric and positive semidefinite up to what published problems show."""
     w = problem.w
-    largest = abs(w).max()
-    if not largest > 0:
+    if not abs(w).max() > 0:
         raise InputError(f"{path}: W is zero")
-    skew = abs(w - w.T).max() / largest
-    if skew > UNSYMMETRIC:
-        raise InputError(f"{path}: W is unsymmetric by {skew:.1e} of its largest entry, at most {UNSYMMETRIC:g} is taken for rounding")
+    _check_symmetric(path, "W", w)
     shift = INDEFINITE * w.diagonal().max()
+    if not shift > 0.0:
+        raise InputError(f"{path}: W is indefinite: no entry of its diagonal is positive")
     blocks, indices, indptr, _ = nlgs.block_arrays(problem)
     pattern = admm.contact_pattern(indices, indptr)
-    if not shift > 0.0 or not is_definite(blocks, indices, indptr, shift, pattern.place, pattern.plan, (0,) * problem.dimension):
-        raise InputError(f"{path}: W is indefinite: it has eigenvalues below -{max(shift, 0.0):.1e}")
+    if not is_definite(blocks, indices, indptr, shift, pattern.place, pattern.plan, (0,) * problem.dimension):
+        raise InputError(f"{path}: W is indefinite: it has eigenvalues below -{shift:.1e}")
+
+
+def _check_symmetric(path: Path, name: str, matrix: sparse.csr_matrix) -> None:
+    """A matrix should be symmetric up to what published problems show."""
+    largest = abs(matrix).max() if matrix.nnz else 0.0
+    skew = abs(matrix - matrix.T).max() if matrix.nnz else 0.0
+    if skew > UNSYMMETRIC * largest:
+        said = f"by {skew / largest:.1e} of its largest entry, at most {UNSYMMETRIC:g} is taken for rounding"
+        raise InputError(f"{path}: {name} is unsymmetric {said}")
 
 
 def _global(
@@ -321,6 +361,7 @@ def _global(
     if mass.shape != (len(f), len(f)) or h.shape != (len(f), len(w)):
         sizes = f"M {mass.shape[0]} x {mass.shape[1]}, H {h.shape[0]} x {h.shape[1]}, f {len(f)}, w {len(w)}"
         raise InputError(f"{path}: shapes disagree: {sizes}")
+    _check_symmetric(path, "M", mass)
     if len(compliance) != len(w):
         raise InputError(f"{path}: C has {len(compliance)} entries, w has {len(w)}")
     if (compliance < 0).any():

@@ -115,6 +115,10 @@ def test_bad_arrays_are_named(tmp_path: Path) -> None:
         ({"W_data": np.where(np.arange(len(w)) == 0, np.inf, w)}, r"W_data\[0\] is not a finite number"),
         ({"W_data": -w}, "W is indefinite"),
         ({"W_data": w[:-1]}, "compressed rows"),
+        ({"W_data": w.astype(str)}, "W_data should hold real numbers, not str"),
+        ({"q": q.astype(complex)}, "q should hold real numbers, not complex128"),
+        ({"q": np.where(np.arange(len(q)) == 2, 1e200, q)}, r"q\[2\] is too large to be squared"),
+        ({"W_indices": np.load(broken(tmp_path))["W_indices"] + 0.5}, r"W_indices\[0\] is no whole number"),
     ]
     for changes, message in bad:
         path = broken(tmp_path, **changes)
@@ -149,11 +153,49 @@ def test_indices_out_of_range_are_told(tmp_path: Path, wrong: int) -> None:
         read_problem(broken(tmp_path, W_indices=indices))
 
 
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        ("W", np.eye(3), "fclib_local/W/m is missing"),
+        ("W/x", np.array([b"one"]), "fclib_local/W/x should hold real numbers"),
+        ("W/x", None, "fclib_local/W/x is missing"),
+        ("W/nz", np.array([10**6]), "nz counts 1000000 entries"),
+        ("W/m", np.array([12, 12]), "fclib_local/W/m should be one number"),
+        ("vectors", np.zeros(3), "q is missing; it holds nothing"),
+        ("vectors/q", "none", "q should hold real numbers"),
+        ("spacedim", np.array([2]), "spacedim is 2, but its arrays hold 3 rows per contact"),
+    ],
+)
+def test_bad_datasets_are_named(tmp_path: Path, place: str, value: object, message: str) -> None:
+    """Groups for datasets, datasets for groups, text for numbers: one line each, no traceback."""
+    write_problem(tmp_path / "p.hdf5", scenes.tower(1).to_local())
+    with h5py.File(tmp_path / "p.hdf5", "r+") as file:
+        del file[f"fclib_local/{place}"]
+        if value is not None:
+            file[f"fclib_local/{place}"] = value
+    with pytest.raises(InputError, match=message):
+        read_problem(tmp_path / "p.hdf5")
+
+
+def test_unsymmetric_mass_is_refused(tmp_path: Path) -> None:
+    """M of a global problem is checked as W of a local one is."""
+    write_problem(tmp_path / "p.npz", scenes.tower(2))
+    arrays = dict(np.load(tmp_path / "p.npz"))
+    mass = sparse.csr_matrix((arrays["M_data"], arrays["M_indices"], arrays["M_indptr"])).toarray()
+    mass[0, 3] = mass[0, 0]
+    full = sparse.csr_matrix(mass)
+    arrays |= {"M_data": full.data, "M_indices": full.indices, "M_indptr": full.indptr}
+    np.savez(tmp_path / "p.npz", allow_pickle=False, **arrays)
+    with pytest.raises(InputError, match="M is unsymmetric by"):
+        read_problem(tmp_path / "p.npz")
+
+
 def test_files_that_are_no_problems(tmp_path: Path) -> None:
     """No file, no format, no FCLIB group, no HDF5: one line each."""
     (tmp_path / "text.hdf5").write_text("not HDF5")
     (tmp_path / "text.npz").write_text("not a zip")
     (tmp_path / "p.txt").write_text("")
+    (tmp_path / "folder.npz").mkdir()
     with h5py.File(tmp_path / "other.hdf5", "w") as file:
         file["x"] = 1.0
     for name, message in [
@@ -161,6 +203,7 @@ def test_files_that_are_no_problems(tmp_path: Path) -> None:
         ("text.hdf5", "no HDF5 file"),
         ("text.npz", "no .npz file"),
         ("p.txt", "unknown format"),
+        ("folder.npz", "is a folder"),
         ("other.hdf5", "neither fclib_local nor fclib_global"),
     ]:
         with pytest.raises(InputError, match=message):
@@ -173,6 +216,8 @@ def test_solver_and_tolerance_are_checked(tmp_path: Path) -> None:
         solve_file(tmp_path / "p.npz", solver="adm")
     with pytest.raises(InputError, match="tolerance"):
         solve_file(tmp_path / "p.npz", tolerance=0.0)
+    with pytest.raises(InputError, match=r"SOLUTION\.npz"):
+        solve_file(tmp_path / "p.npz", output=tmp_path)
 
 
 def deformable(blocks: int, nodes: int) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray]:
