@@ -10,6 +10,8 @@ import scenes
 from models import stepper, wall
 from test_extreme_problems import thrown
 
+from benchmarks import ours
+from benchmarks.scenes import arch
 from masonry_cd.friction import Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options, auto
 
@@ -49,15 +51,52 @@ def test_learns_which_method_to_begin_with() -> None:
     np.testing.assert_array_equal(again.memory["auto_tally"][:2], second.memory["auto_tally"][:2])
 
 
-@pytest.mark.parametrize(("dearer", "steps"), [(1.2, 60), (8.0, 400), (np.nan, 50)])
-def test_the_other_method_is_tried_the_more_seldom_the_dearer_it_was(dearer: float, steps: int) -> None:
-    """Trials of a method that took so many times as much are that many times as far apart, so that their share of all costs is the same."""
-    tally = auto._recall(None)
-    tally[auto.ADMM], tally[auto.NEWTON] = 1.0, dearer
-    chosen = [auto._prefer(tally) for _ in range(1000)]
-    tried = np.flatnonzero(np.array(chosen) == auto.NEWTON)
-    np.testing.assert_array_equal(np.diff(tried, prepend=-1), steps)
-    assert len(tried) == 1000 // steps
+def chosen(costs_by_step: dict[int, list[float]], steps: int, iteration: tuple[float, float] = (1.0, 1.0)) -> np.ndarray:
+    """Which method each step begins with. In a row of steps, the k-th with a method costs the k-th of its numbers, or else the last."""
+    tally, out, row = auto._recall(None), [], 0
+    for _ in range(steps):
+        method = auto._prefer(tally, iteration)
+        row = row + 1 if out and out[-1] == method else 0
+        costs = costs_by_step[method]
+        spent = [0.0, 0.0]
+        spent[method] = costs[min(row, len(costs) - 1)]
+        auto._learn(tally, method, spent)
+        out.append(method)
+    return np.array(out)
+
+
+@pytest.mark.parametrize(("dearer", "apart"), [(1.2, 120), (3.5, 350), (8.0, 800)])
+def test_the_other_method_is_tried_the_more_seldom_the_dearer_it_was(dearer: float, apart: int) -> None:
+    """The first trial is early; a step that is no cheaper than the one before ends it. The next ones are the farther apart the dearer it
+    was, so that their share of all costs is the same."""
+    tried = np.flatnonzero(chosen({auto.ADMM: [200.0], auto.NEWTON: [200.0 * dearer]}, 1000) == auto.NEWTON)
+    starts = tried[np.diff(tried, prepend=-2) > 1]
+    assert starts[0] == auto.EARLY - 1
+    assert (np.diff(starts) >= apart).all()
+    assert len(starts) == 1 + (1000 - auto.EARLY) // (apart + 1)
+    assert len(tried) == len(starts) * (2 if dearer <= auto.HOPELESS else 1)
+
+
+def test_a_method_that_warms_up_is_given_the_steps_that_it_needs() -> None:
+    """Dearer in its first two steps and cheaper from then on: a trial of one step would never find out."""
+    methods = chosen({auto.ADMM: [200.0], auto.NEWTON: [500.0, 300.0, 100.0]}, 50)
+    np.testing.assert_array_equal(methods[auto.EARLY - 1 :], auto.NEWTON)
+
+
+def test_no_trial_where_a_single_iteration_is_dearer() -> None:
+    """What cannot win is not tried."""
+    costs = {auto.ADMM: [200.0], auto.NEWTON: [1000.0]}
+    assert (chosen(costs, 1000, (5.0, 500.0)) == auto.ADMM).all()
+    assert not (chosen(costs, 1000, (5.0, 150.0)) == auto.ADMM).all()
+
+
+def test_small_arches_are_stepped_with_newton() -> None:
+    """ADMM takes more than ten iterations a step, Newton one or two, and a call of ADMM costs as much as some of its iterations."""
+    machine = ours.stepper(arch(27), 40)
+    reports = [machine.step() for _ in range(40)]
+    assert max(r.error for r in reports) <= 1e-8
+    assert sum(r.reason == "newton: converged" for r in reports[10:]) >= 28
+    assert np.median([r.iterations for r in reports[10:]]) <= 2
 
 
 @pytest.mark.parametrize("solver", ["admm", "newton", "auto"])

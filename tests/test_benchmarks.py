@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks import memory, parts, peers, problem_files, rocking, scaling
+from benchmarks import costs, memory, parts, peers, problem_files, rocking, scaling
 from benchmarks.lmgc90_error import judge
 from benchmarks.ours import measure, stepper
 from benchmarks.scenes import GRAVITY, arcade, arch, scene, tower, wall
@@ -178,6 +179,26 @@ def test_ours_rocks_as_housner_does():
     assert late < 2e-3
     assert low < 5e-3
     assert rms < 0.01 * rocking.ALPHA
+
+
+# --- costs of the solvers ---------------------------------------------------------------------------------------------------------
+
+
+def test_costs_count_the_work_of_the_iterations():
+    out = costs.measure(tower(3), "newton", True, 5, repeats=1)
+    assert out.calls == 4
+    assert out.work[0] == out.iterations > 0
+    assert out.work[1] == 6 * out.iterations  # two contacts per joint, in a plane
+    assert out.work[2] == 6 * 2 * 3 * out.iterations
+
+
+def test_costs_finds_the_weights_again():
+    random, weights = np.random.default_rng(0), np.array([40.0, 2.0, 0.0, 0.5, 1e-3])
+    made = [costs.Calls("", True, "", 0.0, 10, 50, random.uniform(1.0, 1000.0, 4)) for _ in range(12)]
+    made = [replace(each, microseconds=float(each.counts @ weights)) for each in made]
+    found, ratio = costs.fit(made)
+    assert found == pytest.approx(weights, abs=1e-9)
+    assert ratio == pytest.approx(1.0)
 
 
 # --- tables -----------------------------------------------------------------------------------------------------------------------

@@ -11,7 +11,8 @@ import scenes
 from test_extreme_problems import thrown
 
 from masonry_cd.friction import FrictionProblem, LocalProblem, Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.solvers import SOLVERS, Options, newton
+from masonry_cd.solvers.admm import FIRST_STIFFNESS
 
 solve = SOLVERS["newton"]
 
@@ -41,18 +42,28 @@ def test_convergence_is_faster_than_linear() -> None:
     assert errors[-1] < 1e-11
 
 
-def test_begins_as_stiff_as_the_last_step_ended() -> None:
-    """A problem next to the last one takes at most half as many steps as without the memory of it, and a failure forgets it."""
+def test_begins_stiffer_after_few_iterations() -> None:
+    """After a few problems that hardly differ the next one takes less than half of the iterations; a failure forgets what was learnt."""
     problem, options = scenes.tower(40), Options(tolerance=1e-12)
-    first = solve(problem, options, SOLVERS["admm"](problem, Options(tolerance=1e-4), None))
-    nearby = replace(problem, v_free=1.0001 * problem.v_free)
-    anew = solve(nearby, options, Solution(first.impulse, None, 0))
-    again = solve(nearby, options, Solution(first.impulse, None, 0, memory=first.memory))
-    assert max(natural_map_error(nearby, s.impulse) for s in (anew, again)) <= 1e-12
-    assert 0 < 2 * again.iterations <= anew.iterations
-    failed = solve(problem, Options(tolerance=1e-15, max_iterations=1), Solution(0.0 * first.impulse, None, 0, memory=first.memory))
+    anew = last = solve(problem, options, SOLVERS["admm"](problem, Options(tolerance=1e-4), None))
+    for step in range(1, 6):
+        nearby = replace(problem, v_free=(1.0 + 1e-4 * step) * problem.v_free)
+        begin = last.impulse
+        anew, last = solve(nearby, options, Solution(begin, None, 0)), solve(nearby, options, Solution(begin, None, 0, memory=last.memory))
+        assert max(natural_map_error(nearby, s.impulse) for s in (anew, last)) <= 1e-12
+    assert 0 < 2 * last.iterations <= anew.iterations
+    failed = solve(problem, Options(tolerance=1e-15, max_iterations=1), Solution(0.0 * begin, None, 0, memory=last.memory))
     assert "failed" in failed.reason
-    assert solve(nearby, options, Solution(first.impulse, None, 0, memory=failed.memory)).iterations == anew.iterations
+    assert solve(nearby, options, Solution(begin, None, 0, memory=failed.memory)).iterations == anew.iterations
+
+
+def test_begins_softer_after_many_iterations() -> None:
+    """K stays between its bounds, rises by the end of a quick solve, falls after a slow one and is forgotten after a failure."""
+    assert newton._next_stiffness(1e4, 1e5, 3, True) == 1e5
+    assert newton._next_stiffness(1e3, 1e8, 3, True) == 3e4
+    assert newton._next_stiffness(1e7, 1e8, 1, True) == newton.STIFFEST
+    assert newton._next_stiffness(1e6, 1e8, 12, True) == pytest.approx(1e5)
+    assert newton._next_stiffness(1e3, 1e8, 12, True) == newton._next_stiffness(1e6, 1e8, 12, False) == FIRST_STIFFNESS
 
 
 def test_never_worse_than_its_start() -> None:

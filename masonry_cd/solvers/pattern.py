@@ -63,10 +63,10 @@ class Pattern:
         """The pattern for a checkpoint, in the order of ``FIELDS``."""
         return (self.pairs, self.order, self.place, *self.plan)
 
-    def costs(self, n: int) -> tuple[float, float]:
-        """Operations of a solve and of an unsymmetric factorisation, for n unknowns per node."""
+    def operations(self, n: int) -> float:
+        """Operations of an unsymmetric factorisation, for n unknowns per node."""
         width, below = n * np.diff(self.plan.first).astype(float), n * np.diff(self.plan.start).astype(float)
-        return float(2.0 * width @ (width + 2.0 * below)), float(4.0 * width @ (width * width / 2 + width * below + below * below))
+        return float(4.0 * width @ (width * width / 2 + width * below + below * below))
 
     def locate(self, bodies: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool] | None:
         """Places (C, 2) of the bodies of each contact, the block (C,) that couples them, and whether they are those of the last contacts.
