@@ -31,6 +31,7 @@ from masonry_cd.runner import RunReport
 from masonry_cd.runner import run as run_steps
 from masonry_cd.scene import Report, Run, Scene
 from masonry_cd.settling import settle
+from masonry_cd.solvers import cores
 from masonry_cd.state import State
 from masonry_cd.stepping import Stepper
 from masonry_cd.warmup import compile_kernels
@@ -55,7 +56,7 @@ class Case:
     joints: Joints
     loading: Loading
     notes: tuple[str, ...]  # what was changed in making the blocks, in words
-    warnings: tuple[str, ...]  # what the time step is too coarse for
+    warnings: tuple[str, ...]  # what the time step is too coarse for, and the machine too small
     seconds: float  # to build it
 
 
@@ -107,7 +108,14 @@ def prepare(scene: Scene) -> Case:
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))
     gravity = float(np.linalg.norm(scene.run.gravity))
     coarse = resolution.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
-    return Case(scene, assembly, joints, loading, tuple(notes), tuple(coarse), time.perf_counter() - begin)
+    warnings = (*coarse, *_beyond_machine(scene.run.threads))
+    return Case(scene, assembly, joints, loading, tuple(notes), warnings, time.perf_counter() - begin)
+
+
+def _beyond_machine(threads: int) -> list[str]:
+    """A line where a scene asks for more threads than there are cores; threads change no result, so it runs all the same."""
+    there = cores()
+    return [f"run.threads: {threads} asked for, {there} used, as many as there are cores for this run"] if threads > there else []
 
 
 def _is_planar(assembly: Assembly, loading: Loading, settings: Run) -> bool:
@@ -240,6 +248,7 @@ def _summary(case: Case, report: RunReport) -> dict[str, Any]:
         "planar": report.planar,
         "solver": {
             "name": settings.solver,
+            "threads": min(settings.threads, cores()),
             "tolerance": settings.tolerance,
             "seed": settings.seed,
             "iterations_mean": report.iterations_mean,
@@ -252,6 +261,8 @@ def _summary(case: Case, report: RunReport) -> dict[str, Any]:
         "islands": {"mean": report.islands_mean, "max": report.islands_max, "sleeping_mean": report.sleeping_mean},
         "left_out": {"steps_without_iterations": report.steps_as_before} | report.left_out,
         "penetration_max": report.penetration_max,
+        "penetration_where": report.penetration_where,
+        "closing": {"steps": report.steps_closing, "speed_max": report.closing_max, "jam": report.jam},
         "energy": energy | {"balance_error": report.balance_error, "lift_share": report.lift_share},
         "loads": case.loading.summary,
     }
@@ -278,6 +289,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     per_step = s["stepping_seconds"] / max(1, s["steps"])
     lifted = energy.get("lift_share", 0.0)
     lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if lifted >= TOLD else ""
+    deep = f", of {s['penetration_where']}" if s.get("penetration_where") else ""
     bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
     return [
         f"{s['title']}: {s['steps']} steps of {length(s['dt'], 's')} in {in_words(s['wall_seconds'])}, {length(per_step, 's')} per step",
@@ -286,7 +298,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         *_part_lines(s),
         *bonds,
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
-        f"largest penetration {length(s['penetration_max'])}",
+        f"largest penetration {length(s['penetration_max'])}{deep}",
         f"solver {solver['name']}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
         f"energy: balance closed to {energy['balance_error']:.1e} of the largest work done{lift}",
@@ -317,6 +329,11 @@ def _warnings(summary: dict[str, Any]) -> list[str]:
             f"{solver['steps_missed']} of {summary['steps']} steps missed the tolerance {solver['tolerance']:g}; "
             f"the largest error is {solver['error_max']:.1e} (each step's: solver/error in result.h5)"
         )
+    closing = summary["closing"]
+    if closing["steps"]:
+        left = f"{closing['steps']} of them left contacts closing, at up to {length(closing['speed_max'])}/s, so that overlaps grow"
+        why = f": {closing['jam']}; no solution is without penetration, and forces and work of such steps mean nothing"
+        lines.append(left + (why if closing["jam"] else ""))
     if summary["stopped"]:
         lines.append(f"the run ended early, {summary['stopped']}; the results hold all frames up to there")
     return lines

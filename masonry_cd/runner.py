@@ -17,12 +17,15 @@ import numpy as np
 
 from masonry_cd import checkpoint
 from masonry_cd.errors import InputError
+from masonry_cd.jams import find_jam, named
 from masonry_cd.joints import JointMeasures, JointPeaks, Joints, joint_parts, measure_joints
 from masonry_cd.rests import Aftermath, Rests, Shock
 from masonry_cd.results import BONDED, JOINT_PEAKS, ResultWriter
 from masonry_cd.stepping import ENERGIES, RunStopped, Stepper, StepReport
 
 CHECKPOINT_SECONDS = 30.0
+DEEP = 0.01  # overlap from which on its blocks are named, as a share of the smallest width
+FASTER = 1.5  # times the closing speed that was last looked into: one that is looked into anew
 ROWS_AT_ONCE = 256  # steps whose numbers are handed to the writer together
 NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
@@ -46,6 +49,11 @@ class RunReport:
     islands_max: int = 0
     sleeping_mean: float = 0.0  # share of the blocks that slept
     penetration_max: float = 0.0  # [m]
+    penetration_where: str = ""  # in words, of one that is DEEP
+    steps_closing: int = 0  # steps missed that left a contact closing, so that overlaps grow
+    closing_max: float = 0.0  # fastest of them [m/s]
+    closing_seen: float = 0.0  # and of those that were looked into [m/s]
+    jam: str = ""  # in words, what leaves them no solution; empty where nothing is known to
     energy: dict[str, float] = field(default_factory=dict)  # totals at the end [J]
     balance_max: float = 0.0  # largest |balance| so far [J]
     planar: bool = False
@@ -65,6 +73,15 @@ class RunReport:
         """Work of lifting blocks out of overlaps over the same: energy that the correction of positions puts in, beside the balance."""
         return abs(self.energy.get("correction", 0.0)) / self.work_max if self.work_max > 0 else 0.0
 
+    def look(self, step: StepReport, stepper: Stepper) -> None:
+        """Name the blocks of a step that overlap most, and what leaves them no way out."""
+        assembly, when, closing = stepper.assembly, f"at {stepper.state.time:.4g} s", step.closing
+        if step.penetration > max(self.penetration_max, DEEP * stepper.width):
+            self.penetration_where = f"{named([assembly.names[b] for b in step.overlapping])} {when}"
+        if closing is not None and closing.speed > FASTER * self.closing_seen:
+            jam, self.closing_seen = find_jam(closing), closing.speed
+            self.jam = self.jam if jam is None else f"{jam.in_words(assembly)} {when}"
+
     def add(self, step: StepReport, tolerance: float, energy: Mapping[str, float]) -> None:
         """Take in one step and the energies after it."""
         n = self.steps
@@ -77,6 +94,9 @@ class RunReport:
         self.iterations_max = max(self.iterations_max, step.iterations)
         self.error_max = max(self.error_max, step.error)
         self.penetration_max = max(self.penetration_max, step.penetration)
+        if step.closing is not None:
+            self.steps_closing += 1
+            self.closing_max = max(self.closing_max, step.closing.speed)
         self.steps_as_before += step.iterations == 0 and step.contacts > 0
         self.steps_missed += not step.error <= tolerance
         self.steps_apart += step.apart
@@ -221,6 +241,7 @@ def run(
             if rests is not None:
                 stepper.load_step = rests.next_step(stepper.load_step, stepper.state)
                 shock = rests.over(before, stepper.load_step)
+            report.look(step, stepper)
             report.add(step, stepper.settings.tolerance, stepper.energy)
             now = recorder.step(step, before + 1)
             if stepper.steps % frame_every == 0 or stepper.load_step == steps or shock is not None:

@@ -36,10 +36,11 @@ from masonry_cd.forces import BlockForces
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 from masonry_cd.impacts import open_contacts, solve_apart
 from masonry_cd.islands import Islands
+from masonry_cd.jams import Closing
 from masonry_cd.joints import Joints
 from masonry_cd.planar import Plane, find_plane
 from masonry_cd.scene import Run
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.solvers import SOLVERS, Options, cores
 from masonry_cd.springs import CREEP, JointSprings, Touching, pretensioned
 from masonry_cd.state import State, rotation_matrices
 
@@ -70,6 +71,8 @@ class StepReport:
     apart: bool = False  # impacts were solved apart from forces
     islands: int = 0  # see islands.py
     sleeping: float = 0.0  # share of the blocks whose island was not solved
+    overlapping: tuple[int, int] = (-1, -1)  # the blocks of the largest overlap
+    closing: Closing | None = None  # what a step that missed its tolerance has left closing
 
 
 class Stepper:
@@ -132,6 +135,7 @@ class Stepper:
         self._frames = np.empty((0, 3, 3))  # of the contacts of the friction problem: rows n, t1, t2
         self._free_mass = np.where(assembly.fixed, 0.0, assembly.mass)
         self.springs = JointSprings(assembly, self.rows)
+        self.threads = min(settings.threads, cores())
         self._begun = self._kinetic()  # energy at the start of the run, that of springs then known from the first step on [J]
 
     @property
@@ -166,10 +170,11 @@ class Stepper:
         self._new_velocities(problem)
         kinematics.drift(state.position, state.orientation, state.velocity, h * theta)
         self._balance(problem, state.position - before - lifted, handover)
+        closing = None if error <= self.settings.tolerance else self._still_closing(problem)
         self.steps += 1
         self.load_step += 1
         state.time = self.steps * h
-        penetration = -float(self._rigid_gaps().min(initial=0.0))
+        penetration, overlapping = self._deepest_overlap()
         return StepReport(
             self.solution.iterations,
             error,
@@ -180,7 +185,28 @@ class Stepper:
             self._handover is not None,
             self.islands.count,
             self.islands.sleeping,
+            overlapping,
+            closing,
         )
+
+    def _still_closing(self, problem: FrictionProblem) -> Closing | None:
+        """The rigid contact that closes fastest after a step, if the next ones do not take that away again."""
+        rigid = np.flatnonzero(~self.springs.now.elastic) if self.springs.any else np.arange(problem.contacts)
+        speed = -problem.relative_velocity(self._v)[rigid, 0]
+        if not speed.max(initial=0.0) * self.settings.dt > OVERLAP * self.width:
+            return None
+        fastest = int(speed.argmax())
+        return Closing(problem.subset(rigid), self.contacts.bodies[self.chosen[rigid]], fastest, float(speed[fastest]))
+
+    def _deepest_overlap(self) -> tuple[float, tuple[int, int]]:
+        """The largest overlap of rigid contacts at q_m, at least 0 [m], and the two blocks."""
+        gap = self._rigid_gaps()
+        if not len(gap):
+            return 0.0, (-1, -1)
+        at = int(np.argmin(gap))
+        chosen = self.chosen[~self.springs.now.elastic] if self.springs.any else self.chosen
+        first, second = self.contacts.bodies[chosen[at]].tolist()
+        return max(0.0, -float(gap[at])), (first, second)
 
     def _rigid_gaps(self) -> np.ndarray:
         """Gaps of the contacts of the friction problem that are no springs, whose overlap is the shortening of the joint [m]."""
@@ -240,7 +266,7 @@ class Stepper:
     def _solve_dry(self, problem: FrictionProblem, start: Solution) -> float:
         """The same for contacts whose cones begin at zero."""
         s = self.settings
-        options = Options(tolerance=s.tolerance, max_iterations=s.max_iterations, seed=s.seed + self.steps, threads=s.threads)
+        options = Options(s.tolerance, s.max_iterations, s.seed + self.steps, self.threads)
         gap = self.contacts.gap[self.chosen]
         is_open = self._open_contacts(problem, gap)
         self.islands.link(problem, start.impulse, s.tolerance)

@@ -129,6 +129,13 @@ def test_quiet_says_nothing(block_on_plate, tmp_path):
     assert (result.exit_code, result.output) == (0, "")
 
 
+def test_more_threads_than_cores_are_told(block_on_plate, tmp_path):
+    result = masonry_cd("run", block_on_plate(duration="duration = 0.01"), "-o", tmp_path / "out", "--set", "run.threads=100000", "-q")
+    used = json.loads((tmp_path / "out" / "summary.json").read_text())["solver"]["threads"]
+    assert result.exit_code == 0
+    assert f"run.threads: 100000 asked for, {used} used" in result.stderr
+
+
 def test_missed_tolerances_are_said_and_written_down(block_on_plate, tmp_path):
     scene = block_on_plate(friction="friction = 0.3", duration="duration = 0.01", amplitude="amplitude = 0.6")
     result = masonry_cd("run", scene, "-o", tmp_path / "out", "--set", "run.max_iterations=1", "--set", "run.tolerance=1e-15", "-q")

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from masonry_cd.friction import Problem, Solution
 from masonry_cd.solvers import admm, auto, interior, newton, nlgs
-from masonry_cd.solvers.options import Options
+from masonry_cd.solvers.options import Options, cores
 
 Solver = Callable[[Problem, Options, Solution | None], Solution]
 
@@ -18,4 +18,4 @@ SOLVERS: dict[str, Solver] = {
     "nlgs": nlgs.solve,
 }
 
-__all__ = ["SOLVERS", "Options", "Solver"]
+__all__ = ["SOLVERS", "Options", "Solver", "cores"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 
 
@@ -20,3 +21,8 @@ class Options:
     max_iterations: int | None = None
     seed: int = 0
     threads: int = 1
+
+
+def cores() -> int:
+    """Cores that this process may use: more threads than these would only wait for one another."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
