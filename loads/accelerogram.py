@@ -114,8 +114,10 @@ class Processed:
         }
 
 
-class Scaled(Accelerogram):
-    """An accelerogram with a size."""
+class Scaled(BaseModel):
+    """A motion of a given size."""
+
+    model_config = strict
 
     scale: float | None = None
     target_pga: Positive | None = None  # [m/s2]

@@ -16,7 +16,7 @@ from typing import Literal
 
 import numpy as np
 
-from loads.accelerogram import Scaled, describe_both, process, size_factor
+from loads.accelerogram import Accelerogram, Scaled, describe_both, process, size_factor
 from loads.baseline import History
 from loads.motion import DirectionKey, Part, RunGrid, smooth_step
 from loads.supports import ShakingTable
@@ -24,7 +24,7 @@ from loads.supports import ShakingTable
 FADE = 1.0  # [s] in which the velocity of an uncorrected record goes to zero after its end
 
 
-class RecordTable(Scaled, ShakingTable):
+class RecordTable(Scaled, Accelerogram, ShakingTable):
     """Keys of ``kind = "record"``."""
 
     kind: Literal["record"] = "record"

@@ -18,15 +18,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
-from loads.accelerogram import Accelerogram, Processed, describe_both, process, size_factor
+from loads.accelerogram import Accelerogram, Processed, Scaled, describe_both, process, size_factor
 from loads.artificial import SpectrumMatch, drawn
 from loads.intensity import in_words
-from loads.motion import Direction, DirectionKey, Part, RunGrid, describe, strict
+from loads.motion import Direction, DirectionKey, Part, RunGrid, describe
 from loads.record import FADE, sample
 from loads.supports import ShakingTable
 from masonry_cd.errors import parse_table
@@ -55,24 +55,12 @@ class Artificial(SpectrumMatch):
     direction: DirectionKey
 
 
-class ShockTable(BaseModel):
-    """One shock: ``[[loads.shocks]]``."""
-
-    model_config = strict
+class ShockTable(Scaled):
+    """One shock: ``[[loads.shocks]]``; ``target_pga`` is that of its strongest component."""
 
     name: Annotated[str, Field(min_length=1, max_length=40)] | None = None
     components: Annotated[list[dict[str, Any]], Field(min_length=1)]  # of Recorded or Artificial
     rotate: float = 0.0  # of all directions about z, counter-clockwise seen from above [degrees]
-    scale: float | None = None
-    target_pga: Positive | None = None  # of the strongest component [m/s2]
-
-    @model_validator(mode="after")
-    def _one_size(self) -> Self:
-        if self.scale is not None and self.target_pga is not None:
-            raise ValueError("give scale or target_pga, not both")
-        if self.scale == 0.0:
-            raise ValueError("scale: must not be zero")
-        return self
 
 
 class SequenceTable(ShakingTable):
