@@ -45,6 +45,7 @@ SHORT = 2  # columns: runs up to this length may be padded much, see runs
 WIDEST = 16  # columns that are factorised together
 THIN = 2.0  # mean number of rows below a column of L up to which columns stay alone
 SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix; likewise
+PATIENCE = 20  # iterations of ADMM without a look at the error
 BALANCE, ALL = 0.6, 0.95  # shares of ADMM's error that lie in the law: its stiffness falls below the one, grows above the other
 PART = 4096  # blocks of L in a part of the first level
 # The table of contacts: a row for each with all that a sweep reads besides G, so that it comes in a piece. First the local law, see
@@ -2138,15 +2139,16 @@ def _descend(plan, q, desk, squares, panels, size_n):
 @njit(cache=True, nogil=True, error_model="numpy")
 def admm_bodies(
     team, inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, turns, desk, squares, panels, rho, p_out, v_out, k,
-    fresh, moving, tolerance, limit, size_m, size_n,
+    fresh, moving, rate, tolerance, limit, size_m, size_n,
 ):  # fmt: skip
     """ADMM over a FrictionProblem, see solvers/admm.py, by a team. p_out and v_out hold the start and then the best answer found.
 
     squares, panels and rho (in the order of the parts) hold a factorisation of M + H^T R H, used as it is unless ``fresh`` is set. It is in
     single precision: what it is asked for are corrections, which become small, of velocities and impulses in double precision. The
     velocities to start from are those of the impulses; if ``moving`` is set, those of v_out where the impulses fit worse than none would.
+    ``rate`` is the error over the change of p in the last iteration, as measured last, or 1.
 
-    Returns iterations, natural map error, k at the end and the number of factorisations.
+    Returns iterations, natural map error, k at the end, the number of factorisations and the rate.
     """
     count, contacts, top = len(order), len(mu), len(plan.level) - 2
     b0, b1 = _share(team, 0, count)
@@ -2175,7 +2177,7 @@ def admm_bodies(
                 v[b, i] = v_out[order[b], i]
         _wait(team)
     smallest = before = error
-    iterations, checked, switched, factorisations, rate, ahead = 0, 0, 0, 0, 1.0, False
+    iterations, checked, switched, factorisations, ahead = 0, 0, 0, 0, False
     while iterations < limit and smallest > tolerance:
         if fresh:
             factorisations += 1
@@ -2195,8 +2197,8 @@ def admm_bodies(
         change = np.sqrt(changes.sum()) / size
         iterations += 1
         p, new = new, p
-        # the change of p tells when to look at the error itself, which costs about an iteration
-        ahead = iterations - checked < 2 or (rate * change > tolerance and iterations - checked < 10)
+        # the change of p tells when to look at the error itself
+        ahead = iterations - checked < 2 or (rate * change > tolerance and iterations - checked < PATIENCE)
         ahead = ahead and iterations < limit
         for level in range(top, 0, -1):
             begin, end = _share(team, plan.level[level], plan.level[level + 1])
@@ -2241,7 +2243,7 @@ def admm_bodies(
     for b in range(b0, b1):
         for i in range(len(size_n)):
             v_out[order[b], i] = desk.best_v[b, i]
-    return iterations, smallest, k, factorisations
+    return iterations, smallest, k, factorisations, rate
 
 
 # --- semismooth Newton over bodies ---------------------------------------------------------------------------------------------------

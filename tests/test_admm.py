@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scenes
@@ -67,6 +69,17 @@ def test_memory_saves_the_factorisation() -> None:
     again = solve(problem, Options(), Solution(first.impulse, None, 0, memory=first.memory))
     assert again.iterations == 0
     assert all(isinstance(array, np.ndarray) for array in again.memory.values())
+
+
+def test_knows_from_the_step_before_when_to_look_at_the_error() -> None:
+    """Without the ratio of error and change that the last step ended with, a solve stops later, not knowing that it is there."""
+    problem, options = scenes.wall(6, 20), Options()
+    last = solve(problem, options, None)
+    nearby, forgetful = replace(problem, v_free=1.0001 * problem.v_free), {k: v.copy() for k, v in last.memory.items()}
+    forgetful["admm_tally"][6] = 1.0
+    known, unknown = (solve(nearby, options, Solution(last.impulse, None, 0, memory=m)) for m in (last.memory, forgetful))
+    assert max(natural_map_error(nearby, s.impulse) for s in (known, unknown)) <= options.tolerance
+    assert 0 < known.iterations < unknown.iterations
 
 
 def test_memory_of_another_contact_graph_is_not_believed() -> None:

@@ -36,7 +36,9 @@ factor of 10 in 40 iterations, or is worse off after 20, look at the map error o
 a share of that of p^. If it is nearly all, k grows by 5; if little, k falls with its square root. It also falls where the limit of
 iterations ends a step before its time. And over a run a neighbouring k is tried now and then and kept if it took fewer iterations.
 
-**Cost.** The factorisation costs as much as ten to fifty iterations and is kept from step to step while it pays.
+**Cost.** The factorisation costs as much as ten to fifty iterations and is kept from step to step while it pays. To measure the error costs
+as much as one or two iterations; the change of p, which costs nothing, tells when, by the ratio of the two when they were last measured,
+be it in the step before.
 """
 
 from __future__ import annotations
@@ -75,13 +77,14 @@ class Memory:
     squares: np.ndarray  # of D^-1, flat, in single precision
     panels: np.ndarray  # of L, flat, in single precision
     rho: np.ndarray  # (C,) in the order of the parts
-    tally: np.ndarray  # (6,) k; 1: factorise anew; iterations after the last new factors; steps; mean iterations at this k; Newton's K
+    tally: np.ndarray  # (7,) k; 1: factorise anew; iterations after the last new factors; steps; mean iterations at this k; Newton's K;
+    # error over change of p in the last iteration of the last step
 
     @classmethod
     def empty(cls, pattern: Pattern, bodies: np.ndarray, n: int, tally: np.ndarray | None = None) -> Memory:
         """Room for the factors of a pattern; nothing factorised."""
         if tally is None:
-            tally = np.array([FIRST_K, 1.0, 0.0, 0.0, 0.0, FIRST_STIFFNESS])
+            tally = np.array([FIRST_K, 1.0, 0.0, 0.0, 0.0, FIRST_STIFFNESS, 1.0])
         tally[1] = 1.0
         squares, panels = (np.empty(n * n * int(starts[-1]), dtype=np.float32) for starts in (pattern.plan.square, pattern.plan.panel))
         return cls(pattern, bodies, squares, panels, np.empty(len(bodies)), tally)
@@ -128,10 +131,11 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     fresh = bool(memory.tally[1]) or k != memory.tally[0]
     pattern, plan = memory.pattern, memory.pattern.plan
     turns, desk = coulomb.share_contacts(index, spot, plan), _desk(pattern, *arrays[3:])
-    iterations, error, k_end, factorisations = together(
+    iterations, error, k_end, factorisations, rate = together(
         coulomb.admm_bodies, options.threads, plan, *arrays, pattern.order, plan, turns, desk, memory.squares, memory.panels,
-        memory.rho, impulse, velocity, k, fresh, moving, options.tolerance, limit, (0,) * m, (0,) * n,
+        memory.rho, impulse, velocity, k, fresh, moving, memory.tally[6], options.tolerance, limit, (0,) * m, (0,) * n,
     )  # fmt: skip
+    memory.tally[6] = rate
     _learn(memory.tally, k, k_end, iterations, factorisations)
     return Solution(impulse, velocity, iterations, _reason(error, options), memory.arrays())
 

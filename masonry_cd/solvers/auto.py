@@ -166,7 +166,8 @@ def _learn(tally: np.ndarray, first: int, spent: list[float]) -> None:
     cost, before, other, trial = sum(spent), tally[first], 1 - first, tally[10]
     if cost == 0.0:  # nothing happened, nothing learnt
         return
-    tally[first] = cost if trial or np.isnan(before) else 0.8 * before + 0.2 * cost
+    cold = tally[2] == 2.0  # the step before was the first
+    tally[first] = cost if trial or cold or np.isnan(before) else 0.8 * before + 0.2 * cost
     if spent[other] > 0.0 and not spent[other] > tally[other]:
         tally[other] = spent[other]
     if not trial:
