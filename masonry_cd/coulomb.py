@@ -48,6 +48,7 @@ SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix; likewis
 PATIENCE = 20  # iterations of ADMM without a look at the error
 BALANCE, ALL = 0.6, 0.95  # shares of ADMM's error that lie in the law: its stiffness falls below the one, grows above the other
 PART = 4096  # blocks of L in a part of the first level
+STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
 # The table of contacts: a row for each with all that a sweep reads besides G, so that it comes in a piece. First the local law, see
 # _law_row, then d, s, mu, q, p and C at these places:
 SCALE, START, MU, Q, P, C = 7, 8, 9, 10, 13, 16
@@ -2851,14 +2852,18 @@ def _aim(dw, dp, dgamma, mu, product, target, second, wanted, size_m, size_k):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _centring(dw, dp, dgamma, mu, product, gap, longest, step, room, size_m):
-    """Share of the gap to aim at, from what the predictor would leave of it, and more after a short step; ``room`` (C, k) is used up."""
+def _centring(dw, dp, dgamma, mu, product, gap, undone, longest, step, room, size_m):
+    """Share of the gap to aim at, from what the predictor would leave of it, and more after a short step; ``room`` (C, k) is used up.
+
+    ``undone`` measures what w misses in the units of the gap: the gap is not to vanish before it.
+    """
     contacts, ahead, reach = len(mu), 0.0, min(1.0, longest)
     for c in range(contacts):
         _complementarity(dw[c], dp[c], dgamma[c], mu[c], len(size_m), room[c])
         ahead += 0.5 * (1.0 - reach) * (product[c, 0] + product[c, 1]) / contacts
         ahead += 0.5 * reach * reach * (room[c, 0] + room[c, 1]) / contacts
-    return max(min(1.0, max(ahead / gap, 0.0)) ** 3, 1e-6 if step > 0.2 else (0.5 if step > 0.05 else 1.0))
+    left = max(min(1.0, max(ahead / gap, 0.0)) ** 3, min(1.0, 0.3 * undone / gap))
+    return max(left, 1e-6 if step > 0.2 else (0.5 if step > 0.05 else 1.0))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -2876,7 +2881,7 @@ def _advance(w, p, gamma, dw, dp, dgamma, step, friction, impulse, size_m):
 def _stiffness_after(step, stiffness):
     """Long steps can do with stiffer contacts, short ones need softer."""
     if step > 0.5:
-        return min(4.0 * stiffness, 1e8)
+        return min(4.0 * stiffness, STIFFEST)
     return max(0.25 * stiffness, 1.0) if step < 0.1 else stiffness
 
 
@@ -2915,12 +2920,13 @@ def interior_bodies(
     while iterations < limit and smallest > tolerance and short < 6:
         iterations += 1
         _rows(jacobian, index, offset, v, u, size_m, size_n)
-        gap, regular = 0.0, True
+        gap, undone, regular = 0.0, 0.0, True
         for c in range(contacts):
             for i in range(m):
                 own = compliance[c, i] if len(compliance) else 0.0
                 soft[c, i] = own + d[c] / stiffness
                 u[c, i] += own * p[c, i] - w[c, i]  # what w misses
+                undone += abs(u[c, i] * p[c, i]) / contacts
             _complementarity(w[c], p[c], gamma[c], mu[c], m, product[c])
             gap += 0.5 * (product[c, 0] + product[c, 1]) / contacts
             regular = _linearise_products(w[c], p[c], gamma[c], mu[c], soft[c], undo[c], gain[c], work, size_m, size_k) and regular
@@ -2944,7 +2950,7 @@ def interior_bodies(
             )
             longest = _longest_step(w, p, gamma, mu, dw, dp, dgamma, size_m)
             if turn == 0:
-                centring = _centring(dw, dp, dgamma, mu, product, gap, longest, step, wanted, size_m)
+                centring = _centring(dw, dp, dgamma, mu, product, gap, undone, longest, step, wanted, size_m)
         step = min(1.0, 0.99 * longest)
         _advance(w, p, gamma, dw, dp, dgamma, step, friction, impulse, size_m)
         for b in range(count):
@@ -3322,7 +3328,7 @@ def proximal_bodies(
         elif spent <= 8:
             stiffness *= 16.0 if new > 0.5 * error and spent < 4 else 4.0
         error, failed = new, 0
-        stiffness = min(stiffness, max(1e15 * error, 1e4))  # or else rounding, EPSILON times it, shows
+        stiffness = min(stiffness, STIFFEST)
         _copy(p, centre)
         _add_step(centre_v, 1.0, v, size_n, centre_v)
         if error < smallest:
@@ -3416,11 +3422,12 @@ def interior_local(
     while iterations < limit and smallest > tolerance and short < 6:
         iterations += 1
         _product(data, indices, indptr, p, u, size_m)
-        gap, regular = 0.0, True
+        gap, undone, regular = 0.0, 0.0, True
         for c in range(contacts):
             for i in range(m):
                 soft[c, i] = 1.0 / stiffness
                 u[c, i] += q[c, i] - w[c, i]  # what w misses
+                undone += abs(u[c, i] * p[c, i]) / contacts
             _complementarity(w[c], p[c], gamma[c], mu[c], m, product[c])
             gap += 0.5 * (product[c, 0] + product[c, 1]) / contacts
             regular = _linearise_products(w[c], p[c], gamma[c], mu[c], soft[c], undo[c], gain[c], work, size_m, size_k) and regular
@@ -3442,7 +3449,7 @@ def interior_local(
             )
             longest = _longest_step(w, p, gamma, mu, dw, dp, dgamma, size_m)
             if turn == 0:
-                centring = _centring(dw, dp, dgamma, mu, product, gap, longest, step, wanted, size_m)
+                centring = _centring(dw, dp, dgamma, mu, product, gap, undone, longest, step, wanted, size_m)
         step = min(1.0, 0.99 * longest)
         _advance(w, p, gamma, dw, dp, dgamma, step, friction, impulse, size_m)
         short = short + 1 if step < 0.02 else 0

@@ -14,8 +14,10 @@ w_n, p_n > 0, |w_t| < gamma, |p_t| < mu p_n, with the Jordan product x o y = (x.
 Coulomb's law back. Newton steps with Mehrotra's predictor and corrector lead towards tau = 0 (Acary, Armand, Nguyen & Shpakovych, Comput.
 Optim. Appl., 2023, treat the convex part of the law so). Each factorises the unsymmetric matrix M + H^T B H, B from the linearised products
 with a spring in series, C + d / K: it is damped by proximal terms in p (Friedlander & Orban, Math. Program. Comput. 4, 2012). K grows
-fourfold with long steps, shrinks fourfold with short ones and tenfold where the determinant is negative. The start is any set of impulses,
-moved inside the cones along x = d p - w to products (distance times the largest speed)^2 / d.
+fourfold with long steps, shrinks fourfold with short ones and tenfold where the determinant is negative. What the damping leaves of the
+other residuals is to vanish before tau does: tau is not aimed below a third of it, in the same units. Of 32 sliding steps, 27 instead of 17
+then end below 1e-6. Stiff springs beside rigid contacts settle what these leave open, and do so where K exceeds d / C: hence its bound of
+1e12. The start is any set of impulses, moved inside the cones along x = d p - w to products (distance times the largest speed)^2 / d.
 
 **The path by its length.** With all residuals of a start taken away in proportion to tau, and products tau times those of the start, a path
 leads from there to a solution, but tau may have to grow again on the way: it falls where the determinant of the linearised equations is
