@@ -4,7 +4,7 @@ r"""What each part of a step costs: a whole run, its results written, with a clo
     python -m benchmarks.parts church600 --steps 20 --json
 
 ``benchmarks.scaling --parts`` puts the sizes of a family side by side. A part's seconds are its own: those of the parts that it calls are
-taken off, so that the parts add up to the run. They are seconds of the processor, which other programs disturb least, on one thread.
+taken off, so that the parts add up to the run. They are seconds of the processor, which other programs disturb least, of all threads together.
 """
 
 from __future__ import annotations
@@ -215,11 +215,13 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=20)
     parser.add_argument("--frame-every", type=int, default=20)
     parser.add_argument("--space", action="store_true", help="all three dimensions, also where a plane would do")
+    parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--max-iterations", type=int, help="of each solve: the other parts cost the same without a good solution")
     parser.add_argument("--json", action="store_true")
     given = parser.parse_args()
     try:
-        costs = measure(scene(given.scene), given.steps, given.frame_every, planar=not given.space, max_iterations=given.max_iterations)
+        settings = {"planar": not given.space, "threads": given.threads, "max_iterations": given.max_iterations}
+        costs = measure(scene(given.scene), given.steps, given.frame_every, **settings)
     except ValueError as wrong:
         parser.error(str(wrong))
     print(json.dumps(asdict(costs)) if given.json else "\n".join(table([costs])))
