@@ -4,7 +4,7 @@ r"""What each part of a step costs: a whole run, its results written, with a clo
     python -m benchmarks.parts church600 --steps 20 --json
 
 ``benchmarks.scaling --parts`` puts the sizes of a family side by side. A part's seconds are its own: those of the parts that it calls are
-taken off, so that the parts add up to the run. They are seconds of the processor, which other programs disturb least, of all threads together.
+taken off, so that the parts add up to the run. They are seconds of the processor, which other programs disturb least, on all threads.
 """
 
 from __future__ import annotations

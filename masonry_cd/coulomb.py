@@ -47,6 +47,7 @@ THIN = 2.0  # mean number of rows below a column of L up to which columns stay a
 SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix; likewise
 PATIENCE = 20  # iterations of ADMM without a look at the error
 BALANCE, ALL = 0.6, 0.95  # shares of ADMM's error that lie in the law: its stiffness falls below the one, grows above the other
+SOFTEST = 1e-3  # k of ADMM at which a factorisation that fails is not tried at a tenth of it again
 PART = 4096  # blocks of L in a part of the first level
 STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
 # The table of contacts: a row for each with all that a sweep reads besides G, so that it comes in a piece. First the local law, see
@@ -1172,35 +1173,36 @@ def _times(a, b, transposed, out, size_n):
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _dense(x, at, rows, inner, g, begin, end, out):
-    """out (rows, end - begin) = x[:, at : at + rows]^T g[:, begin:end]. Most of a factorisation is spent here: two rows at a time."""
-    length, threes = end - begin, inner - inner % 3
-    for j in range(0, rows, 2):
-        other = min(j + 1, rows - 1)  # the last row of an odd number goes alone
-        a, b = out[j, :length], out[other, :length]
-        a[:] = 0.0
-        b[:] = 0.0
+    """out (rows, end - begin) = x[:, at : at + rows]^T g[:, begin:end]. Most of a factorisation is spent here: three rows at a time."""
+    length, threes, full = end - begin, inner - inner % 3, rows - rows % 3
+    for j in range(0, full, 3):
+        a, b, c = out[j, :length], out[j + 1, :length], out[j + 2, :length]
+        a[:], b[:], c[:] = 0.0, 0.0, 0.0
         for k in range(0, threes, 3):
             x0, x1, x2 = x[k, at + j], x[k + 1, at + j], x[k + 2, at + j]
-            y0, y1, y2 = x[k, at + other], x[k + 1, at + other], x[k + 2, at + other]
+            y0, y1, y2 = x[k, at + j + 1], x[k + 1, at + j + 1], x[k + 2, at + j + 1]
+            z0, z1, z2 = x[k, at + j + 2], x[k + 1, at + j + 2], x[k + 2, at + j + 2]
             g0, g1, g2 = g[k, begin:end], g[k + 1, begin:end], g[k + 2, begin:end]
-            if other == j:
-                for i in range(length):
-                    a[i] += x0 * g0[i] + x1 * g1[i] + x2 * g2[i]
-            else:
-                for i in range(length):
-                    a[i] += x0 * g0[i] + x1 * g1[i] + x2 * g2[i]
-                    b[i] += y0 * g0[i] + y1 * g1[i] + y2 * g2[i]
+            for i in range(length):
+                h0, h1, h2 = g0[i], g1[i], g2[i]
+                a[i] += x0 * h0 + x1 * h1 + x2 * h2
+                b[i] += y0 * h0 + y1 * h1 + y2 * h2
+                c[i] += z0 * h0 + z1 * h1 + z2 * h2
         for k in range(threes, inner):
             for i in range(length):
                 a[i] += x[k, at + j] * g[k, begin + i]
-            if other != j:
-                for i in range(length):
-                    b[i] += x[k, at + other] * g[k, begin + i]
+                b[i] += x[k, at + j + 1] * g[k, begin + i]
+                c[i] += x[k, at + j + 2] * g[k, begin + i]
+    for j in range(full, rows):
+        out[j, :length] = 0.0
+        for k in range(inner):
+            for i in range(length):
+                out[j, i] += x[k, at + j] * g[k, begin + i]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _load(plan, s, where, diagonal, lower, upper, square, low, up, symmetric, size_n):
-    """Blocks of A of the run s into its square and its panels; a symmetric A into ``up`` alone."""
+def _load(plan, s, where, diagonal, lower, upper, square, low, up, size_n):
+    """Blocks of A of the run s into its square and its panels."""
     n, begin, end = len(size_n), plan.first[s], plan.first[s + 1]
     square[:] = 0.0
     up[:] = 0.0
@@ -1217,52 +1219,43 @@ def _load(plan, s, where, diagonal, lower, upper, square, low, up, symmetric, si
                     if plan.row[t] < end:
                         square[i + p, k + q], square[k + q, i + p] = lower[t, p, q], upper[t, p, q]
                     else:
-                        up[k + q, i + p] = upper[t, p, q]
-                        if not symmetric:
-                            low[k + q, i + p] = lower[t, p, q]
+                        low[k + q, i + p], up[k + q, i + p] = lower[t, p, q], upper[t, p, q]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _subtract(product, below, begin, own, end, where, panel, size_n):
-    """panel[j, i] -= product[j, i] for the columns j of the first ``own`` rows of the list and the other rows i of it."""
-    n, i = len(size_n), 0
+def _subtract(product, skip, below, begin, own, end, where, panel, n):
+    """panel[j, i] -= product[j, i] for the columns j of the first ``own`` rows of the list and the other rows i of it.
+
+    ``skip`` entries of each line of the product come before those of these rows.
+    """
+    i = 0
     while own + i < end - begin:
         at, first = where[below[begin + own + i]], i
         while own + i < end - begin and where[below[begin + own + i]] == at + i - first:  # neighbours in both
             i += 1
         for j in range(own):
             for q in range(n):
-                to, what = panel[where[below[begin + j]] * n + q, n * at : n * (at + i - first)], product[j * n + q, n * first : n * i]
+                to = panel[where[below[begin + j]] * n + q, n * at : n * (at + i - first)]
+                what = product[j * n + q, skip + n * first : skip + n * i]
                 for k in range(len(to)):
                     to[k] -= what[k]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _update(plan, s, d, t0, t1, where, inverse, low, up, square, own_low, own_up, symmetric, turned, out, size_n):
-    """Take from run s what the earlier run d leaves to it; ``low`` and ``up`` are the panels of d, t0 to t1 its rows in s.
-
-    Of a symmetric matrix ``up`` does: L = (D U)^T D^-1, with the square ``inverse`` of d.
-    """
+def _update(plan, d, t0, t1, where, low, up, square, own_low, own_up, out, size_n):
+    """Take from a run what the earlier run d leaves to it; ``low`` and ``up`` are the panels of d, t0 to t1 its rows in the run."""
     n, last, inner, length = len(size_n), plan.start[d + 1], len(up), up.shape[1]
     first, rows = length - n * (last - t0), n * (t1 - t0)
-    if symmetric:
-        _dense(inverse, 0, inner, inner, up, first, first + rows, turned)
-        _dense(turned, 0, rows, inner, up, first, length, out)
-    else:
-        _dense(up, first, rows, inner, low, first, length, out)
+    _dense(up, first, rows, inner, low, first, length, out)
     for j in range(t1 - t0):
         for i in range(t1 - t0):
             row, column = n * where[plan.below[t0 + i]], n * where[plan.below[t0 + j]]
             for q in range(n):
                 for p in range(n):
                     square[row + p, column + q] -= out[j * n + q, i * n + p]
-    for j in range(rows):
-        for i in range(length - first - rows):
-            out[j, i] = out[j, rows + i]
-    _subtract(out, plan.below, t0, t1 - t0, last, where, own_up if symmetric else own_low, size_n)
-    if not symmetric:
-        _dense(low, first, rows, inner, up, first + rows, length, out)
-        _subtract(out, plan.below, t0, t1 - t0, last, where, own_up, size_n)
+    _subtract(out, rows, plan.below, t0, t1 - t0, last, where, own_low, n)
+    _dense(low, first, rows, inner, up, first + rows, length, out)
+    _subtract(out, 0, plan.below, t0, t1 - t0, last, where, own_up, n)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -1295,15 +1288,15 @@ def _invert_square(a, column, out, work, size_n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _view(values, start, rows, columns, size_n):
+def _view(values, start, rows, columns, n):
     """A square or panel as a matrix."""
-    begin = start * len(size_n) * len(size_n)
+    begin = start * n * n
     return values[begin : begin + rows * columns].reshape((rows, columns))
 
 
 @njit(entry=True, cache=True, nogil=True, error_model="numpy")
 def _room(plan, size_n):
-    """Room for the squares of D^-1 and the panels of L and of D U."""
+    """Room for the squares and the panels of L and of D U; what is not touched, as the last for a symmetric matrix, costs nothing."""
     blocks = len(size_n) * len(size_n)
     return np.empty(plan.square[-1] * blocks), np.empty(plan.panel[-1] * blocks), np.empty(plan.panel[-1] * blocks)
 
@@ -1405,98 +1398,218 @@ def _factorise_columns(plan, diagonal, lower, upper, inverse, low, up, symmetric
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _longest(plan, first, last, size_n):
-    """Entries of the longest panel line or square of runs first to last."""
-    longest = 0
-    for s in range(first, last):
-        longest = max(longest, len(size_n) * max(plan.first[s + 1] - plan.first[s], plan.start[s + 1] - plan.start[s]))
-    return longest
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _factorise_runs(plan, first, last, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
-    """The factorisation for runs first to last, if all that they pull from are done; see :func:`_factorise`."""
-    if _columns_alone(plan):
-        return _factorise_columns(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n)
-    n, size, widest, longest = len(size_n), len(plan.column) - 1, 0, 0
+def _extent(plan, first, last, n):
+    """Most rows and longest line of the squares and panels that a factorisation of runs first to last meets."""
+    widest, longest = 0, 0
     for s in range(first, last):
         width = plan.first[s + 1] - plan.first[s]
         widest, longest = max(widest, n * width), max(longest, n * max(width, plan.start[s + 1] - plan.start[s]))
         for e in range(plan.pull[s], plan.pull[s + 1]):
             d = plan.puller[e]
             widest, longest = max(widest, n * (plan.first[d + 1] - plan.first[d])), max(longest, n * (plan.start[d + 1] - plan.entry[e]))
-    out, column, turned = np.empty((widest, longest)), np.empty((n, widest)), np.empty((widest, widest))
-    work, where = np.empty((3, n, n)), np.empty(size, dtype=np.int64)
-    for s in range(first, last):
-        begin, end, width = plan.first[s], plan.first[s + 1], n * (plan.first[s + 1] - plan.first[s])
-        for i in range(begin, end):
-            where[i] = i - begin
-        for t in range(plan.start[s], plan.start[s + 1]):
-            where[plan.below[t]] = t - plan.start[s]
-        length, panel = n * (plan.start[s + 1] - plan.start[s]), plan.panel[s]
-        square = _view(inverse, plan.square[s], width, width, size_n)
-        own_up = _view(up, panel, width, length, size_n)
-        own_low = own_up if symmetric else _view(low, panel, width, length, size_n)
-        _load(plan, s, where, diagonal, lower, upper, square, own_low, own_up, symmetric, size_n)
-        for e in range(plan.pull[s], plan.pull[s + 1]):
-            d, t0 = plan.puller[e], plan.entry[e]
-            t1, inner = t0, n * (plan.first[d + 1] - plan.first[d])
-            while t1 < plan.start[d + 1] and plan.below[t1] < end:
-                t1 += 1
-            length, panel = n * (plan.start[d + 1] - plan.start[d]), plan.panel[d]
-            its_square, its_up = _view(inverse, plan.square[d], inner, inner, size_n), _view(up, panel, inner, length, size_n)
-            its_low = its_up if symmetric else _view(low, panel, inner, length, size_n)
-            _update(plan, s, d, t0, t1, where, its_square, its_low, its_up, square, own_low, own_up, symmetric, turned, out, size_n)
-        if not _invert_square(square, column, out, work, size_n):
-            return False
-        if not symmetric and own_low.shape[1] > 0:
-            _dense(square, 0, width, width, own_low, 0, own_low.shape[1], out)
-            for j in range(width):
-                for i in range(own_low.shape[1]):
-                    own_low[j, i] = out[j, i]
-    return True
+    return widest, longest
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _lower_panels(plan, first, last, inverse, up, low, size_n):
-    """Panels of L from those of D U of a symmetric matrix, for runs first to last; in the precision of ``low``."""
-    n, out = len(size_n), np.empty((len(size_n) * WIDEST, _longest(plan, first, last, size_n)))
-    for s in range(first, last):
-        width, length = n * (plan.first[s + 1] - plan.first[s]), n * (plan.start[s + 1] - plan.start[s])
-        square, panel = _view(inverse, plan.square[s], width, width, size_n), _view(up, plan.panel[s], width, length, size_n)
-        _dense(square, 0, width, width, panel, 0, length, out)
-        to = _view(low, plan.panel[s], width, length, size_n)
-        for k in range(width):
-            for i in range(length):
-                to[k, i] = out[k, i]
+def _number(plan, s, where):
+    """``where`` the nodes of run s and the rows below it stand in its square and its panel."""
+    for i in range(plan.first[s], plan.first[s + 1]):
+        where[i] = i - plan.first[s]
+    for t in range(plan.start[s], plan.start[s + 1]):
+        where[plan.below[t]] = t - plan.start[s]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _end_inside(plan, e, end):
+    """The end of those rows of the e-th puller that are before node ``end``."""
+    t, last = plan.entry[e], plan.start[plan.puller[e] + 1]
+    while t < last and plan.below[t] < end:
+        t += 1
+    return t
 
 
 @njit(entry=True, cache=True, nogil=True, error_model="numpy")
-def _factorise(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
+def _factorise(plan, diagonal, lower, upper, inverse, low, up, size_n):
     """A = L D U: inverse (squares of D^-1), low (panels of L) and up (panels of D U) from diagonal blocks A_jj, lower A_ij, upper A_ji^T.
 
-    For a symmetric A give lower as upper too. Returns False when a diagonal block cannot be inverted.
+    Returns False when a diagonal block cannot be inverted.
     """
-    count = len(plan.first) - 1
-    if not _factorise_runs(plan, 0, count, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
-        return False
-    if symmetric and not _columns_alone(plan):
-        _lower_panels(plan, 0, count, inverse, up, low, size_n)
+    if _columns_alone(plan):
+        return _factorise_columns(plan, diagonal, lower, upper, inverse, low, up, UNSYMMETRIC, size_n)
+    n, size, count = len(size_n), len(plan.column) - 1, len(plan.first) - 1
+    widest, longest = _extent(plan, 0, count, n)
+    out, column, work = np.empty((widest, longest)), np.empty((n, widest)), np.empty((3, n, n))
+    where = np.empty(size, dtype=np.int64)
+    for s in range(count):
+        _number(plan, s, where)
+        width, length = n * (plan.first[s + 1] - plan.first[s]), n * (plan.start[s + 1] - plan.start[s])
+        square = _view(inverse, plan.square[s], width, width, n)
+        own_low, own_up = _view(low, plan.panel[s], width, length, n), _view(up, plan.panel[s], width, length, n)
+        _load(plan, s, where, diagonal, lower, upper, square, own_low, own_up, size_n)
+        for e in range(plan.pull[s], plan.pull[s + 1]):
+            d = plan.puller[e]
+            rows, columns = n * (plan.first[d + 1] - plan.first[d]), n * (plan.start[d + 1] - plan.start[d])
+            its_low, its_up = _view(low, plan.panel[d], rows, columns, n), _view(up, plan.panel[d], rows, columns, n)
+            t1 = _end_inside(plan, e, plan.first[s + 1])
+            _update(plan, d, plan.entry[e], t1, where, its_low, its_up, square, own_low, own_up, out, size_n)
+        if not _invert_square(square, column, out, work, size_n):
+            return False
+        _dense(square, 0, width, width, own_low, 0, length, out)
+        for j in range(width):
+            for i in range(length):
+                own_low[j, i] = out[j, i]
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _root(a, out):
+    """out = C^-T, upper triangular, of a symmetric a = C C^T, of which the upper triangle is given and used up; False if there is none."""
+    size = len(a)
+    out[:] = 0.0
+    for k in range(size):
+        if not (0.0 < a[k, k] < np.inf):
+            return False
+        out[k, k] = 1.0
+        own, line, inverse = a[k], out[k], 1.0 / a[k, k]
+        for i in range(k + 1, size):  # rows of the identity below each other: C^-1 but for the lengths of its rows
+            factor, other, root = own[i] * inverse, a[i], out[i]
+            for j in range(i, size):
+                other[j] -= factor * own[j]
+            for j in range(k + 1):
+                root[j] -= factor * line[j]
+    for k in range(size):
+        length = 1.0 / np.sqrt(a[k, k])
+        for j in range(k + 1):
+            out[k, j] *= length
+    for k in range(size):
+        for j in range(k):
+            out[j, k], out[k, j] = out[k, j], 0.0
     return True
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _factorise_together(team, plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
-    """The same by a team, but for the panels of L of a symmetric matrix: there ``low`` is ``up``."""
+def _load_symmetric(plan, s, where, diagonal, lower, square, panel, n):
+    """Blocks of a symmetric A of the run s into the upper triangle of its square and into its panel."""
+    begin, end = plan.first[s], plan.first[s + 1]
+    square[:] = 0.0
+    panel[:] = 0.0
+    for j in range(begin, end):
+        k = (j - begin) * n
+        for p in range(n):
+            for q in range(n):
+                square[k + p, k + q] = diagonal[j, p, q]
+        for t in range(plan.column[j], plan.column[j + 1]):
+            i = where[plan.row[t]] * n
+            for p in range(n):
+                for q in range(n):
+                    if plan.row[t] < end:
+                        square[k + q, i + p] = lower[t, p, q]
+                    else:
+                        panel[k + q, i + p] = lower[t, p, q]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _update_symmetric(plan, d, t0, t1, where, panel, square, own, out, n):
+    """:func:`_update` of a symmetric matrix, of the upper triangle of the square."""
+    last, inner, length = plan.start[d + 1], len(panel), panel.shape[1]
+    first, rows = length - n * (last - t0), n * (t1 - t0)
+    _dense(panel, first, rows, inner, panel, first, length, out)
+    for j in range(t1 - t0):
+        row = n * where[plan.below[t0 + j]]
+        for i in range(j, t1 - t0):
+            column = n * where[plan.below[t0 + i]]
+            for q in range(n):
+                for p in range(n):
+                    square[row + q, column + p] -= out[j * n + q, i * n + p]
+    _subtract(out, rows, plan.below, t0, t1 - t0, last, where, own, n)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _factorise_runs(plan, first, last, diagonal, lower, squares, panels, n):
+    """A = L L^T of a symmetric A for runs first to last, if all that they pull from are done, with blocks of n x n.
+
+    Squares: C^-T of the triangles C on the diagonal of L; panels: L^T right of them; in the precision of their arrays. Only the square at
+    work is in double precision whatever they are. Returns False when A is not positive definite.
+    """
+    size = len(plan.column) - 1
+    widest, longest = _extent(plan, first, last, n)
+    out, where = np.empty((widest, longest), dtype=panels.dtype), np.empty(size, dtype=np.int64)
+    room, other = np.empty(widest * widest), np.empty(widest * widest)
+    for s in range(first, last):
+        _number(plan, s, where)
+        width, length = n * (plan.first[s + 1] - plan.first[s]), n * (plan.start[s + 1] - plan.start[s])
+        square, panel = room[: width * width].reshape((width, width)), _view(panels, plan.panel[s], width, length, n)
+        _load_symmetric(plan, s, where, diagonal, lower, square, panel, n)
+        for e in range(plan.pull[s], plan.pull[s + 1]):
+            d, t1 = plan.puller[e], _end_inside(plan, e, plan.first[s + 1])
+            its = _view(panels, plan.panel[d], n * (plan.first[d + 1] - plan.first[d]), n * (plan.start[d + 1] - plan.start[d]), n)
+            _update_symmetric(plan, d, plan.entry[e], t1, where, its, square, panel, out, n)
+        root, kept = other[: width * width].reshape((width, width)), _view(squares, plan.square[s], width, width, n)
+        if not _root(square, root):
+            return False
+        _copy(root, kept)
+        for j in range(width - 1 - (width - 1) % 3, -1, -3):  # from below, where a row needs all above it and none needs it
+            rows = min(3, width - j)
+            _dense(kept, j, rows, j + rows, panel, 0, length, out)
+            for k in range(rows):
+                for i in range(length):
+                    panel[j + k, i] = out[k, i]
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _free_of_roots(plan, first, last, squares, panels, n):
+    """From the factors of :func:`_factorise_runs` to A = L D L^T with ones on the diagonal of L: squares of D^-1 and panels of L.
+
+    A solve then reads the squares once, not twice.
+    """
+    widest, longest = _extent(plan, first, last, n)
+    out, room = np.empty((3, longest), dtype=panels.dtype), np.empty(widest * widest, dtype=panels.dtype)
+    for s in range(first, last):
+        width, length = n * (plan.first[s + 1] - plan.first[s]), n * (plan.start[s + 1] - plan.start[s])
+        square, panel = _view(squares, plan.square[s], width, width, n), _view(panels, plan.panel[s], width, length, n)
+        root = room[: width * width].reshape((width, width))  # C^-1
+        for j in range(width):
+            for i in range(width):
+                root[i, j] = square[j, i]
+        for j in range(0, width, 3):  # from above, where a row needs all below it and none needs it
+            rows = min(3, width - j)
+            for lines, of in ((square, root), (panel, panel)):
+                _dense(root[j:], j, rows, width - j, of[j:], 0, lines.shape[1], out)
+                for k in range(rows):
+                    for i in range(lines.shape[1]):
+                        lines[j + k, i] = out[k, i]
+
+
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
+def _factorise_symmetric(plan, diagonal, lower, squares, panels, size_n):
+    """A = L D L^T: squares of D^-1 and panels of L from diagonal blocks A_jj and lower A_ij.
+
+    Returns False when A is not positive definite; if all columns are alone, when a diagonal block cannot be inverted.
+    """
+    if _columns_alone(plan):
+        return _factorise_columns(plan, diagonal, lower, lower, squares, panels, panels, SYMMETRIC, size_n)
+    n, count = len(size_n), len(plan.first) - 1
+    ok = _factorise_runs(plan, 0, count, diagonal, lower, squares, panels, n)
+    if ok:
+        _free_of_roots(plan, 0, count, squares, panels, n)
+    return ok
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _factorise_together(team, plan, diagonal, lower, squares, panels, n):
+    """:func:`_factorise_symmetric` by a team, where not all columns are alone."""
     for level in range(len(plan.level) - 1):
         begin, end = _share(team, plan.level[level], plan.level[level + 1])
         for q in range(begin, end):
-            if team.gate[2] == 0:
-                ok = _factorise_runs(plan, plan.part[q], plan.part[q + 1], diagonal, lower, upper, inverse, low, up, symmetric, size_n)
-                if not ok:
-                    team.gate[2] = 1
+            first, last = plan.part[q], plan.part[q + 1]
+            if team.gate[2] == 0 and not _factorise_runs(plan, first, last, diagonal, lower, squares, panels, n):
+                team.gate[2] = 1
         _wait(team)
     ok = team.gate[2] == 0
+    begin, end = _all_parts(team, plan)
+    if ok:
+        _free_of_roots(plan, plan.part[begin], plan.part[end], squares, panels, n)
     _wait(team)
     team.gate[2] = 0
     return ok
@@ -1582,54 +1695,94 @@ def _come_down_columns(plan, inverse, up, x, size_n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _go_up(plan, first, last, row, low, x, size_n):
-    """x <- L^-1 x for runs first to last; ``row`` says where what they leave to later ones goes: plan.below, or plan.target."""
-    if _columns_alone(plan):
-        _go_up_columns(plan, low, x, size_n)
-        return
-    n, y = len(size_n), np.empty(_longest(plan, first, last, size_n), dtype=low.dtype)
-    blocks, flat = n * n, x.reshape(x.size)
+def _longest(plan, first, last, n):
+    """Entries of the longest line of a panel or square of runs first to last."""
+    longest = 0
     for s in range(first, last):
-        length = n * (plan.start[s + 1] - plan.start[s])
-        _add_columns(low, plan.panel[s] * blocks, length, flat[n * plan.first[s] : n * plan.first[s + 1]], y, size_n)
-        k = 0
-        for t in range(plan.start[s], plan.start[s + 1]):
-            for p in range(n):
-                x[row[t], p] -= y[k]
-                k += 1
+        longest = max(longest, n * max(plan.first[s + 1] - plan.first[s], plan.start[s + 1] - plan.start[s]))
+    return longest
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _come_down(plan, first, last, inverse, low, up, symmetric, x, size_n):
-    """x <- (D U)^-1 x for runs first to last, if the later ones are done."""
-    if _columns_alone(plan):
-        _come_down_columns(plan, inverse, low if symmetric else up, x, size_n)
-        return
-    n, longest = len(size_n), _longest(plan, first, last, size_n)
-    y, z = np.empty(longest, dtype=low.dtype), np.empty(longest, dtype=low.dtype)
-    blocks, flat = n * n, x.reshape(x.size)
-    for s in range(last - 1, first - 1, -1):
-        length, own = n * (plan.start[s + 1] - plan.start[s]), flat[n * plan.first[s] : n * plan.first[s + 1]]
-        width, k = len(own), 0
-        for t in range(plan.start[s], plan.start[s + 1]):
-            for p in range(n):
-                y[k] = x[plan.below[t], p]
-                k += 1
-        if not symmetric:
-            _add_rows(up, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
-        _copy(own, z)
-        own[:] = 0.0
-        _add_rows(inverse, plan.square[s] * blocks, width, z, 1.0, own, size_n)
-        if symmetric:
-            _add_rows(low, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
+def _gather(plan, s, x, y, n):
+    """y = the rows of x below run s."""
+    k = 0
+    for t in range(plan.start[s], plan.start[s + 1]):
+        for p in range(n):
+            y[k] = x[plan.below[t], p]
+            k += 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _take_off(plan, s, row, y, x, n):
+    """Take y off the rows of x below run s; ``row`` says where these are: plan.below, or plan.target."""
+    k = 0
+    for t in range(plan.start[s], plan.start[s + 1]):
+        for p in range(n):
+            x[row[t], p] -= y[k]
+            k += 1
 
 
 @njit(entry=True, cache=True, nogil=True, error_model="numpy")
-def _solve_factorised(plan, inverse, low, up, symmetric, x, size_n):
-    """Solve L D U x = x in place, x (N or more, n); ``up`` is of no use for a symmetric matrix."""
+def _solve_factorised(plan, inverse, low, up, x, size_n):
+    """Solve L D U x = x in place, x (N or more, n)."""
+    if _columns_alone(plan):
+        _go_up_columns(plan, low, x, size_n)
+        _come_down_columns(plan, inverse, up, x, size_n)
+        return
+    n, count = len(size_n), len(plan.first) - 1
+    longest, blocks, flat = _longest(plan, 0, count, n), n * n, x.reshape(x.size)
+    y, z = np.empty(longest), np.empty(longest)
+    for s in range(count):
+        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
+        _add_columns(low, plan.panel[s] * blocks, length, own, y, size_n)
+        _take_off(plan, s, plan.below, y, x, n)
+    for s in range(count - 1, -1, -1):
+        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
+        _gather(plan, s, x, y, n)
+        _add_rows(up, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
+        _copy(own, z)
+        own[:] = 0.0
+        _add_rows(inverse, plan.square[s] * blocks, len(own), z, 1.0, own, size_n)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _go_up(plan, first, last, row, panels, x, size_n):
+    """x <- L^-1 x of a symmetric matrix for runs first to last; ``row`` as in :func:`_take_off`."""
+    if _columns_alone(plan):
+        _go_up_columns(plan, panels, x, size_n)
+        return
+    n, blocks, flat = len(size_n), len(size_n) * len(size_n), x.reshape(x.size)
+    y = np.empty(_longest(plan, first, last, n), dtype=panels.dtype)
+    for s in range(first, last):
+        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
+        _add_columns(panels, plan.panel[s] * blocks, length, own, y, size_n)
+        _take_off(plan, s, row, y, x, n)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _come_down(plan, first, last, squares, panels, x, size_n):
+    """x <- L^-T D^-1 x of a symmetric matrix for runs first to last, if the later ones are done."""
+    if _columns_alone(plan):
+        _come_down_columns(plan, squares, panels, x, size_n)
+        return
+    n, blocks, flat = len(size_n), len(size_n) * len(size_n), x.reshape(x.size)
+    y = np.empty(_longest(plan, first, last, n), dtype=panels.dtype)
+    for s in range(last - 1, first - 1, -1):
+        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
+        _copy(own, y[: len(own)])
+        own[:] = 0.0
+        _add_rows(squares, plan.square[s] * blocks, len(own), y, 1.0, own, size_n)
+        _gather(plan, s, x, y, n)
+        _add_rows(panels, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
+
+
+@njit(entry=True, cache=True, nogil=True, error_model="numpy")
+def _solve_symmetric(plan, squares, panels, x, size_n):
+    """Solve A x = x in place for the factors of a symmetric A, x (N or more, n)."""
     count = len(plan.first) - 1
-    _go_up(plan, 0, count, plan.below, low, x, size_n)
-    _come_down(plan, 0, count, inverse, low, up, symmetric, x, size_n)
+    _go_up(plan, 0, count, plan.below, panels, x, size_n)
+    _come_down(plan, 0, count, squares, panels, x, size_n)
 
 
 # --- bodies in the order of the factorisation --------------------------------------------------------------------------------------
@@ -1835,12 +1988,25 @@ def _all_parts(team, plan):
 @njit(cache=True, nogil=True, error_model="numpy")
 def _velocity_together(team, plan, turns, inverse, free, jacobian, p, push, v, size_m, size_n):
     """v = v_free + M^-1 H^T p by a team."""
-    n, (begin, end) = len(size_n), _all_parts(team, plan)
+    begin, end = _all_parts(team, plan)
     for q in range(begin, end):
-        first, last = _nodes(plan, q)
-        push[first:last] = 0.0
-        _clear_copies(plan, q, push)
+        _clear_push(plan, q, push)
         _push_some(jacobian, turns, q, p, push, size_m, size_n)
+    _pushed_together(team, plan, inverse, free, push, v, size_n)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _clear_push(plan, q, push):
+    """No impulse on the bodies of part q, and none left by it to later ones."""
+    first, last = _nodes(plan, q)
+    push[first:last] = 0.0
+    _clear_copies(plan, q, push)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _pushed_together(team, plan, inverse, free, push, v, size_n):
+    """v = v_free + M^-1 of what all parts pushed."""
+    n, (begin, end) = len(size_n), _all_parts(team, plan)
     _wait(team)
     for q in range(begin, end):
         first, last = _nodes(plan, q)
@@ -1955,8 +2121,8 @@ class Desk(NamedTuple):
     sums: np.ndarray  # (3, K) shares of the parts in sums
     diagonal: np.ndarray  # (N + 1 + E, n n) blocks of M + H^T R H
     lower: np.ndarray  # (pairs, n, n)
-    squares: np.ndarray  # of D^-1
-    up: np.ndarray  # panels of D U
+    squares: np.ndarray  # of the factors in double precision, if all columns are alone
+    panels: np.ndarray
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -2022,7 +2188,7 @@ def _choose_stiffness(k, d, compliance, first, end, rho):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _prepare_admm(team, plan, turns, k, desk, squares, panels, rho, size_m, size_n):
-    """Factorise M + H^T R H by a team, in double precision, and keep the factors in single precision. False if that is not possible."""
+    """Factorise M + H^T R H by a team; the factors are in single precision. False if that is not possible."""
     n, (begin, end) = len(size_n), _all_parts(team, plan)
     first, last = _share(team, 0, len(rho))
     _choose_stiffness(k, desk.d, desk.compliance, first, last, rho)
@@ -2034,18 +2200,12 @@ def _prepare_admm(team, plan, turns, k, desk, squares, panels, rho, size_m, size
         _add_copies(plan, q, desk.diagonal)
     _wait(team)
     blocks = desk.diagonal.reshape((len(desk.diagonal), n, n))
-    if not _factorise_together(team, plan, blocks, desk.lower, desk.lower, desk.squares, desk.up, desk.up, SYMMETRIC, size_n):
-        return False
-    first, last = _share(team, 0, len(squares))
-    _copy(desk.squares[first:last], squares[first:last])
-    if _columns_alone(plan):
-        first, last = _share(team, 0, len(panels))
-        _copy(desk.up[first:last], panels[first:last])
-    else:
-        for q in range(begin, end):
-            _lower_panels(plan, plan.part[q], plan.part[q + 1], desk.squares, desk.up, panels, size_n)
-    _wait(team)
-    return True
+    if not _columns_alone(plan):
+        return _factorise_together(team, plan, blocks, desk.lower, squares, panels, n)
+    ok = _factorise_symmetric(plan, blocks, desk.lower, desk.squares, desk.panels, size_n)  # by one, there is one part
+    _copy(desk.squares, squares)
+    _copy(desk.panels, panels)
+    return ok
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
@@ -2093,19 +2253,24 @@ def _augmented_pass(turns, part, jacobian, offset, mu, compliance, d, rho, p, v,
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _carried(jacobian, place, rho, last, p, step, first, end, out, size_m, size_n):
-    """out = 2 p - last - R H step, the impulses whose velocities an iteration of ADMM has found; ``step`` is what it added to them.
+def _carry_some(jacobian, turns, part, rho, last, p, step, out, push, size_m, size_n):
+    """out = 2 p - last - R H step, the impulses whose velocities an iteration of ADMM has found, and push += H^T out.
 
-    Of contacts first to end; step (bodies + 1, n) or more.
+    For the contacts of a part; step (bodies + 1, n) or more is what the iteration added to the velocities.
     """
     m, n = len(size_m), len(size_n)
-    for c in range(first, end):
-        a, b = place[c, 0], place[c, 1]
+    for c in range(turns.start[part], turns.start[part + 1]):
+        a, b = turns.place[c, 0], turns.place[c, 1]
+        to, other = turns.landing[c, 0], turns.landing[c, 1]
         for i in range(m):
             gain = 0.0
             for k in range(n):
                 gain += jacobian[c, 0, i, k] * step[a, k] + jacobian[c, 1, i, k] * step[b, k]
-            out[c, i] = 2.0 * p[c, i] - last[c, i] - rho[c] * gain
+            x = 2.0 * p[c, i] - last[c, i] - rho[c] * gain
+            out[c, i] = x
+            for k in range(n):
+                push[to, k] += jacobian[c, 0, i, k] * x
+                push[other, k] += jacobian[c, 1, i, k] * x
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -2128,9 +2293,9 @@ def _rise(plan, turns, q, desk, rho, panels, p, new, size_m, size_n):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _descend(plan, q, desk, squares, panels, size_n):
-    """The velocities of the bodies of part q change by D^-1 L^-T of what :func:`_rise` left."""
+    """The velocities of the bodies of part q change by L^-T D^-1 of what :func:`_rise` left."""
     first, last = _nodes(plan, q)
-    _come_down(plan, plan.part[q], plan.part[q + 1], squares, panels, panels, SYMMETRIC, desk.x, size_n)
+    _come_down(plan, plan.part[q], plan.part[q + 1], squares, panels, desk.x, size_n)
     size = (last - first) * len(size_n)
     v, x = desk.v[first:last].reshape(size), desk.x[first:last].reshape(size)
     for i in range(size):
@@ -2183,7 +2348,10 @@ def admm_bodies(
         if fresh:
             factorisations += 1
             if not _prepare_admm(team, plan, turns, k, desk, squares, panels, rho, size_m, size_n):
-                break
+                k = 0.1 * k  # a matrix closer to that of the masses, which is definite
+                if k < SOFTEST:
+                    break
+                continue
             fresh = False
         changes = sums[iterations % 2]
         if not ahead:
@@ -2213,10 +2381,11 @@ def admm_bodies(
         _wait(team)
         if ahead:
             continue
-        own = _map_norm_together(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size
         begin, end = _all_parts(team, plan)
-        _carried(desk.jacobian, turns.place, rho, new, p, desk.x, turns.start[begin], turns.start[end], desk.carried, size_m, size_n)
-        _velocity_together(team, plan, turns, desk.inverse, desk.free, desk.jacobian, desk.carried, desk.push, trial, size_m, size_n)
+        for q in range(begin, end):
+            _clear_push(plan, q, desk.push)
+            _carry_some(desk.jacobian, turns, q, rho, new, p, desk.x, desk.carried, desk.push, size_m, size_n)
+        _pushed_together(team, plan, desk.inverse, desk.free, desk.push, trial, size_n)
         error = _map_norm_together(team, plan, turns, *problem, d, desk.carried, trial, sums[2], size_m, size_n) / size
         checked = iterations
         rate = error / change if change > 0.0 else 1.0
@@ -2231,7 +2400,7 @@ def admm_bodies(
         ends = iterations == limit and smallest > tolerance  # the next step begins with a k that suits this one better
         if ends or iterations - switched >= 40 or (iterations - switched >= 20 and error > before):
             if ends or not error < 0.1 * before:
-                share = own / error
+                share = _map_norm_together(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size / error
                 if share > ALL and not ends:
                     k, fresh = min(5.0 * k, 1e6), True
                 elif share < BALANCE:
@@ -2401,10 +2570,10 @@ def newton_bodies(
         _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
         iterations += 1
         new = np.inf
-        if _factorise(plan, diagonal, lower, upper, squares, panels, others, UNSYMMETRIC, size_n):
+        if _factorise(plan, diagonal, lower, upper, squares, panels, others, size_n):
             _missing_momentum(mass, free, v, out, size_n)
             _add_push(jacobian, index, target, out, size_m, size_n)
-            _solve_factorised(plan, squares, panels, others, UNSYMMETRIC, out, size_n)
+            _solve_factorised(plan, squares, panels, others, out, size_n)
             out[count] = 0.0
             for c in range(contacts):
                 a, b = index[c, 0], index[c, 1]
@@ -2513,7 +2682,7 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolera
     """
     count, m = len(mu), len(size_m)
     diagonal, lower = np.empty((count, m, m)), np.empty((len(plan.row), m, m))
-    squares, panels, others = _room(plan, size_m)
+    squares, panels, _ = _room(plan, size_m)
     scale = _identities(count, size_m)
     size = _size_of(q, d)
     pi, u, right, best = p.copy(), np.empty(p.shape), np.empty(p.shape), p.copy()
@@ -2525,8 +2694,11 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolera
             for i in range(count):
                 for r in range(m):
                     diagonal[i, r, r] += d[order[i]] / k
-            if not _factorise(plan, diagonal, lower, lower, squares, panels, others, SYMMETRIC, size_m):
-                break
+            if not _factorise_symmetric(plan, diagonal, lower, squares, panels, size_m):
+                k = 0.1 * k
+                if k < SOFTEST:
+                    break
+                continue
             fresh = False
         for c in range(count):
             rho = k / d[c]
@@ -2539,7 +2711,7 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolera
             if m == 3:
                 right[place[c], 2] = (2.0 * x2 - p2 - pi[c, 2]) / rho
                 p[c, 2] = x2
-        _solve_factorised(plan, squares, panels, panels, SYMMETRIC, right, size_m)
+        _solve_symmetric(plan, squares, panels, right, size_m)
         for c in range(count):
             for i in range(m):
                 pi[c, i] += right[place[c], i]
@@ -2616,8 +2788,8 @@ def newton_local(data, indices, indptr, own, q, mu, d, place, plan, p, stiffness
                     diagonal[i, r, s] += unit[i, r, s]
         iterations += 1
         new = np.inf
-        if regular and _factorise(plan, diagonal, lower, upper, squares, panels, others, UNSYMMETRIC, size_m):
-            _solve_factorised(plan, squares, panels, others, UNSYMMETRIC, right, size_m)
+        if regular and _factorise(plan, diagonal, lower, upper, squares, panels, others, size_m):
+            _solve_factorised(plan, squares, panels, others, right, size_m)
             for c in range(count):
                 for i in range(m):
                     p[c, i] += right[place[c], i]
@@ -2642,16 +2814,16 @@ def is_definite(data, indices, indptr, shift, place, plan, size_m):
     """Whether the symmetric part of W, with shift added to its diagonal, is positive definite: all squares of D are (Sylvester)."""
     count, m = len(place), len(size_m)
     diagonal, lower = np.empty((count, m, m)), np.empty((len(plan.row), m, m))
-    squares, panels, others = _room(plan, size_m)
+    squares, panels, _ = _room(plan, size_m)
     _place_blocks(data, indices, indptr, _identities(count, size_m), place, plan, SYMMETRIC, diagonal, lower, lower, size_m)
     for i in range(count):
         for r in range(m):
             diagonal[i, r, r] += shift
-    if not _factorise(plan, diagonal, lower, lower, squares, panels, others, SYMMETRIC, size_m):
+    if not _factorise_symmetric(plan, diagonal, lower, squares, panels, size_m):
         return False
     for s in range(len(plan.first) - 1):
         width = m * (plan.first[s + 1] - plan.first[s])
-        left = _view(squares, plan.square[s], width, width, size_m).copy()
+        left = _view(squares, plan.square[s], width, width, m).copy()
         for k in range(width):
             if not left[k, k] > 0.0:
                 return False
@@ -2694,7 +2866,7 @@ def _determinant_sign(plan, squares, size_n):
     sign = 1.0
     for s in range(len(plan.first) - 1):
         width = len(size_n) * (plan.first[s + 1] - plan.first[s])
-        work = _view(squares, plan.square[s], width, width, size_n).copy()
+        work = _view(squares, plan.square[s], width, width, len(size_n)).copy()
         for k in range(width):
             best = k
             for i in range(k + 1, width):
@@ -2801,7 +2973,7 @@ def _interior_direction(
                 dgamma[c] = total
     _copy(momentum, out)
     _add_push(jacobian, index, dp, out, size_m, size_n)
-    _solve_factorised(plan, factors[0], factors[1], factors[2], UNSYMMETRIC, out, size_n)
+    _solve_factorised(plan, factors[0], factors[1], factors[2], out, size_n)
     out[-1] = 0.0
     for c in range(len(index)):
         a, b, h = index[c, 0], index[c, 1], jacobian[c]
@@ -2931,7 +3103,7 @@ def interior_bodies(
             gap += 0.5 * (product[c, 0] + product[c, 1]) / contacts
             regular = _linearise_products(w[c], p[c], gamma[c], mu[c], soft[c], undo[c], gain[c], work, size_m, size_k) and regular
         _augment_blocks(mass, jacobian, index, spot, gain, diagonal, lower, upper, size_m, size_n)
-        regular = regular and _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], UNSYMMETRIC, size_n)
+        regular = regular and _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], size_n)
         if not (gap > 0.0 and regular):
             break
         if _determinant_sign(plan, factors[0], size_n) < 0.0 and stiffness > 1.0:
@@ -3085,7 +3257,7 @@ def path_bodies(
             _complementarity(w[c], p[c], gamma[c], mu[c], m, product[c])
             regular = _linearise_products(w[c], p[c], gamma[c], mu[c], soft[c], undo[c], gain[c], work, size_m, size_k) and regular
         _augment_blocks(mass, jacobian, index, spot, gain, diagonal, lower, upper, size_m, size_n)
-        if not regular or not _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], UNSYMMETRIC, size_n):
+        if not regular or not _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], size_n):
             break
         sign = -_determinant_sign(plan, factors[0], size_n)  # of the change of tau on the way
         # back to the path with tau held; the tangent, by d(log tau); and how it bends
@@ -3293,9 +3465,9 @@ def proximal_bodies(
             _spring_blocks(mu, compliance, d, stiffness, status, x, blocks, size_m)
             _augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
             iterations += 1
-            if not _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], UNSYMMETRIC, size_n):
+            if not _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], size_n):
                 break
-            _solve_factorised(plan, factors[0], factors[1], factors[2], UNSYMMETRIC, out, size_n)
+            _solve_factorised(plan, factors[0], factors[1], factors[2], out, size_n)
             _copy(out[:count], change)
             step, new = 2.0, np.inf
             _copy(status, held)
@@ -3353,7 +3525,7 @@ def _factorise_local(data, indices, indptr, blocks, place, plan, diagonal, lower
     for i in range(len(place)):
         for r in range(len(size_m)):
             diagonal[i, r, r] += 1.0
-    return _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], UNSYMMETRIC, size_m)
+    return _factorise(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], size_m)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -3363,7 +3535,7 @@ def _solve_local(plan, factors, place, right, x, size_m):
     for c in range(len(place)):
         for i in range(m):
             right[place[c], i] = x[c, i]
-    _solve_factorised(plan, factors[0], factors[1], factors[2], False, right, size_m)
+    _solve_factorised(plan, factors[0], factors[1], factors[2], right, size_m)
     for c in range(len(place)):
         for i in range(m):
             x[c, i] = right[place[c], i]

@@ -99,9 +99,13 @@ def test_a_factorised_matrix_solves_as_a_dense_one_does(
     matrix, right = dense.reshape(nodes * n, nodes * n), random.normal(size=(nodes, n))
     size = (0,) * n
     squares, panels, others = coulomb._room(plan, size)
-    assert coulomb._factorise(plan, diagonal, lower, upper, squares, panels, others, symmetric, size)
     x = right.copy()
-    coulomb._solve_factorised(plan, squares, panels, panels if symmetric else others, symmetric, x, size)
+    if symmetric:
+        assert coulomb._factorise_symmetric(plan, diagonal, lower, squares, panels, size)
+        coulomb._solve_symmetric(plan, squares, panels, x, size)
+    else:
+        assert coulomb._factorise(plan, diagonal, lower, upper, squares, panels, others, size)
+        coulomb._solve_factorised(plan, squares, panels, others, x, size)
     np.testing.assert_allclose(x.ravel(), np.linalg.solve(matrix, right.ravel()), rtol=0.0, atol=1e-12 * np.abs(x).max())
 
 
@@ -112,4 +116,5 @@ def test_a_singular_block_is_reported(graph: tuple[int, np.ndarray, np.ndarray])
     diagonal, lower = np.tile(np.eye(2), (nodes, 1, 1)), np.zeros((len(plan.row), 2, 2))
     diagonal[4] = 0.0
     squares, panels, others = coulomb._room(plan, size)
-    assert not coulomb._factorise(plan, diagonal, lower, lower, squares, panels, others, True, size)
+    assert not coulomb._factorise(plan, diagonal, lower, lower, squares, panels, others, size)
+    assert not coulomb._factorise_symmetric(plan, diagonal, lower, squares, panels, size)

@@ -147,14 +147,15 @@ def _desk(pattern: Pattern, jacobian: np.ndarray, offset: np.ndarray, mu: np.nda
     if len(plan.part) > 2:
         jacobian, offset, mu, compliance = (np.empty_like(array) for array in (jacobian, offset, mu, compliance))
     bodies, blocks, impulses = (count + 1, n), (count, n, n), (contacts, m)
-    panel, square = (n * n * int(starts[-1]) for starts in (plan.panel, plan.square))
+    alone = len(plan.first) == len(plan.column) and len(plan.part) == 2  # the other factors are made in single precision
+    panel, square = (n * n * int(starts[-1]) if alone else 0 for starts in (plan.panel, plan.square))
     return coulomb.Desk(
         inverse=np.empty(blocks), mass=np.empty(blocks), free=np.empty((count, n)), v=np.empty(bodies), trial=np.empty(bodies),
         best_v=np.empty(bodies), push=np.empty((rows, n)), x=np.empty((rows, n), dtype=np.float32), jacobian=jacobian,
         offset=offset, mu=mu, compliance=compliance, even=np.empty(impulses), odd=np.empty(impulses),
         best=np.empty(impulses), carried=np.empty(impulses),
         d=np.empty(contacts), sums=np.empty((3, len(plan.part) - 1)), diagonal=np.empty((rows, n * n)),
-        lower=np.empty((len(plan.row), n, n)), squares=np.empty(square), up=np.empty(panel),
+        lower=np.empty((len(plan.row), n, n)), squares=np.empty(square), panels=np.empty(panel),
     )  # fmt: skip
 
 
