@@ -765,12 +765,13 @@ def _share(team, first, end):
 # order that a minimum degree ordering gives (see solvers/pattern.py), looking left (George & Liu, Computer Solution of Large Sparse
 # Positive Definite Systems, 1981). Neighbouring columns with nearly the same rows below go together, as in CHOLMOD (Chen, Davis, Hager &
 # Rajamanickam, ACM Trans. Math. Softw. 35, 2008): D has a dense square block per run of columns, kept as its inverse, L and D U one dense
-# panel each, so that most of the work is products of dense matrices with long inner loops. Panels are stored by columns of L: entry [k, i]
-# belongs to column k of the run and row i below it. Where there is hardly any fill-in (arches, towers, arcades) columns stay alone, their
-# blocks one after another in plain unrolled loops, which takes a quarter of the time there. Symmetric and unsymmetric matrices share the
-# code, the bits do not depend on a library's threads, and the loops below solve without leaving compiled code, which for small scenes is
-# most of the time. Multiplications and additions are fused ("contract"), which rounds once instead of twice, and the sums of a solve are
-# taken in the order that the processor likes ("reassoc"); equal inputs still give equal bits on one machine.
+# panel each, so that most of the work is products of dense matrices with long inner loops. Panels are stored by columns of L: entry [k,
+# i] belongs to column k of the run and row i below it. A symmetric matrix has U = L^T and no panel of D U; it goes by Cholesky, which
+# needs no more room than the factors, in the precision of their arrays. Where there is hardly any fill-in (arches, towers, arcades)
+# columns stay alone, their blocks one after another in plain unrolled loops, which takes a quarter of the time there. The bits do not
+# depend on a library's threads, and the loops below solve without leaving compiled code, which for small scenes is most of the time.
+# Multiplications and additions are fused ("contract"), which rounds once instead of twice, and the sums of a solve are taken in the order
+# that the processor likes ("reassoc"); equal inputs still give equal bits on one machine.
 #
 # **Parts.** Large plans are cut into parts of about PART blocks: subtrees of the elimination tree, which do not know of one another, then
 # subtrees of what is left of it, of twice the size, and so on; the parts of a level can be worked on at the same time. What a part leaves
