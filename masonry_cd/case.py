@@ -103,7 +103,7 @@ def prepare(scene: Scene) -> Case:
         raise InputError(f"{scene.path}: loads: the base is shaken, but no block of the structure is fixed")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
-    with said_if_slow("compiling the kernels, once: this takes a minute or two and is kept for later runs"):
+    with said_if_slow("compiling the kernels, once: this takes about half a minute on two cores and is kept for later runs"):
         joints = find_joints(assembly)
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))
     gravity = float(np.linalg.norm(scene.run.gravity))

@@ -2530,7 +2530,7 @@ def _damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool
     return True, 2.0 * stiffness if new <= error else 0.5 * stiffness
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=False, cache=True, nogil=True, error_model="numpy")
 def newton_bodies(
     inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, p, v_out, stiffness, tolerance, limit,
     size_m, size_n,
@@ -3058,7 +3058,7 @@ def _stiffness_after(step, stiffness):
     return max(0.25 * stiffness, 1.0) if step < 0.1 else stiffness
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=False, cache=True, nogil=True, error_model="numpy")
 def interior_bodies(
     inverse_mass, v_free, bodies, jacobian, offset, friction, compliance, order, plan, index, spot, impulse, v_out, distance,
     stiffness, tolerance, limit, size_m, size_n, size_k,
@@ -3205,7 +3205,7 @@ def _off_path(product, goal):
     return max(abs(product[0] - goal), np.sqrt(across)) / goal
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=False, cache=True, nogil=True, error_model="numpy")
 def path_bodies(
     inverse_mass, v_free, bodies, jacobian, offset, friction, compliance, order, plan, index, spot, impulse, v_out, distance,
     stiffness, wide, tolerance, limit, size_m, size_n, size_k,
@@ -3427,7 +3427,7 @@ def _add_step(v, step, change, size_n, out):
             out[b, i] = v[b, i] + step * change[b, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(entry=False, cache=True, nogil=True, error_model="numpy")
 def proximal_bodies(
     inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, p, v_out, tolerance, limit, size_m,
     size_n,
@@ -3511,6 +3511,44 @@ def proximal_bodies(
     _copy(best, p)
     _put_back(best_v, order, v_out)
     return iterations, smallest
+
+
+# --- the four of them -------------------------------------------------------------------------------------------------------------------
+
+NEWTON, INTERIOR, PATH, PROXIMAL = 0, 1, 2, 3  # methods that linearise the law
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def linearised_bodies(
+    method, inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, p, v_out, distance, stiffness, wide,
+    tolerance, limit, size_m, size_n, size_k,
+):  # fmt: skip
+    """One of these methods over a FrictionProblem. p holds the start and then the best answer found.
+
+    Python enters here alone, so that their factorisation, the larger part of each, is compiled once. Returns iterations, natural map
+    error, and of Newton the error at the start and the stiffness at the end.
+    """
+    if method == NEWTON:
+        return newton_bodies(
+            inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, p, v_out, stiffness, tolerance,
+            limit, size_m, size_n,
+        )  # fmt: skip
+    if method == INTERIOR:
+        iterations, error = interior_bodies(
+            inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, p, v_out, distance, stiffness,
+            tolerance, limit, size_m, size_n, size_k,
+        )  # fmt: skip
+    elif method == PATH:
+        iterations, error = path_bodies(
+            inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, p, v_out, distance, stiffness,
+            wide, tolerance, limit, size_m, size_n, size_k,
+        )  # fmt: skip
+    else:
+        iterations, error = proximal_bodies(
+            inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, p, v_out, tolerance, limit, size_m,
+            size_n,
+        )  # fmt: skip
+    return iterations, error, np.nan, stiffness
 
 
 # --- interior point and proximal points for local problems -----------------------------------------------------------------------------

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
+import time
 from collections import Counter
+from pathlib import Path
 
 import pytest
 from numba.core.dispatcher import Dispatcher
 
-from masonry_cd import case
+from masonry_cd import case, coulomb, warmup
+from masonry_cd.kernels import kept
 from masonry_cd.scene import read_scene
 
 
@@ -28,3 +32,45 @@ def test_a_run_compiles_nothing(block_on_plate, tmp_path, planar):
     assert summary["steps"] == 300
     assert versions() - before == Counter()
     assert before["masonry_cd.coulomb.admm_bodies"] > 0
+
+
+@pytest.mark.parametrize("planar", [True, False])
+def test_the_second_process_compiles_what_a_run_needs(planar):
+    warmup.compile_kernels("auto", planar, False)
+    before = versions()
+    warmup.compile_largest(planar)
+    assert versions() - before == Counter()
+    assert warmup._is_kept(planar)
+    assert set(kept(coulomb.linearised_bodies)) >= set(coulomb.linearised_bodies.overloads)
+
+
+def test_a_run_does_without_a_second_process(monkeypatch, tmp_path):
+    failing = tmp_path / "python"
+    failing.write_text("#!/bin/sh\nexit 1\n")
+    for mode in (0o644, 0o755):  # cannot be started; fails
+        failing.chmod(mode)
+        monkeypatch.setattr(sys, "executable", str(failing))
+        with warmup._second_process(True) as other:
+            assert (other is None) == (mode == 0o644)
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks at the processes under /proc")
+def test_no_second_process_outlives_a_killed_first_one(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))  # it has everything to compile
+    code = (
+        "import time\nfrom masonry_cd import warmup\nwith warmup._second_process(True) as p:\n print(p.pid, flush=True)\n time.sleep(600)"
+    )
+    first = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
+    status = Path(f"/proc/{int(first.stdout.readline())}/stat")
+
+    def lives() -> bool:
+        return status.exists() and status.read_text().rpartition(")")[2].split()[0] != "Z"
+
+    assert lives()
+    first.kill()
+    first.communicate()
+    for _ in range(600):
+        if not lives():
+            return
+        time.sleep(0.1)
+    raise AssertionError("the second process goes on")

@@ -83,18 +83,21 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
     pattern = memory.pattern
     given = (*arrays, pattern.order, pattern.plan, index, spot)
-    sizes, velocity = ((0,) * m, (0,) * n), np.empty(problem.v_free.shape)
+    sizes, velocity = ((0,) * m, (0,) * n, (0,) * (m + 1)), np.empty(problem.v_free.shape)
+
+    def improve(method: int, impulse: np.ndarray, distance: float, stiffness: float, tolerance: float, allowed: int) -> tuple[int, float]:
+        tail = (distance, stiffness, WIDE, tolerance, allowed, *sizes)
+        iterations, error, _, _ = coulomb.linearised_bodies(method, *given, impulse, velocity, *tail)
+        return iterations, error
 
     def interior(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
-        tail = (distance, STIFFNESS, options.tolerance, allowed, *sizes, (0,) * (m + 1))
-        return coulomb.interior_bodies(*given, impulse, velocity, *tail)
+        return improve(coulomb.INTERIOR, impulse, distance, STIFFNESS, options.tolerance, allowed)
 
     def proximal(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
-        return coulomb.proximal_bodies(*given, impulse, velocity, options.tolerance, allowed, *sizes)
+        return improve(coulomb.PROXIMAL, impulse, distance, STIFFNESS, options.tolerance, allowed)
 
     def path(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
-        tail = (distance, RIGID, WIDE, max(CLOSE, options.tolerance), allowed, *sizes, (0,) * (m + 1))
-        return coulomb.path_bodies(*given, impulse, velocity, *tail)
+        return improve(coulomb.PATH, impulse, distance, RIGID, max(CLOSE, options.tolerance), allowed)
 
     nothing, damped = np.zeros((problem.contacts, m)), ((interior, TURN), (proximal, TURN))
     by_length = (nothing, FAR, ((path, PATH), (proximal, FINISH)))

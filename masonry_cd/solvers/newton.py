@@ -67,10 +67,10 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     arrays, n = problem.arrays(), problem.v_free.shape[1]
     memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
     impulse, velocity, pattern = start.impulse.copy(), np.empty(problem.v_free.shape), memory.pattern
-    iterations, error, begin, stiffness = coulomb.newton_bodies(
-        *arrays, pattern.order, pattern.plan, index, spot, impulse, velocity, memory.tally[5], options.tolerance, limit,
-        (0,) * problem.dimension, (0,) * n,
-    )  # fmt: skip
+    m, settings = problem.dimension, (0.0, memory.tally[5], 0.0, options.tolerance, limit)  # of them all, see there
+    iterations, error, begin, stiffness = coulomb.linearised_bodies(
+        coulomb.NEWTON, *arrays, pattern.order, pattern.plan, index, spot, impulse, velocity, *settings, (0,) * m, (0,) * n, (0,) * (m + 1)
+    )
     memory.tally[5] = _next_stiffness(memory.tally[5], stiffness, iterations, error <= options.tolerance)
     return Solution(impulse, velocity, iterations, _reason(error, begin, options), memory.arrays())
 
