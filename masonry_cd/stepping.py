@@ -268,16 +268,16 @@ class Stepper:
         s = self.settings
         options = Options(s.tolerance, s.max_iterations, s.seed + self.steps, self.threads)
         gap = self.contacts.gap[self.chosen]
-        is_open = self._open_contacts(problem, gap)
+        impact = self._impact(problem, gap)
         self.islands.link(problem, start.impulse, s.tolerance)
-        if is_open is None:
+        if impact is None:
             self.solution = self.islands.solve(problem, options, start)
             self._handover = None
             self._show("", problem)
             return natural_map_error(problem, self.solution.impulse) if self.solution.error is None else self.solution.error
-        whole = self.springs.now.whole
+        is_open, struck = impact
         both = solve_apart(
-            problem, is_open, whole, gap, s.dt, start, lambda part, begin, kind: self.islands.solve(part, options, begin, kind)
+            problem, is_open, ~struck, gap, s.dt, start, lambda part, begin, kind: self.islands.solve(part, options, begin, kind)
         )
         self.solution, self._handover = both.solution, both.handover
         self._show("forces", both.forces)
@@ -289,7 +289,7 @@ class Stepper:
         if self.watch is not None:
             self.watch(self.steps + 1, name, problem)
 
-    def _open_contacts(self, problem: FrictionProblem, gap: np.ndarray) -> np.ndarray | None:
+    def _impact(self, problem: FrictionProblem, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """See :func:`masonry_cd.impacts.open_contacts`; elastic and bonded contacts are never hit, their law spans the whole step."""
         pair, whole, step = self.contacts.pair[self.chosen], self.springs.now.whole, self.settings.dt
         if not (self.springs.any and whole.any()):
@@ -298,9 +298,9 @@ class Stepper:
         among = open_contacts(problem.subset(rigid), gap[rigid], pair[rigid], step, self._pull)
         if among is None:
             return None
-        is_open = np.zeros(len(gap), dtype=np.bool_)
-        is_open[rigid] = among
-        return is_open
+        is_open, struck = np.zeros((2, len(gap)), dtype=np.bool_)
+        is_open[rigid], struck[rigid] = among
+        return is_open, struck
 
     def friction_problem(self) -> tuple[FrictionProblem, Solution]:
         """The friction problem of the state, which stands at q_m, and the impulses and velocities of the last step to start from."""
