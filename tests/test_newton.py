@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -57,13 +58,32 @@ def test_begins_stiffer_after_few_iterations() -> None:
     assert solve(nearby, options, Solution(begin, None, 0, memory=failed.memory)).iterations == anew.iterations
 
 
-def test_begins_softer_after_many_iterations() -> None:
-    """K stays between its bounds, rises by the end of a quick solve, falls after a slow one and is forgotten after a failure."""
-    assert newton._next_stiffness(1e4, 1e5, 3, True) == 1e5
-    assert newton._next_stiffness(1e3, 1e8, 3, True) == 3e4
-    assert newton._next_stiffness(1e7, 1e8, 1, True) == newton.STIFFEST
-    assert newton._next_stiffness(1e6, 1e8, 12, True) == pytest.approx(1e5)
-    assert newton._next_stiffness(1e3, 1e8, 12, True) == newton._next_stiffness(1e6, 1e8, 12, False) == FIRST_STIFFNESS
+@pytest.mark.parametrize(
+    ("cost", "settled"),
+    [
+        (lambda k: 2, newton.STIFFEST),  # few anyway
+        (lambda k: 20 if k < 1e6 else 3, newton.STIFFEST),  # softer takes more: through, up to the end
+        (lambda k: 5 if k < 1e5 else 12, 1e5),  # stiffer takes more
+    ],
+)
+def test_stiffness_goes_where_iterations_are_few(cost: Callable[[float], int], settled: float) -> None:
+    """From the softest start, in a row of solves that take so many iterations from such a K, K is soon near where they are few."""
+    k, before, seen = FIRST_STIFFNESS, np.inf, []
+    for _ in range(40):
+        k, before = newton._next_stiffness(k, 1e8, before, cost(k), True)
+        seen.append(k)
+    assert FIRST_STIFFNESS <= min(seen) <= max(seen) <= newton.STIFFEST
+    if settled == newton.STIFFEST:
+        assert set(seen[10:]) == {settled}
+    else:
+        assert np.mean([k < settled for k in seen]) > 0.5
+
+
+def test_stiffness_is_forgotten_after_a_failure_and_follows_the_end_of_a_solve() -> None:
+    """A solve that had to soften on its way lets the next one begin as soft; one that failed begins anew."""
+    assert newton._next_stiffness(1e6, 1e4, 8.0, 8, True)[0] == 1e4
+    assert newton._next_stiffness(1e6, 1e6, 8.0, 0, True) == (1e6, 8.0)  # nothing was done, nothing learnt
+    assert newton._next_stiffness(1e6, 1e8, 8.0, 8, False) == (FIRST_STIFFNESS, np.inf)
 
 
 def test_never_worse_than_its_start() -> None:

@@ -77,14 +77,14 @@ class Memory:
     squares: np.ndarray  # of D^-1, flat, in single precision
     panels: np.ndarray  # of L, flat, in single precision
     rho: np.ndarray  # (C,) in the order of the parts
-    tally: np.ndarray  # (7,) k; 1: factorise anew; iterations after the last new factors; steps; mean iterations at this k; Newton's K;
-    # error over change of p in the last iteration of the last step
+    tally: np.ndarray  # (8,) k; 1: factorise anew; iterations after the last new factors; steps; mean iterations at this k; Newton's K;
+    # error over change of p in the last iteration of the last step; iterations of Newton, with a minus while K falls
 
     @classmethod
     def empty(cls, pattern: Pattern, bodies: np.ndarray, n: int, tally: np.ndarray | None = None) -> Memory:
         """Room for the factors of a pattern; nothing factorised."""
         if tally is None:
-            tally = np.array([FIRST_K, 1.0, 0.0, 0.0, 0.0, FIRST_STIFFNESS, 1.0])
+            tally = np.array([FIRST_K, 1.0, 0.0, 0.0, 0.0, FIRST_STIFFNESS, 1.0, np.inf])
         tally[1] = 1.0
         squares, panels = (np.empty(n * n * int(starts[-1]), dtype=np.float32) for starts in (pattern.plan.square, pattern.plan.panel))
         return cls(pattern, bodies, squares, panels, np.empty(len(bodies)), tally)

@@ -22,7 +22,7 @@ every bit of the result, is then the same on every machine.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from math import isnan, nan
 
 import numpy as np
 
@@ -77,7 +77,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         if error <= (10.0 * deeper if tally[6] else options.tolerance):
             tally[6] = 0.0
             velocity = problem.body_velocity(start.impulse) if isinstance(problem, FrictionProblem) else None
-            memory = start.memory | {"auto_tally": tally}
+            memory = start.memory | {"auto_tally": np.array(tally)}
             return Solution(start.impulse.copy(), velocity, 0, "as in the last step: converged", memory, error)
     costs = _costs(problem, tally, start)
     first = ADMM if start is None else _prefer(tally, costs)
@@ -123,7 +123,7 @@ class _Search:
         begin = self.start if method == INTERIOR else self.best
         if begin is not None and self.last is not None:
             begin = Solution(begin.impulse, begin.velocity, 0, memory=self.last.memory)
-        options = replace(self.options, max_iterations=limit, tolerance=tolerance)
+        options = Options(tolerance, limit, self.options.seed, self.options.threads)
         self.last = METHODS[method].solve(self.problem, options, begin)
         self.iterations[method] += self.last.iterations
         self.story.append(NAMES[method])
@@ -131,26 +131,26 @@ class _Search:
         if error < self.error or self.best is None:
             self.best, self.error = self.last, error
 
-    def solution(self, tally: np.ndarray) -> Solution:
+    def solution(self, tally: list[float]) -> Solution:
         """The best answer, with the memory of all."""
         assert self.best is not None
         assert self.last is not None
         tried = " + ".join(self.story[:4]) + (" and so on" if len(self.story) > 4 else "")
         end = "converged" if self.error <= self.options.tolerance else f"missed, error {self.error:.1e}"
-        memory = self.last.memory | {"auto_tally": tally}
+        memory = self.last.memory | {"auto_tally": np.array(tally)}
         return Solution(self.best.impulse, self.best.velocity, sum(self.iterations), f"{tried}: {end}", memory, self.error)
 
 
-def _recall(start: Solution | None) -> np.ndarray:
-    """(11,) mean cost of steps begun with ADMM and with Newton, nan if unknown, the number of steps, what :func:`_costs` counted, whether
+def _recall(start: Solution | None) -> list[float]:
+    """Mean cost of steps begun with ADMM and with Newton, nan if unknown, the number of steps, what :func:`_costs` counted, whether
     the last step was solved deeper than asked because it began close to the solution, the error at the last start looked at, the share
     of steps that needed the interior point method, the steps until the next trial, and which step of a trial the next one is, or 0."""
     if start is not None and "auto_tally" in start.memory:
-        return start.memory["auto_tally"].copy()
-    return np.array([np.nan, np.nan, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, EARLY, 0.0])
+        return start.memory["auto_tally"].tolist()
+    return [nan, nan, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, EARLY, 0.0]
 
 
-def _prefer(tally: np.ndarray, costs: tuple[float, float]) -> int:
+def _prefer(tally: list[float], costs: tuple[float, float]) -> int:
     """The method to begin with; now and then the other one, unless a single iteration of it is dearer than the steps of the first."""
     cheaper = NEWTON if tally[NEWTON] < tally[ADMM] else ADMM
     other = 1 - cheaper
@@ -160,14 +160,14 @@ def _prefer(tally: np.ndarray, costs: tuple[float, float]) -> int:
     return other if tally[10] > 0.0 else cheaper
 
 
-def _learn(tally: np.ndarray, first: int, spent: list[float]) -> None:
+def _learn(tally: list[float], first: int, spent: list[float]) -> None:
     """Take the cost of a step into account. If the other method had to help, what that took is a first guess of its own cost."""
     tally[2] += 1.0
     cost, before, other, trial = sum(spent), tally[first], 1 - first, tally[10]
     if cost == 0.0:  # nothing happened, nothing learnt
         return
     cold = tally[2] == 2.0  # the step before was the first
-    tally[first] = cost if trial or cold or np.isnan(before) else 0.8 * before + 0.2 * cost
+    tally[first] = cost if trial or cold or isnan(before) else 0.8 * before + 0.2 * cost
     if spent[other] > 0.0 and not spent[other] > tally[other]:
         tally[other] = spent[other]
     if not trial:
@@ -190,7 +190,7 @@ def work(problem: FrictionProblem, pattern: Pattern) -> np.ndarray:
     return np.array([1.0, problem.contacts, problem.contacts * problem.dimension * n, pattern.operations(n) / n])
 
 
-def _costs(problem: Problem, tally: np.ndarray, start: Solution | None) -> tuple[float, float]:
+def _costs(problem: Problem, tally: list[float], start: Solution | None) -> tuple[float, float]:
     """Cost of an iteration of ADMM and of one of Newton, by the pattern of the last step's factorisation.
 
     Counted anew only when the number of contacts changes.
@@ -201,8 +201,8 @@ def _costs(problem: Problem, tally: np.ndarray, start: Solution | None) -> tuple
         memory = admm.Memory.read(start.memory) if start is not None else None
         pattern = memory.pattern if memory is not None else Pattern.of(len(problem.v_free), problem.bodies[:, 0], problem.bodies[:, 1])
         tally[3] = problem.contacts
-        tally[4:6] = np.array(ITERATION) @ work(problem, pattern)
-    return float(tally[4]), float(tally[5])
+        tally[4:6] = (np.array(ITERATION) @ work(problem, pattern)).tolist()
+    return tally[4], tally[5]
 
 
 def _limit(costs: tuple[float, float]) -> int:

@@ -26,13 +26,15 @@ K works as the damping of Levenberg and Marquardt does, or as the step of a prox
 it, or else hyperstatic structures answer with impulses of any size. It grows fourfold when a step reduces the natural map error,
 shrinks eightfold when a step is refused because the error grew by half. The best iterate is kept.
 
-From one time step to the next the answer changes little, so a solve that took few iterations lets the next one begin nearly as stiff as it
-ended: towers, arches and arcades that are shaken then take 1 or 2 iterations a step instead of 4 to 7. Walls in which much slides are
-another matter: of 59 steps of one, 38 were solved from K = 1e3, and 1 from 1e7. So the next solve begins softer after one that took many
-iterations, and anew after one that failed.
+From one time step to the next the answer changes little, so a solve begins nearly as stiff as the last one ended: towers, arches and
+arcades that are shaken then take 1 or 2 iterations a step instead of 4 to 7. Walls in which much slides are another matter: of 59 steps of
+one, 38 were solved from K = 1e3, and 1 from 1e7. So where stiffer took more iterations, the next solve begins softer, as long as softer
+takes fewer, and one that failed lets the next begin anew.
 """
 
 from __future__ import annotations
+
+from math import inf
 
 import numpy as np
 
@@ -43,7 +45,8 @@ from masonry_cd.solvers.options import Options
 
 LIMIT = 50  # iterations
 STIFFEST = 3e7  # largest K of the first iteration
-FEW = 6  # iterations of a solve that was begun soft enough
+JUMP = 30.0  # of K from one solve to the next
+FEW = 2  # iterations of a solve after which the next one begins stiffer
 NEAR = 1e-2  # natural map error to begin with; from farther away sweeps of Gauss-Seidel come first
 SWEEPS = 300
 
@@ -71,17 +74,28 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     iterations, error, begin, stiffness = coulomb.linearised_bodies(
         coulomb.NEWTON, *arrays, pattern.order, pattern.plan, index, spot, impulse, velocity, *settings, (0,) * m, (0,) * n, (0,) * (m + 1)
     )
-    memory.tally[5] = _next_stiffness(memory.tally[5], stiffness, iterations, error <= options.tolerance)
+    memory.tally[5], memory.tally[7] = _next_stiffness(memory.tally[5], stiffness, memory.tally[7], iterations, error <= options.tolerance)
     return Solution(impulse, velocity, iterations, _reason(error, begin, options), memory.arrays())
 
 
-def _next_stiffness(begin: float, end: float, iterations: int, converged: bool) -> float:
-    """The K with which the next solve begins, from those with which the last one began and ended."""
+def _next_stiffness(begin: float, end: float, before: float, iterations: int, converged: bool) -> tuple[float, float]:
+    """The K with which the next solve begins, and the iterations of this one, with a minus while K falls.
+
+    Args:
+        begin: the K with which it began.
+        end: and ended.
+        before: iterations of the one before, with a minus while K falls.
+        iterations: that it took.
+        converged: or not.
+    """
     if not converged:
-        return admm.FIRST_STIFFNESS
-    if iterations <= FEW:
-        return min(end, 30.0 * begin, STIFFEST)
-    return max(0.1 * begin, admm.FIRST_STIFFNESS)
+        return admm.FIRST_STIFFNESS, inf
+    if iterations == 0:
+        return begin, before
+    falls = iterations < -before if before < 0.0 else iterations > before + 1.0
+    if falls and iterations > FEW and begin > admm.FIRST_STIFFNESS:
+        return max(begin / JUMP, admm.FIRST_STIFFNESS), -float(iterations)
+    return min(end, JUMP * begin, STIFFEST), float(iterations)
 
 
 def _solve_local(problem: LocalProblem, options: Options, start: Solution, limit: int) -> Solution:
