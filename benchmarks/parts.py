@@ -39,7 +39,7 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
     "contact rows": ((kinematics, "contact_rows"),),
     "impacts found": ((impacts, "_impacts"), (impacts, "_hand_over")),
     "analysis": ((Pattern, "of"), (Pattern, "locate")),
-    "iterations": tuple((coulomb, f"{name}_bodies") for name in ("nlgs", "admm", "newton", "interior", "proximal")),
+    "iterations": tuple((coulomb, f"{name}_bodies") for name in ("nlgs", "admm", "linearised")),
     "error measure": ((coulomb, "error_bodies"),),
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
     "energy": ((Stepper, "_balance"),),
