@@ -131,3 +131,31 @@ def wall(columns: int, courses: int, **kwargs: float) -> FrictionProblem:
             low.append([a, 0.0, 0.5 * course])
             high.append([b, 0.5, 0.5 * course + 0.5])
     return boxes(np.array(low), np.array(high), **kwargs)
+
+
+def packing(cells: int, mu: float, speed: float, seed: int = 0, radius: float = 0.05, step: float = 1e-3) -> FrictionProblem:
+    """Spheres in a box, on the places of a face-centred cubic lattice of so many cells along each side, some of them missing.
+
+    They fall for a step, and move at random: ``speed`` [m/s], and as much at their surface.
+    """
+    random, edge = np.random.default_rng(seed), 2.0 * np.sqrt(2.0) * radius
+    corners = np.stack(np.meshgrid(*3 * [np.arange(cells)], indexing="ij"), axis=-1).reshape(-1, 1, 3)
+    places = corners + np.array([[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]])
+    centres = places.reshape(-1, 3) * edge + radius
+    centres = centres[random.random(len(centres)) < 0.85]
+    count, near = len(centres), 1e-6 * radius
+    apart = centres[:, None] - centres[None]
+    first, second = np.nonzero(np.triu(np.linalg.norm(apart, axis=-1) < 2.0 * radius + near, k=1))
+    normals, bodies = [apart[first, second] / (2.0 * radius)], [np.stack([first, second], axis=1)]
+    points = [centres[second] + radius * normals[0]]
+    for axis, sign in ((2, 1.0), (0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)):  # ground and walls
+        inwards = sign * np.eye(3)[axis]
+        on = np.flatnonzero(sign * centres[:, axis] < (sign * centres[:, axis]).min() + near)
+        points.append(centres[on] - radius * inwards)
+        normals.append(np.tile(inwards, (len(on), 1)))
+        bodies.append(np.stack([on, np.full(len(on), -1)], axis=1))
+    mass = 2500.0 * 4.0 / 3.0 * np.pi * radius**3
+    inverse_mass = np.tile(np.diag(np.repeat([1.0 / mass, 2.5 / (mass * radius**2)], 3)), (count, 1, 1))
+    v_free = speed * random.normal(size=(count, 6)) / np.repeat([1.0, radius], 3)
+    v_free[:, 2] -= GRAVITY * step
+    return assemble(centres, inverse_mass, np.concatenate(points), np.concatenate(normals), np.concatenate(bodies), mu, v_free)

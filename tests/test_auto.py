@@ -127,3 +127,29 @@ def test_the_error_that_it_reports_is_that_of_the_measure() -> None:
     for solution in (first, again):
         assert solution.error == natural_map_error(problem, solution.impulse)
     np.testing.assert_allclose(again.velocity, first.velocity, atol=1e-12)
+
+
+def test_sweeps_lead_on_in_packed_grains(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Packed spheres that slide past each other, where the other methods stall."""
+    problem = scenes.packing(4, mu=0.8, speed=0.05)
+    solution = solve(problem, Options(tolerance=1e-8), None)
+    assert natural_map_error(problem, solution.impulse) <= 1e-8
+    assert "nlgs" in solution.reason
+    monkeypatch.setattr(auto, "SWEEPS", (10**9, 0))
+    monkeypatch.setattr(auto, "LONG", 0)
+    assert natural_map_error(problem, solve(problem, Options(tolerance=1e-8), None).impulse) > 1e-7
+
+
+def test_sweeps_come_where_they_are_cheap() -> None:
+    """After the interior point method's first start; before it where that is too dear, and in place of Newton if that is dearer still."""
+    problem = scenes.wall(3, 4)
+    sweep = auto.SWEEP * auto._entries(problem)
+    usual, sweeps = [auto.ADMM, auto.NEWTON], [auto.NLGS, auto.NEWTON]
+    start, last = [auto.INTERIOR], [auto.INTERIOR, auto.NEWTON]
+    for newton, methods in (
+        (1.0, usual + last),
+        (100.0 * sweep, usual + start + sweeps + last),
+        (auto.BUDGET, [auto.ADMM] + sweeps + last),
+    ):
+        turns = auto._turns(problem, auto.ADMM, (1.0, newton), cold=False, slides=False)
+        assert [method for method, _ in turns] == methods

@@ -13,6 +13,12 @@ last step, not where the others got stuck, and from there to Newton again; a loc
 structure slides or rocks this happens in step after step; then the interior point method comes first, and only every LOOK-th step begins
 as usual, to see whether it is over.
 
+Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that sweeps of Gauss-Seidel get far: where
+thousands of them cost less than half of the interior point method's first start, they and Newton come after it, and then it goes on from
+there; before it if it is dearer than a step may be, and in place of Newton's first turn if that is dearer than they are. A settled packing
+of 945 spheres with 2,046 contacts: 450 iterations of the interior point method end at 5e-4 after 6 s, 3,000 sweeps at 5e-5 after 0.2 s.
+A problem without a step before, which is solved once, gets LONG sweeps at the end.
+
 A method that has not run for a while warms up in a few steps: Newton finds out how stiff it may begin, ADMM's factors and k are out of
 date. So a trial goes on, for up to WARM steps, as long as each is cheaper than the one before, and its last one counts.
 
@@ -22,6 +28,7 @@ every bit of the result, is then the same on every machine.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import isnan, nan
 
 import numpy as np
@@ -43,9 +50,9 @@ EARLY = 5  # steps before the first trial
 WARM = 3  # steps of a trial
 HOPELESS = 4.0  # times as dear as the preferred one: a first step that ends a trial
 WARMER = 0.8  # times as dear as the one before: a step that lets a trial go on
-ADMM, NEWTON, INTERIOR = 0, 1, 2
-METHODS = (admm, newton, interior)
-NAMES = ("admm", "newton", "interior")
+ADMM, NEWTON, INTERIOR, NLGS = 0, 1, 2, 3
+METHODS = (admm, newton, interior, nlgs)
+NAMES = ("admm", "newton", "interior", "nlgs")
 LONG_RUNS: tuple[tuple[int, int], ...] = (
     (ADMM, 600),
     (NEWTON, 40),
@@ -57,7 +64,11 @@ LONG_RUNS: tuple[tuple[int, int], ...] = (
 # and measurements of the error are in the iterations.
 CALL = (43.0, 17.0)
 ITERATION = ((2.3, 0.016, 0.0015, 0.0), (3.4, 0.014, 0.022, 1.4e-4))
-BUDGET = 1e6  # cost that the interior point method may spend on a step, but for its first start: about a second
+SWEEP = 0.002  # cost of a sweep of Gauss-Seidel for an entry of H on one side, or of W
+SWEEPS = (2000, 20000)  # fewer lead nowhere, more are not taken
+LONG = 100_000  # sweeps at the end, for a problem without a step before
+BUDGET = 1e6  # cost that the interior point method may spend on a step, but for its first start, and sweeps: about a second
+FIRST = 10.0  # times as much for a problem without a step before
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -81,21 +92,17 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
             return Solution(start.impulse.copy(), velocity, 0, "as in the last step: converged", memory, error)
     costs = _costs(problem, tally, start)
     first = ADMM if start is None else _prefer(tally, costs)
-    limits = {ADMM: _limit(costs), NEWTON: 16}
     search = _Search(problem, options, start)
     if error <= NEARLY * options.tolerance:
-        search.turn(first, min(limits[first], DEEP_LIMIT), deeper)
+        search.turn(first, min(_limits(costs)[first], DEEP_LIMIT), deeper)
     tally[6] = float(options.tolerance < error <= NEARLY * options.tolerance)
-    usual = ((first, limits[first]), (1 - first, limits[1 - first]))
-    last_resort: tuple[tuple[int, int], ...] = ((INTERIOR, interior.affordable(BUDGET / costs[NEWTON])), (NEWTON, 40))
-    if not isinstance(problem, FrictionProblem):
-        last_resort += LONG_RUNS
     slides = tally[8] > STUCK and int(tally[2]) % LOOK != 0
-    for method, limit in (*last_resort, *usual) if slides else (*usual, *last_resort):
-        if not search.ended:
-            search.turn(method, limit)
+    for method, limit in _turns(problem, first, costs, start is None, slides):
+        if search.ended:
+            break
+        search.turn(method, limit)
     if not slides:
-        tally[8] = 0.5 * tally[8] + 0.5 * float(search.iterations[INTERIOR] > 0)
+        tally[8] = 0.5 * tally[8] + 0.5 * float(search.iterations[INTERIOR] + search.iterations[NLGS] > 0)
     _learn(tally, first, [_spent(costs, method, search.iterations[method]) for method in (ADMM, NEWTON)])
     return search.solution(tally)
 
@@ -105,9 +112,10 @@ class _Search:
 
     def __init__(self, problem: Problem, options: Options, start: Solution | None) -> None:
         self.problem, self.options = problem, options
-        self.start = self.best = self.last = start
+        self.start = self.best = start
+        self.memory = {} if start is None else start.memory
         self.error = np.inf
-        self.iterations = [0, 0, 0]  # by method
+        self.iterations = [0, 0, 0, 0]  # by method
         self.story: list[str] = []
 
     @property
@@ -116,28 +124,28 @@ class _Search:
         return self.error <= self.options.tolerance or sum(self.iterations) == self.options.max_iterations
 
     def turn(self, method: int, limit: int, tolerance: float | None = None) -> None:
-        """Give a method its turn, from the best impulses so far; the interior point method starts from those of the last step."""
+        """Give a method its turn, from the best impulses so far; the interior point method from those of the last step, but for sweeps."""
         tolerance = self.options.tolerance if tolerance is None else tolerance
         if self.options.max_iterations is not None:
             limit = min(limit, self.options.max_iterations - sum(self.iterations))
-        begin = self.start if method == INTERIOR else self.best
-        if begin is not None and self.last is not None:
-            begin = Solution(begin.impulse, begin.velocity, 0, memory=self.last.memory)
+        begin = self.start if method == INTERIOR and not self.iterations[NLGS] else self.best
+        if begin is not None:
+            begin = Solution(begin.impulse, begin.velocity, 0, memory=self.memory)
         options = Options(tolerance, limit, self.options.seed, self.options.threads)
-        self.last = METHODS[method].solve(self.problem, options, begin)
-        self.iterations[method] += self.last.iterations
+        found = METHODS[method].solve(self.problem, options, begin)
+        self.memory = found.memory or self.memory
+        self.iterations[method] += found.iterations
         self.story.append(NAMES[method])
-        error = natural_map_error(self.problem, self.last.impulse)
+        error = natural_map_error(self.problem, found.impulse)
         if error < self.error or self.best is None:
-            self.best, self.error = self.last, error
+            self.best, self.error = found, error
 
     def solution(self, tally: list[float]) -> Solution:
         """The best answer, with the memory of all."""
         assert self.best is not None
-        assert self.last is not None
         tried = " + ".join(self.story[:4]) + (" and so on" if len(self.story) > 4 else "")
         end = "converged" if self.error <= self.options.tolerance else f"missed, error {self.error:.1e}"
-        memory = self.last.memory | {"auto_tally": np.array(tally)}
+        memory = self.memory | {"auto_tally": np.array(tally)}
         return Solution(self.best.impulse, self.best.velocity, sum(self.iterations), f"{tried}: {end}", memory, self.error)
 
 
@@ -184,10 +192,45 @@ def _spent(costs: tuple[float, float], method: int, iterations: int) -> float:
     return CALL[method] + iterations * costs[method] if iterations else 0.0
 
 
-def work(problem: FrictionProblem, pattern: Pattern) -> np.ndarray:
-    """What an iteration has to do, (4,): itself; contacts; entries of H on one side; operations of a factorisation by unknowns per body."""
-    n = problem.v_free.shape[1]
-    return np.array([1.0, problem.contacts, problem.contacts * problem.dimension * n, pattern.operations(n) / n])
+def work(problem: Problem, pattern: Pattern) -> np.ndarray:
+    """What an iteration has to do, (4,): itself; contacts; entries of H on one side, or of W; operations of a factorisation by unknowns per
+    body, or contact."""
+    n = problem.v_free.shape[1] if isinstance(problem, FrictionProblem) else problem.dimension
+    return np.array([1.0, problem.contacts, _entries(problem), pattern.operations(n) / n])
+
+
+def _entries(problem: Problem) -> int:
+    """Number of entries of H on one side, or of W."""
+    if isinstance(problem, FrictionProblem):
+        return problem.contacts * problem.dimension * problem.v_free.shape[1]
+    return int(problem.w.nnz)
+
+
+def _turns(problem: Problem, first: int, costs: tuple[float, float], cold: bool, slides: bool) -> Iterator[tuple[int, int]]:
+    """Methods with their limits of iterations, the usual ones first; the last resort first while a structure slides."""
+    limits, other = _limits(costs), 1 - first
+    if not slides:
+        yield first, limits[first]
+    budget, sweep, start = FIRST * BUDGET if cold else BUDGET, SWEEP * _entries(problem), interior.affordable(0.0) * costs[NEWTON]
+    sweeps = min(int((0.5 * start if cold else min(0.5 * start, budget)) / sweep), SWEEPS[1])
+    packed = sweeps >= SWEEPS[0]
+    usual = [] if packed and other == NEWTON and sweeps * sweep < limits[NEWTON] * costs[NEWTON] else [(other, limits[other])]
+    if not slides:
+        yield from usual
+    if packed:
+        if start <= budget:
+            yield INTERIOR, interior.affordable(0.0)
+        yield NLGS, sweeps
+        yield NEWTON, 40
+    yield INTERIOR, interior.affordable(budget / costs[NEWTON])
+    yield NEWTON, 40
+    if slides:
+        yield first, limits[first]
+        yield from usual
+    if not isinstance(problem, FrictionProblem):
+        yield from LONG_RUNS
+    if cold:
+        yield from ((NLGS, min(int(0.5 * budget / sweep), LONG)), (NEWTON, 40), (INTERIOR, interior.affordable(0.0)), (NEWTON, 40))
 
 
 def _costs(problem: Problem, tally: list[float], start: Solution | None) -> tuple[float, float]:
@@ -195,16 +238,19 @@ def _costs(problem: Problem, tally: list[float], start: Solution | None) -> tupl
 
     Counted anew only when the number of contacts changes.
     """
-    if not isinstance(problem, FrictionProblem):
-        return 1.0, 10.0
     if tally[3] != problem.contacts:
         memory = admm.Memory.read(start.memory) if start is not None else None
-        pattern = memory.pattern if memory is not None else Pattern.of(len(problem.v_free), problem.bodies[:, 0], problem.bodies[:, 1])
+        if not isinstance(problem, FrictionProblem):
+            pattern = admm.contact_pattern(*nlgs.block_arrays(problem)[1:3])
+        elif memory is not None:
+            pattern = memory.pattern
+        else:
+            pattern = Pattern.of(len(problem.v_free), problem.bodies[:, 0], problem.bodies[:, 1])
         tally[3] = problem.contacts
         tally[4:6] = (np.array(ITERATION) @ work(problem, pattern)).tolist()
     return tally[4], tally[5]
 
 
-def _limit(costs: tuple[float, float]) -> int:
-    """Iterations of ADMM after which Newton would have been cheaper."""
-    return min(max(int(10.0 * costs[NEWTON] / costs[ADMM]), 50), 200)
+def _limits(costs: tuple[float, float]) -> tuple[int, int]:
+    """Iterations of ADMM after which Newton would have been cheaper, and of Newton."""
+    return min(max(int(10.0 * costs[NEWTON] / costs[ADMM]), 50), 200), 16
