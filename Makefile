@@ -1,6 +1,7 @@
 # make setup   everything that the program needs, into .venv (and the system libraries of gmsh and VTK)
 # make demo    set-up, then the main job: an aqueduct under a sinusoidal load, to out/demo/crack_map.png
 # make test    set-up, then the tests
+# make clean   drops what numba has compiled; old versions of kernels would stay else
 # A second run skips what is done. Another Python: make setup PYTHON=python3.13
 
 PYTHON ?= python3
@@ -13,7 +14,7 @@ CODE   := $(wildcard masonry_cd/*.py masonry_cd/*/*.py structures/*.py loads/*.p
 LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.so.1 libxft2:libXft.so.2 \
              libxinerama1:libXinerama.so.1 libgomp1:libgomp.so.1 libegl1:libEGL.so.1
 
-.PHONY: setup demo test libraries
+.PHONY: setup demo test clean libraries
 .DELETE_ON_ERROR:
 
 setup: libraries $(STAMP)
@@ -25,6 +26,9 @@ demo: setup
 
 test: setup
 	$(VENV)/bin/python -m pytest
+
+clean:
+	find masonry_cd structures loads reports benchmarks tests -name '*.nb[ci]' -delete
 
 $(DEMO): examples/aqueduct_sinusoidal.toml $(STAMP) $(CODE)
 	$(VENV)/bin/masonry-cd run examples/aqueduct_sinusoidal.toml -o out/demo --force

@@ -22,6 +22,8 @@ from numba.core.compiler_machinery import register_pass
 from numba.core.typed_passes import NativeLowering
 from numba.core.types.misc import unliteral
 
+HASH = hash(Flags())  # that of all settings, by numba's definition
+
 
 def njit(entry: bool | None = None, **options: Any) -> Callable[[Callable[..., Any]], Any]:
     """Compile a function as ``numba.njit(**options)`` does.
@@ -74,10 +76,13 @@ def _refused(*_: Any, **__: Any) -> None:
 class _Flags(Flags):
     """numba's settings of a compilation. It compares them, option by option, for each operator that it finds in a function."""
 
-    __hash__ = Flags.__hash__
+    def __hash__(self) -> int:
+        return HASH
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Flags) and (self._values == other._values or self.values() == other.values())
+        if isinstance(other, Flags) and self._values.keys() == other._values.keys():
+            return bool(self._values == other._values)
+        return Flags.__eq__(self, other)
 
 
 class _Pipeline(Compiler):
