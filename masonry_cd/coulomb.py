@@ -45,7 +45,7 @@ SHORT = 2  # columns: runs up to this length may be padded much, see runs
 WIDEST = 16  # columns that are factorised together
 THIN = 2.0  # mean number of rows below a column of L up to which columns stay alone
 SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix; likewise
-PATIENCE = 20  # iterations of ADMM without a look at the error
+PATIENCE = 20  # iterations of ADMM without a look at the error, half as many where its ratio to the change of p is a guess
 BALANCE, ALL = 0.6, 0.95  # shares of ADMM's error that lie in the law: its stiffness falls below the one, grows above the other
 SOFTEST = 1e-3  # k of ADMM at which a factorisation that fails is not tried at a tenth of it again
 PART = 4096  # blocks of L in a part of the first level
@@ -1987,16 +1987,6 @@ def _all_parts(team, plan):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _velocity_together(team, plan, turns, inverse, free, jacobian, p, push, v, size_m, size_n):
-    """v = v_free + M^-1 H^T p by a team."""
-    begin, end = _all_parts(team, plan)
-    for q in range(begin, end):
-        _clear_push(plan, q, push)
-        _push_some(jacobian, turns, q, p, push, size_m, size_n)
-    _pushed_together(team, plan, inverse, free, push, v, size_n)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def _clear_push(plan, q, push):
     """No impulse on the bodies of part q, and none left by it to later ones."""
     first, last = _nodes(plan, q)
@@ -2321,6 +2311,8 @@ def admm_bodies(
     b0, b1 = _share(team, 0, count)
     c0, c1 = _share(team, 0, contacts)
     q0, q1 = _share(team, plan.level[0], plan.level[1])
+    begin, end = _all_parts(team, plan)
+    patience = PATIENCE if rate != 1.0 else PATIENCE // 2
     problem = (desk.jacobian, turns.place, desk.offset, desk.mu, desk.compliance)
     v, trial, p, new, best, d, sums = desk.v, desk.trial, desk.even, desk.odd, desk.best, desk.d, desk.sums
     _put_in_order(inverse_mass, v_free, order, b0, b1, desk.inverse, desk.mass, desk.free, size_n)
@@ -2328,14 +2320,17 @@ def admm_bodies(
     v[count] = 0.0
     trial[count] = 0.0
     desk.x[count] = 0.0
-    _sort_contacts(turns, jacobian, offset, mu, compliance, p_out, c0, c1, desk, size_m, size_n)
-    _copy(p[c0:c1], best[c0:c1])
     _wait(team)
-    _measure_scales(desk.inverse, desk.jacobian, turns.place, desk.compliance, c0, c1, d, size_m, size_n)
-    _some_rows(desk.jacobian, turns.place, desk.offset, v, c0, c1, desk.carried, size_m, size_n)
-    _wait(team)
+    for q in range(begin, end):  # all of a part while it is in the cache
+        first, last = turns.start[q], turns.start[q + 1]
+        _sort_contacts(turns, jacobian, offset, mu, compliance, p_out, first, last, desk, size_m, size_n)
+        _copy(p[first:last], best[first:last])
+        _measure_scales(desk.inverse, desk.jacobian, turns.place, desk.compliance, first, last, d, size_m, size_n)
+        _some_rows(desk.jacobian, turns.place, desk.offset, v, first, last, desk.carried, size_m, size_n)
+        _clear_push(plan, q, desk.push)
+        _push_some(desk.jacobian, turns, q, p, desk.push, size_m, size_n)
+    _pushed_together(team, plan, desk.inverse, desk.free, desk.push, v, size_n)
     size = _size_of(desk.carried, d)
-    _velocity_together(team, plan, turns, desk.inverse, desk.free, desk.jacobian, p, desk.push, v, size_m, size_n)
     error = _map_norm_together(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size
     _copy(v[b0:b1], desk.best_v[b0:b1])
     if moving and error > 1.0:  # the impulses fit worse than none would
@@ -2360,19 +2355,19 @@ def admm_bodies(
                 changes[q] = _rise(plan, turns, q, desk, rho, panels, p, new, size_m, size_n)
             _wait(team)
         for level in range(1, top + 1):
-            begin, end = _share(team, plan.level[level], plan.level[level + 1])
-            for q in range(begin, end):
+            first, last = _share(team, plan.level[level], plan.level[level + 1])
+            for q in range(first, last):
                 changes[q] = _rise(plan, turns, q, desk, rho, panels, p, new, size_m, size_n)
             _wait(team)
         change = np.sqrt(changes.sum()) / size
         iterations += 1
         p, new = new, p
         # the change of p tells when to look at the error itself
-        ahead = iterations - checked < 2 or (rate * change > tolerance and iterations - checked < PATIENCE)
+        ahead = iterations - checked < 2 or (rate * change > tolerance and iterations - checked < patience)
         ahead = ahead and iterations < limit
         for level in range(top, 0, -1):
-            begin, end = _share(team, plan.level[level], plan.level[level + 1])
-            for q in range(begin, end):
+            first, last = _share(team, plan.level[level], plan.level[level + 1])
+            for q in range(first, last):
                 _descend(plan, q, desk, squares, panels, size_n)
             _wait(team)
         for q in range(q0, q1):
@@ -2382,7 +2377,6 @@ def admm_bodies(
         _wait(team)
         if ahead:
             continue
-        begin, end = _all_parts(team, plan)
         for q in range(begin, end):
             _clear_push(plan, q, desk.push)
             _carry_some(desk.jacobian, turns, q, rho, new, p, desk.x, desk.carried, desk.push, size_m, size_n)
