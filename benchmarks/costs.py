@@ -5,8 +5,8 @@ r"""What a call of ADMM and of Newton costs: the weights by which ``auto`` count
 
 Each scene is stepped by each method, in a plane and in space, several times over. A step counts with the least seconds of the processor
 that it took in any of them; the first step, which starts cold, does not. The fit is one of relative errors, with weights that are not
-negative, in which each pair of scene and method counts the same: seconds of all its steps against CALL times steps plus ITERATION times
-what the iterations had to do (``masonry_cd.solvers.auto.work``).
+negative, in which each pair of scene and method counts the same: seconds of all its steps against what its calls had to work with and what
+their iterations had to do (``masonry_cd.solvers.auto.work``).
 """
 
 from __future__ import annotations
@@ -42,12 +42,7 @@ class Calls:
     microseconds: float  # of all calls together
     calls: int
     iterations: int
-    work: np.ndarray  # (4,) sum over the iterations
-
-    @property
-    def counts(self) -> np.ndarray:
-        """(5,) what the weights of a call and of an iteration stand before."""
-        return np.array([self.calls, *self.work])
+    work: np.ndarray  # (8,) sum over the calls, without factorisations, and over the iterations
 
 
 def measure(made: BenchScene, method: str, planar: bool, steps: int, repeats: int = REPEATS) -> Calls:
@@ -55,7 +50,9 @@ def measure(made: BenchScene, method: str, planar: bool, steps: int, repeats: in
     runs = [_calls(made, method, planar, steps) for _ in range(repeats)]
     seconds = np.min([run[0] for run in runs], axis=0)
     iterations, work = runs[0][1:]
-    return Calls(made.name, planar, method, 1e6 * float(seconds.sum()), len(seconds), int(iterations.sum()), iterations @ work)
+    summed = np.concatenate([work.sum(axis=0), iterations @ work])
+    summed[3] = 0.0
+    return Calls(made.name, planar, method, 1e6 * float(seconds.sum()), len(seconds), int(iterations.sum()), summed)
 
 
 def _calls(made: BenchScene, method: str, planar: bool, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -79,8 +76,8 @@ def _calls(made: BenchScene, method: str, planar: bool, steps: int) -> tuple[np.
 
 
 def fit(measured: list[Calls]) -> tuple[np.ndarray, np.ndarray]:
-    """Weights (5,) of a call and of an iteration [us], and model over measurement (N,), of the calls of one method."""
-    share = np.array([each.counts / each.microseconds for each in measured])
+    """Weights (8,) of a call and of an iteration [us], and model over measurement (N,), of the calls of one method."""
+    share = np.array([each.work / each.microseconds for each in measured])
     weights, _ = nnls(share, np.ones(len(share)))
     return weights, share @ weights
 
@@ -102,7 +99,8 @@ def main() -> None:
         for each, r in zip(measured, ratio, strict=True):
             cells = f"{each.iterations / each.calls:.1f} | {each.microseconds / each.calls:.1f} | {each.microseconds / each.iterations:.2f}"
             print(f"| {method} | {each.scene} | {'plane' if each.planar else 'space'} | {cells} | {r:.2f} |")
-        print(f"\n{method}: a call {weights[0]:.3g}, an iteration {', '.join(f'{w:.2g}' for w in weights[1:])}\n", flush=True)
+        call, iteration = (", ".join(f"{w:.2g}" for w in part) for part in np.split(weights, 2))
+        print(f"\n{method}: a call {call}; an iteration {iteration}\n", flush=True)
 
 
 if __name__ == "__main__":

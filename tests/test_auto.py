@@ -51,15 +51,14 @@ def test_learns_which_method_to_begin_with() -> None:
     np.testing.assert_array_equal(again.memory["auto_tally"][:2], second.memory["auto_tally"][:2])
 
 
-def chosen(costs_by_step: dict[int, list[float]], steps: int, iteration: tuple[float, float] = (1.0, 1.0)) -> np.ndarray:
+def chosen(costs_by_step: dict[int, list[float]], steps: int, costs: auto.Costs = (1.0, 1.0, 40.0, 20.0)) -> np.ndarray:
     """Which method each step begins with. In a row of steps, the k-th with a method costs the k-th of its numbers, or else the last."""
     tally, out, row = auto._recall(None), [], 0
     for _ in range(steps):
-        method = auto._prefer(tally, iteration)
+        method = auto._prefer(tally, costs)
         row = row + 1 if out and out[-1] == method else 0
-        costs = costs_by_step[method]
-        spent = [0.0, 0.0]
-        spent[method] = costs[min(row, len(costs) - 1)]
+        own, spent = costs_by_step[method], [0.0, 0.0]
+        spent[method] = own[min(row, len(own) - 1)]
         auto._learn(tally, method, spent)
         out.append(method)
     return np.array(out)
@@ -86,8 +85,8 @@ def test_a_method_that_warms_up_is_given_the_steps_that_it_needs() -> None:
 def test_no_trial_where_a_single_iteration_is_dearer() -> None:
     """What cannot win is not tried."""
     costs = {auto.ADMM: [200.0], auto.NEWTON: [1000.0]}
-    assert (chosen(costs, 1000, (5.0, 500.0)) == auto.ADMM).all()
-    assert not (chosen(costs, 1000, (5.0, 150.0)) == auto.ADMM).all()
+    assert (chosen(costs, 1000, (5.0, 500.0, 40.0, 20.0)) == auto.ADMM).all()
+    assert not (chosen(costs, 1000, (5.0, 150.0, 40.0, 20.0)) == auto.ADMM).all()
 
 
 def test_small_arches_are_stepped_with_newton() -> None:
