@@ -191,8 +191,9 @@ def _clear(folder: Path) -> None:
     """Make the folder of a run, without what a former run left there."""
     folder.mkdir(parents=True, exist_ok=True)
     former = (name for pattern in ("crack_map_*s.png", FILES) for name in folder.glob(pattern))
-    for old in (*(folder / name for name in (*OUTPUTS, checkpoint.NAME)), *former):
+    for old in (*(folder / name for name in OUTPUTS), *former):
         old.unlink(missing_ok=True)
+    checkpoint.remove(folder / checkpoint.NAME)
 
 
 def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:

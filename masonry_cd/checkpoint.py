@@ -17,17 +17,24 @@ import numpy as np
 from masonry_cd.errors import InputError
 
 NAME = "checkpoint.npz"
+PART = ".part"  # ends the name of one that is being written
 FORMAT = 2  # of what a stepper writes; raised when what it holds changes
 
 
 def save(path: Path, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
     """Write arrays and JSON-able numbers in one stroke."""
-    aside = path.with_suffix(".part")
+    aside = path.with_suffix(PART)
     with open(aside, "wb") as file:
         np.savez(file, **arrays, numbers=np.array(json.dumps(dict(numbers) | {"format": FORMAT})))  # type: ignore[arg-type]
         file.flush()
         os.fsync(file.fileno())
     os.replace(aside, path)
+
+
+def remove(path: Path) -> None:
+    """Take a checkpoint away, and what a kill has left of the next one."""
+    path.unlink(missing_ok=True)
+    path.with_suffix(PART).unlink(missing_ok=True)
 
 
 def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

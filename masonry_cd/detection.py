@@ -22,6 +22,9 @@ physics: an inset of 1.25 % raises the minimum thickness of an arch by 2.6 %). O
 interface: blocks that only share an edge or a corner, as diagonal neighbours in a bond do, must not wedge each other apart.
 Crossing edges: one point, midway between them.
 
+**Fast pairs.** Blocks that pass each other edge by edge face nothing of one another now, and yet may meet before the next look. Where a
+pair has no points and may move by FAR of its width, they are those of its pose a step later, if both go on as they move.
+
 **Areas.** A joint whose law goes by area, elastic or bonded, has one more point, at the centroid of its polygon, and shares its area out so
 that springs at the points act as springs all over it. With A_i the triangles (centroid, c_i, c_i+1), c seen from the centroid,
 
@@ -51,6 +54,7 @@ EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best f
 SNAP = 1e-4  # a corner this close to a side plane is on it, as a share of the smaller part's width
 MATCH = 0.05  # a contact is the same as one of the last step if it moved by less than this share of the smaller part's width
 
+FAR = 0.05  # a pair that may move by more than this share of the smaller part's width in a step is looked at as it will be then, too
 NEAR = 1e-3  # surfaces closer than this share of the smaller part's width are always in the contact set
 
 OWN = np.int64(0)  # where a block's vertices and normals begin in arrays of its own; for a plain 0 numba would compile the code twice
@@ -356,7 +360,7 @@ def _look(
     polygon, other = np.empty((most, 3)), np.empty((most, 3))
     new_height, weight, new_place = np.empty(most), np.empty(most), np.empty(most, dtype=np.int64)
     vertices_b, normals_b = np.empty((most_vertices, 3)), np.empty((most_faces, 3))
-    now = np.empty(12)
+    now, ahead, turned = np.empty(12), np.empty((2, 3)), np.empty((2, 3, 3))
     shown = 0
     for k in range(parts.shape[0]):
         a, b = parts[k, 0], parts[k, 1]
@@ -374,7 +378,6 @@ def _look(
                 tally[APART] += 1
                 continue
             _place(now, b, vertex_start, vertices, face_start, normals, vertices_b, normals_b)
-            b_vertex, b_face = vertex_start[b], face_start[b]
             if feature[k, 0] == NOTHING or not moved < REUSE * width:
                 tally[SEARCHED] += 1
                 apart = _separate(
@@ -388,32 +391,34 @@ def _look(
                     continue
             tally[CLIPPED] += 1
             with_area = by_area[group_of[body_a], group_of[body_b]] and feature[k, 0] != EDGES
-            if feature[k, 0] == EDGES:
-                found = _edge_contact(
-                    edges[feature[k, 1]], edges[feature[k, 2]], vertices, vertices_b, b_vertex, normals, normal[k], polygon, new_height,
-                )  # fmt: skip
-            elif feature[k, 0] == FACE_OF_A:
-                found = _face_contacts(
-                    1.0, feature[k, 1], loop_start, loops, vertices, OWN, normals, OWN,
-                    vertices_b, b_vertex, normals_b, b_face, b_face, face_start[b + 1],
-                    width, with_area, normal[k], polygon, other, new_height, weight,
-                )  # fmt: skip
-            else:
-                found = _face_contacts(
-                    -1.0, feature[k, 1], loop_start, loops, vertices_b, b_vertex, normals_b, b_face,
-                    vertices, OWN, normals, OWN, face_start[a], face_start[a + 1],
-                    width, with_area, normal[k], polygon, other, new_height, weight,
-                )  # fmt: skip
+            found = _points(
+                a, b, feature[k], vertex_start, vertices, face_start, normals, loop_start, loops, edges, vertices_b, normals_b, width,
+                with_area, normal[k], polygon, other, new_height, weight,
+            )  # fmt: skip
             for i in range(12):
                 built[k, i] = now[i]
+            if found == 0 and margin > FAR * width and not with_area:
+                _pose_ahead(position, rotation, velocity, step, body_a, body_b, ahead, turned, built[k])
+                _place(built[k], b, vertex_start, vertices, face_start, normals, vertices_b, normals_b)
+                for i in range(12):
+                    pose[k, i] = built[k, i]
+                if _separate(
+                    a, b, vertex_start, vertices, face_start, normals, loop_start, loops, edge_start, edges, vertices_b, normals_b,
+                    EDGE_BIAS * width, feature[k],
+                ) <= margin:  # fmt: skip
+                    found = _points(
+                        a, b, feature[k], vertex_start, vertices, face_start, normals, loop_start, loops, edges, vertices_b, normals_b,
+                        width, False, normal[k], polygon, other, new_height, weight,
+                    )  # fmt: skip
             _match(polygon, found, local, place, first, count[k], MATCH * width, with_area, new_place)
             count[k] = found
             for i in range(found):
                 s = first + i
                 local[s, 0], local[s, 1], local[s, 2] = polygon[i, 0], polygon[i, 1], polygon[i, 2]
-                height[s] = gap[s] = new_height[i]
+                height[s] = new_height[i]
                 area[s] = weight[i] if with_area else 0.0
                 place[s] = new_place[i]
+            _follow(now, built[k], normal[k], local, height, first, first + found, gap)
         for s in range(first, first + count[k]):
             if gap[s] > margin:
                 gap[s] = np.inf
@@ -466,6 +471,26 @@ def _relative_pose(position, rotation, a, b, pose):
         pose[i] = ra[0, i] * dx + ra[1, i] * dy + ra[2, i] * dz
         for j in range(3):
             pose[3 + 3 * i + j] = ra[0, i] * rb[0, j] + ra[1, i] * rb[1, j] + ra[2, i] * rb[2, j]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _pose_ahead(position, rotation, velocity, step, a, b, place, turned, pose):
+    """Pose of block b in the frame of block a a step later, if both go on as they move; ``place`` (2, 3), ``turned`` (2, 3, 3) are room."""
+    for side in range(2):
+        body = a if side == 0 else b
+        v, r = velocity[body], rotation[body]
+        speed = np.sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5])
+        c, s = np.cos(step * speed), np.sin(step * speed)
+        scale = 1.0 / speed if speed > 0.0 else 0.0
+        x, y, z = scale * v[3], scale * v[4], scale * v[5]
+        for d in range(3):
+            place[side, d] = position[body, d] + step * v[d]
+            px, py, pz = r[0, d], r[1, d], r[2, d]
+            along = (1.0 - c) * (x * px + y * py + z * pz)
+            turned[side, 0, d] = c * px + s * (y * pz - z * py) + along * x
+            turned[side, 1, d] = c * py + s * (z * px - x * pz) + along * y
+            turned[side, 2, d] = c * pz + s * (x * py - y * px) + along * z
+    _relative_pose(place, turned, 0, 1, pose)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -588,6 +613,28 @@ def _edge_axis(first_a, last_a, first_b, last_b, edges, normals, vertices, norma
 
 
 # --- manifolds ------------------------------------------------------------------------------------------------------------------
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _points(
+    a, b, feature, vertex_start, vertices, face_start, normals, loop_start, loops, edges, vertices_b, normals_b, width, with_area,
+    n, polygon, other, height, weight,
+):  # fmt: skip
+    """Contact points of a pair by its separating feature: fills polygon, height, n and weight, see ``_face_contacts``; returns how many."""
+    b_vertex, b_face = vertex_start[b], face_start[b]
+    if feature[0] == EDGES:
+        return _edge_contact(edges[feature[1]], edges[feature[2]], vertices, vertices_b, b_vertex, normals, n, polygon, height)
+    if feature[0] == FACE_OF_A:
+        return _face_contacts(
+            1.0, feature[1], loop_start, loops, vertices, OWN, normals, OWN,
+            vertices_b, b_vertex, normals_b, b_face, b_face, face_start[b + 1],
+            width, with_area, n, polygon, other, height, weight,
+        )  # fmt: skip
+    return _face_contacts(
+        -1.0, feature[1], loop_start, loops, vertices_b, b_vertex, normals_b, b_face,
+        vertices, OWN, normals, OWN, face_start[a], face_start[a + 1],
+        width, with_area, n, polygon, other, height, weight,
+    )  # fmt: skip
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

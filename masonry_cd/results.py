@@ -25,6 +25,7 @@ from __future__ import annotations
 import contextlib
 import json
 import platform
+import shutil
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from importlib.metadata import version
@@ -44,13 +45,14 @@ JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_for
 BONDED = "bonded"  # a history that only runs with cohesive joints have
 JOINT_PEAKS = ("opening", "sliding", "rotation", "contact_area_loss", "first_opening_time")
 BUFFER_BYTES = 1 << 20
+ROOM = 1 << 22  # bytes of the disc that are left free: HDF5 must be able to close its file
 
 
 class ResultWriter:
     """Writes result.h5 as the run goes. Use it as a context manager; leaving it closes the file readable."""
 
     def __init__(self, path: Path, assembly: Assembly, joints: Joints, scene: str = "", title: str = "") -> None:
-        self.path = path
+        self.path = Path(path)
         self._file = h5py.File(path, "w", libver="latest")
         self._file.attrs.update(scene=scene, title=title, versions=json.dumps(versions()))
         _write_blocks(self._file.create_group("blocks"), assembly.blocks)
@@ -127,7 +129,13 @@ class ResultWriter:
         self._known.add(name)
 
     def flush(self) -> None:
-        """Write what waits in the buffers; from here on it survives a kill."""
+        """Write what waits in the buffers; from here on it survives a kill.
+
+        Raises:
+            OSError: no room on the disc. What was written before is kept, and stays readable.
+        """
+        if (free := shutil.disk_usage(self.path.parent).free) < self._pending_bytes + ROOM:  # HDF5 itself would not survive it
+            raise OSError(f"{self.path}: no room on the disc ({free / 1e6:.2g} MB left); the results before are kept")
         if not self._started and self._pending:
             self._file.swmr_mode = True  # no dataset may be created from here on
             self._started = True
@@ -148,8 +156,10 @@ class ResultWriter:
     def close(self) -> None:
         """Write what is left and close the file."""
         if self._file:
-            self.flush()
-            self._file.close()
+            try:
+                self.flush()
+            finally:
+                self._file.close()
 
 
 class Results:

@@ -263,7 +263,7 @@ def run(
         recorder.close()
         report.left_out = stepper.detector.left_out
     if save_to is not None and not report.stopped:
-        save_to.unlink(missing_ok=True)
+        checkpoint.remove(save_to)
     return report
 
 

@@ -48,6 +48,22 @@ def test_diagonal_neighbours_share_an_edge_but_no_joint():
         assert detect(blocks, state).count == 4
 
 
+def test_a_block_that_falls_past_an_edge_is_seen_before_it_gets_into_the_side():
+    """Above the edge of a table and beside it, it faces nothing; a step later its lower corner is beside the side, 1 mm inside."""
+    table = box("table", (-1.0, -1.0, -1.0), (0.0, 1.0, 0.0), fixed=True)
+    blocks = [table, box("block", (0.002, -0.1, 0.01), (0.202, 0.1, 0.21))]
+    assembly, step, velocity = Assembly.from_blocks(blocks, 0.6), 1e-2, np.zeros((2, 6))
+    velocity[1, [0, 2]] = -0.3, -4.0
+    for moving in (0.0, 1.0):
+        state = State.at_rest(assembly)
+        where = (state.position, rotation_matrices(state.orientation), moving * velocity, step, 1e-3, np.zeros(3))
+        contacts = Detector(assembly).detect(*where)
+        assert contacts.count == (4 if moving else 0)
+        if moving:
+            assert contacts.normal == pytest.approx(np.tile([1.0, 0.0, 0.0], (4, 1)))
+            assert contacts.gap == pytest.approx(np.full(4, 0.002))  # as it is now, not as it will be
+
+
 def test_neighbours_in_a_wall_touch_face_to_face_only():
     contacts = detect(wall(4, 4))
     assert set(np.abs(contacts.normal).max(axis=1).round(12)) == {1.0}

@@ -6,12 +6,14 @@ import subprocess
 import sys
 import textwrap
 import time
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
 from models import stepper, tower
 
+from masonry_cd import results
 from masonry_cd.errors import InputError
 from masonry_cd.joints import find_joints
 from masonry_cd.results import Results, ResultWriter
@@ -99,3 +101,18 @@ def test_a_file_that_was_cut_off_is_told_at_once(tmp_path, share):
     (tmp_path / "cut.h5").write_bytes(whole[: int(share * len(whole))])
     with pytest.raises(InputError, match=r"cut\.h5: cut off: parts of the file are missing"):
         Results.open(tmp_path / "cut.h5")
+
+
+def test_a_full_disc_is_told_and_what_was_written_is_kept(tmp_path, monkeypatch):
+    machine = stepper(tower(3), 20)
+    joints = find_joints(machine.assembly)
+
+    def fill(done: int) -> None:
+        if done == 12:
+            writer.flush()
+            monkeypatch.setattr(results.shutil, "disk_usage", lambda folder: SimpleNamespace(free=0))
+
+    with pytest.raises(OSError, match="no room on the disc"), ResultWriter(tmp_path / "result.h5", machine.assembly, joints) as writer:
+        run(machine, joints, writer, 20, frame_every=4, progress=fill)
+    with Results.open(tmp_path / "result.h5") as kept:
+        assert kept.time == pytest.approx([0.0, 4e-3, 8e-3, 12e-3])
