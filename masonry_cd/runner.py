@@ -236,7 +236,8 @@ def run(
     saved = clock.monotonic()
     try:
         while stepper.load_step < steps:
-            step = stepper.step()
+            with np.errstate(over="ignore", invalid="ignore"):  # what is not finite stops the run by name
+                step = stepper.step()
             before, shock = stepper.load_step - 1, None
             if rests is not None:
                 stepper.load_step = rests.next_step(stepper.load_step, stepper.state)

@@ -406,8 +406,10 @@ class Stepper:
             self._rotation, a.mass, a.inertia, self.state.velocity, self._spin,
         )  # fmt: skip
         if not np.isfinite(self.energy["kinetic"]):
-            block = int(np.argmin(np.isfinite(self.state.velocity).all(axis=1)))
-            raise RunStopped(f'step {self.steps + 1}: the velocity of block "{a.names[block]}" is not finite{self._worst_contact()}')
+            largest = np.abs(self.state.velocity).max(axis=1)  # NaN where one is
+            block = int(np.argmax(np.where(np.isnan(largest), np.inf, largest)))
+            what = "is too large for a finite energy" if np.isfinite(largest[block]) else "is not finite"
+            raise RunStopped(f'step {self.steps + 1}: the velocity of block "{a.names[block]}" {what}{self._worst_contact()}')
 
     def _worst_contact(self) -> str:
         """In words, the contact whose impulse is the first that is not finite, or else the largest."""

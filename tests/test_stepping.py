@@ -298,3 +298,13 @@ def test_debris_lands_and_stays():
     feet = [machine.state.position[k, 2] + part[:, 2].min() for k, part in enumerate(lowest)][1:]
     assert min(feet) > -1e-4 * width  # none has sunk in
     assert sum(report.iterations == 0 for report in reports[-100:]) > 90  # at rest
+
+
+def test_a_speed_whose_energy_overflows_names_its_block():
+    machine = stepper([ground(), box("calm", (0, 0, 0), (1, 1, 1)), box("mad", (2, 2, 3), (3, 3, 4))], 2)
+    velocity = np.zeros((3, 6))
+    velocity[2, 0] = 1e200
+    with np.errstate(all="ignore"):
+        machine.kick(velocity)
+        with pytest.raises(RunStopped, match=r'^step 1: the velocity of block "mad" is too large for a finite energy'):
+            machine.step()
