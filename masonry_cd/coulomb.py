@@ -2200,14 +2200,19 @@ def _prepare_admm(team, plan, turns, k, desk, squares, panels, rho, size_m, size
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _augmented_pass(turns, part, jacobian, offset, mu, compliance, d, rho, p, v, new, out, size_m, size_n):
+def _augmented_pass(panels, line, end, turns, part, jacobian, offset, mu, compliance, d, rho, p, v, new, out, size_m, size_n):
     """new = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, out += H^T (2 new - p), for the contacts of a part.
 
-    Returns the squared scaled change of p.
+    There is more to calculate than to fetch, so entries ``line`` to ``end`` of the panels, for which the next part would wait, are fetched
+    on the way. Returns the squared scaled change of p.
     """
     m, n, index = len(size_m), len(size_n), turns.place
-    change = 0.0
+    change, contacts = 0.0, max(turns.start[part + 1] - turns.start[part], 1)
+    share = (end - line + contacts - 1) // contacts
     for c in range(turns.start[part], turns.start[part + 1]):
+        for entry in range(line, min(line + share, end), 16):
+            _prefetch(panels, entry)
+        line += share
         a, b, r = index[c, 0], index[c, 1], rho[c]
         un, u1, u2 = offset[c, 0], offset[c, 1], 0.0
         pn, p1, p2 = p[c, 0], p[c, 1], 0.0
@@ -2265,15 +2270,27 @@ def _carry_some(jacobian, turns, part, rho, last, p, step, out, push, size_m, si
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _rise(plan, turns, q, desk, rho, panels, p, new, size_m, size_n):
-    """The contacts of part q, and L^-1 of what they ask for. Returns the squared scaled change of p."""
+def _panels_of(plan, q, n):
+    """First entry and end of the panels of part q, one of several: they are stored from its last run to its first."""
+    s = plan.part[q]
+    end = plan.panel[s] + (plan.first[s + 1] - plan.first[s]) * (plan.start[s + 1] - plan.start[s])
+    return n * n * plan.panel[plan.part[q + 1] - 1], n * n * end
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _rise(plan, turns, q, coming, desk, rho, panels, p, new, size_m, size_n):
+    """The contacts of part q, and L^-1 of what they ask for; ``coming`` is the part that comes down next, or -1.
+
+    Returns the squared scaled change of p.
+    """
     first, last = _nodes(plan, q)
+    line, end = _panels_of(plan, coming, len(size_n)) if coming >= 0 else (0, 0)
     push, x = desk.push, desk.x
     _some_momentum(desk.mass, desk.free, desk.v, first, last, push, size_n)
     _clear_copies(plan, q, push)
     _add_copies(plan, q, push)
     change = _augmented_pass(
-        turns, q, desk.jacobian, desk.offset, desk.mu, desk.compliance, desk.d, rho, p, desk.v, new, push, size_m, size_n
+        panels, line, end, turns, q, desk.jacobian, desk.offset, desk.mu, desk.compliance, desk.d, rho, p, desk.v, new, push, size_m, size_n
     )
     _copy(push[first:last], x[first:last])
     _clear_copies(plan, q, x)
@@ -2352,12 +2369,12 @@ def admm_bodies(
         changes = sums[iterations % 2]
         if not ahead:
             for q in range(q0, q1):
-                changes[q] = _rise(plan, turns, q, desk, rho, panels, p, new, size_m, size_n)
+                changes[q] = _rise(plan, turns, q, -1, desk, rho, panels, p, new, size_m, size_n)
             _wait(team)
         for level in range(1, top + 1):
             first, last = _share(team, plan.level[level], plan.level[level + 1])
             for q in range(first, last):
-                changes[q] = _rise(plan, turns, q, desk, rho, panels, p, new, size_m, size_n)
+                changes[q] = _rise(plan, turns, q, -1, desk, rho, panels, p, new, size_m, size_n)
             _wait(team)
         change = np.sqrt(changes.sum()) / size
         iterations += 1
@@ -2373,7 +2390,8 @@ def admm_bodies(
         for q in range(q0, q1):
             _descend(plan, q, desk, squares, panels, size_n)
             if ahead:  # while the factors are in the cache
-                sums[iterations % 2, q] = _rise(plan, turns, q, desk, rho, panels, p, new, size_m, size_n)
+                coming = q + 1 if q + 1 < q1 else -1
+                sums[iterations % 2, q] = _rise(plan, turns, q, coming, desk, rho, panels, p, new, size_m, size_n)
         _wait(team)
         if ahead:
             continue
