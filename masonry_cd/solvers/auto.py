@@ -15,9 +15,9 @@ as usual, to see whether it is over.
 
 Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that sweeps of Gauss-Seidel get far: where
 thousands of them cost less than half of the interior point method's first start, they and Newton come after it, and then it goes on from
-there; before it if it is dearer than a step may be, and in place of Newton's first turn if that is dearer than they are. A settled packing
-of 945 spheres with 2,046 contacts: 450 iterations of the interior point method end at 5e-4 after 6 s, 3,000 sweeps at 5e-5 after 0.2 s.
-A problem without a step before, which is solved once, gets LONG sweeps at the end.
+there; before it if it is far dearer than a step may be, and in place of Newton's first turn if that is dearer than they are. A settled
+packing of 945 spheres with 2,046 contacts: 450 iterations of the interior point method end at 5e-4 after 6 s, 3,000 sweeps at 5e-5 after
+0.2 s. A problem without a step before, which is solved once, gets LONG sweeps at the end.
 
 A method that has not run for a while warms up in a few steps: Newton finds out how stiff it may begin, ADMM's factors and k are out of
 date. So a trial goes on, for up to WARM steps, as long as each is cheaper than the one before, and its last one counts.
@@ -69,7 +69,7 @@ SWEEP = 0.002  # cost of a sweep of Gauss-Seidel for an entry of H on one side, 
 SWEEPS = (2000, 20000)  # fewer lead nowhere, more are not taken
 LONG = 100_000  # sweeps at the end, for a problem without a step before
 BUDGET = 1e6  # cost that the interior point method may spend on a step, but for its first start, and sweeps: about a second
-FIRST = 10.0  # times as much for a problem without a step before
+FIRST = 10.0  # times as much for a problem without a step before; so many times the budget is far too much
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -219,7 +219,7 @@ def _turns(problem: Problem, first: int, costs: Costs, cold: bool, slides: bool)
     if not slides:
         yield from usual
     if packed:
-        if start <= budget:
+        if start <= FIRST * budget:
             yield INTERIOR, interior.affordable(0.0)
         yield NLGS, sweeps
         yield NEWTON, 40
