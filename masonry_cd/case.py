@@ -293,8 +293,8 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     deep = f", of {s['penetration_where']}" if s.get("penetration_where") else ""
     bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
     return [
-        f"{s['title']}: {s['steps']} steps of {length(s['dt'], 's')} in {in_words(s['stepping_seconds'])}, {length(per_step, 's')} per step; "
-        f"{in_words(s['wall_seconds'])} in all",
+        f"{s['title']}: {s['steps']} steps of {length(s['dt'], 's')} in {in_words(s['stepping_seconds'])}, "
+        f"{length(per_step, 's')} per step; {in_words(s['wall_seconds'])} in all",
         *outcome_lines(s),
         damage_line(s),
         *_part_lines(s),
