@@ -34,7 +34,7 @@ from masonry_cd.settling import settle
 from masonry_cd.solvers import cores
 from masonry_cd.state import State
 from masonry_cd.stepping import Stepper
-from masonry_cd.warmup import compile_kernels
+from masonry_cd.warmup import compile_kernels, keeps
 
 if TYPE_CHECKING:
     from loads import Loading
@@ -103,7 +103,9 @@ def prepare(scene: Scene) -> Case:
         raise InputError(f"{scene.path}: loads: the base is shaken, but no block of the structure is fixed")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
-    with said_if_slow("compiling the kernels, once: this takes about half a minute on two cores and is kept for later runs"):
+    for_good = "about half a minute on two cores and is kept for later runs"
+    again = "about a minute in each run, as no folder takes numba's cache; NUMBA_CACHE_DIR names one that does"
+    with said_if_slow(f"compiling the kernels{', once' if keeps() else ''}: this takes {for_good if keeps() else again}"):
         joints = find_joints(assembly)
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))
     gravity = float(np.linalg.norm(scene.run.gravity))

@@ -13,6 +13,7 @@ What a kernel is compiled to must not depend on which kernel called it first, or
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numba
@@ -39,7 +40,11 @@ def njit(entry: bool | None = None, **options: Any) -> Callable[[Callable[..., A
         chosen = {"fastmath": False} | options | {"pipeline_class": _Pipeline if called else _Inner}
         if not called:
             chosen["cache"] = False
-        kernel = numba.njit(no_cfunc_wrapper=True, no_cpython_wrapper=not called, **chosen)(function)
+        compiler = partial(numba.njit, no_cfunc_wrapper=True, no_cpython_wrapper=not called)
+        try:
+            kernel = compiler(**chosen)(function)
+        except RuntimeError:  # neither the package's folder nor the user's takes a cache
+            kernel = compiler(**chosen | {"cache": False})(function)
         _take_numbers_by_kind(kernel)
         if not called:
             kernel._insert = _nothing  # numba would list an entry that is not there, and Python jump to it
@@ -49,8 +54,15 @@ def njit(entry: bool | None = None, **options: Any) -> Callable[[Callable[..., A
     return decorate
 
 
+def has_cache(kernel: Any) -> bool:
+    """Whether there is a folder to keep an entry in."""
+    return kernel.stats.cache_path is not None
+
+
 def kept(kernel: Any) -> list[tuple[Any, ...]]:
     """The kinds of arguments for which the cache holds an entry, as it is to be compiled on this machine."""
+    if not has_cache(kernel):
+        return []
     cache, target = kernel._cache, kernel.targetctx.codegen()
     return [key[0] for key in cache._cache_file._load_index() if key == cache._index_key(key[0], target)]
 

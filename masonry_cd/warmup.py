@@ -26,7 +26,7 @@ from masonry_cd import coulomb, islands
 from masonry_cd.blocks import Assembly, Block
 from masonry_cd.friction import FrictionProblem
 from masonry_cd.joints import find_joints
-from masonry_cd.kernels import kept
+from masonry_cd.kernels import has_cache, kept
 from masonry_cd.results import ResultWriter
 from masonry_cd.runner import run
 from masonry_cd.scene import JointLaw, Run, SolverName
@@ -41,11 +41,16 @@ PATIENCE = 60.0  # to wait for the second process, beyond what this one took for
 @cache
 def compile_kernels(solver: SolverName, planar: bool, by_area: bool) -> None:
     """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without."""
-    if solver in ("auto", "newton", "interior") and not _is_kept(planar) and _cores() > 1:
+    if solver in ("auto", "newton", "interior") and keeps() and not _is_kept(planar) and _cores() > 1:
         with _second_process(planar):
             _shake_cubes("admm", planar, by_area)
     _shake_cubes(solver, planar, by_area)
     islands.compile_kernels()
+
+
+def keeps() -> bool:
+    """Whether later runs find what this one compiles."""
+    return has_cache(coulomb.linearised_bodies)
 
 
 def _shake_cubes(solver: SolverName, planar: bool, by_area: bool) -> None:
