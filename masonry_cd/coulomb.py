@@ -154,25 +154,6 @@ def _own_velocity(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def local_solve(w: np.ndarray, q: np.ndarray, mu: float) -> np.ndarray:
-    """The impulse (m,) of one contact with u = W p + q, for W (m, m) and q (m,): the local step as a function, for tests."""
-    m = len(q)
-    law = np.empty((1, ROW))
-    padded = np.zeros((3, 3))
-    for i in range(m):
-        for j in range(m):
-            padded[i, j] = w[i, j]
-    _law_row(padded, m, mu, law, 0)
-    r = law[0]
-    pn, p1, p2, _ = _local_step(q[0], q[1], q[2] if m == 3 else 0.0, r[0], r[1], r[2], r[3], r[4], r[5], mu, 0.0)
-    p = np.empty(m)
-    p[0], p[1] = pn, p1
-    if m == 3:
-        p[2] = p2
-    return p
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def _copy(source, target):
     """The first entries of target = source, both contiguous, of one shape but for the first length.
 

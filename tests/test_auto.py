@@ -53,7 +53,7 @@ def test_learns_which_method_to_begin_with() -> None:
 
 def chosen(costs_by_step: dict[int, list[float]], steps: int, costs: auto.Costs = (1.0, 1.0, 40.0, 20.0)) -> np.ndarray:
     """Which method each step begins with. In a row of steps, the k-th with a method costs the k-th of its numbers, or else the last."""
-    tally, out, row = auto._recall(None), [], 0
+    tally, out, row = auto.Tally.recall(None), [], 0
     for _ in range(steps):
         method = auto._prefer(tally, costs)
         row = row + 1 if out and out[-1] == method else 0

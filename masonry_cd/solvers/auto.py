@@ -29,6 +29,7 @@ every bit of the result, is then the same on every machine.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from math import isnan, nan
 
 import numpy as np
@@ -82,30 +83,59 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     """
     if problem.contacts == 0:
         return nlgs.solve(problem, options, start)
-    tally, deeper = _recall(start), max(DEEPER * options.tolerance, ROUNDING)
+    tally, deeper = Tally.recall(start), max(DEEPER * options.tolerance, ROUNDING)
     error = np.inf
-    if start is not None and (tally[9] <= FAR * options.tolerance or int(tally[2]) % LOOK == 0):
-        error = tally[9] = natural_map_error(problem, start.impulse)
-        if error <= (10.0 * deeper if tally[8] else options.tolerance):
-            tally[8] = 0.0
+    if start is not None and (tally.error <= FAR * options.tolerance or tally.steps % LOOK == 0):
+        error = tally.error = natural_map_error(problem, start.impulse)
+        if error <= (10.0 * deeper if tally.deeper else options.tolerance):
+            tally.deeper = False
             velocity = problem.body_velocity(start.impulse) if isinstance(problem, FrictionProblem) else None
-            memory = start.memory | {"auto_tally": np.array(tally)}
-            return Solution(start.impulse.copy(), velocity, 0, "as in the last step: converged", memory, error)
+            return Solution(start.impulse.copy(), velocity, 0, "as in the last step: converged", tally.beside(start.memory), error)
     costs = _costs(problem, tally, start)
     first = ADMM if start is None else _prefer(tally, costs)
     search = _Search(problem, options, start)
     if error <= NEARLY * options.tolerance:
         search.turn(first, min(_limits(costs)[first], DEEP_LIMIT), deeper)
-    tally[8] = float(options.tolerance < error <= NEARLY * options.tolerance)
-    slides = tally[10] > STUCK and int(tally[2]) % LOOK != 0
+    tally.deeper = options.tolerance < error <= NEARLY * options.tolerance
+    slides = tally.stuck > STUCK and tally.steps % LOOK != 0
     for method, limit in _turns(problem, first, costs, start is None, slides):
         if search.ended:
             break
         search.turn(method, limit)
     if not slides:
-        tally[10] = 0.5 * tally[10] + 0.5 * float(search.iterations[INTERIOR] + search.iterations[NLGS] > 0)
+        tally.stuck = 0.5 * tally.stuck + 0.5 * float(search.iterations[INTERIOR] + search.iterations[NLGS] > 0)
     _learn(tally, first, [_spent(costs, method, search.iterations[method]) for method in (ADMM, NEWTON)])
     return search.solution(tally)
+
+
+@dataclass(slots=True)
+class Tally:
+    """What is learnt from step to step."""
+
+    mean: list[float]  # cost of steps begun with ADMM and with Newton, nan if unknown
+    steps: int = 0
+    contacts: int = -1  # for which the costs were counted
+    costs: Costs = (0.0, 0.0, 0.0, 0.0)
+    deeper: bool = False  # whether the last step was solved deeper than asked, because it began close to the solution
+    error: float = 0.0  # at the last start looked at
+    stuck: float = 0.0  # share of the last steps that needed more than ADMM and Newton
+    until_trial: float = EARLY  # steps until the next trial
+    trial: int = 0  # which step of a trial the next one is, or 0
+
+    @classmethod
+    def recall(cls, start: Solution | None) -> Tally:
+        """That of the step before, or a new one."""
+        if start is None or "auto_tally" not in start.memory:
+            return cls([nan, nan])
+        admm_mean, newton_mean, steps, contacts, *rest = start.memory["auto_tally"].tolist()
+        deeper, error, stuck, until_trial, trial = rest[4:]
+        costs = (rest[0], rest[1], rest[2], rest[3])
+        return cls([admm_mean, newton_mean], int(steps), int(contacts), costs, bool(deeper), error, stuck, until_trial, int(trial))
+
+    def beside(self, memory: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The memory of the methods, and this one (13,)."""
+        own = (*self.mean, self.steps, self.contacts, *self.costs, self.deeper, self.error, self.stuck, self.until_trial, self.trial)
+        return memory | {"auto_tally": np.array(own, dtype=float)}
 
 
 class _Search:
@@ -141,51 +171,42 @@ class _Search:
         if error < self.error or self.best is None:
             self.best, self.error = found, error
 
-    def solution(self, tally: list[float]) -> Solution:
+    def solution(self, tally: Tally) -> Solution:
         """The best answer, with the memory of all."""
         assert self.best is not None
         tried = " + ".join(self.story[:4]) + (" and so on" if len(self.story) > 4 else "")
         end = "converged" if self.error <= self.options.tolerance else f"missed, error {self.error:.1e}"
-        memory = self.memory | {"auto_tally": np.array(tally)}
-        return Solution(self.best.impulse, self.best.velocity, sum(self.iterations), f"{tried}: {end}", memory, self.error)
+        reason, memory = f"{tried}: {end}", tally.beside(self.memory)
+        return Solution(self.best.impulse, self.best.velocity, sum(self.iterations), reason, memory, self.error)
 
 
-def _recall(start: Solution | None) -> list[float]:
-    """Mean cost of steps begun with ADMM and with Newton, nan if unknown, the number of steps, contacts and costs as last counted, whether
-    the last step was solved deeper than asked because it began close to the solution, the error at the last start looked at, the share
-    of steps that needed the interior point method, the steps until the next trial, and which step of a trial the next one is, or 0."""
-    if start is not None and "auto_tally" in start.memory:
-        return start.memory["auto_tally"].tolist()
-    return [nan, nan, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, EARLY, 0.0]
-
-
-def _prefer(tally: list[float], costs: Costs) -> int:
+def _prefer(tally: Tally, costs: Costs) -> int:
     """The method to begin with; now and then the other one, unless a single iteration of it is dearer than the steps of the first."""
-    cheaper = NEWTON if tally[NEWTON] < tally[ADMM] else ADMM
+    cheaper = NEWTON if tally.mean[NEWTON] < tally.mean[ADMM] else ADMM
     other = 1 - cheaper
-    tally[11] -= 1.0
-    if tally[12] == 0.0 and tally[11] <= 0.0 and not _spent(costs, other, 1) > tally[cheaper]:
-        tally[12] = 1.0
-    return other if tally[12] > 0.0 else cheaper
+    tally.until_trial -= 1.0
+    if not tally.trial and tally.until_trial <= 0.0 and not _spent(costs, other, 1) > tally.mean[cheaper]:
+        tally.trial = 1
+    return other if tally.trial else cheaper
 
 
-def _learn(tally: list[float], first: int, spent: list[float]) -> None:
+def _learn(tally: Tally, first: int, spent: list[float]) -> None:
     """Take the cost of a step into account. If the other method had to help, what that took is a first guess of its own cost."""
-    tally[2] += 1.0
-    cost, before, other, trial = sum(spent), tally[first], 1 - first, tally[12]
+    tally.steps += 1
+    mean, cost, before, other = tally.mean, sum(spent), tally.mean[first], 1 - first
     if cost == 0.0:  # nothing happened, nothing learnt
         return
-    cold = tally[2] == 2.0  # the step before was the first
-    tally[first] = cost if trial or cold or isnan(before) else 0.8 * before + 0.2 * cost
-    if spent[other] > 0.0 and not spent[other] > tally[other]:
-        tally[other] = spent[other]
-    if not trial:
+    cold = tally.steps == 2  # the step before was the first
+    mean[first] = cost if tally.trial or cold or isnan(before) else 0.8 * before + 0.2 * cost
+    if spent[other] > 0.0 and not spent[other] > mean[other]:
+        mean[other] = spent[other]
+    if not tally.trial:
         return
-    limit = HOPELESS * tally[other] if trial == 1.0 else WARMER * before
-    if trial == WARM or spent[other] > 0.0 or cost < tally[other] or cost > limit:
-        tally[11], tally[12] = TRIAL * max(cost / tally[other], 1.0), 0.0
+    limit = HOPELESS * mean[other] if tally.trial == 1 else WARMER * before
+    if tally.trial == WARM or spent[other] > 0.0 or cost < mean[other] or cost > limit:
+        tally.until_trial, tally.trial = TRIAL * max(cost / mean[other], 1.0), 0
     else:
-        tally[12] += 1.0
+        tally.trial += 1
 
 
 def _spent(costs: Costs, method: int, iterations: int) -> float:
@@ -234,9 +255,9 @@ def _turns(problem: Problem, first: int, costs: Costs, cold: bool, slides: bool)
         yield from ((NLGS, min(int(0.5 * budget / sweep), LONG)), (NEWTON, 40), (INTERIOR, interior.affordable(0.0)), (NEWTON, 40))
 
 
-def _costs(problem: Problem, tally: list[float], start: Solution | None) -> Costs:
+def _costs(problem: Problem, tally: Tally, start: Solution | None) -> Costs:
     """Costs by the pattern of the last step's factorisation, counted anew only when the number of contacts changes."""
-    if tally[3] != problem.contacts:
+    if tally.contacts != problem.contacts:
         memory = admm.Memory.read(start.memory) if start is not None else None
         if not isinstance(problem, FrictionProblem):
             pattern = admm.contact_pattern(*nlgs.block_arrays(problem)[1:3])
@@ -244,9 +265,8 @@ def _costs(problem: Problem, tally: list[float], start: Solution | None) -> Cost
             pattern = memory.pattern
         else:
             pattern = Pattern.of(len(problem.v_free), problem.bodies[:, 0], problem.bodies[:, 1])
-        tally[3] = problem.contacts
-        tally[4:8] = (np.array(ITERATION + CALL) @ work(problem, pattern)).tolist()
-    return tally[4], tally[5], tally[6], tally[7]
+        tally.contacts, tally.costs = problem.contacts, tuple((np.array(ITERATION + CALL) @ work(problem, pattern)).tolist())
+    return tally.costs
 
 
 def _limits(costs: Costs) -> tuple[int, int]:
