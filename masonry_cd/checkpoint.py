@@ -18,7 +18,7 @@ from masonry_cd.errors import InputError
 
 NAME = "checkpoint.npz"
 PART = ".part"  # ends the name of one that is being written
-FORMAT = 2  # of what a stepper writes; raised when what it holds changes
+FORMAT = 3  # of what a stepper writes; raised when what it holds changes
 
 
 def save(path: Path, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
