@@ -75,12 +75,12 @@ class RunReport:
 
     def look(self, step: StepReport, stepper: Stepper) -> None:
         """Name the blocks of a step that overlap most, and what leaves them no way out."""
-        assembly, when, closing = stepper.assembly, f"at {stepper.state.time:.4g} s", step.closing
+        assembly, time, closing = stepper.assembly, stepper.state.time, step.closing
         if step.penetration > max(self.penetration_max, DEEP * stepper.width):
-            self.penetration_where = f"{named([assembly.names[b] for b in step.overlapping])} {when}"
+            self.penetration_where = f"{named([assembly.names[b] for b in step.overlapping])} at {time:.4g} s"
         if closing is not None and closing.speed > FASTER * self.closing_seen:
             jam, self.closing_seen = find_jam(closing), closing.speed
-            self.jam = self.jam if jam is None else f"{jam.in_words(assembly)} {when}"
+            self.jam = self.jam if jam is None else f"{jam.in_words(assembly)} at {time:.4g} s"
 
     def add(self, step: StepReport, tolerance: float, energy: Mapping[str, float]) -> None:
         """Take in one step and the energies after it."""

@@ -30,7 +30,7 @@ from masonry_cd.kernels import has_cache, kept
 from masonry_cd.results import ResultWriter
 from masonry_cd.runner import run
 from masonry_cd.scene import JointLaw, Run, SolverName
-from masonry_cd.solvers import Options, interior
+from masonry_cd.solvers import Options, cores, interior
 from masonry_cd.stepping import Stepper
 
 STEPS, STEP = 6, 1e-3  # [s]
@@ -41,7 +41,7 @@ PATIENCE = 60.0  # to wait for the second process, beyond what this one took for
 @cache
 def compile_kernels(solver: SolverName, planar: bool, by_area: bool) -> None:
     """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without."""
-    if solver in ("auto", "newton", "interior") and keeps() and not _is_kept(planar) and _cores() > 1:
+    if solver in ("auto", "newton", "interior") and keeps() and not _is_kept(planar) and cores() > 1:
         with _second_process(planar):
             _shake_cubes("admm", planar, by_area)
     _shake_cubes(solver, planar, by_area)
@@ -75,11 +75,6 @@ def _shake_cubes(solver: SolverName, planar: bool, by_area: bool) -> None:
 def _is_kept(planar: bool) -> bool:
     """Whether the largest kernel is in the cache."""
     return any(len(kinds[-1]) == (3 if planar else 4) for kinds in kept(coulomb.linearised_bodies))
-
-
-def _cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager

@@ -91,9 +91,9 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
             tally.deeper = False
             velocity = problem.body_velocity(start.impulse) if isinstance(problem, FrictionProblem) else None
             return Solution(start.impulse.copy(), velocity, 0, "as in the last step: converged", tally.beside(start.memory), error)
-    costs = _costs(problem, tally, start)
+    costs, memory = _costs(problem, tally, start)
     first = ADMM if start is None else _prefer(tally, costs)
-    search = _Search(problem, options, start)
+    search = _Search(problem, options, start, memory)
     if error <= NEARLY * options.tolerance:
         search.turn(first, min(_limits(costs)[first], DEEP_LIMIT), deeper)
     tally.deeper = options.tolerance < error <= NEARLY * options.tolerance
@@ -141,10 +141,9 @@ class Tally:
 class _Search:
     """The best answer so far, and the way to it."""
 
-    def __init__(self, problem: Problem, options: Options, start: Solution | None) -> None:
-        self.problem, self.options = problem, options
-        self.start = self.best = start
-        self.memory = {} if start is None else start.memory
+    def __init__(self, problem: Problem, options: Options, start: Solution | None, memory: dict[str, np.ndarray]) -> None:
+        self.problem, self.options, self.memory = problem, options, memory
+        self.start, self.best = start or Solution(np.zeros((problem.contacts, problem.dimension)), None, 0), start
         self.error = np.inf
         self.iterations = [0, 0, 0, 0]  # by method
         self.story: list[str] = []
@@ -159,9 +158,8 @@ class _Search:
         tolerance = self.options.tolerance if tolerance is None else tolerance
         if self.options.max_iterations is not None:
             limit = min(limit, self.options.max_iterations - sum(self.iterations))
-        begin = self.start if method == INTERIOR and not self.iterations[NLGS] else self.best
-        if begin is not None:
-            begin = Solution(begin.impulse, begin.velocity, 0, memory=self.memory)
+        begin = self.start if method == INTERIOR and not self.iterations[NLGS] else self.best or self.start
+        begin = Solution(begin.impulse, begin.velocity, 0, memory=self.memory)
         options = Options(tolerance, limit, self.options.seed, self.options.threads)
         found = METHODS[method].solve(self.problem, options, begin)
         self.memory = found.memory or self.memory
@@ -255,18 +253,21 @@ def _turns(problem: Problem, first: int, costs: Costs, cold: bool, slides: bool)
         yield from ((NLGS, min(int(0.5 * budget / sweep), LONG)), (NEWTON, 40), (INTERIOR, interior.affordable(0.0)), (NEWTON, 40))
 
 
-def _costs(problem: Problem, tally: Tally, start: Solution | None) -> Costs:
-    """Costs by the pattern of the last step's factorisation, counted anew only when the number of contacts changes."""
+def _costs(problem: Problem, tally: Tally, start: Solution | None) -> tuple[Costs, dict[str, np.ndarray]]:
+    """Costs by the pattern of the last step's factorisation, counted anew only when the number of contacts changes; and the memory to begin
+    with, which holds the pattern if it had to be made for that."""
+    memory = {} if start is None else start.memory
     if tally.contacts != problem.contacts:
-        memory = admm.Memory.read(start.memory) if start is not None else None
         if not isinstance(problem, FrictionProblem):
             pattern = admm.contact_pattern(*nlgs.block_arrays(problem)[1:3])
-        elif memory is not None:
-            pattern = memory.pattern
         else:
-            pattern = Pattern.of(len(problem.v_free), problem.bodies[:, 0], problem.bodies[:, 1])
+            last = admm.Memory.read(memory)
+            if last is None:
+                last, *_ = admm.recall(problem.arrays()[2], len(problem.v_free), problem.v_free.shape[1], start)
+                memory = memory | last.arrays()
+            pattern = last.pattern
         tally.contacts, tally.costs = problem.contacts, tuple((np.array(ITERATION + CALL) @ work(problem, pattern)).tolist())
-    return tally.costs
+    return tally.costs, memory
 
 
 def _limits(costs: Costs) -> tuple[int, int]:
