@@ -3033,6 +3033,14 @@ def _centring(dw, dp, dgamma, mu, product, gap, undone, longest, step, room, siz
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _take_impulse(p, friction, impulse, size_m):
+    """impulse = p, without a tangential part where there is no friction."""
+    for c in range(len(friction)):
+        for i in range(len(size_m)):
+            impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _advance(w, p, gamma, dw, dp, dgamma, step, friction, impulse, size_m):
     """Go a share of the direction; ``impulse`` gets p, without friction where there is none."""
     for c in range(len(friction)):
@@ -3040,7 +3048,7 @@ def _advance(w, p, gamma, dw, dp, dgamma, step, friction, impulse, size_m):
         for i in range(len(size_m)):
             w[c, i] += step * dw[c, i]
             p[c, i] += step * dp[c, i]
-            impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+    _take_impulse(p, friction, impulse, size_m)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -3049,6 +3057,25 @@ def _stiffness_after(step, stiffness):
     if step > 0.5:
         return min(4.0 * stiffness, STIFFEST)
     return max(0.25 * stiffness, 1.0) if step < 0.1 else stiffness
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _begin_inside(
+    inverse, free, jacobian, index, offset, friction, compliance, d, mu, distance, impulse, v, u, push, w, p, gamma, size_m, size_n
+):
+    """The start: fill w, p and gamma from inside the cones, at a distance from their walls, v with the velocities of the impulses.
+
+    u (C, m) and push (bodies + 1, n) are room. Returns the size of the problem, the shift, and the natural map error of the impulses.
+    """
+    _copy(free, v)
+    _rows(jacobian, index, offset, v, u, size_m, size_n)
+    size, shift = _size_of(u, d), distance * _largest(u)
+    _velocity_of(inverse, free, jacobian, index, impulse, push, v, size_m, size_n)
+    error = _map_norm(jacobian, index, offset, friction, compliance, d, impulse, v, size_m, size_n) / size
+    _rows(jacobian, index, offset, v, u, size_m, size_n)
+    for c in range(len(mu)):
+        gamma[c] = _move_inside(impulse[c], u[c], mu[c], d[c], shift, w[c], p[c], len(size_m))
+    return size, shift, error
 
 
 @njit(entry=False, cache=True, nogil=True, error_model="numpy")
@@ -3072,16 +3099,10 @@ def interior_bodies(
     diagonal, lower, upper = np.empty((count, n, n)), np.empty((len(plan.row), n, n)), np.empty((len(plan.row), n, n))
     factors = _room(plan, size_n)
     mu = np.maximum(friction, 1e-6)  # a cone without width has no inside
-    # start: inside the cones, at a distance from their walls
-    _copy(free, v)
-    _rows(jacobian, index, offset, v, u, size_m, size_n)
-    size, shift = _size_of(u, d), distance * _largest(u)
-    _velocity_of(inverse, free, jacobian, index, impulse, out, v, size_m, size_n)
+    size, _, smallest = _begin_inside(
+        inverse, free, jacobian, index, offset, friction, compliance, d, mu, distance, impulse, v, u, out, w, p, gamma, size_m, size_n
+    )
     best, best_v = impulse.copy(), v.copy()
-    smallest = _map_norm(jacobian, index, offset, friction, compliance, d, best, v, size_m, size_n) / size
-    _rows(jacobian, index, offset, v, u, size_m, size_n)
-    for c in range(contacts):
-        gamma[c] = _move_inside(best[c], u[c], mu[c], d[c], shift, w[c], p[c], m)
     step, iterations, short = 1.0, 0, 0
     while iterations < limit and smallest > tolerance and short < 6:
         iterations += 1
@@ -3222,15 +3243,12 @@ def path_bodies(
     factors = _room(plan, size_n)
     mu = np.maximum(friction, 1e-6)  # a cone without width has no inside
     # start: a point on the path at tau = 1, where w is off by far
-    _copy(free, v)
-    _rows(jacobian, index, offset, v, miss, size_m, size_n)
-    size, shift = _size_of(miss, d), distance * _largest(miss)
-    _velocity_of(inverse, free, jacobian, index, impulse, momentum, v, size_m, size_n)
+    size, shift, smallest = _begin_inside(
+        inverse, free, jacobian, index, offset, friction, compliance, d, mu, distance, impulse, v, miss, momentum, w, p, gamma,
+        size_m, size_n,
+    )  # fmt: skip
     best, best_v = impulse.copy(), v.copy()
-    smallest = _map_norm(jacobian, index, offset, friction, compliance, d, best, v, size_m, size_n) / size
-    _rows(jacobian, index, offset, v, miss, size_m, size_n)
     for c in range(contacts):
-        gamma[c] = _move_inside(best[c], miss[c], mu[c], d[c], shift, w[c], p[c], m)
         level[c] = shift * shift / d[c]
     _velocity_of(inverse, free, jacobian, index, p, momentum, v, size_m, size_n)
     _rows(jacobian, index, offset, v, far, size_m, size_n)
@@ -3287,9 +3305,7 @@ def path_bodies(
         here = (w, p, gamma, v)
         _combine_ways(here, 1.0, way, 0.0, way, here)
         tau *= 1.0 + change
-        for c in range(contacts):
-            for i in range(m):
-                impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+        _take_impulse(p, friction, impulse, size_m)
         _velocity_of(inverse, free, jacobian, index, impulse, momentum, own_v, size_m, size_n)
         error = _map_norm(jacobian, index, offset, friction, compliance, d, impulse, own_v, size_m, size_n) / size
         if error < smallest:
