@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from masonry_cd.blocks import Block
-from masonry_cd.errors import InputError, suggest
+if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs no more
+    from masonry_cd.blocks import Block
 
 KINDS = {
     "arch": "structures.arch",
@@ -48,6 +48,8 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
     Raises:
         InputError: an unknown kind, a key of that kind that is wrong, or blocks that are unsound.
     """
+    from masonry_cd.errors import InputError, suggest
+
     kinds = ", ".join(KINDS)
     if "kind" not in table:
         raise InputError(f"structure.kind: missing; one of {kinds}")

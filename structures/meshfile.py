@@ -21,17 +21,12 @@ from scipy.spatial import cKDTree
 
 from masonry_cd.blocks import Block, Faces, triangles
 from masonry_cd.errors import InputError
-from structures import vtkfile
+from structures import foreign, vtkfile
 from structures.bent import bent
 
 FORMATS = (".obj", ".stl", ".vtu", ".vtm")
 WRITTEN = (*FORMATS, ".vtkhdf")
-CELLS: dict[str, tuple[tuple[int, ...], ...]] = {  # faces of the volume cells of VTK, from outside
-    "tetra": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)),
-    "pyramid": ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)),
-    "wedge": ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
-    "hexahedron": ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
-}
+READERS = {suffix: f"structures.mesh_readers:read_{suffix[1:]}" for suffix in (".stl", ".vtu", ".vtm")}  # each runs in a child
 
 Shell = tuple[np.ndarray, Faces]
 
@@ -52,9 +47,8 @@ def read(path: Path, density: float, scale: float, up: str, repair: bool = False
     Raises:
         InputError: one line that names the file, and the line or block.
     """
-    reader = {".obj": _read_obj, ".stl": _read_stl, ".vtu": _read_vtu, ".vtm": vtkfile.read_vtm}[path.suffix.lower()]
     blocks = []
-    for name, shells in reader(path):
+    for name, shells in _read_obj(path) if path.suffix.lower() == ".obj" else _read_apart(path):
         parts = [(placed(vertices, scale, up), faces) for vertices, faces in shells]
         if repair:
             parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
@@ -84,12 +78,16 @@ def _read_obj(path: Path) -> list[tuple[str, list[Shell]]]:
         word, *rest = line.split("#")[0].split() or [""]
         try:
             if word == "v":
+                if len(rest) < 3:
+                    raise InputError(f"{path.name}: line {number}: a vertex has three coordinates: {line.strip()[:60]}")
                 points.append([float(x) for x in rest[:3]])
             elif word == mark:
                 name = " ".join(rest)
             elif word == "f":
                 corners = [int(corner.split("/")[0]) for corner in rest]
                 objects.setdefault(name, []).append([i - 1 if i > 0 else len(points) + i for i in corners])
+        except InputError:
+            raise
         except ValueError:
             raise InputError(f"{path.name}: line {number}: no number where one belongs: {line.strip()[:60]}") from None
     found = []
@@ -110,61 +108,12 @@ def _text(path: Path) -> list[str]:
         raise InputError(f"{path.name}: no text in UTF-8") from None
 
 
-def _read_stl(path: Path) -> list[tuple[str, list[Shell]]]:
-    """The shells of an STL; equal corners are one."""
-    import trimesh
-
-    try:
-        soup: Any = trimesh.load(path, file_type="stl", process=False)
-    except Exception as failure:
-        raise InputError(f"{path.name}: no STL file: {_first_line(failure)}") from None
-    if not isinstance(soup, trimesh.Trimesh) or not len(soup.faces):
-        raise InputError(f"{path.name}: no triangles in it")
-    points, index = np.unique(np.asarray(soup.vertices, dtype=float), axis=0, return_inverse=True)
-    faces = index.ravel()[np.asarray(soup.faces)]
-    groups = trimesh.graph.connected_component_labels(
-        np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]]) if len(faces) else np.zeros((0, 2), dtype=int), len(points)
-    )
-    found: list[tuple[str, list[Shell]]] = []
-    for label in dict.fromkeys(groups[faces[:, 0]]):
-        own = faces[groups[faces[:, 0]] == label]
-        used, local = np.unique(own, return_inverse=True)
-        loops = tuple(tuple(int(i) for i in row) for row in local.reshape(-1, 3))
-        found.append((f"b{len(found)}", [(points[used], loops)]))
-    return found
-
-
-def _first_line(failure: BaseException) -> str:
-    return (str(failure).splitlines() or [type(failure).__name__])[0]
-
-
-def _read_vtu(path: Path) -> list[tuple[str, list[Shell]]]:
-    """The volume cells of a VTU, by their array ``block`` where it has one."""
-    import meshio
-
-    try:
-        mesh = meshio.read(path)
-    except (Exception, SystemExit) as failure:
-        raise InputError(
-            f"{path.name}: no VTU file that can be read: {str(failure).splitlines()[0] if str(failure) else failure}"
-        ) from None
-    found: dict[str, list[Shell]] = {}
-    count = 0
-    for k, cells in enumerate(mesh.cells):
-        numbers = mesh.cell_data["block"][k] if "block" in mesh.cell_data else range(count, count + len(cells.data))
-        for number, cell in zip(numbers, cells.data, strict=True):
-            if cells.type in CELLS:
-                loops: Sequence[Sequence[int]] = [[int(cell[i]) for i in face] for face in CELLS[cells.type]]
-            elif cells.type.startswith("polyhedron"):
-                loops = [[int(i) for i in face] for face in cell]
-            else:
-                raise InputError(f"{path.name}: cells of type {cells.type} are no volumes; a block is a volume cell")
-            used = sorted({i for face in loops for i in face})
-            number_of = {old: new for new, old in enumerate(used)}
-            shell = (np.asarray(mesh.points, dtype=float)[used], tuple(tuple(number_of[i] for i in face) for face in loops))
-            found.setdefault(f"b{int(number)}", []).append(shell)
-        count += len(cells.data)
-    return list(found.items())
+def _read_apart(path: Path) -> list[tuple[str, list[Shell]]]:
+    """The shells of a file that a library reads, in a child process; those of one number are one block."""
+    found: dict[int, tuple[str, list[Shell]]] = {}
+    for number, name, vertices, faces in foreign.read(READERS[path.suffix.lower()], path)[0]:
+        found.setdefault(number, (name, []))[1].append((vertices, faces))
+    return list(found.values())
 
 
 def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> Shell:

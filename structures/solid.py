@@ -8,47 +8,18 @@ of joints is one, so that neighbours share their coordinates to the bit and a jo
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from masonry_cd.errors import InputError
+from structures.geometry_kernel import kernel
 from structures.prism import polygon_area
 
 Segment = tuple[tuple[float, float], tuple[float, float]]  # the two ends x, z of a joint [m]
 
 SAME = 1e-9  # coordinates closer than this are one [m]
 KERNEL = 1e-6  # how far the kernel may return a corner from where it was put [m]
-PACKAGES = "libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1"
-
-
-@contextmanager
-def kernel() -> Iterator[Any]:
-    """The gmsh module, started and silent, with an empty model that is dropped at the end.
-
-    Raises:
-        InputError: gmsh or a system library that it needs is missing.
-    """
-    try:
-        import gmsh
-
-        running = bool(gmsh.isInitialized())
-        if not running:  # not interruptible: the handler of Ctrl-C stays ours
-            gmsh.initialize(readConfigFiles=False, interruptible=False)
-    except (ImportError, OSError, AttributeError) as failure:
-        reason = str(failure).splitlines()[0] if str(failure) else type(failure).__name__
-        raise InputError(f"gmsh does not start ({reason}); on Debian and Ubuntu: apt-get install {PACKAGES}") from None
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.model.add("structure")
-        yield gmsh
-        gmsh.model.remove()
-    finally:
-        if not running:
-            gmsh.finalize()
 
 
 def cut(outline: np.ndarray, joints: Sequence[Segment]) -> list[np.ndarray]:

@@ -1,92 +1,19 @@
-"""Blocks from and to VTK's own containers: VTM (multi-block: a data set per block) and VTKHDF (written only).
+"""Blocks to VTK's own containers: VTM (multi-block: a data set per block) and VTKHDF.
 
-A data set of a multi-block is one block, whatever it is made of: a closed surface (PolyData), or volume cells, which are the block's
-convex parts. Its name is that of the block; data sets within blocks within blocks are found too. VTKHDF holds one unstructured grid, a
-polyhedron per convex part, with the arrays ``block``, ``fixed`` and ``group``, as the VTU has them.
+VTKHDF holds one unstructured grid, a polyhedron per convex part, with the arrays ``block``, ``fixed`` and ``group``, as the VTU has them.
 """
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from masonry_cd.blocks import Block, Faces, Polyhedron
-from masonry_cd.errors import InputError
 
-Shell = tuple[np.ndarray, Faces]
 POLYHEDRON = 42  # VTK's number of this type of cell
-
-
-def read_vtm(path: Path) -> list[tuple[str, list[Shell]]]:
-    """The shells of each data set of a multi-block file.
-
-    Raises:
-        InputError: no such file, one that it refers to is missing, or a data set without a surface or a volume.
-    """
-    import pyvista
-    from vtkmodules.vtkCommonCore import vtkLogger
-
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # what is wrong is told below, in one line
-    try:
-        with warnings.catch_warnings(action="ignore"):
-            whole: Any = pyvista.read(path)
-    except Exception as failure:
-        raise InputError(f"{path.name}: no VTM file that can be read: {(str(failure).splitlines() or [''])[0]}") from None
-    if not isinstance(whole, pyvista.MultiBlock):
-        raise InputError(f"{path.name}: no multi-block data in it")
-    found: list[tuple[str, list[Shell]]] = []
-    for name, data in _leaves(whole, ""):
-        if data is None or data.n_cells == 0:
-            raise InputError(f'{path.name}: block "{name}": empty, or the file that it refers to is missing')
-        shells = [_surface(data)] if isinstance(data, pyvista.PolyData) else _volumes(data)
-        if not shells:
-            raise InputError(f'{path.name}: block "{name}": neither a closed surface nor volume cells')
-        found.append((name, shells))
-    return found
-
-
-def _leaves(whole: Any, prefix: str) -> Iterator[tuple[str, Any]]:
-    """Names and data sets, those of inner multi-blocks with the outer name before theirs."""
-    import pyvista
-
-    for number, (name, data) in enumerate(zip(whole.keys(), whole, strict=True)):
-        own = f"{prefix}{name or f'b{number}'}"
-        if isinstance(data, pyvista.MultiBlock):
-            yield from _leaves(data, f"{own}/")
-        else:
-            yield own, data
-
-
-def _surface(data: Any) -> Shell:
-    """The polygons of a PolyData; its strips are triangles."""
-    polygons = data.triangulate() if data.n_strips else data
-    return _shell(np.asarray(data.points, dtype=float), [list(map(int, face)) for face in _split(polygons.faces)])
-
-
-def _volumes(data: Any) -> list[Shell]:
-    """A shell for each volume cell of a grid, turned to face outwards as VTK orders them."""
-    points = np.asarray(data.points, dtype=float)
-    cells = [data.get_cell(k) for k in range(data.n_cells)]
-    return [_shell(points, [list(map(int, face.point_ids)) for face in cell.faces]) for cell in cells if cell.dimension == 3]
-
-
-def _split(stream: np.ndarray) -> Iterator[np.ndarray]:
-    """The loops of VTK's list ``n, i, j, k ..., n, i, j, k ...``."""
-    at = 0
-    while at < len(stream):
-        yield stream[at + 1 : at + 1 + stream[at]]
-        at += 1 + stream[at]
-
-
-def _shell(points: np.ndarray, loops: Sequence[Sequence[int]]) -> Shell:
-    """The points that some loops use, each place once, and the loops counted over them."""
-    used, index = np.unique(points[[i for loop in loops for i in loop]], axis=0, return_inverse=True)
-    ends = np.cumsum([len(loop) for loop in loops])
-    return used, tuple(tuple(map(int, part)) for part in np.split(index.ravel(), ends[:-1]))
 
 
 def write_vtm(path: Path, blocks: Sequence[Block]) -> None:

@@ -1,0 +1,37 @@
+"""The geometry kernel OpenCASCADE, through gmsh. This module imports little: a child process that reads a file starts from it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+PACKAGES = "libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1"
+
+
+@contextmanager
+def kernel() -> Iterator[Any]:
+    """The gmsh module, started and silent, with an empty model that is dropped at the end.
+
+    Raises:
+        InputError: gmsh or a system library that it needs is missing.
+    """
+    try:
+        import gmsh
+
+        running = bool(gmsh.isInitialized())
+        if not running:  # not interruptible: the handler of Ctrl-C stays ours
+            gmsh.initialize(readConfigFiles=False, interruptible=False)
+    except (ImportError, OSError, AttributeError) as failure:
+        reason = str(failure).splitlines()[0] if str(failure) else type(failure).__name__
+        from masonry_cd.errors import InputError
+
+        raise InputError(f"gmsh does not start ({reason}); on Debian and Ubuntu: apt-get install {PACKAGES}") from None
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.add("structure")
+        yield gmsh
+        gmsh.model.remove()
+    finally:
+        if not running:
+            gmsh.finalize()
