@@ -124,7 +124,7 @@ def _parse(table: Mapping[str, Any], where: str) -> LoadTable:
     kind = table.get("kind")
     if kind is None:
         raise InputError(f"{where}.kind: missing; kinds: {', '.join(KINDS)}")
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise InputError(f'{where}.kind: unknown kind "{kind}"{suggest(str(kind), KINDS)}; kinds: {", ".join(KINDS)}')
     return parse_table(KINDS[kind][0], table, where)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, TypeVar, get_args
 
@@ -10,9 +11,26 @@ from pydantic import BaseModel, ValidationError
 
 Model = TypeVar("Model", bound=BaseModel)
 
+QUOTED = 300  # most characters of a value that a message quotes
+
 
 class InputError(ValueError):
     """Something the user gave is wrong. The message is one line; the command line prints it and exits with 2."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(one_line(message))
+
+
+def one_line(message: str) -> str:
+    """A message that a terminal can show: control characters and lone surrogates by their codes, quoted values and endless words cut."""
+    shown = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in message)
+    shown = re.sub(r'"([^"]*)"', lambda quoted: f'"{_cut(quoted.group(1), QUOTED)}"', shown)
+    return re.sub(r"\S+", lambda word: _cut(word.group(), 2 * QUOTED), shown)
+
+
+def _cut(text: str, most: int) -> str:
+    """At most so many characters of a text."""
+    return text if len(text) <= most else text[:most] + " ..."
 
 
 def suggest(word: str, known: Iterable[str]) -> str:
@@ -51,7 +69,7 @@ def _first_line(failure: ValidationError, model: type[BaseModel], where: str) ->
         return f"{key}: missing"
     message = first["msg"].removeprefix("Value error, ")
     given = first.get("input")
-    shown = f", got {given!r}" if isinstance(given, (str, int, float, bool)) else ""
+    shown = f", got {_cut(repr(given), QUOTED)}" if isinstance(given, (str, int, float, bool)) else ""
     return f"{key}: {message[0].lower()}{message[1:]}{shown}"
 
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import sys
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -226,6 +227,13 @@ class _Tables(_Table):
     run: dict[str, Any]
     report: dict[str, Any] = {}
 
+    @field_validator("title")
+    @classmethod
+    def _is_plain(cls, value: str | None) -> str | None:
+        if value is not None and "\0" in value:  # result files take none
+            raise ValueError("holds a NUL character")
+        return value
+
     @field_validator("structure", "material", "run", "report", mode="before")
     @classmethod
     def _is_table(cls, value: object) -> object:
@@ -328,6 +336,10 @@ def _parse_toml(text: str, path: Path) -> dict[str, Any]:
         message = re.match(r"(.*?) \(at (?:line (\d+), column \d+|end of document)\)", str(failure))
         what, line = (message.group(1), message.group(2)) if message else (str(failure), None)
         raise InputError(f"{path}:{line or text.count(chr(10)) + 1}: not valid TOML: {what[0].lower()}{what[1:]}") from None
+    except ValueError:  # of a number that Python does not convert
+        raise InputError(f"{path}: a number of more than {sys.get_int_max_str_digits()} digits") from None
+    except RecursionError:
+        raise InputError(f"{path}: lists or tables nested too deep") from None
 
 
 def _override(tables: dict[str, Any], override: str) -> None:

@@ -12,6 +12,7 @@ level are left alone, so that a program may keep its own notes in the same file.
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -25,7 +26,7 @@ from structures import meshfile
 from structures.checks import Unsound, check, check_shells
 from structures.convex import split
 from structures.gaps import close_gaps
-from structures.keys import Length
+from structures.keys import Length, is_file
 from structures.tidy import tidy
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
@@ -76,7 +77,7 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
     """Read the block file that a [structure] table names; the notes tell what closing gaps has moved."""
     keys = parse_table(FileTable, table, "structure")
     path = Path(keys.path)
-    if not (folder / path).is_file():
+    if not is_file(folder / path):
         raise InputError(f'structure.path: no file "{path}" in {folder}' if not path.is_absolute() else f'structure.path: no file "{path}"')
     path = folder / path
     is_mesh = path.suffix.lower() in meshfile.FORMATS
@@ -174,6 +175,10 @@ def _load(path: Path) -> dict[str, Any]:
         raise InputError(f"{path.name}: no JSON text") from None
     except json.JSONDecodeError as failure:
         raise InputError(f"{path.name}: line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
+    except ValueError:  # of a number that Python does not convert
+        raise InputError(f"{path.name}: a number of more than {sys.get_int_max_str_digits()} digits") from None
+    except RecursionError:
+        raise InputError(f"{path.name}: lists or objects nested too deep") from None
     if not isinstance(content, dict):
         raise InputError(f'{path.name}: must be an object with the key "blocks"')
     return content

@@ -95,6 +95,9 @@ def _check_names(blocks: Sequence[Block]) -> None:
         if block.name in seen:
             raise Unsound(f'block "{block.name}": two blocks have this name', [block.name])
         seen.add(block.name)
+        for what, word in (("name", block.name), ("group", block.group)):
+            if any(c < " " or "\ud800" <= c <= "\udfff" for c in word):  # results and terminals take neither
+                raise Unsound(f'block "{block.name}": its {what} has control characters or halves of a character', [block.name])
         if not 0 < block.density < np.inf:
             raise Unsound(f'block "{block.name}": density must be above 0 kg/m3, got {block.density:g}', [block.name])
 

@@ -29,13 +29,13 @@ from masonry_cd.blocks import Block, mass_properties
 from masonry_cd.errors import InputError, parse_table
 from structures import foreign, prism
 from structures.blockfile import METRES, sound
-from structures.keys import Length
+from structures.keys import Length, is_file
 from structures.meshfile import mended, placed
 
 SUFFIXES = (".geo", ".step", ".stp", ".brep")
 FILLED = 1e-6  # volume of the blocks relative to that of a solid with flat faces
 DAY = 86400.0  # [s]
-SECONDS = 600.0  # of processor time, unless the scene says otherwise [s]: some thousand stones; the cost grows with the square of a course
+SECONDS = 600.0  # of processor time, unless the scene says otherwise [s]: towers of 35 to 63 stones take 1 to 4 s
 
 
 class SolidTable(BaseModel):
@@ -115,7 +115,7 @@ def _scale(keys: SolidTable, path: Path) -> float:
     """Metres per unit of the file; STEP files are read in metres."""
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f'structure.path: "{keys.path}" is no solid; known: {", ".join(SUFFIXES)}')
-    if not path.is_file():
+    if not is_file(path):
         raise InputError(f'structure.path: no file "{keys.path}"')
     states = path.suffix.lower() in (".step", ".stp")
     if states and keys.units is not None:

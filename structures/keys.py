@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -10,6 +11,14 @@ Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Height = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Place = Annotated[float, Field(allow_inf_nan=False)]
 HeadShape = Literal["lintel", "flat", "segmental", "round"]
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; no name that the system does not take is one."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
 
 
 class Table(BaseModel):

@@ -37,9 +37,11 @@ def read_stl(path: Path) -> Answer:
     points, index = np.unique(np.asarray(soup.vertices, dtype=float), axis=0, return_inverse=True)
     faces = index.ravel()[np.asarray(soup.faces)]
     groups = trimesh.graph.connected_component_labels(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]]), len(points))
+    shell = groups[faces[:, 0]]
+    order = np.argsort(shell, kind="stable")
+    members = np.split(order, np.flatnonzero(np.diff(shell[order])) + 1)  # triangles of each shell, in the order of the file
     found: list[Piece] = []
-    for label in dict.fromkeys(groups[faces[:, 0]]):
-        own = faces[groups[faces[:, 0]] == label]
+    for own in (faces[member] for member in sorted(members, key=lambda member: int(member[0]))):
         used, local = np.unique(own, return_inverse=True)
         loops = tuple(tuple(int(i) for i in row) for row in local.reshape(-1, 3))
         found.append((len(found), f"b{len(found)}", points[used], loops))
