@@ -15,6 +15,7 @@ could still write where the user may, and is only read where the scene says that
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import resource
@@ -41,6 +42,7 @@ MEMORY = 4 * GIB  # addresses [B]: gmsh takes 0.4 GiB and VTK with its readers 0
 OUTPUT = GIB  # largest file that a child may write [B], its answer of some 100 B per corner among them
 SECONDS = 120.0  # processor time [s]: an STL of 20,000 boxes takes 6, a VTU 3
 WAIT = 2.0  # wall time, in processor times: another program may have the core, but a child that only waits has to end
+PR_SET_PDEATHSIG = 1  # of prctl, see linux/prctl.h
 SHOWN = 300  # most characters of a child's message
 CHILD = """import json, sys
 request = json.load(open("request.json", encoding="utf-8"))
@@ -149,6 +151,7 @@ def serve(request: Mapping[str, Any]) -> None:
 
     Ends without the libraries' own clearing up, which is a place to crash, too.
     """
+    _end_with_caller()
     limits, file = Limits(*request["limits"]), request["file"]
     whole = max(1, round(limits.seconds))
     resource.setrlimit(resource.RLIMIT_CPU, (whole, whole + 1))
@@ -167,6 +170,12 @@ def serve(request: Mapping[str, Any]) -> None:
         what = str(failure).strip() or type(failure).__name__
         _refuse(f"{Path(file).name}: cannot be read: {what.splitlines()[0]}")
     os._exit(0)
+
+
+def _end_with_caller() -> None:
+    """Have the kernel end this process when the caller is killed (Linux; elsewhere the limits of time do)."""
+    with suppress(AttributeError, OSError):
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def _refuse(message: str) -> None:

@@ -121,7 +121,7 @@ def test_what_a_file_started_ends_with_it(tmp_path: Path, capfd: pytest.CaptureF
     assert not Path(f"/proc/{number}/cmdline").exists() or b"sleep" not in Path(f"/proc/{number}/cmdline").read_bytes()
 
 
-@pytest.mark.parametrize(("name", "seed"), [("wall.step", 3), ("wall.brep", 7)])  # four crash in OpenCASCADE; two go round for ever
+@pytest.mark.parametrize(("name", "seed"), [("wall.step", 3), ("wall.brep", 7)])  # some crash in OpenCASCADE, some go round for ever
 def test_damaged_models_end_in_one_line(tmp_path: Path, name: str, seed: int, model, capfd: pytest.CaptureFixture[str]) -> None:
     whole = model(name)
     capfd.readouterr()
