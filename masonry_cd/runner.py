@@ -233,6 +233,7 @@ def run(
         report = _resumed(save_to, stepper, recorder, rests)
     else:
         recorder.frame(measure_joints(joints, stepper.assembly, stepper.state))
+        writer.flush()
     saved = clock.monotonic()
     try:
         while stepper.load_step < steps:
