@@ -24,6 +24,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.explain import left_out
 from masonry_cd.joints import Joints, find_joints
 from masonry_cd.load_outcome import joints_in_words, outcome, outcome_lines
+from masonry_cd.lock import locked
 from masonry_cd.planar import find_plane
 from masonry_cd.progress import Interrupt, Progress, in_words, length, said_if_slow
 from masonry_cd.rests import Rests
@@ -142,7 +143,8 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     finishes what was left to write.
 
     Raises:
-        InputError: with ``resume``, a folder without a checkpoint or with one of another scene; a step to dump that the run does not make.
+        InputError: with ``resume``, a folder without a checkpoint or with one of another scene; a step to dump that the run does not make;
+            a folder that another run writes into.
 
     Returns:
         the summary, as in summary.json; its ``stopped`` says why the run ended early, empty when it did not, and ``signal`` the number of
@@ -153,16 +155,17 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     saved, dumped = folder / checkpoint.NAME, Dump(folder, dump)
     loading = case.loading
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
-    if resume:
-        mended = checkpoint.mend(saved)
-        dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, settings.steps)
-    else:
-        mended = ""
+    if not resume:
         dumped.check(1, settings.steps)
         _settle(stepper, scene)
-        _clear(folder)
-    stepper.watch = dumped if dump else None
-    with Interrupt() as interrupt:
+    with locked(folder), Interrupt() as interrupt:
+        mended = ""
+        if resume:
+            mended = checkpoint.mend(saved)
+            dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, settings.steps)
+        else:
+            _clear(folder)
+        stepper.watch = dumped if dump else None
         report = _steps(case, stepper, folder, interrupt, quiet, resume)
         interrupt.at_once = not report.signal  # from here on nothing is torn
         summary = _summary(case, report) | {
@@ -173,6 +176,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
         summary = _write_rest(case, folder, report, summary, case.seconds - begin)
         if not report.stopped:
             checkpoint.remove(saved)
+        interrupt.at_once = False
     return summary
 
 
@@ -220,8 +224,7 @@ def _settle(stepper: Stepper, scene: Scene) -> None:
 
 
 def _clear(folder: Path) -> None:
-    """Make the folder of a run, without what a former run left there."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Take away what a former run left in a folder."""
     former = (name for pattern in ("crack_map_*s.png", FILES) for name in folder.glob(pattern))
     for old in (*(folder / name for name in OUTPUTS), *former):
         old.unlink(missing_ok=True)

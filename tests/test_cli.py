@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import math
+import os
 import signal
 import subprocess
 import sys
@@ -25,6 +26,7 @@ from masonry_cd.friction import LocalProblem
 from masonry_cd.problem_files import write_problem
 from masonry_cd.progress import Interrupt
 from masonry_cd.results import Results
+from masonry_cd.stepping import Stepper
 
 SUMMARY_KEYS = {
     "blocks", "joints", "steps", "wall_seconds", "stepping_seconds", "contacts_mean", "contacts_max", "penetration_max",
@@ -297,6 +299,36 @@ def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path,
     assert (result.exit_code, result.stderr) == (0, "")
     assert json.loads((out / "summary.json").read_text())["steps"] == 10
     assert not list(out.glob("checkpoint*"))
+
+
+def test_a_folder_belongs_to_one_run_at_a_time(block_on_plate, tmp_path, monkeypatch):
+    scene, out, second = block_on_plate(duration="duration = 0.01"), tmp_path / "out", []
+    advance = Stepper.step
+
+    def step(self: Stepper) -> object:
+        if (out / "run.lock").exists() and not second:
+            second.append(None)
+            second[0] = masonry_cd("run", scene, "-o", out, "-q", "--force")
+        return advance(self)
+
+    monkeypatch.setattr(Stepper, "step", step)
+    assert masonry_cd("run", scene, "-o", out, "-q").exit_code == 0
+    assert second[0].exit_code == 2
+    assert f"another run writes there (process {os.getpid()} on " in second[0].stderr
+    assert len(second[0].stderr.splitlines()) == 1
+    assert not (out / "run.lock").exists()
+
+
+def test_the_lock_of_a_dead_run_is_taken_over(block_on_plate, tmp_path):
+    scene, out = block_on_plate(duration="duration = 0.01"), tmp_path / "out"
+    take = f"held = locked(pathlib.Path({str(out)!r})); held.__enter__(); os._exit(9)"
+    code = f"import os, pathlib; from masonry_cd.lock import locked; {take}"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 9
+    holder = json.loads((out / "run.lock").read_text())
+    assert masonry_cd("run", scene, "-o", out, "-q").exit_code == 0
+    for change in ({"pid": os.getpid()}, {"host": "elsewhere"}):  # the number is in use again, by another process; not to be known
+        (out / "run.lock").write_text(json.dumps(holder | change))
+        assert masonry_cd("run", scene, "-o", out, "-q", "--force").exit_code == (2 if "host" in change else 0)
 
 
 def test_what_follows_the_steps_can_be_finished(block_on_plate, tmp_path, monkeypatch):
