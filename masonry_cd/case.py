@@ -17,12 +17,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd import __version__, checkpoint, resolution
+from masonry_cd.atomic import part_of, replacing
 from masonry_cd.blocks import Assembly, Block
 from masonry_cd.dump import FILES, Dump
 from masonry_cd.errors import InputError
 from masonry_cd.explain import left_out
 from masonry_cd.joints import Joints, find_joints
 from masonry_cd.load_outcome import joints_in_words, outcome, outcome_lines
+from masonry_cd.lock import locked
 from masonry_cd.planar import find_plane
 from masonry_cd.progress import Interrupt, Progress, in_words, length, said_if_slow
 from masonry_cd.rests import Rests
@@ -39,6 +41,7 @@ from masonry_cd.warmup import compile_kernels, keeps
 if TYPE_CHECKING:
     from loads import Loading
 
+RESULTS, SUMMARY = "result.h5", "summary.json"
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
     "damage_shocks.csv", "crack_map.png", "crack_map.gif", "energy.png", "report.html", "report.pdf",
@@ -136,47 +139,78 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
         resume: go on from the folder's checkpoint, with the scene that it was made by.
         dump: steps whose friction problems are written, see :mod:`masonry_cd.dump`.
 
+    Ctrl-C, SIGTERM, SIGHUP and SIGQUIT end the run after its step; once the steps are done they raise Interrupted, and ``resume``
+    finishes what was left to write.
+
     Raises:
-        InputError: with ``resume``, a folder without a checkpoint or with one of another scene; a step to dump that the run does not make.
+        InputError: with ``resume``, a folder without a checkpoint or with one of another scene; a step to dump that the run does not make;
+            a folder that another run writes into.
 
     Returns:
-        the summary, as in summary.json; its ``stopped`` says why the run ended early, empty when it did not.
+        the summary, as in summary.json; its ``stopped`` says why the run ended early, empty when it did not, and ``signal`` the number of
+        the signal that ended it.
     """
     begin = time.perf_counter()
     scene, settings = case.scene, case.scene.run
-    file, saved = folder / "result.h5", folder / checkpoint.NAME
-    dumped = Dump(folder, dump)
-    dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1 if resume else 1, settings.steps)
+    saved, dumped = folder / checkpoint.NAME, Dump(folder, dump)
     loading = case.loading
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
     if not resume:
+        dumped.check(1, settings.steps)
         _settle(stepper, scene)
-        _clear(folder)
-    stepper.watch = dumped if dump else None
+    with locked(folder), Interrupt() as interrupt:
+        mended = ""
+        if resume:
+            mended = checkpoint.mend(saved)
+            dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, settings.steps)
+        else:
+            _clear(folder)
+        stepper.watch = dumped if dump else None
+        report = _steps(case, stepper, folder, interrupt, quiet, resume)
+        interrupt.at_once = not report.signal  # from here on nothing is torn
+        summary = _summary(case, report) | {
+            "dumped": [path.name for path in dumped.written],
+            "explanation": left_out(scene, stepper, report),
+            "warnings": [*([mended] if mended else []), *case.warnings, *dumped.warnings()],
+        }
+        summary = _write_rest(case, folder, report, summary, case.seconds - begin)
+        if not report.stopped:
+            checkpoint.remove(saved)
+        interrupt.at_once = False
+    return summary
+
+
+def _steps(case: Case, stepper: Stepper, folder: Path, interrupt: Interrupt, quiet: bool, resume: bool) -> RunReport:
+    """Make the steps of a run and write result.h5."""
+    settings, loading, saved = case.scene.run, case.loading, folder / checkpoint.NAME
     rests = Rests(case.assembly, loading.pauses, loading.shocks, settings.steps) if loading.shocks else None
-    interrupt, show = Interrupt(), Progress(settings.steps, quiet)
+    show = Progress(settings.steps, quiet)
 
     def progress(done: int) -> None:
         show(done)
         interrupt.check()
 
-    with interrupt, _writer(case, file, saved, resume) as writer, show:
-        report = run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, rests)
-    summary = _summary(case, report) | {"dumped": [path.name for path in dumped.written], "explanation": left_out(scene, stepper, report)}
-    with Results.open(file) as results:
+    with _writer(case, folder / RESULTS, saved, resume) as writer, show:
+        return run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, rests)
+
+
+def _write_rest(case: Case, folder: Path, report: RunReport, summary: dict[str, Any], since: float) -> dict[str, Any]:
+    """Write what a run yields beside result.h5; return its summary, whose seconds count from a reading of the clock."""
+    scene, settings = case.scene, case.scene.run
+    with Results.open(folder / RESULTS) as results:
         summary |= write_damage(results, folder, scene.report) | outcome(case, results)
         fast = resolution.after_run(case.assembly, results, settings.dt)
         gravity = float(np.linalg.norm(settings.gravity))
-        restless = resolution.restless(results, loading.pauses, gravity, settings.dt, settings.tolerance)
-        summary["warnings"] = [*_warnings(summary), *case.warnings, *fast, *restless, *dumped.warnings()]
-        summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
-        write_json(summary, folder / "summary.json")  # before the pictures, which may fail for want of a library
+        restless = resolution.restless(results, case.loading.pauses, gravity, settings.dt, settings.tolerance)
+        summary["warnings"] = [*_warnings(summary), *summary["warnings"], *fast, *restless]
+        summary["wall_seconds"] = since + time.perf_counter()
+        write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
         if scene.report.asks and not report.stopped:
             from reports import outputs
 
             summary |= outputs.write_asked(results, folder, scene.report, summary)
-            summary["wall_seconds"] = case.seconds + time.perf_counter() - begin
-            write_json(summary, folder / "summary.json")
+            summary["wall_seconds"] = since + time.perf_counter()
+            write_json(summary, folder / SUMMARY)
     return summary
 
 
@@ -190,11 +224,11 @@ def _settle(stepper: Stepper, scene: Scene) -> None:
 
 
 def _clear(folder: Path) -> None:
-    """Make the folder of a run, without what a former run left there."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Take away what a former run left in a folder."""
     former = (name for pattern in ("crack_map_*s.png", FILES) for name in folder.glob(pattern))
     for old in (*(folder / name for name in OUTPUTS), *former):
         old.unlink(missing_ok=True)
+        part_of(old).unlink(missing_ok=True)
     checkpoint.remove(folder / checkpoint.NAME)
 
 
@@ -202,11 +236,11 @@ def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
     """The writer of a new result file, or of one that is gone on with."""
     if not resume:
         return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title)
-    rows = checkpoint.load(saved)[1]["rows"]
+    numbers = checkpoint.load(saved)[1]
     with Results.open(file) as results:
         if results.scene != case.scene.text:
             raise InputError(f"{file}: made by another scene; resume with the same scene file and the same --set")
-    return ResultWriter.resumed(file, rows)
+    return ResultWriter.resumed(file, numbers["rows"], numbers["mark"])
 
 
 def write_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:
@@ -241,6 +275,7 @@ def _summary(case: Case, report: RunReport) -> dict[str, Any]:
         "title": case.scene.title,
         "version": __version__,
         "stopped": report.stopped,
+        "signal": report.signal,
         "steps": report.steps,
         "steps_asked": settings.steps,
         "dt": settings.dt,
@@ -283,7 +318,8 @@ def write_json(summary: dict[str, Any], path: Path) -> None:
             value = value.item()
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
-    path.write_text(json.dumps(plain(summary), indent=2) + "\n", encoding="utf-8")
+    with replacing(path) as part:
+        part.write_text(json.dumps(plain(summary), indent=2) + "\n", encoding="utf-8")
 
 
 def closing_lines(summary: dict[str, Any]) -> list[str]:

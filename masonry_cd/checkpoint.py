@@ -1,11 +1,13 @@
 """Checkpoints: all that a run needs to go on to the bit as if it had not been stopped.
 
-``checkpoint.npz`` lies beside result.h5 and is replaced as a whole (written aside, then renamed), so a kill at any moment leaves the
-last one intact. It says how many rows of result.h5 belong to it; what the file holds beyond them is computed again.
+``checkpoint.npz`` lies beside result.h5 and is replaced as a whole, so a kill at any moment leaves the last one intact; the one before it
+is kept as ``checkpoint_before.npz``. It says how many rows of result.h5 belong to it, with a mark by which these are told from others;
+what the file holds beyond them is computed again. A checksum tells a damaged one.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Mapping
@@ -14,51 +16,89 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import part_of, replacing
 from masonry_cd.errors import InputError
 
 NAME = "checkpoint.npz"
-PART = ".part"  # ends the name of one that is being written
-FORMAT = 3  # of what a stepper writes; raised when what it holds changes
+FORMAT = 4  # of what a stepper writes; raised when what it holds changes
+NOTHING = "nothing to resume from: the run ended, or was stopped before its first checkpoint"
+
+
+class Damaged(InputError):
+    """A checkpoint whose bytes are not those that were written."""
+
+
+def before(path: Path) -> Path:
+    """Where the checkpoint before the last one is kept."""
+    return path.with_name(f"{path.stem}_before{path.suffix}")
 
 
 def save(path: Path, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
-    """Write arrays and JSON-able numbers in one stroke."""
-    aside = path.with_suffix(PART)
-    with open(aside, "wb") as file:
-        np.savez(file, **arrays, numbers=np.array(json.dumps(dict(numbers) | {"format": FORMAT})))  # type: ignore[arg-type]
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(aside, path)
+    """Write arrays and JSON-able numbers in one stroke, and keep what was there as the one before."""
+    text = json.dumps(dict(numbers) | {"format": FORMAT})
+    with replacing(path) as part:
+        with open(part, "wb") as file:
+            np.savez(file, **arrays, numbers=np.array(text), checksum=np.array(_checksum(arrays, text)))  # type: ignore[arg-type]
+            file.flush()
+            os.fsync(file.fileno())
+        if path.exists():
+            path.replace(before(path))
 
 
 def remove(path: Path) -> None:
-    """Take a checkpoint away, and what a kill has left of the next one."""
-    path.unlink(missing_ok=True)
-    path.with_suffix(PART).unlink(missing_ok=True)
+    """Take a checkpoint and the one before it away, and what a kill has left of the next one."""
+    for file in (path, before(path), part_of(path)):
+        file.unlink(missing_ok=True)
 
 
 def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Read what :func:`save` wrote.
 
     Raises:
-        InputError: there is none, it cannot be read, or another version of the program wrote it.
+        Damaged: it cannot be read, or its checksum is another.
+        InputError: there is none, or another version of the program wrote it.
     """
-    require(path)
+    if not path.exists():
+        raise InputError(f"{path}: {NOTHING}")
     try:
         with np.load(path, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files if name != "numbers"}
-            numbers = json.loads(str(stored["numbers"]))
-    except (OSError, ValueError, KeyError) as reason:
-        raise InputError(f"{path}: not a readable checkpoint: {reason}") from None
+            arrays = {name: stored[name] for name in stored.files if name not in ("numbers", "checksum")}
+            text = str(stored["numbers"])
+            numbers, checksum = json.loads(text), str(stored["checksum"]) if "checksum" in stored.files else None
+    except Exception as reason:  # damaged bytes make the readers of zip files, arrays and JSON raise whatever they like
+        raise Damaged(f"{path}: not a readable checkpoint: {_in_a_line(reason)}") from None
     if numbers.get("format") != FORMAT:
         raise InputError(f"{path}: written by another version of masonry_cd, which alone can go on from it; --force starts anew")
+    if checksum != _checksum(arrays, text):
+        raise Damaged(f"{path}: not a readable checkpoint: its checksum is not that of its content")
     return arrays, numbers
+
+
+def mend(path: Path) -> str:
+    """Put the checkpoint before the last one in its place where the last one is damaged or gone; return a line that says so, or "".
+
+    Raises:
+        InputError: none that can be read.
+    """
+    older, line = before(path), ""
+    if path.exists():
+        try:
+            load(path)
+            return ""
+        except Damaged as reason:
+            if not older.exists():
+                raise
+            line = f"{reason}; going on from the one before it"
+    require(path)
+    load(older)
+    older.replace(path)
+    return line
 
 
 def require(path: Path) -> None:
     """Raise an InputError where there is no checkpoint."""
-    if not path.exists():
-        raise InputError(f"{path}: nothing to resume from: the run ended, or was stopped before its first checkpoint")
+    if not path.exists() and not before(path).exists():
+        raise InputError(f"{path}: {NOTHING}")
 
 
 def prefixed(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -70,3 +110,18 @@ def part(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]
     """The arrays under ``prefix/``, without it."""
     head = prefix + "/"
     return {name.removeprefix(head): array for name, array in arrays.items() if name.startswith(head)}
+
+
+def _checksum(arrays: Mapping[str, np.ndarray], text: str) -> str:
+    """SHA-256 of names, types, shapes and bytes of all arrays, and of the numbers as text."""
+    digest = hashlib.sha256(text.encode())
+    for name in sorted(arrays):
+        array = np.asarray(arrays[name])
+        digest.update(f"{name} {array.dtype.str} {array.shape} ".encode())
+        digest.update(array.tobytes())
+    return digest.hexdigest()
+
+
+def _in_a_line(reason: Exception) -> str:
+    """What an exception says, in one line; its kind where it says nothing."""
+    return " ".join(str(reason).split()) or type(reason).__name__

@@ -1,17 +1,22 @@
 """The command line ``masonry-cd``. Its own imports are light; each command imports what it needs.
 
-Exit codes: 0 done, 1 the run could not go on, 2 bad input (one line says what and where), 130 stopped by Ctrl-C.
+Exit codes: 0 done, 1 the run could not go on, 2 bad input (one line says what and where), 128 + N stopped by the signal N: 130 by Ctrl-C,
+143 by SIGTERM.
 """
 
 from __future__ import annotations
 
+import shlex
+from collections.abc import Sequence
+from contextlib import nullcontext, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from masonry_cd import __version__, cli_numerics
 from masonry_cd.cli_shared import Changes, Folder, Force, Output, Quiet, SceneFile, free_folder, told
+from masonry_cd.progress import Interrupted
 
 if TYPE_CHECKING:
     from masonry_cd.case import Case
@@ -67,9 +72,10 @@ def run(
     """Compute a scene and write its results.
 
     DIR gets result.h5, joints.csv, summary.json, and the pictures that the scene asks for. The whole scene is checked first; bad input
-    is told in one line, with exit code 2, and nothing is written. Ctrl-C ends a run after the current step: the results stay readable
-    up to there, and --resume goes on to the same numbers as an unbroken run. Problems are written to problem_STEP.npz, or where impacts
-    are solved apart to problem_STEP_forces.npz and problem_STEP_impacts.npz, for masonry-cd solve and accuracy.
+    is told in one line, with exit code 2, and nothing is written. Ctrl-C, SIGTERM, SIGHUP and SIGQUIT end a run after its current step:
+    the results stay readable up to there, and --resume goes on to the same numbers as an unbroken run, as it does after a kill. Problems
+    are written to problem_STEP.npz, or where impacts are solved apart to problem_STEP_forces.npz and problem_STEP_impacts.npz, for
+    masonry-cd solve and accuracy.
 
     \b
     Examples:
@@ -95,17 +101,37 @@ def run(
         prepared = case.prepare(asked)
         if not quiet:
             _announce(prepared)
-        summary = case.run_case(prepared, output, quiet, resume, steps)
-        if not quiet:
-            typer.echo("\n".join(case.closing_lines(summary)))
-            if explain:
-                typer.echo("\n".join(["left out, and why:", *(f"- {line}" for line in summary["explanation"])]))
-            written = (name for name in (*case.OUTPUTS, *summary["dumped"]) if (output / name).exists())
-            typer.echo(f"results: {', '.join(str(output / name) for name in written)}")
-        for line in summary["warnings"]:
-            typer.echo(f"masonry-cd: warning: {line}", err=True)
+        go_on = f"masonry-cd: go on with: {_resuming(scene, output, set_ or ())}"
+        try:
+            summary = case.run_case(prepared, output, quiet, resume, steps)
+        except Interrupted:
+            typer.echo(go_on, err=True)
+            raise
+        with suppress(OSError) if summary["signal"] else nullcontext():  # the terminal may be what ended the run
+            _tell_end(summary, output, quiet, explain)
+            if summary["signal"]:
+                typer.echo(go_on, err=True)
     if summary["stopped"]:
-        raise typer.Exit(130 if summary["stopped"].startswith("interrupted") else 1)
+        raise typer.Exit(128 + summary["signal"] if summary["signal"] else 1)
+
+
+def _tell_end(summary: dict[str, Any], output: Path, quiet: bool, explain: bool) -> None:
+    """What a run has come to."""
+    from masonry_cd import case
+
+    if not quiet:
+        typer.echo("\n".join(case.closing_lines(summary)))
+        if explain:
+            typer.echo("\n".join(["left out, and why:", *(f"- {line}" for line in summary["explanation"])]))
+        written = (name for name in (*case.OUTPUTS, *summary["dumped"]) if (output / name).exists())
+        typer.echo(f"results: {', '.join(str(output / name) for name in written)}")
+    for line in summary["warnings"]:
+        typer.echo(f"masonry-cd: warning: {line}", err=True)
+
+
+def _resuming(scene: Path, output: Path, changes: Sequence[str]) -> str:
+    """The command that goes on with a run."""
+    return shlex.join(["masonry-cd", "run", str(scene), "-o", str(output), "--resume", *(word for c in changes for word in ("--set", c))])
 
 
 @app.command()

@@ -10,6 +10,8 @@ from typing import Annotated
 
 import typer
 
+from masonry_cd.progress import Interrupted
+
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).", show_default=False)]
 Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results; made if need be.", show_default=False)]
 Changes = Annotated[
@@ -50,6 +52,9 @@ def told() -> Iterator[None]:
     except MemoryError as error:
         typer.echo(f"masonry-cd: error: not enough memory: {error}", err=True)
         raise typer.Exit(1) from None
+    except Interrupted as asked:
+        typer.echo(f"masonry-cd: {asked}", err=True)
+        raise typer.Exit(128 + asked.number) from None
     except KeyboardInterrupt:
         typer.echo("masonry-cd: interrupted", err=True)
         raise typer.Exit(130) from None

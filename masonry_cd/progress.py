@@ -1,4 +1,4 @@
-"""How far a run is: a bar with the time left on a terminal, a plain line every ten seconds elsewhere; Ctrl-C between steps.
+"""How far a run is: a bar with the time left on a terminal, a plain line every ten seconds elsewhere; signals between steps.
 
 A step may take microseconds, so a call costs no more than a look at the clock until there is something to draw.
 """
@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -54,9 +54,14 @@ class Progress:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self._bar:
             self._show(time.perf_counter() - self._begin)
-            self._bar.stop()
+            with suppress(OSError):
+                self._bar.stop()
 
     def _show(self, elapsed: float) -> None:
+        with suppress(OSError):  # a terminal may go away; the run goes on
+            self._draw(elapsed)
+
+    def _draw(self, elapsed: float) -> None:
         if self._bar:
             self._bar.update(self._task, completed=self.done, refresh=True)
             return
@@ -112,32 +117,57 @@ def said_if_slow(message: str, seconds: float = 3.0, stream: TextIO | None = Non
         timer.cancel()
 
 
-class Interrupt:
-    """Holds Ctrl-C back until :meth:`check` is called, so that no write of the results is torn; a second one acts at once."""
+class Interrupted(KeyboardInterrupt):
+    """A signal that asked the run to end, taken where nothing is torn."""
 
-    def __init__(self) -> None:
-        self.asked = False
-        self._former: Any = None
-        self._main = threading.current_thread() is threading.main_thread()  # elsewhere signals cannot be handled
+    def __init__(self, number: int) -> None:
+        self.number = number
+        super().__init__(f"{'interrupted' if number == signal.SIGINT else f'stopped by {signal.Signals(number).name}'}")
+
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)  # those by which a user, a shell or a batch system ends a run
+
+
+class Interrupt:
+    """Holds Ctrl-C and its like back until :meth:`check` is called, so that nothing is torn; more of them change nothing.
+
+    Args:
+        stream: where the first one is acknowledged; standard error when not given.
+
+    Attributes:
+        number: of the first signal that came, 0 before.
+        at_once: take the next signal where it comes, by raising Interrupted: for work that nothing tears.
+    """
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        self.number, self.at_once = 0, False
+        self._stream, self._told = stream, False
+        self._former: dict[int, Any] = {}
 
     def __enter__(self) -> Interrupt:
-        if self._main:
-            self._former = signal.signal(signal.SIGINT, self._handle)
+        if threading.current_thread() is threading.main_thread():  # elsewhere signals cannot be handled
+            for number in SIGNALS:
+                if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup means it
+                    self._former[number] = signal.signal(number, self._handle)
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._main:
-            signal.signal(signal.SIGINT, self._former)
+        for number, handler in self._former.items():
+            signal.signal(number, handler)
 
     def check(self) -> None:
-        """Raise KeyboardInterrupt if Ctrl-C was pressed since."""
-        if self.asked:
-            raise KeyboardInterrupt
+        """Raise Interrupted if a signal has come."""
+        if self.number:
+            raise Interrupted(self.number)
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
-        if self.asked:
-            raise KeyboardInterrupt
-        self.asked = True
+        self.number = self.number or number
+        if self.at_once:
+            raise Interrupted(number)
+        if not self._told:
+            self._told = True
+            with suppress(OSError, RuntimeError, ValueError):  # a terminal that is gone, or one that is being written to
+                print("finishing the step; results are being written", file=self._stream or sys.stderr, flush=True)
 
 
 def length(value: float, unit: str = "m") -> str:

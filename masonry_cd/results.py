@@ -14,18 +14,22 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /shocks/{name, start, end, frame} (S,)   of a sequence: times [s], and the frame at the end of the rest after each shock
     /shocks/{opening, sliding, rotation, contact_area_loss, first_opening_time} (S, J)   the peaks of the joints up to there
     /blocks/*   the blocks as they were built: a report needs no scene
-    attributes: scene (the text of the scene file), title, versions (JSON)
+    attributes: scene (the text of the scene file), title, versions (JSON), run (a name that no other run has)
 
-The file is in HDF5's single-writer mode (SWMR), so it stays readable while it grows and after a kill at any moment. Memory does
-not grow with the run: frames and steps wait in small buffers only.
+The file is in HDF5's single-writer mode (SWMR), so it stays readable while it grows and after a kill at any moment. It is made as
+result.part.h5 and takes its name only when it is in that mode, with all its datasets. Memory does not grow with the run: frames and
+steps wait in small buffers only.
 """
 
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
+import os
 import platform
 import shutil
+import uuid
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from importlib.metadata import version
@@ -35,6 +39,7 @@ from types import TracebackType
 import h5py
 import numpy as np
 
+from masonry_cd.atomic import part_of
 from masonry_cd.blocks import Assembly, Block
 from masonry_cd.errors import InputError
 from masonry_cd.joints import Joints
@@ -49,80 +54,120 @@ ROOM = 1 << 22  # bytes of the disc that are left free: HDF5 must be able to clo
 
 
 class ResultWriter:
-    """Writes result.h5 as the run goes. Use it as a context manager; leaving it closes the file readable."""
+    """Writes result.h5 as the run goes. Use it as a context manager; leaving it closes the file readable.
+
+    Rows are only buffered by :meth:`append` and :meth:`extend`; :meth:`flush` puts the file into place and makes them survive a kill.
+    Every dataset has to be named before the first flush.
+    """
 
     def __init__(self, path: Path, assembly: Assembly, joints: Joints, scene: str = "", title: str = "") -> None:
-        self.path = Path(path)
-        self._file = h5py.File(path, "w", libver="latest")
-        self._file.attrs.update(scene=scene, title=title, versions=json.dumps(versions()))
+        self._begin(Path(path))
+        self._file.attrs.update(scene=scene, title=title, versions=json.dumps(versions()), run=uuid.uuid4().hex)
         _write_blocks(self._file.create_group("blocks"), assembly.blocks)
         group = self._file.create_group("joints")
         for name in Joints.__dataclass_fields__:
             group[name] = getattr(joints, name)
         for name in JOINT_PEAKS:
             group.create_dataset(f"peak/{name}", data=np.full(joints.count, np.nan))
-        self._pending: dict[str, list[np.ndarray]] = {}
-        self._pending_bytes = 0
-        self._known: set[str] = set()  # datasets that are there: asking HDF5 for each row would cost as much as a small step
-        self._started = False
 
     @classmethod
-    def resumed(cls, path: Path, rows: Mapping[str, int]) -> ResultWriter:
+    def resumed(cls, path: Path, rows: Mapping[str, int], mark: str | None = None) -> ResultWriter:
         """Go on with the file of a run that was stopped or killed, cut back to the given number of rows of each dataset.
 
-        The rows are copied into a new file, since a killed writer leaves its file marked as in use; the old one goes when that is done.
+        The rows are copied into a new file, since a killed writer leaves its file marked as in use; it takes the place of the old one when
+        it is whole and in SWMR mode.
+
+        Args:
+            path: of the file.
+            rows: by dataset, as :meth:`rows` gave them.
+            mark: of the rows, as :meth:`mark` gave it; None does not compare.
 
         Raises:
-            InputError: no result file, or one with fewer rows than the checkpoint counts.
+            InputError: no result file, one with fewer rows than the checkpoint counts, or with others than those of the mark.
         """
-        aside = path.with_suffix(".part")
-        new = cls.__new__(cls)
-        new.path, new._pending, new._pending_bytes, new._started, new._known = path, {}, 0, False, set(rows)
-        with Results.open(path) as old, h5py.File(aside, "w", libver="latest") as file:
-            file.attrs.update(old.file.attrs)
-            for name in ("blocks", "joints/peak", *(f"joints/{name}" for name in Joints.__dataclass_fields__)):
-                old.file.copy(name, file.require_group(str(Path(name).parent)))
+        with Results.open(path) as old:
             for name, count in rows.items():
                 if name not in old.file or len(old.file[name]) < count:
                     raise InputError(f"{path}: holds less than its checkpoint says: it cannot be resumed")
-                _copy_rows(old.file[name], file, name, count)
-        aside.replace(path)
-        new._file = h5py.File(path, "r+", libver="latest")
+            if mark is not None and _mark(old.file, rows) != mark:
+                raise InputError(f"{path}: the checkpoint beside it belongs to other results: it cannot be resumed")
+            new = cls.__new__(cls)
+            new._begin(path)
+            try:
+                new._copy(old.file, rows)
+                new._publish()
+            except BaseException:
+                new._discard()
+                raise
         return new
+
+    def _begin(self, path: Path) -> None:
+        """Open the file under the name that it has until it can be read."""
+        self.path = path
+        self._file = h5py.File(part_of(path), "w", libver="latest")
+        self._pending: dict[str, list[np.ndarray]] = {}
+        self._pending_bytes = 0
+        self._published = False
+        self._known: set[str] = set()  # datasets that are there: asking HDF5 for each row would cost as much as a small step
+
+    def _copy(self, old: h5py.File, rows: Mapping[str, int]) -> None:
+        """Copy a result file, the first rows of what grows."""
+        self._file.attrs.update(old.attrs)
+        for name in ("blocks", "joints/peak", *(f"joints/{name}" for name in Joints.__dataclass_fields__)):
+            old.copy(name, self._file.require_group(str(Path(name).parent)))
+        for name, count in rows.items():
+            _copy_rows(old[name], self._file, name, count)
+        self._known.update(rows)
+
+    def _publish(self) -> None:
+        """Make the file readable while it is written, and only then give it its name."""
+        if not self._published:
+            if not self._file.swmr_mode:
+                self._file.swmr_mode = True  # no dataset may be created from here on
+            self._file.flush()
+            part_of(self.path).replace(self.path)
+            self._published = True
+
+    def _discard(self) -> None:
+        """Close the file and take away what never got its name."""
+        self._file.close()
+        part_of(self.path).unlink(missing_ok=True)
 
     def rows(self) -> dict[str, int]:
         """Rows written so far of each dataset that grows."""
-        found: dict[str, int] = {}
+        return {name: len(self._file[name]) for name in sorted(self._known)}
 
-        def visit(name: str, item: object) -> None:
-            if isinstance(item, h5py.Dataset) and item.maxshape[:1] == (None,):
-                found[name] = len(item)
-
-        self._file.visititems(visit)
-        return found
+    def mark(self) -> str:
+        """What tells the rows written so far from those of any other run: a digest of its name and the last row of each dataset."""
+        return _mark(self._file, self.rows())
 
     def __enter__(self) -> ResultWriter:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
+        if error is None:
+            self.close()
+            return
+        with contextlib.suppress(Exception):  # one that follows from the error must not hide it
+            self.close()
 
     def append(self, rows: Mapping[str, np.ndarray | float]) -> None:
         """Append one row to each named dataset, e.g. ``{"time": 0.1, "position": (B, 3)}``."""
         self._extend({name: np.asarray(row)[None] for name, row in rows.items()})
 
     def extend(self, rows: Mapping[str, np.ndarray]) -> None:
-        """Append many rows, the first axis of each array, to each named dataset."""
+        """Append many rows, the first axis of each array, to each named dataset; no rows make the dataset alone."""
         self._extend(rows)
 
     def _extend(self, rows: Mapping[str, np.ndarray]) -> None:
         for name, array in rows.items():
             if name not in self._known:
                 self._create(name, array)
-            self._pending.setdefault(name, []).append(np.array(array))
-            self._pending_bytes += array.nbytes
+            if len(array):
+                self._pending.setdefault(name, []).append(np.array(array))
+                self._pending_bytes += array.nbytes
         if self._pending_bytes > BUFFER_BYTES:
-            self.flush()
+            self._write()
 
     def _create(self, name: str, array: np.ndarray) -> None:
         _growing(self._file, name, array.shape[1:], array.dtype)
@@ -134,15 +179,23 @@ class ResultWriter:
         Raises:
             OSError: no room on the disc. What was written before is kept, and stays readable.
         """
+        self._write()
+        self._publish()
+
+    def sync(self) -> None:
+        """Wait until what was flushed is on the disc, so that it survives a loss of power as well."""
+        self._file.flush()
+        os.fsync(self._file.id.get_vfd_handle())
+
+    def _write(self) -> None:
+        """Hand what waits in the buffers to HDF5."""
         if (free := shutil.disk_usage(self.path.parent).free) < self._pending_bytes + ROOM:  # HDF5 itself would not survive it
             raise OSError(f"{self.path}: no room on the disc ({free / 1e6:.2g} MB left); the results before are kept")
-        if not self._started and self._pending:
-            self._file.swmr_mode = True  # no dataset may be created from here on
-            self._started = True
         for name, parts in self._pending.items():
             dataset, rows = self._file[name], np.concatenate(parts)
-            dataset.resize(len(dataset) + len(rows), axis=0)
-            dataset[-len(rows) :] = rows
+            there = len(dataset)
+            dataset.resize(there + len(rows), axis=0)
+            dataset[there:] = rows
             dataset.flush()
         self._pending.clear()
         self._pending_bytes = 0
@@ -154,12 +207,14 @@ class ResultWriter:
             self._file[f"joints/peak/{name}"].flush()
 
     def close(self) -> None:
-        """Write what is left and close the file."""
+        """Write what is left and close the file; one that never got a row goes."""
         if self._file:
             try:
-                self.flush()
+                if self._known:
+                    self.flush()
             finally:
                 self._file.close()
+                part_of(self.path).unlink(missing_ok=True)
 
 
 class Results:
@@ -277,6 +332,16 @@ def _copy_rows(old: h5py.Dataset, file: h5py.File, name: str, count: int) -> Non
     block = max(1, (8 << 20) // max(1, int(np.prod(old.shape[1:])) * old.dtype.itemsize))
     for first in range(0, count, block):
         new[first : first + block] = old[first : min(first + block, count)]
+
+
+def _mark(file: h5py.File, rows: Mapping[str, int]) -> str:
+    """A digest of the run's name and of the last of so many rows of each dataset."""
+    digest = hashlib.sha256(str(file.attrs.get("run", "")).encode())
+    for name, count in sorted(rows.items()):
+        digest.update(f"{name} {count} ".encode())
+        if count:
+            digest.update(file[name][count - 1 : count].tobytes())
+    return digest.hexdigest()
 
 
 def versions() -> dict[str, str]:

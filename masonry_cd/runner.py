@@ -1,14 +1,16 @@
 """The run loop: step after step, written down as it goes, with a checkpoint now and then to resume from.
 
-A checkpoint is taken whenever CHECKPOINT_SECONDS have passed. It holds all that later steps depend on, so when it was taken does not
-matter: a resumed run gives the same bits as an unbroken one (but for the seconds that steps took).
+A checkpoint is taken whenever ``run.checkpoint_every`` seconds have passed, and at the end. It holds all that later steps depend on, so
+when it was taken does not matter: a resumed run gives the same bits as an unbroken one (but for the seconds that steps took).
 """
 
 from __future__ import annotations
 
 import re
+import signal
 import time as clock
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,11 +21,11 @@ from masonry_cd import checkpoint
 from masonry_cd.errors import InputError
 from masonry_cd.jams import find_jam, named
 from masonry_cd.joints import JointMeasures, JointPeaks, Joints, joint_parts, measure_joints
+from masonry_cd.progress import Interrupted
 from masonry_cd.rests import Aftermath, Rests, Shock
 from masonry_cd.results import BONDED, JOINT_PEAKS, ResultWriter
 from masonry_cd.stepping import ENERGIES, RunStopped, Stepper, StepReport
 
-CHECKPOINT_SECONDS = 30.0
 DEEP = 0.01  # overlap from which on its blocks are named, as a share of the smallest width
 FASTER = 1.5  # times the closing speed that was last looked into: one that is looked into anew
 ROWS_AT_ONCE = 256  # steps whose numbers are handed to the writer together
@@ -60,6 +62,7 @@ class RunReport:
     solver_reasons: dict[str, int] = field(default_factory=dict)  # how often each reason was given, # for its numbers
     left_out: dict[str, int] = field(default_factory=dict)  # of the detection, see there
     stopped: str = ""  # why the run ended early; empty when it did not
+    signal: int = 0  # the number of the one that stopped it
 
     work_max: float = 0.0  # largest work of the base, gravity or forces, or kinetic energy, so far [J]
 
@@ -170,10 +173,11 @@ class Recorder:
         name = np.array([shock.name.encode()], dtype=f"S{NAME_BYTES}")
         return {"name": name} | {key: np.asarray(value)[None] for key, value in row.items()}
 
-    def flushed_rows(self) -> dict[str, int]:
-        """Write all that waits, and the peaks; return how many rows each dataset now has."""
+    def flushed_rows(self) -> tuple[dict[str, int], str]:
+        """Write all that waits, and the peaks, to the disc; return how many rows each dataset now has, and their mark."""
         self.close()
-        return self._writer.rows()
+        self._writer.sync()
+        return self._writer.rows(), self._writer.mark()
 
     def close(self) -> None:
         """Write the peaks and what waits in the buffers."""
@@ -212,7 +216,9 @@ def run(
 ) -> RunReport:
     """Advance to a number of steps of the loads and write the results as they come.
 
-    A run that cannot go on, or is interrupted from the keyboard, ends early: the report says why, and all frames so far are kept.
+    A run that cannot go on, or whose ``progress`` raises KeyboardInterrupt, ends early: the report says why, and all frames so far
+    are kept. Ctrl-C within a step is for the caller to hold back (:class:`masonry_cd.progress.Interrupt`): otherwise it ends the run
+    without a checkpoint.
 
     Args:
         stepper: at the start of the run.
@@ -221,7 +227,7 @@ def run(
         steps: of the loads, how many in all, those before a resumption included.
         frame_every: steps between two frames; the first and the last state are always written.
         progress: called after each step with the number of steps of the loads done.
-        save_to: file for checkpoints; None takes none. It is removed when the run has come to its end.
+        save_to: file for checkpoints; None takes none. The last is of the end, for who has more to do with the results.
         resume: go on from the checkpoint in ``save_to``; the writer must come from :meth:`ResultWriter.resumed`.
         rests: of loads that come as shocks in a row: steps of the loads may be left out. None: each step is one of the loads.
 
@@ -233,7 +239,8 @@ def run(
         report = _resumed(save_to, stepper, recorder, rests)
     else:
         recorder.frame(measure_joints(joints, stepper.assembly, stepper.state))
-    saved = clock.monotonic()
+        writer.flush()
+    saved, broken = clock.monotonic(), False
     try:
         while stepper.load_step < steps:
             with np.errstate(over="ignore", invalid="ignore"):  # what is not finite stops the run by name
@@ -249,23 +256,36 @@ def run(
                 recorder.frame(now)
             if shock is not None:
                 recorder.shock(_aftermath(shock, before, stepper, recorder.frames - 1))
-            if save_to is not None and clock.monotonic() - saved > CHECKPOINT_SECONDS:
+            if save_to is not None and clock.monotonic() - saved > stepper.settings.checkpoint_every:
                 _save(save_to, stepper, recorder, report, rests)
                 saved = clock.monotonic()
-            if progress is not None:
-                progress(stepper.load_step)
+            if (asked := _asked_to_end(progress, stepper.load_step)) is not None:
+                report.stopped, report.signal = f"{asked} after step {report.steps}", asked.number
+                break
     except RunStopped as reason:
-        report.stopped = str(reason)
-    except KeyboardInterrupt:
-        report.stopped = f"interrupted after step {report.steps}"
-        if save_to is not None and stepper.steps == report.steps:
-            _save(save_to, stepper, recorder, report, rests)
-    finally:
+        report.stopped, broken = str(reason), True
+    except BaseException:
+        with suppress(Exception):  # one that follows from the error must not hide it
+            recorder.close()
+        raise
+    report.left_out = stepper.detector.left_out
+    if save_to is None or broken:
         recorder.close()
-        report.left_out = stepper.detector.left_out
-    if save_to is not None and not report.stopped:
-        checkpoint.remove(save_to)
+    else:
+        _save(save_to, stepper, recorder, report, rests)
     return report
+
+
+def _asked_to_end(progress: Callable[[int], None] | None, done: int) -> Interrupted | None:
+    """Tell the steps done; return the interrupt by which that asks for the end. It comes between steps: nothing is torn."""
+    try:
+        if progress is not None:
+            progress(done)
+    except Interrupted as asked:
+        return asked
+    except KeyboardInterrupt:
+        return Interrupted(signal.SIGINT)
+    return None
 
 
 def _aftermath(shock: Shock, load_step: int, stepper: Stepper, frame: int) -> Aftermath:
@@ -276,10 +296,10 @@ def _aftermath(shock: Shock, load_step: int, stepper: Stepper, frame: int) -> Af
 
 def _save(path: Path, stepper: Stepper, recorder: Recorder, report: RunReport, rests: Rests | None) -> None:
     """Write the results so far to disk, then a checkpoint that counts their rows."""
-    rows = recorder.flushed_rows()
+    rows, mark = recorder.flushed_rows()
     arrays = stepper.snapshot() | checkpoint.prefixed("peaks", vars(recorder.peaks))
     quiet = 0 if rests is None else rests.quiet
-    checkpoint.save(path, arrays, {"report": asdict(report), "rows": rows, "frames": recorder.frames, "quiet": quiet})
+    checkpoint.save(path, arrays, {"report": asdict(report), "rows": rows, "mark": mark, "frames": recorder.frames, "quiet": quiet})
 
 
 def _resumed(path: Path, stepper: Stepper, recorder: Recorder, rests: Rests | None) -> RunReport:
@@ -287,10 +307,12 @@ def _resumed(path: Path, stepper: Stepper, recorder: Recorder, rests: Rests | No
     arrays, numbers = checkpoint.load(path)
     if arrays["position"].shape != stepper.state.position.shape:
         raise InputError(f"{path}: made by another structure ({len(arrays['position'])} blocks); resume with the scene of that run")
+    if (numbers["rows"]["step_time"], numbers["rows"]["time"]) != (numbers["report"]["steps"], numbers["frames"]):
+        raise InputError(f"{path}: counts other steps than the results beside it hold: it cannot be resumed")
     stepper.restore(arrays)
     vars(recorder.peaks).update(checkpoint.part("peaks", arrays))
     recorder.frames = numbers["frames"]
     if rests is not None:
         rests.quiet = numbers["quiet"]
-    report: dict[str, Any] = numbers["report"] | {"stopped": ""}
+    report: dict[str, Any] = numbers["report"] | {"stopped": "", "signal": 0}
     return RunReport(**report)

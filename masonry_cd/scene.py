@@ -151,6 +151,8 @@ class Run(_Table):
     """Cores to use."""
     frames_per_second: Annotated[Number, Field(gt=0)] = 50.0
     """Frames written per second of the simulated time [1/s]."""
+    checkpoint_every: Annotated[Number, Field(ge=0)] = 10.0
+    """Time of the clock between two checkpoints [s]."""
     planar: Flag = True
     """Solve a scene that moves in its plane with half the contacts and three unknowns per block; the answer is the same."""
     islands: Flag = True

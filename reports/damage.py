@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.joints import OPENED as OPENING_IN_RUN
 from masonry_cd.joints import Joints
@@ -227,7 +228,7 @@ def write_joints_csv(table: JointDamage, path: Path) -> None:
     The share that is bonded is a column of runs with bonds only.
     """
     columns = [item.name for item in fields(table) if item.name != BONDED or not np.isnan(table.bonded).all()]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
         writer.writerows(zip(*(map(_text, getattr(table, name).tolist()) for name in columns), strict=True))

@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from reports.grades import NAMES
 from reports.part_damage import PartDamage, Row
 
@@ -43,7 +44,8 @@ def write_part_damage(damage: PartDamage, folder: Path) -> tuple[Path, ...]:
     empty: dict[str, Sequence[str]] = {"hinges.csv": HINGE_COLUMNS}
     for path, rows in zip(paths, (damage.parts, damage.history, damage.hinges, damage.levels), strict=False):
         _write_csv(rows, path, empty.get(path.name, ()))
-    paths[-1].write_text(json.dumps(as_json(damage), indent=1) + "\n", encoding="utf-8")
+    with replacing(paths[-1]) as part:
+        part.write_text(json.dumps(as_json(damage), indent=1) + "\n", encoding="utf-8")
     if not damage.shocks:
         return paths
     _write_csv(damage.shocks, folder / BY_SHOCK)
@@ -113,7 +115,7 @@ def _by_part(history: Sequence[Row]) -> dict[str, Any]:
 
 def _write_csv(rows: Sequence[Row], path: Path, columns: Sequence[str] = ()) -> None:
     """One line per row; lists are joined by blanks, unknown numbers left empty."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(rows[0] if rows else columns)
         writer.writerows([_cell(value) for value in row.values()] for row in rows)

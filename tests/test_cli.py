@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
+import os
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from scipy import sparse
 from typer.testing import CliRunner
 
-from masonry_cd import __version__
+from masonry_cd import __version__, case
 from masonry_cd.case import closing_lines
 from masonry_cd.cli import app
 from masonry_cd.errors import InputError
 from masonry_cd.friction import LocalProblem
 from masonry_cd.problem_files import write_problem
+from masonry_cd.progress import Interrupt
 from masonry_cd.results import Results
+from masonry_cd.stepping import Stepper
 
 SUMMARY_KEYS = {
     "blocks", "joints", "steps", "wall_seconds", "stepping_seconds", "contacts_mean", "contacts_max", "penetration_max",
@@ -214,6 +219,172 @@ def test_ctrl_c_leaves_readable_results(block_on_plate, tmp_path):
         assert results.frames == 1 + steps // 20
         assert len(results.per_step("solver/error")) == steps
         assert np.isfinite(results.position[results.frames - 1]).all()
+
+
+def signals_in(monkeypatch, place: str, call: int, number: int = signal.SIGINT, times: int = 3) -> None:
+    """Raise a signal several times at the end of the n-th call of a method within a run, in the midst of a step or of a write."""
+    module, owner, name = place.rsplit(".", 2)
+    kind = getattr(importlib.import_module(f"masonry_cd.{module}"), owner)
+    original, calls = getattr(kind, name), 0
+
+    def method(self, *args: object) -> object:
+        nonlocal calls
+        calls += isinstance(getattr(signal.getsignal(number), "__self__", None), Interrupt)  # not those that compile the kernels
+        out = original(self, *args)
+        if calls == call:
+            calls += 1
+            for _ in range(times):
+                signal.raise_signal(number)
+        return out
+
+    monkeypatch.setattr(kind, name, method)
+
+
+def datasets(path: Path) -> dict[str, bytes]:
+    """All datasets of a result but the seconds that steps took."""
+    found = {}
+
+    def visit(name: str, item: object) -> None:
+        if isinstance(item, h5py.Dataset) and name != "solver/seconds":
+            found[name] = item[...].tobytes() if item.dtype != object else b"|".join(item[...])
+
+    with h5py.File(path) as file:
+        file.visititems(visit)
+    return found
+
+
+SHAKEN = {"friction": "friction = 0.3", "amplitude": "amplitude = 0.6", "duration": "duration = 0.15"}
+
+
+@pytest.mark.parametrize(
+    ("place", "call"),
+    [
+        ("stepping.Stepper._balance", 77),
+        ("stepping.Stepper._new_velocities", 77),
+        ("runner.Recorder.step", 77),
+        ("runner.Recorder.frame", 3),
+        ("results.ResultWriter.append", 8),
+        ("results.ResultWriter.flush", 2),
+    ],
+)
+def test_interrupts_are_taken_between_steps_only(block_on_plate, tmp_path, monkeypatch, place, call):
+    """However often Ctrl-C is pressed, and wherever: the run goes on to the same bits."""
+    scene = block_on_plate(**SHAKEN)
+    assert masonry_cd("run", scene, "-o", tmp_path / "whole", "-q").exit_code == 0
+    with monkeypatch.context() as pressed:
+        signals_in(pressed, place, call)
+        if place.endswith("flush"):
+            signals_in(pressed, "stepping.Stepper.step", 77, times=1)
+        result = masonry_cd("run", scene, "-o", tmp_path / "out", "-q")
+    assert result.exit_code == 130, result.output
+    assert result.stderr.count("finishing the step; results are being written") == 1
+    steps = json.loads((tmp_path / "out" / "summary.json").read_text())["steps"]
+    with Results.open(tmp_path / "out" / "result.h5") as results:
+        assert len(results.per_step("step_time")) == steps < 150
+    result = masonry_cd("run", scene, "-o", tmp_path / "out", "-q", "--resume")
+    assert result.exit_code == 0, result.output
+    assert datasets(tmp_path / "out" / "result.h5") == datasets(tmp_path / "whole" / "result.h5")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
+def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path, monkeypatch, number):
+    scene, out = block_on_plate(**SHAKEN), tmp_path / "out"
+    signals_in(monkeypatch, "stepping.Stepper.step", 5, number)
+    result = masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01")
+    assert result.exit_code == 128 + number
+    told = result.stderr.splitlines()[-1]
+    assert told == f"masonry-cd: go on with: masonry-cd run {scene} -o {out} --resume --set run.duration=0.01"
+    assert json.loads((out / "summary.json").read_text())["steps"] == 5
+    result = masonry_cd(*told.split()[5:], "-q")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert json.loads((out / "summary.json").read_text())["steps"] == 10
+    assert not list(out.glob("checkpoint*"))
+
+
+def test_a_folder_belongs_to_one_run_at_a_time(block_on_plate, tmp_path, monkeypatch):
+    scene, out, second = block_on_plate(duration="duration = 0.01"), tmp_path / "out", []
+    advance = Stepper.step
+
+    def step(self: Stepper) -> object:
+        if (out / "run.lock").exists() and not second:
+            second.append(None)
+            second[0] = masonry_cd("run", scene, "-o", out, "-q", "--force")
+        return advance(self)
+
+    monkeypatch.setattr(Stepper, "step", step)
+    assert masonry_cd("run", scene, "-o", out, "-q").exit_code == 0
+    assert second[0].exit_code == 2
+    assert f"another run writes there (process {os.getpid()} on " in second[0].stderr
+    assert len(second[0].stderr.splitlines()) == 1
+    assert not (out / "run.lock").exists()
+
+
+def test_the_lock_of_a_dead_run_is_taken_over(block_on_plate, tmp_path):
+    scene, out = block_on_plate(duration="duration = 0.01"), tmp_path / "out"
+    take = f"held = locked(pathlib.Path({str(out)!r})); held.__enter__(); os._exit(9)"
+    code = f"import os, pathlib; from masonry_cd.lock import locked; {take}"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 9
+    holder = json.loads((out / "run.lock").read_text())
+    assert masonry_cd("run", scene, "-o", out, "-q").exit_code == 0
+    for change in ({"pid": os.getpid()}, {"host": "elsewhere"}):  # the number is in use again, by another process; not to be known
+        (out / "run.lock").write_text(json.dumps(holder | change))
+        assert masonry_cd("run", scene, "-o", out, "-q", "--force").exit_code == (2 if "host" in change else 0)
+
+
+def test_what_follows_the_steps_can_be_finished(block_on_plate, tmp_path, monkeypatch):
+    """A run that ended between its last step and its last file: the results are whole, the rest is written by --resume."""
+    scene, out = block_on_plate(**SHAKEN), tmp_path / "out"
+    with monkeypatch.context() as pressed:
+        pressed.setattr(case, "write_damage", lambda *_: signal.raise_signal(signal.SIGINT))
+        result = masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01")
+    assert result.exit_code == 130
+    assert "go on with: masonry-cd run" in result.stderr
+    assert not (out / "summary.json").exists()
+    before = datasets(out / "result.h5")
+    assert masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01", "--resume").exit_code == 0
+    assert json.loads((out / "summary.json").read_text())["steps"] == 10
+    assert (out / "joints.csv").exists()
+    assert datasets(out / "result.h5") == before
+    assert not list(out.glob("checkpoint*"))
+
+
+@pytest.mark.parametrize("place", [5, 0.3, 0.7, 0.99])
+def test_a_damaged_checkpoint_is_one_line_or_gives_way_to_the_one_before(block_on_plate, tmp_path, monkeypatch, place):
+    scene, out = block_on_plate(**SHAKEN), tmp_path / "out"
+    asked = ("run", scene, "-o", out, "-q", "--set", "run.checkpoint_every=0", "--set", "run.duration=0.02")
+    with monkeypatch.context() as pressed:
+        signals_in(pressed, "stepping.Stepper.step", 7)
+        assert masonry_cd(*asked).exit_code == 130
+    newest, older = out / "checkpoint.npz", out / "checkpoint_before.npz"
+    data = bytearray(newest.read_bytes())
+    at = place if place >= 1 else int(place * len(data))
+    data[at : at + 40] = bytes(255 - byte for byte in data[at : at + 40])
+    newest.write_bytes(data)
+    kept = older.read_bytes()
+    older.unlink()
+    result = masonry_cd(*asked, "--resume")
+    assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
+    assert "checkpoint.npz: not a readable checkpoint" in result.stderr
+    older.write_bytes(kept)
+    result = masonry_cd(*asked, "--resume")
+    assert result.exit_code == 0, result.output
+    assert "going on from the one before it" in result.stderr
+    assert json.loads((out / "summary.json").read_text())["steps"] == 20
+
+
+def test_a_checkpoint_goes_on_with_its_own_results_alone(block_on_plate, tmp_path, monkeypatch):
+    scene = block_on_plate(**SHAKEN)
+    for name, call in (("one", 30), ("two", 40)):
+        with monkeypatch.context() as pressed:
+            signals_in(pressed, "stepping.Stepper.step", call)
+            assert masonry_cd("run", scene, "-o", tmp_path / name, "-q").exit_code == 130
+    (tmp_path / "one" / "checkpoint.npz").replace(tmp_path / "two" / "checkpoint.npz")
+    before = (tmp_path / "two" / "result.h5").read_bytes()
+    result = masonry_cd("run", scene, "-o", tmp_path / "two", "-q", "--resume")
+    assert result.exit_code == 2
+    assert result.stderr.endswith("result.h5: the checkpoint beside it belongs to other results: it cannot be resumed\n")
+    assert len(result.stderr.splitlines()) == 1
+    assert (tmp_path / "two" / "result.h5").read_bytes() == before
 
 
 def test_reports_are_redone_from_the_results_alone(block_on_plate, tmp_path):

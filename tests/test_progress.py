@@ -1,16 +1,15 @@
-"""Progress: plain lines where there is no terminal, and Ctrl-C held back to the end of a step."""
+"""Progress: plain lines where there is no terminal, and signals held back to the end of a step."""
 
 from __future__ import annotations
 
 import io
-import os
 import signal
 import time
 
 import pytest
 
 from masonry_cd import progress
-from masonry_cd.progress import Interrupt, Progress, in_words, said_if_slow
+from masonry_cd.progress import Interrupt, Interrupted, Progress, in_words, said_if_slow
 
 
 @pytest.mark.parametrize(
@@ -63,14 +62,28 @@ def test_a_slow_body_is_explained_and_a_quick_one_is_not():
     assert stream.getvalue() == "compiling\n"
 
 
-def test_the_first_interrupt_waits_for_the_check_and_the_second_does_not():
-    former = signal.getsignal(signal.SIGINT)
-    with Interrupt() as interrupt:
+@pytest.mark.parametrize("number", progress.SIGNALS)
+def test_signals_wait_for_the_check_however_many_come(number):
+    former, stream = signal.getsignal(number), io.StringIO()
+    with Interrupt(stream) as interrupt:
         interrupt.check()
-        os.kill(os.getpid(), signal.SIGINT)
-        with pytest.raises(KeyboardInterrupt):
+        for _ in range(3):
+            signal.raise_signal(number)
+        assert stream.getvalue() == "finishing the step; results are being written\n"
+        with pytest.raises(Interrupted) as taken:
             interrupt.check()
-        with pytest.raises(KeyboardInterrupt):
-            os.kill(os.getpid(), signal.SIGINT)
-            time.sleep(1.0)
-    assert signal.getsignal(signal.SIGINT) is former
+        assert taken.value.number == number
+        interrupt.at_once = True
+        with pytest.raises(Interrupted):
+            signal.raise_signal(number)
+    assert signal.getsignal(number) is former
+
+
+def test_a_run_under_nohup_is_not_stopped_by_its_terminal():
+    former = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with Interrupt(io.StringIO()) as interrupt:
+            signal.raise_signal(signal.SIGHUP)
+            interrupt.check()
+    finally:
+        signal.signal(signal.SIGHUP, former)

@@ -116,3 +116,71 @@ def test_a_full_disc_is_told_and_what_was_written_is_kept(tmp_path, monkeypatch)
         run(machine, joints, writer, 20, frame_every=4, progress=fill)
     with Results.open(tmp_path / "result.h5") as kept:
         assert kept.time == pytest.approx([0.0, 4e-3, 8e-3, 12e-3])
+
+
+def cut_rows(path) -> dict[str, int]:
+    with Results.open(path) as kept:
+        return {"time": len(kept.time), "position": len(kept.position), "orientation": len(kept.orientation)}
+
+
+def written(path, frames: int = 77):
+    """A result of so many frames of a tower of two, and its assembly."""
+    machine = stepper(tower(2), 1)
+    with ResultWriter(path, machine.assembly, find_joints(machine.assembly)) as writer:
+        for k in range(frames):
+            writer.append({"time": 0.1 * k, "position": machine.state.position, "orientation": machine.state.orientation})
+    return machine
+
+
+def test_rows_that_are_none_leave_those_before_as_they_are(tmp_path):
+    """A resumed run hands over no rows first, and its frames may fill the buffer before there are some."""
+    machine = written(tmp_path / "r.h5")
+    with ResultWriter.resumed(tmp_path / "r.h5", cut_rows(tmp_path / "r.h5")) as writer:
+        writer.extend({"time": np.empty(0), "position": np.empty((0, 3, 3))})
+        writer.flush()
+        writer.extend({"time": np.array([7.7]), "position": machine.state.position[None], "orientation": machine.state.orientation[None]})
+    with Results.open(tmp_path / "r.h5") as kept:
+        assert kept.time == pytest.approx(0.1 * np.arange(78))
+        assert np.array_equal(kept.position[77], machine.state.position)
+
+
+def test_an_error_is_not_hidden_by_one_of_closing_the_file(tmp_path, monkeypatch):
+    machine = written(tmp_path / "r.h5")
+    with (
+        pytest.raises(InputError, match="the true one"),
+        ResultWriter.resumed(tmp_path / "r.h5", cut_rows(tmp_path / "r.h5")) as writer,
+    ):
+        writer.append({"time": 7.7, "position": machine.state.position, "orientation": machine.state.orientation})
+        monkeypatch.setattr(results.shutil, "disk_usage", lambda folder: SimpleNamespace(free=0))
+        raise InputError("the true one")
+
+
+def test_a_first_frame_that_fills_the_buffer_does_not_shut_out_what_comes_after(tmp_path, monkeypatch):
+    monkeypatch.setattr(results, "BUFFER_BYTES", 0)
+    machine = stepper(tower(3), 10)
+    joints = find_joints(machine.assembly)
+    with ResultWriter(tmp_path / "result.h5", machine.assembly, joints) as writer:
+        run(machine, joints, writer, 10, frame_every=4)
+    with Results.open(tmp_path / "result.h5") as kept:
+        assert kept.joint_history("normal_force").shape == (4, 3)
+
+
+def test_a_resumed_file_can_be_read_from_the_first_moment_on(tmp_path):
+    written(tmp_path / "r.h5")
+    writer = ResultWriter.resumed(tmp_path / "r.h5", cut_rows(tmp_path / "r.h5"))
+    copy = tmp_path / "as_a_kill_leaves_it.h5"
+    copy.write_bytes((tmp_path / "r.h5").read_bytes())
+    with Results.open(copy) as kept:
+        assert kept.time == pytest.approx(0.1 * np.arange(77))
+    writer.close()
+
+
+def test_there_is_no_result_file_before_it_can_be_read(tmp_path):
+    machine = stepper(tower(2), 1)
+    with ResultWriter(tmp_path / "r.h5", machine.assembly, find_joints(machine.assembly)) as writer:
+        writer.append({"time": 0.0, "position": machine.state.position, "orientation": machine.state.orientation})
+        assert not (tmp_path / "r.h5").exists()
+        writer.flush()
+        with Results.open(tmp_path / "r.h5") as kept:
+            assert kept.time.tolist() == [0.0]
+    assert [path.name for path in tmp_path.iterdir()] == ["r.h5"]

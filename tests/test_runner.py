@@ -1,11 +1,18 @@
 """The run loop: what it records, and runs that are stopped and resumed."""
 
+import os
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
 import h5py
 import numpy as np
 import pytest
 from models import gravity, stepper, still, tower, wall
 
-from masonry_cd import checkpoint, runner
+from masonry_cd import checkpoint, results, runner
 from masonry_cd.errors import InputError
 from masonry_cd.joints import find_joints
 from masonry_cd.results import Results, ResultWriter
@@ -17,10 +24,10 @@ from reports.damage import bonds, joint_damage, write_joints_csv
 STEPS = 60
 
 
-def machine(columns: int = 2):
+def machine(columns: int = 2, **settings: float):
     velocity = still(STEPS)
     velocity[:, 0, 0] = 0.8 * np.sin(2 * np.pi * 8.0 * np.arange(STEPS + 1) * 1e-3)
-    return stepper(wall(columns, 3), STEPS, support_velocity=velocity, tolerance=1e-6, max_iterations=300)
+    return stepper(wall(columns, 3), STEPS, support_velocity=velocity, tolerance=1e-6, max_iterations=300, **settings)
 
 
 def contents(path) -> dict[str, bytes]:
@@ -49,10 +56,11 @@ class Killed(BaseException):
     """Stands for a kill between two steps."""
 
 
+@pytest.mark.parametrize("buffer", [0, results.BUFFER_BYTES])
 @pytest.mark.parametrize("end", [KeyboardInterrupt, Killed])
-def test_a_resumed_run_ends_with_the_same_bits(tmp_path, unbroken, end, monkeypatch):
-    monkeypatch.setattr(runner, "CHECKPOINT_SECONDS", 0.0 if end is Killed else 1e9)
-    path, saved, m = tmp_path / "broken.h5", tmp_path / checkpoint.NAME, machine()
+def test_a_resumed_run_ends_with_the_same_bits(tmp_path, unbroken, end, buffer, monkeypatch):
+    monkeypatch.setattr(results, "BUFFER_BYTES", buffer)
+    path, saved, m = tmp_path / "broken.h5", tmp_path / checkpoint.NAME, machine(checkpoint_every=0.0 if end is Killed else 1e9)
     joints = find_joints(m.assembly)
 
     def stop(step: int) -> None:
@@ -73,12 +81,111 @@ def test_a_resumed_run_ends_with_the_same_bits(tmp_path, unbroken, end, monkeypa
     assert report.steps == STEPS
     assert report.error_max == unbroken[1].error_max
     assert report.energy == unbroken[1].energy
-    assert not saved.exists()  # nothing is left to resume
+    assert checkpoint.load(saved)[1]["rows"]["step_time"] == STEPS  # what follows the steps can be done again
 
 
-def test_a_checkpoint_of_another_structure_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(runner, "CHECKPOINT_SECONDS", 0.0)
-    saved, m = tmp_path / checkpoint.NAME, machine()
+def lines_until(limit: int, files: tuple[str, ...], reached: Callable[[int], None]) -> Callable[..., Any]:
+    """A trace function that counts the lines that run in some files, and kills the process before one of them."""
+    count = 0
+
+    def trace(frame: Any, event: str, _: Any) -> Any:
+        nonlocal count
+        if frame.f_code.co_filename not in files:
+            return None
+        if event == "line":
+            count += 1
+            reached(count)
+            if count == limit:
+                os.kill(os.getpid(), signal.SIGKILL)
+        return trace
+
+    return trace
+
+
+def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path) -> int:
+    """Run a body in a forked process, killed before so many lines of the files that write; return how many of them ran."""
+    files = (results.__file__, checkpoint.__file__, runner.__file__)
+    if (pid := os.fork()) == 0:
+        number = counter.open("w")
+
+        def reached(count: int) -> None:
+            number.seek(0)
+            number.write(f"{count}")
+            number.flush()
+
+        sys.settrace(lines_until(line, files, reached))
+        try:
+            body()
+        finally:
+            os._exit(0)
+    os.waitpid(pid, 0)
+    return int(counter.read_text())
+
+
+KILLS = 24
+
+
+def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_path, unbroken, monkeypatch):
+    """Of a run that begins, and of one that is resumed: killed at lines spread over all that its writing executes."""
+    monkeypatch.setattr(results, "BUFFER_BYTES", 4096)
+    path, saved = tmp_path / "broken.h5", tmp_path / checkpoint.NAME
+
+    def begin() -> None:
+        m = machine(checkpoint_every=0.0)
+        joints = find_joints(m.assembly)
+        with ResultWriter(path, m.assembly, joints, "scene") as writer:
+            run(m, joints, writer, STEPS, 7, leave if steps else None, saved)
+
+    def leave(done: int) -> None:
+        if done == steps:
+            os._exit(0)
+
+    def go_on() -> None:
+        m = machine(checkpoint_every=0.0)
+        checkpoint.mend(saved)
+        numbers = checkpoint.load(saved)[1]
+        with ResultWriter.resumed(path, numbers["rows"], numbers["mark"]) as writer:
+            run(m, find_joints(m.assembly), writer, STEPS, 7, leave if steps else None, saved, resume=True)
+
+    steps = 10
+    total = in_a_process_killed_at(0, begin, tmp_path / "count")
+    for line in np.linspace(1, total, KILLS).astype(int):
+        for old in tmp_path.glob("broken*"):
+            old.unlink()
+        checkpoint.remove(saved)
+        in_a_process_killed_at(int(line), begin, tmp_path / "count")
+        assert_reads(path, saved)
+    in_a_process_killed_at(0, begin, tmp_path / "count")
+    kept = {name: (tmp_path / name).read_bytes() for name in (path.name, saved.name)}
+    steps = 20
+    total = in_a_process_killed_at(0, go_on, tmp_path / "count")
+    for line in np.linspace(1, total, KILLS).astype(int):
+        checkpoint.remove(saved)
+        for name, data in kept.items():
+            (tmp_path / name).write_bytes(data)
+        in_a_process_killed_at(int(line), go_on, tmp_path / "count")
+        assert assert_reads(path, saved) >= 10
+    steps = 0
+    go_on()
+    assert contents(path) == contents(unbroken[0])
+
+
+def assert_reads(path: Path, saved: Path) -> int:
+    """A result file, where there is one, reads, and holds what the checkpoint counts; return the steps that this counts."""
+    if not saved.exists() and not checkpoint.before(saved).exists():
+        if path.exists():
+            Results.open(path).file.close()
+        return 0
+    assert checkpoint.mend(saved) == ""
+    with Results.open(path) as found:
+        rows = checkpoint.load(saved)[1]["rows"]
+        assert all(len(found.file[name]) >= count for name, count in rows.items())
+        assert np.isfinite(found.position[rows["position"] - 1]).all()
+        return rows["step_time"]
+
+
+def test_a_checkpoint_of_another_structure_is_refused(tmp_path):
+    saved, m = tmp_path / checkpoint.NAME, machine(checkpoint_every=0.0)
     joints = find_joints(m.assembly)
     with ResultWriter(tmp_path / "r.h5", m.assembly, joints) as writer:
         run(m, joints, writer, 3, 1, lambda step: saved.replace(tmp_path / "kept.npz") if step == 2 else None, saved)
