@@ -92,7 +92,7 @@ def _hdf5(path: Path) -> Iterator[tuple[str, np.ndarray]]:
             item = file[name]
             if isinstance(item, h5py.Dataset) and name.rpartition("/")[2] not in WALL_TIME:
                 array = item[...]
-                yield name, array.astype(np.bytes_) if array.dtype.kind == "O" else array
+                yield name, array.astype(np.bytes_ if array.dtype.kind == "O" else array.dtype.str)  # without h5py's notes on the type
         for name, value in file.attrs.items():
             if name not in ABOUT_PROGRAM:
                 yield f"attributes/{name}", _text(*str(value).splitlines())
