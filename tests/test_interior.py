@@ -83,7 +83,7 @@ def nudged(problem: FrictionProblem, nudge: int) -> FrictionProblem:
 @pytest.mark.parametrize("nudge", [1, 2, 3])
 @pytest.mark.parametrize(("columns", "courses", "mu", "seed"), [(5, 6, 0.8, 7), (5, 6, 1.5, 3), (5, 6, 2.5, 0), (5, 6, 2.5, 2)])
 def test_path_leads_around_turning_points(columns: int, courses: int, mu: float, seed: int, nudge: int) -> None:
-    """Where the damped path and proximal points after it stall, the path by its length goes on to a solution, however it is rounded."""
+    """Where the damped path and proximal points after it stall, the path by its length goes on, however it is rounded."""
     problem = nudged(rough(columns, courses, mu, seed), nudge)
     stalled = solve(problem, Options(tolerance=1e-8, max_iterations=2 * TURN), None)
     assert natural_map_error(problem, stalled.impulse) > 1e-6
