@@ -19,16 +19,16 @@ other residuals is to vanish before tau does: tau is not aimed below a third of 
 then end below 1e-6. Stiff springs beside rigid contacts settle what these leave open, and do so where K exceeds d / C: hence its bound of
 1e12. The start is any set of impulses, moved inside the cones along x = d p - w to products (distance times the largest speed)^2 / d.
 
-**The path by its length.** With all residuals of a start taken away in proportion to tau, and products tau times those of the start, a path
-leads from there to a solution, but tau may have to grow again on the way: it falls where the determinant of the linearised equations is
-positive and grows where it is negative (Allgower & Georg, Introduction to Numerical Continuation Methods, SIAM, 2003; Watson, SIAM J.
+**The path by its length.** With all residuals of a start taken away in proportion to tau, and products tau times those of the start, a
+path leads from there to a solution, but tau may have to grow again on the way: it falls where the determinant of the linearised equations
+is positive and grows where it is negative (Allgower & Georg, Introduction to Numerical Continuation Methods, SIAM, 2003; Watson, SIAM J.
 Optim. 11, 2000). So tau is an unknown. Each factorisation, here with K = RIGID, serves the way back to the path, taken across the tangent,
 the tangent, and how the path bends; lengths are relative to the distance from the walls of the cones. The step is the longest that stays
-inside the cones and, by WIDE times the products, near the path. Where the path folds closely its branches are near one another: with longer
-steps the point wanders between them, and which it takes hangs on rounding. It takes 40 to 250 iterations to an error of CLOSE, more than
-the damped path, but also where that one stalls at 1e-2; proximal points, which fail from 1e-3, then finish. Paths from starts farther away
-are others, with folds elsewhere. Of 93 walls thrown apart at random (mu 0.8 to 2.5, tests/test_interior.py), 53 end below 1e-8 on the damped
-path, 39 on one of these, in 301 iterations in the mean, and one on none.
+inside the cones and, by WIDE times the products, near the path. Where the path folds closely its branches are near one another: with
+longer steps the point wanders between them, and which it takes hangs on rounding. It takes 40 to 250 iterations to an error of CLOSE, more
+than the damped path, but also where that one stalls at 1e-2; proximal points, which fail from 1e-3, then finish. Paths from starts farther
+away are others, with folds elsewhere. Of 93 walls thrown apart at random (mu 0.8 to 2.5, tests/test_interior.py), 53 end below 1e-8 on the
+damped path, 39 on one of these, in 301 iterations in the mean, and one on none.
 
 **Proximal points** finish (Rockafellar, SIAM J. Control Optim. 14, 1976): p+ solves the problem with springs that are at rest in p,
 
