@@ -1,6 +1,7 @@
 # make setup   everything that the program needs, into .venv (and the system libraries of gmsh and VTK)
 # make demo    set-up, then the main job: an aqueduct under a sinusoidal load, to out/demo/crack_map.png
 # make test    set-up, then the tests
+# make test-portable   set-up, then the numerical tests with kernels compiled for other processors than this one: rounding differs there
 # make clean   drops what numba has compiled; old versions of kernels would stay else
 # A second run skips what is done. Another Python: make setup PYTHON=python3.13
 
@@ -10,11 +11,16 @@ STAMP  := $(VENV)/.installed
 DEMO   := out/demo/crack_map.png
 CODE   := $(wildcard masonry_cd/*.py masonry_cd/*/*.py structures/*.py loads/*.py loads/*/*.py reports/*.py reports/page/*)
 
+# Tests whose outcome could depend on rounding, and so on whether kernels multiply and add in one instruction
+NUMERICAL := $(patsubst %,tests/test_%.py,friction problem interior newton admm nlgs auto extreme_problems elastic_contacts stepping detection)
+V3        := +avx2,+fma,+bmi,+bmi2,+f16c,+lzcnt,+movbe
+as         = NUMBA_CPU_NAME=$(1) NUMBA_CPU_FEATURES=$(2) NUMBA_CACHE_DIR=$(CURDIR)/.cache/numba-$(1) $(VENV)/bin/python -m pytest
+
 # Debian package and the library that it brings, for gmsh (first five, OpenMP) and off-screen VTK (EGL)
 LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.so.1 libxft2:libXft.so.2 \
              libxinerama1:libXinerama.so.1 libgomp1:libgomp.so.1 libegl1:libEGL.so.1
 
-.PHONY: setup demo test clean libraries
+.PHONY: setup demo test test-portable clean libraries
 .DELETE_ON_ERROR:
 
 setup: libraries $(STAMP)
@@ -27,7 +33,15 @@ demo: setup
 test: setup
 	$(VENV)/bin/python -m pytest
 
+# What is compiled is kept in .cache, so that a second run is quick.
+test-portable: setup
+	$(call as,generic,) $(NUMERICAL)
+	@if grep -qw avx2 /proc/cpuinfo && grep -qw fma /proc/cpuinfo; then \
+	  echo '$(call as,x86-64-v3,$(V3)) $(NUMERICAL)'; $(call as,x86-64-v3,$(V3)) $(NUMERICAL); \
+	else echo "This processor has no AVX2 and FMA: x86-64-v3 is left out."; fi
+
 clean:
+	rm -rf .cache
 	find masonry_cd structures loads reports benchmarks tests -name '*.nb[ci]' -delete
 
 $(DEMO): examples/aqueduct_sinusoidal.toml $(STAMP) $(CODE)
