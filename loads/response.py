@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm
 
-from masonry_cd.kernels import njit
+from masonry_cd.jit import njit
 
 PARTS_PER_PERIOD = 40
 

@@ -22,6 +22,7 @@ from masonry_cd.blocks import Assembly, Block
 from masonry_cd.dump import FILES, Dump
 from masonry_cd.errors import InputError
 from masonry_cd.explain import left_out
+from masonry_cd.jit import why_nothing_is_kept
 from masonry_cd.joints import Joints, find_joints
 from masonry_cd.load_outcome import joints_in_words, outcome, outcome_lines
 from masonry_cd.lock import locked
@@ -107,7 +108,8 @@ def prepare(scene: Scene) -> Case:
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
     for_good = "about half a minute on two cores and is kept for later runs"
-    again = "about a minute in each run, as no folder takes numba's cache; NUMBA_CACHE_DIR names one that does"
+    no_folder = "no folder takes numba's cache; NUMBA_CACHE_DIR names one that does"
+    again = f"a minute or two in each run, as {why_nothing_is_kept() or no_folder}"
     with said_if_slow(f"compiling the kernels{', once' if keeps() else ''}: this takes {for_good if keeps() else again}"):
         joints = find_joints(assembly)
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))

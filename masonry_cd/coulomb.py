@@ -35,7 +35,7 @@ from numba import prange, types
 from numba.core.cgutils import get_or_insert_function
 from numba.extending import intrinsic
 
-from masonry_cd.kernels import njit
+from masonry_cd.jit import njit
 
 OPEN, STICK, SLIP = 0, 1, 2  # status of a contact
 FREE, HELD = np.bool_(False), np.bool_(True)  # whether a status may change; for plain False and True numba would compile the code twice

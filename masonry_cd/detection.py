@@ -44,7 +44,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.blocks import Assembly
-from masonry_cd.kernels import njit
+from masonry_cd.jit import njit
 
 SLIVER = 1e-4  # narrowest interface, as a share of the smaller part's width
 STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the smaller part's width

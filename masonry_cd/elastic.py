@@ -30,7 +30,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.kernels import njit
+from masonry_cd.jit import njit
 from masonry_cd.material import JointLaws
 
 AT_LIMIT = 1e-6  # an impulse this close to the cone, as a share of it, is on it

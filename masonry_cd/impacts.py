@@ -29,7 +29,7 @@ import numpy as np
 
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
 from masonry_cd.islands import FORCES, IMPACTS
-from masonry_cd.kernels import njit
+from masonry_cd.jit import njit
 
 FAST = 3.0  # impacts faster than this many times g h count
 AT_ONCE = 1e-6  # gaps that close within this share of the step are closed

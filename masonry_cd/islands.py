@@ -28,7 +28,7 @@ import numpy as np
 
 from masonry_cd import coulomb
 from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
-from masonry_cd.kernels import njit
+from masonry_cd.jit import njit
 from masonry_cd.solvers import Options, Solver
 
 REVIEW = 20  # steps

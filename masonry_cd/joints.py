@@ -18,7 +18,7 @@ import numpy as np
 
 from masonry_cd.blocks import Assembly
 from masonry_cd.detection import ContactSet, Detector
-from masonry_cd.kernels import njit
+from masonry_cd.jit import njit
 from masonry_cd.state import State, rotation_matrices
 
 CONTACT_WIDTH = 1e-4  # [m] surfaces farther apart than this count as no longer in contact

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.kernels import njit
+from masonry_cd.jit import njit
 
 
 @njit(cache=True, nogil=True)

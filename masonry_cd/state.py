@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.blocks import Assembly
-from masonry_cd.kernels import njit
+from masonry_cd.jit import njit
 
 
 @dataclass(eq=False)

@@ -25,8 +25,8 @@ import numpy as np
 from masonry_cd import coulomb, islands
 from masonry_cd.blocks import Assembly, Block
 from masonry_cd.friction import FrictionProblem
+from masonry_cd.jit import has_cache, kept
 from masonry_cd.joints import find_joints
-from masonry_cd.kernels import has_cache, kept
 from masonry_cd.results import ResultWriter
 from masonry_cd.runner import run
 from masonry_cd.scene import JointLaw, Run, SolverName

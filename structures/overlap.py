@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.kernels import njit
+from masonry_cd.jit import njit
 
 
 @dataclass(frozen=True, eq=False)

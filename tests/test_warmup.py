@@ -12,7 +12,7 @@ import pytest
 from numba.core.dispatcher import Dispatcher
 
 from masonry_cd import case, coulomb, warmup
-from masonry_cd.kernels import kept
+from masonry_cd.jit import kept
 from masonry_cd.scene import read_scene
 
 

@@ -1,0 +1,109 @@
+"""Kernels with and without an entry for Python, and the cache of those that have one."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from numba.core import caching
+
+from masonry_cd.jit import has_cache, kept, njit
+
+
+@njit()
+def _half(x):
+    return 0.5 * x
+
+
+@njit()
+def quarter(x):
+    return _half(_half(x))
+
+
+@njit(entry=True)
+def _eighth(x):
+    return _half(quarter(x))
+
+
+def third(x):
+    return x / 3.0
+
+
+def test_kernels_call_each_other_with_and_without_an_entry():
+    assert quarter(8.0) == 2.0
+    assert _eighth(8.0) == 1.0
+
+
+def test_python_is_refused_where_there_is_no_entry_compiled_or_not():
+    for argument in (8.0, 8):  # the first version was compiled for the kernels above
+        with pytest.raises(TypeError, match="called by other kernels alone"):
+            _half(argument)
+    assert quarter(8) == 2.0
+
+
+def test_kernels_do_without_a_folder_for_their_cache(monkeypatch):
+    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
+    kernel = njit(cache=True)(third)
+    assert kernel(3.0) == 1.0
+    assert not has_cache(kernel) and kept(kernel) == []
+
+
+CALLEE = """
+from masonry_cd.jit import njit
+
+@njit()
+def _scaled(x):
+    return {factor} * x
+"""
+CALLER = """
+from kernel_below import _scaled
+from masonry_cd.jit import njit
+
+@njit(cache=True)
+def scaled_twice(x):
+    return _scaled(_scaled(x))
+"""
+PROGRAM = """
+from kernel_above import scaled_twice
+print(scaled_twice(1.0), sum(scaled_twice.stats.cache_misses.values()))
+"""
+
+
+@pytest.fixture
+def run_kernel(tmp_path):
+    """Runs a kernel whose callee, in another file, multiplies by a factor: the result, and how many versions were compiled."""
+
+    def run(factor: float, **environment: str) -> tuple[float, int]:
+        (tmp_path / "kernel_below.py").write_text(CALLEE.format(factor=factor))
+        (tmp_path / "kernel_above.py").write_text(CALLER)
+        root = str(Path(__file__).resolve().parents[1])
+        paths = os.pathsep.join([str(tmp_path), root])
+        settings = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(tmp_path / "cache")} | environment
+        done = subprocess.run([sys.executable, "-c", PROGRAM], env=settings, capture_output=True, text=True, check=True)
+        result, compiled = done.stdout.split()
+        return float(result), int(compiled)
+
+    return run
+
+
+def test_an_edited_callee_in_another_file_makes_its_callers_anew(run_kernel):
+    assert run_kernel(2.0) == (4.0, 1)
+    assert run_kernel(2.0) == (4.0, 0)
+    assert run_kernel(3.0) == (9.0, 1)
+    assert run_kernel(3.0) == (9.0, 0)
+
+
+def test_a_damaged_cache_is_compiled_anew(run_kernel, tmp_path):
+    assert run_kernel(2.0) == (4.0, 1)
+    for file in (tmp_path / "cache").rglob("*.nb[ci]"):
+        file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    assert run_kernel(2.0)[0] == 4.0
+    assert run_kernel(2.0) == (4.0, 0)
+
+
+def test_plain_njit_gives_the_same_and_keeps_nothing(run_kernel, tmp_path):
+    assert run_kernel(2.0, MASONRY_CD_PLAIN_NJIT="1")[0] == 4.0
+    assert not list((tmp_path / "cache").rglob("*.nbc"))
