@@ -21,7 +21,7 @@ from scipy.optimize import nnls
 from benchmarks.ours import stepper, warm_up
 from benchmarks.peers import head
 from benchmarks.scenes import BenchScene, scene
-from masonry_cd.friction import FrictionProblem, Solution
+from masonry_cd.friction.problem import FrictionProblem, Solution
 from masonry_cd.solvers import Options, auto
 from masonry_cd.solvers.admm import Memory
 

@@ -1,7 +1,7 @@
 r"""The steps of LMGC90 judged by our measure: its contacts and reactions put into a friction problem of ours.
 
-The friction problem of a step (see ``masonry_cd.friction``) needs the velocities at its start. LMGC90's wheel does not give them, but its
-positions do, from rest on:
+The friction problem of a step (see ``masonry_cd.friction.problem``) needs the velocities at its start. LMGC90's wheel does not give
+them, but its positions do, from rest on:
 
     x+ = x + h (1 - theta) v + h theta v+      =>      v+ = ((x+ - x) / h - (1 - theta) v) / theta,
 
@@ -24,8 +24,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchmarks.scenes import GRAVITY, BenchScene
-from masonry_cd import coulomb
-from masonry_cd.friction import FrictionProblem, natural_map_error
+from masonry_cd.friction.natural_map import natural_map_norms
+from masonry_cd.friction.problem import FrictionProblem, natural_map_error
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def _own_error(problem: FrictionProblem, impulse: np.ndarray, found: dict[str, n
     u = np.ascontiguousarray(found["vloc"][:, [1, 0, 2]])
     u[:, 0] += np.maximum(found["gap"].ravel(), 0.0) / dt
     scale = np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / 3.0
-    residual, size = coulomb.natural_map_norms(impulse, u, problem.free_relative_velocity(), problem.mu, scale)
+    residual, size = natural_map_norms(impulse, u, problem.free_relative_velocity(), problem.mu, scale)
     return float(residual / size)
 
 

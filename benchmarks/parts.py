@@ -23,28 +23,33 @@ from typing import Any
 from benchmarks.ours import stepper, warm_up
 from benchmarks.peers import head, numbers_of
 from benchmarks.scenes import BenchScene, scene
-from masonry_cd import checkpoint, coulomb, detection, impacts, islands, joints, kinematics, runner, stepping
-from masonry_cd.joints import find_joints
-from masonry_cd.results import ResultWriter
-from masonry_cd.solvers.pattern import Pattern
-from masonry_cd.stepping import Stepper
+from masonry_cd.app import run_loop
+from masonry_cd.contact import detector, joints
+from masonry_cd.contact.joints import find_joints
+from masonry_cd.dynamics import impacts, islands, moreau_jean, step_kernels
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.friction import problem
+from masonry_cd.io import checkpoint
+from masonry_cd.io.results import ResultWriter
+from masonry_cd.linalg.ordering import Pattern
+from masonry_cd.solvers import admm, interior, newton, nlgs
 
 PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: owner and attribute
-    "broad phase": ((detection, "_list_holds"), (detection.Detector, "_rebuild")),
-    "narrow phase": ((detection, "_look"), (detection, "_write_down")),
+    "broad phase": ((detector, "_list_holds"), (detector.Detector, "_rebuild")),
+    "narrow phase": ((detector, "_look"), (detector, "_write_down")),
     "motion": (
-        (stepping, "rotation_matrices"), (kinematics, "drift"), (kinematics, "free_motion"), (kinematics, "new_velocity"),
-        (kinematics, "finish"), (kinematics, "position_correction"),
+        (moreau_jean, "rotation_matrices"), (step_kernels, "drift"), (step_kernels, "free_motion"), (step_kernels, "new_velocity"),
+        (step_kernels, "finish"), (step_kernels, "position_correction"),
     ),
-    "contact rows": ((kinematics, "contact_rows"),),
+    "contact rows": ((step_kernels, "contact_rows"),),
     "impacts found": ((impacts, "_impacts"), (impacts, "_hand_over")),
     "analysis": ((Pattern, "of"), (Pattern, "locate")),
-    "iterations": tuple((coulomb, f"{name}_bodies") for name in ("nlgs", "admm", "linearised")),
-    "error measure": ((coulomb, "error_bodies"),),
+    "iterations": ((nlgs, "nlgs_bodies"), (admm, "admm_bodies"), (newton, "linearised_bodies"), (interior, "linearised_bodies")),
+    "error measure": ((problem, "error_bodies"),),
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
     "energy": ((Stepper, "_balance"),),
-    "joints": ((runner, "measure_joints"), (joints.JointPeaks, "update")),
-    "output": ((runner.Recorder, "step"), (runner.Recorder, "frame"), (runner.Recorder, "close")),
+    "joints": ((run_loop, "measure_joints"), (joints.JointPeaks, "update")),
+    "output": ((run_loop.Recorder, "step"), (run_loop.Recorder, "frame"), (run_loop.Recorder, "close")),
     "step, rest": ((Stepper, "step"),),
 }  # fmt: skip
 IMPACTS = " of impacts"  # added to the parts of the second solve of a step with impacts
@@ -99,7 +104,7 @@ class Clocks:
 @contextmanager
 def clocked(machine: Stepper) -> Iterator[Clocks]:
     """Put clocks around all parts, and take them off again."""
-    clocks, kept = Clocks(), [(stepping, "solve_apart", stepping.solve_apart), (machine.islands, "solver", machine.islands.solver)]
+    clocks, kept = Clocks(), [(moreau_jean, "solve_apart", moreau_jean.solve_apart), (machine.islands, "solver", machine.islands.solver)]
     for part, places in PARTS.items():
         for owner, name in places:
             own = vars(owner)[name]
@@ -109,7 +114,7 @@ def clocked(machine: Stepper) -> Iterator[Clocks]:
             else:
                 setattr(owner, name, clocks.timed(part, own))
     machine.islands.solver = clocks.timed("solver, rest", machine.islands.solver)
-    stepping.solve_apart = clocks.told_apart(stepping.solve_apart)
+    moreau_jean.solve_apart = clocks.told_apart(moreau_jean.solve_apart)
     try:
         yield clocks
     finally:
@@ -160,7 +165,7 @@ def measure(made: BenchScene, steps: int, frame_every: int = 20, **settings: Any
     with tempfile.TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", machine.assembly, found) as writer:
         with clocked(machine) as clocks:
             begin = time.process_time()
-            report = runner.run(machine, found, writer, steps + 1, frame_every, progress)
+            report = run_loop.run(machine, found, writer, steps + 1, frame_every, progress)
         begin = time.process_time()
         checkpoint.save(Path(folder) / checkpoint.NAME, machine.snapshot(), {})
         saved = time.process_time() - begin

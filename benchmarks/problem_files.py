@@ -14,8 +14,8 @@ from scipy import sparse
 from benchmarks.ours import stepper
 from benchmarks.peers import environment, head, sitting
 from benchmarks.scenes import scene
-from masonry_cd import kinematics
-from masonry_cd.friction import LocalProblem, natural_map_error
+from masonry_cd.dynamics import step_kernels
+from masonry_cd.friction.problem import LocalProblem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 
 HERE = Path(__file__).parent
@@ -45,7 +45,7 @@ def of_step(name: str, step: int) -> LocalProblem:
     for _ in range(step - 1):
         machine.step()
     state, settings = machine.state, machine.settings
-    kinematics.drift(state.position, state.orientation, state.velocity, settings.dt * (1.0 - settings.theta))
+    step_kernels.drift(state.position, state.orientation, state.velocity, settings.dt * (1.0 - settings.theta))
     return machine.friction_problem()[0].to_local()
 
 

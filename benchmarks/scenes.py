@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from masonry_cd.blocks import Assembly, Block, Faces
-from masonry_cd.scene import JointLaw
-from structures import church as churches
-from structures.prism import box, prism_xz
+from masonry_cd.app.scene import JointLaw
+from masonry_cd.model.blocks import Assembly, Block, Faces
+from structures.geometry.prism import box, prism_xz
+from structures.kinds import church as churches
 
 GRAVITY = 9.81  # [m/s2]
 DENSITY = 2000.0  # [kg/m3]
@@ -122,7 +122,7 @@ def arcade(spans: int, amplitude: float = 0.1, voussoirs: int = 12, courses: int
 
 
 def church(block_length: float, amplitude: float = 0.2) -> BenchScene:
-    """The church of ``structures.church`` with blocks of that length [m]: a building in space."""
+    """The church of ``structures.kinds.church`` with blocks of that length [m]: a building in space."""
     blocks = churches.build({"block_length": block_length}, DENSITY, Path())
     return BenchScene(f"church {block_length:g} m", tuple(blocks), steps=20, amplitude=amplitude)
 

@@ -16,8 +16,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 import scenes
 
-from masonry_cd.friction import Problem, natural_map_error
-from masonry_cd.problem_files import read_problem
+from masonry_cd.friction.files import read_problem
+from masonry_cd.friction.problem import Problem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options, nlgs
 
 COLLECTED = Path(__file__).parents[1].parent / "shared" / "friction_problems"

@@ -31,8 +31,8 @@ import numpy as np
 
 from benchmarks.ours import stepper
 from benchmarks.scenes import GRAVITY, BenchScene, arcade, arch, tower, wall
-from masonry_cd.settling import settle
-from masonry_cd.stepping import RunStopped
+from masonry_cd.dynamics.equilibrium import settle
+from masonry_cd.dynamics.moreau_jean import RunStopped
 
 DRIFT = 1e-6
 REST_OVERLAP, OVERLAP = 1e-6, 1e-2

@@ -13,18 +13,18 @@ from typing import Any
 
 import numpy as np
 
-from loads.artificial import ArtificialTable, artificial
 from loads.combine import support_motions
-from loads.forces import Forces, PointTable, TieTable, collect, point, tie
-from loads.gravity import GravityTable, gravity
+from loads.kinds.artificial import ArtificialTable, artificial
+from loads.kinds.forces import Forces, PointTable, TieTable, collect, point, tie
+from loads.kinds.gravity import GravityTable, gravity
+from loads.kinds.record import RecordTable, record
+from loads.kinds.sequence import Pause, SequenceTable, Shock, sequence
+from loads.kinds.settlement import SettlementTable, SpreadingTable, settlement, spreading
+from loads.kinds.sinusoidal import SinusoidalTable, sinusoidal
+from loads.kinds.tilt import PushTable, TiltTable, load_factors, push, tilt
 from loads.motion import LoadTable, Part, RunGrid
-from loads.record import RecordTable, record
-from loads.sequence import Pause, SequenceTable, Shock, sequence
-from loads.settlement import SettlementTable, SpreadingTable, settlement, spreading
-from loads.sinusoidal import SinusoidalTable, sinusoidal
-from loads.tilt import PushTable, TiltTable, load_factors, push, tilt
-from masonry_cd.blocks import Assembly
 from masonry_cd.errors import InputError, parse_table, suggest
+from masonry_cd.model.blocks import Assembly
 
 __all__ = ["KINDS", "Loading", "build"]
 
@@ -54,8 +54,8 @@ class Loading:
         summary: the same numbers, ready for JSON.
         support_of: (B,) the motion that each block follows, -1 for a free block: the assembly's for this run; None without an assembly.
         shocks: of sequences, in order of time.
-        pauses: rests that the run loop may end early, see ``loads.sequence``.
-        forces: on single blocks, which depend on where the blocks are, see ``loads.forces``; None where there are none.
+        pauses: rests that the run loop may end early, see ``loads.kinds.sequence``.
+        forces: on single blocks, which depend on where the blocks are, see ``loads.kinds.forces``; None where there are none.
     """
 
     support_velocity: np.ndarray

@@ -16,7 +16,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
-from masonry_cd.blocks import Assembly
+from masonry_cd.model.blocks import Assembly
 
 STANDARD_GRAVITY = 9.80665  # [m/s2], the g in which records are written (CGPM 1901); not the site's gravity
 ROUNDING = 1e-10
@@ -59,9 +59,9 @@ class Part:
     acceleration: np.ndarray | None = None  # (N + 1, 3) of the blocks [m/s2]
     lines: tuple[str, ...] = ()
     summary: dict[str, Any] = field(default_factory=dict)
-    shocks: tuple[Any, ...] = ()  # loads.sequence.Shock
-    pauses: tuple[Any, ...] = ()  # loads.sequence.Pause
-    forces: tuple[Any, ...] = ()  # loads.forces.PointLoad and Tie
+    shocks: tuple[Any, ...] = ()  # loads.kinds.sequence.Shock
+    pauses: tuple[Any, ...] = ()  # loads.kinds.sequence.Pause
+    forces: tuple[Any, ...] = ()  # loads.kinds.forces.PointLoad and Tie
 
 
 strict = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)

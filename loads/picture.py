@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from loads.accelerogram import Accelerogram, Processed, process
-from loads.baseline import History
-from loads.intensity import arias, significant_window
 from loads.motion import ROUNDING
-from loads.response import default_periods, response_spectrum
+from loads.signal.accelerogram import Accelerogram, Processed, process
+from loads.signal.baseline import History
+from loads.signal.intensity import arias, significant_window
+from loads.signal.response import default_periods, response_spectrum
 from masonry_cd.errors import InputError, parse_table
 
 BEFORE, AFTER, TARGET = "#9aa3ab", "#0b5fa5", "#c7372f"
@@ -74,7 +74,7 @@ def file_picture(file: Path, picture: Path, dt: float = 1e-3, **keys: Any) -> Pr
         file: the record.
         picture: where to draw it.
         dt: time step of the run, for ``resample = "run"`` [s].
-        keys: units, column, window, taper, resample, band, correction ..., see ``loads.accelerogram``.
+        keys: units, column, window, taper, resample, band, correction ..., see ``loads.signal.accelerogram``.
 
     Returns:
         What was read and what became of it, with its ``numbers()``.

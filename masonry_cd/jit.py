@@ -1,4 +1,4 @@
-"""numba's njit for kernels: a cache that never goes stale, and a first run that compiles half as long. The only file that knows how.
+"""Compiled kernels: numba's njit with a cache that never goes stale and a first run that takes half as long. No other file knows how.
 
 **Cache.** numba keeps compiled code and drops it when the file of the function changes, but not when a kernel that it calls, in another
 file, does. Here an entry is stamped by a hash over the sources that it reaches: its own file and all that this one imports, and so on.
@@ -25,7 +25,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterator
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -45,34 +45,35 @@ HASH = hash(Flags())  # that of all settings, by numba's definition
 IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n#]*)|import[ \t]+([^\n#]*))", re.MULTILINE)
 
 
-def njit(entry: bool | None = None, **options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Compile a function as ``numba.njit(**options)`` does.
+def entry(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Compile a kernel that Python calls, and other kernels too; what is compiled is kept for later runs.
 
     Args:
-        entry: whether Python calls it; not given, it does unless the name begins with an underscore. Kernels call it in any case; without
-            an entry, Python gets a TypeError.
-        options: those of ``numba.njit``; ``cache`` is for entries.
+        options: those of ``numba.njit``, beside ``nogil`` and numpy's error model, which all kernels have.
     """
+    return partial(_compile, options, called=True)
 
-    def decorate(function: Callable[..., Any]) -> Any:
-        called = not function.__name__.startswith("_") if entry is None else entry
-        chosen = {"fastmath": False} | options
-        keep = chosen.pop("cache", False) and called
-        if PLAIN:
-            return numba.njit(**chosen)(function)
-        kernel = numba.njit(pipeline_class=_Pipeline if called else _Inner, no_cfunc_wrapper=True, no_cpython_wrapper=not called, **chosen)(
-            function
-        )
-        if keep:
-            with contextlib.suppress(RuntimeError):  # neither the package's folder nor the user's takes a cache
-                kernel._cache = _StampedCache(function)
-        _take_numbers_by_kind(kernel)
-        if not called:
-            kernel._insert = _nothing  # numba would list an entry that is not there, and Python jump to it
-            kernel._compile_for_args = _refused
-        return kernel
 
-    return decorate
+def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Compile a kernel that other kernels alone call, as part of them; Python gets a TypeError. The options are those of :func:`entry`."""
+    return partial(_compile, options, called=False)
+
+
+def _compile(options: dict[str, Any], function: Callable[..., Any], called: bool) -> Any:
+    """numba's dispatcher of a function."""
+    chosen = {"nogil": True, "error_model": "numpy", "fastmath": False} | options
+    if PLAIN:
+        return numba.njit(**chosen)(function)
+    pipeline = _Pipeline if called else _Inner
+    compiled = numba.njit(pipeline_class=pipeline, no_cfunc_wrapper=True, no_cpython_wrapper=not called, **chosen)(function)
+    _take_numbers_by_kind(compiled)
+    if not called:
+        compiled._insert = _nothing  # numba would list an entry that is not there, and Python jump to it
+        compiled._compile_for_args = _refused
+        return compiled
+    with contextlib.suppress(RuntimeError):  # neither the package's folder nor the user's takes a cache
+        compiled._cache = _StampedCache(function)
+    return compiled
 
 
 def has_cache(kernel: Any) -> bool:
@@ -180,7 +181,7 @@ def _nothing(*_: Any) -> None:
 
 
 def _refused(*_: Any, **__: Any) -> None:
-    raise TypeError("this kernel is called by other kernels alone; entry=True lets Python call it too")
+    raise TypeError("this kernel is called by other kernels alone; with @entry Python may call it too")
 
 
 class _Flags(Flags):

@@ -19,11 +19,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from masonry_cd.blocks import Block, mass_properties
+from masonry_cd.contact.joints import Joints
 from masonry_cd.errors import InputError
-from masonry_cd.joints import Joints
-from masonry_cd.results import Results
-from masonry_cd.state import rotation_matrices
+from masonry_cd.io.results import Results
+from masonry_cd.model.blocks import Block, mass_properties
+from masonry_cd.model.state import rotation_matrices
 
 
 @dataclass(frozen=True, eq=False)

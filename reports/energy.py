@@ -1,4 +1,4 @@
-"""The energy of a run over time: what was put in, where it went, and how well the account closes (:mod:`masonry_cd.stepping`).
+"""The energy of a run over time: what was put in, where it went, and how well the account closes (:mod:`masonry_cd.dynamics.moreau_jean`).
 
     put in = work of the supports + work of gravity (+ of point loads and ties)  =  kinetic + friction + impact (+ stored) + balance
 
@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.errors import InputError
-from masonry_cd.results import Results
-from reports.compare_picture import COLOURS
-from reports.sheet import FAINT, INK
+from masonry_cd.io.results import Results
+from reports.compare.comparison_picture import COLOURS
+from reports.drawing.figure import FAINT, INK
 
 WORKS = (("base_work", "work of the base", "-"), ("gravity_work", "work of gravity", "--"), ("force_work", "work of forces", "-."))
 LIFT = (("correction", "lifts out of overlaps"),)

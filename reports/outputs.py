@@ -7,14 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.app.scene import Report
 from masonry_cd.errors import InputError
-from masonry_cd.results import Results
-from masonry_cd.scene import Report
-from reports.crack_map import Look, framing, sheet_of
-from reports.damage import Thresholds
-from reports.grades import read_grades
-from reports.part_damage import PartDamage, Settings, part_damage
-from reports.part_files import BY_SHOCK, NAMES_OF_FILES, in_short, write_part_damage
+from masonry_cd.io.results import Results
+from reports.damage.grades import read_grades
+from reports.damage.joint_damage import Thresholds
+from reports.damage.part_damage import PartDamage, Settings, part_damage
+from reports.damage.part_files import BY_SHOCK, NAMES_OF_FILES, in_short, write_part_damage
+from reports.maps.crack_map import Look, framing, sheet_of
 
 ANIMATION = "crack_map.gif"
 ENERGY = "energy.png"
@@ -44,7 +44,7 @@ def check(settings: Report, results: Results | None = None) -> None:
     """
     read_grades(settings.grades)
     if settings.cut:
-        from reports.cut import axis_of
+        from reports.maps.cut import axis_of
 
         axis_of(settings.cut)
     look = look_of(settings)
@@ -63,7 +63,7 @@ def parse_times(results: Results, text: str) -> list[float]:
     Raises:
         InputError: something that is no number, or a time outside the run.
     """
-    from reports.sequence import frames_at
+    from reports.maps.sequence import frames_at
 
     times = []
     for word in text.split(","):
@@ -83,21 +83,21 @@ def draw_crack_map(results: Results, path: Path, settings: Report, frame: int = 
 
 def frame_at(results: Results, time: float | None) -> int:
     """The frame next to a time [s]; the last for None."""
-    from reports.sequence import frames_at
+    from reports.maps.sequence import frames_at
 
     return -1 if time is None else frames_at(results, [time])[0]
 
 
 def draw_times(results: Results, folder: Path, settings: Report, times: Sequence[float]) -> list[Path]:
     """Draw crack maps at times [s], all in one framing."""
-    from reports.sequence import crack_maps
+    from reports.maps.sequence import crack_maps
 
     return crack_maps(results, folder, times, look_of(settings))
 
 
 def draw_animation(results: Results, path: Path, settings: Report, progress: Callable[[int], None] | None = None) -> int:
     """Draw the animation; return its number of frames."""
-    from reports.sequence import animation
+    from reports.maps.sequence import animation
 
     return animation(results, path, look_of(settings), progress=progress)
 

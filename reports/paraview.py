@@ -26,11 +26,11 @@ import h5py
 import numpy as np
 
 from masonry_cd.errors import InputError
-from masonry_cd.results import JOINT_HISTORIES, Results
-from masonry_cd.state import rotation_matrices
-from reports.damage import Thresholds, classify
+from masonry_cd.io.results import JOINT_HISTORIES, Results
+from masonry_cd.model.state import rotation_matrices
+from reports.damage.joint_damage import Thresholds, classify
+from reports.damage.macro_elements import Moment
 from reports.deformed import Pose, base_shift, joint_corners, solids_of
-from reports.parts import Moment
 
 Format = Literal["vtkhdf", "pvd"]
 Arrays = dict[str, np.ndarray]

@@ -2,7 +2,7 @@
 
 Each kind has a module with a function ``build(table, density, folder) -> list[Block]``, named in :data:`KINDS` and
 imported when it is asked for; one that has something to tell has ``build_with_notes`` instead, which returns lines besides. Whatever a
-kind builds passes :mod:`structures.checks` before it is returned, and :func:`report` says what it is.
+kind builds passes :mod:`structures.geometry.checks` before it is returned, and :func:`report` says what it is.
 """
 
 from __future__ import annotations
@@ -13,19 +13,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs no more
-    from masonry_cd.blocks import Block
+    from masonry_cd.model.blocks import Block
 
 KINDS = {
-    "arch": "structures.arch",
-    "aqueduct": "structures.aqueduct",
-    "wall": "structures.wall",
-    "tower": "structures.tower",
-    "column": "structures.column",
-    "vault": "structures.vault",
-    "dome": "structures.dome",
-    "church": "structures.church",
-    "file": "structures.blockfile",
-    "solid": "structures.coursed",
+    "arch": "structures.kinds.arch",
+    "aqueduct": "structures.kinds.aqueduct",
+    "wall": "structures.kinds.wall",
+    "tower": "structures.kinds.tower",
+    "column": "structures.kinds.column",
+    "vault": "structures.kinds.vault",
+    "dome": "structures.kinds.dome",
+    "church": "structures.kinds.church",
+    "file": "structures.files.blockfile",
+    "solid": "structures.files.cut_solid",
 }
 
 

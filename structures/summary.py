@@ -17,11 +17,11 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.blocks import Assembly, Block
-from masonry_cd.detection import ContactSet, Detector
+from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.contact.joints import Joints, find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.joints import Joints, find_joints
-from masonry_cd.state import State, rotation_matrices
+from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.state import State, rotation_matrices
 
 UPRIGHT = 1e-4  # sine of the slope of a joint: less is upright
 

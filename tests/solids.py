@@ -9,10 +9,11 @@ import numpy as np
 from models import stepper
 
 import structures
-from masonry_cd.blocks import Assembly, Block
-from masonry_cd.joints import Joints
-from structures import gaps, plan, prism, solid
-from structures.heads import Closing, close
+from masonry_cd.contact.joints import Joints
+from masonry_cd.model.blocks import Assembly, Block
+from structures.geometry import gaps, prism, solid
+from structures.layout import wall_plan
+from structures.layout.openings import Closing, close
 
 
 def build(kind: str, **keys: object) -> list[Block]:
@@ -20,7 +21,7 @@ def build(kind: str, **keys: object) -> list[Block]:
     return structures.build({"kind": kind, **keys}, 2000.0, Path())
 
 
-def closings_of(wall: plan.Wall, beds: Sequence[float]) -> list[Closing]:
+def closings_of(wall: wall_plan.Wall, beds: Sequence[float]) -> list[Closing]:
     """The openings of a wall, fitted to its beds."""
     own = [z for z in beds if wall.foot - 1e-9 < z < wall.top + wall.gable + 1e-9]
     return [close(opening, own, (own[-1] - own[0]) / (len(own) - 1)) for opening in wall.openings]
@@ -35,14 +36,14 @@ def hole(closing: Closing) -> np.ndarray:
     return points[np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1) > 1e-9]
 
 
-def outline(wall: plan.Wall) -> list[tuple[float, float]]:
+def outline(wall: wall_plan.Wall) -> list[tuple[float, float]]:
     """The polygon s, z of a wall without shoulders."""
     a, b = wall.start, wall.end
     peak = [(0.5 * (a + b), wall.top + wall.gable)] if wall.gable else []
     return [(a, wall.foot), (b, wall.foot), (b, wall.top), *peak, (a, wall.top)]
 
 
-def volume_of_walls(walls: Sequence[plan.Wall], beds: Sequence[float]) -> float:
+def volume_of_walls(walls: Sequence[wall_plan.Wall], beds: Sequence[float]) -> float:
     """Volume of the union of some walls, without their openings, by the geometry kernel [m3]."""
     with solid.kernel() as gmsh:
         occ = gmsh.model.occ
@@ -57,7 +58,7 @@ def volume_of_walls(walls: Sequence[plan.Wall], beds: Sequence[float]) -> float:
         return float(sum(occ.getMass(*body) for body in bodies))
 
 
-def _slab(occ, wall: plan.Wall, polygon: Sequence[tuple[float, float]]) -> tuple[int, int]:
+def _slab(occ, wall: wall_plan.Wall, polygon: Sequence[tuple[float, float]]) -> tuple[int, int]:
     """A polygon drawn out over the thickness of its wall."""
     thickness = wall.far - wall.near
     place = [(s, wall.near, z) if wall.axis == 0 else (wall.near, s, z) for s, z in polygon]

@@ -11,12 +11,12 @@ import scenes
 from made_run import box
 from typer.testing import CliRunner
 
-from masonry_cd.cli import app
-from masonry_cd.problem_files import write_problem
-from reports.accuracy import Motion, RunRow, SolverRow, motion_errors, run_rows, solver_rows, solvers_for
-from reports.accuracy_case import markdown
-from reports.accuracy_seeds import MEASURES, study_seeds
-from structures import blockfile
+from masonry_cd.cli.commands import app
+from masonry_cd.friction.files import write_problem
+from masonry_cd.studies.accuracy import Motion, RunRow, SolverRow, motion_errors, run_rows, solver_rows, solvers_for
+from masonry_cd.studies.accuracy_case import markdown
+from masonry_cd.studies.accuracy_seeds import MEASURES, study_seeds
+from structures.files import blockfile
 
 SLIDING = {"friction": "friction = 0.3", "amplitude": "amplitude = 0.6", "duration": "duration = 0.4", "dt": "dt = 4e-3"}
 

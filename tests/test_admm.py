@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import scenes
 
-from masonry_cd import coulomb
-from masonry_cd.friction import Solution, natural_map_error
+from masonry_cd.friction.problem import Solution, natural_map_error
+from masonry_cd.linalg import ordering
 from masonry_cd.solvers import SOLVERS, Options
 
 solve = SOLVERS["admm"]
@@ -94,7 +94,7 @@ def test_memory_of_another_contact_graph_is_not_believed() -> None:
 
 def in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have plans of some hundred blocks cut into parts of several levels."""
-    monkeypatch.setattr(coulomb, "PART", 60)
+    monkeypatch.setattr(ordering, "SUBTREE", 60)
 
 
 def test_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,10 +14,11 @@ from statics import can_stand, section, stretches
 from statics3d import can_stand as can_stand_in_space
 
 import structures
-from masonry_cd.blocks import Block, mass_properties
 from masonry_cd.errors import InputError
-from structures import aqueduct, solid
-from structures.tier import outline
+from masonry_cd.model.blocks import Block, mass_properties
+from structures.geometry import solid
+from structures.kinds import aqueduct
+from structures.layout.aqueduct_tier import outline
 
 CASES: dict[str, dict[str, object]] = {
     "default": {},

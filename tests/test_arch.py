@@ -12,9 +12,9 @@ from solids import moved_at_rest
 from statics import can_stand, section
 
 import structures
-from masonry_cd.blocks import Assembly, Block, mass_properties
+from masonry_cd.contact.joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.joints import find_joints
+from masonry_cd.model.blocks import Assembly, Block, mass_properties
 
 
 def build(**keys: object) -> list[Block]:

@@ -1,4 +1,4 @@
-"""loads.artificial and loads.code_spectrum: the codes' numbers, and accelerograms that meet them."""
+"""loads.kinds.artificial and loads.signal.code_spectrum: the codes' numbers, and accelerograms that meet them."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import loads
-from loads.artificial import ArtificialTable, accelerogram, envelope
-from loads.code_spectrum import ec8, ntc
-from loads.response import response_spectrum
+from loads.kinds.artificial import ArtificialTable, accelerogram, envelope
+from loads.signal.code_spectrum import ec8, ntc
+from loads.signal.response import response_spectrum
 from masonry_cd.errors import InputError
 
 G = (0.0, 0.0, -9.81)

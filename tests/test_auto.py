@@ -12,7 +12,7 @@ from test_extreme_problems import thrown
 
 from benchmarks import ours
 from benchmarks.scenes import arch
-from masonry_cd.friction import Solution, natural_map_error
+from masonry_cd.friction.problem import Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options, auto
 
 solve = SOLVERS["auto"]

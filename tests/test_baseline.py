@@ -1,4 +1,4 @@
-"""loads.baseline: integration exact for records straight between samples; corrections end at rest where they began."""
+"""loads.signal.baseline: integration exact for records straight between samples; corrections end at rest where they began."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from loads.baseline import ORDERS, correct, integrate
+from loads.signal.baseline import ORDERS, correct, integrate
 
 SHARED = Path(__file__).parents[1].parent / "shared"
 

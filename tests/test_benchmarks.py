@@ -14,11 +14,11 @@ from benchmarks import costs, memory, parts, peers, problem_files, rocking, scal
 from benchmarks.lmgc90_error import judge
 from benchmarks.ours import measure, stepper
 from benchmarks.scenes import GRAVITY, arcade, arch, scene, tower, wall
-from masonry_cd import islands
-from masonry_cd.blocks import mass_properties
-from masonry_cd.friction import natural_map_error
+from masonry_cd.dynamics import islands
+from masonry_cd.friction.problem import natural_map_error
+from masonry_cd.model.blocks import mass_properties
+from masonry_cd.model.state import rotation_matrices
 from masonry_cd.solvers import SOLVERS, Options
-from masonry_cd.state import rotation_matrices
 
 # --- scenes -----------------------------------------------------------------------------------------------------------------------
 
@@ -129,7 +129,7 @@ def impulse_in(frame: np.ndarray, found, impulse: np.ndarray, machine) -> np.nda
 @pytest.fixture
 def remember_problems(monkeypatch):
     """Let a stepper keep the friction problem of its last step."""
-    from masonry_cd.stepping import Stepper
+    from masonry_cd.dynamics.moreau_jean import Stepper
 
     build = Stepper.friction_problem
 
@@ -244,9 +244,9 @@ def test_sizes_of_the_scaling_table():
 
 
 def test_each_part_of_a_run_has_its_own_seconds():
-    before = parts.coulomb.error_bodies
+    before = parts.problem.error_bodies
     costs = parts.measure(tower(3), 6, frame_every=3)
-    assert parts.coulomb.error_bodies is before  # the clocks are off again
+    assert parts.problem.error_bodies is before  # the clocks are off again
     assert set(costs.seconds) >= {"narrow phase", "contact rows", "iterations", "error measure", "joints", "output"}
     assert (costs.calls["contact rows"], costs.calls["step, rest"], costs.steps) == (6, 6, 6)
     assert (costs.blocks, costs.joints) == (4, 3)

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from models import ground
 
-from masonry_cd.blocks import Assembly, mass_properties
+from masonry_cd.contact.joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.joints import find_joints
-from structures.bent import bent
-from structures.checks import check
-from structures.prism import box
+from masonry_cd.model.blocks import Assembly, mass_properties
+from structures.geometry.checks import check
+from structures.geometry.compound_block import bent
+from structures.geometry.prism import box
 
 
 def corner() -> list:

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 import structures
-from masonry_cd.blocks import Block, mass_properties
 from masonry_cd.errors import InputError
-from structures import blockfile
-from structures.prism import prism_xz, rectangle
-from structures.tidy import tidy
+from masonry_cd.model.blocks import Block, mass_properties
+from structures.files import blockfile
+from structures.geometry.merge_coplanar import tidy
+from structures.geometry.prism import prism_xz, rectangle
 
 PEERS = Path(__file__).parents[1].parent / "shared" / "peers" / "scenes.py"
 
@@ -69,11 +69,11 @@ def test_faces_in_triangles_become_the_faces_of_the_block() -> None:
     loops[0:4] = [(0, 8, 3), (8, 1, 2), (8, 2, 3), (7, 6, 9), (6, 5, 9), (7, 9, 4)]
     loops += [(8, 0, 4, 9), (1, 8, 9, 5)]
     block = Block("split", middle, tuple(loops), 2000.0)
-    structures.checks.check([block])
+    structures.geometry.checks.check([block])
     (whole,) = tidy([block])
     assert len(whole.vertices) == 8
     assert sorted(len(face) for face in whole.faces) == [4] * 6
-    structures.checks.check([whole])
+    structures.geometry.checks.check([whole])
     assert mass_properties(whole.vertices, whole.faces).volume == pytest.approx(2.0, rel=1e-12)
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from models import box, ground, tower
 
-from masonry_cd.blocks import Assembly, mass_properties
 from masonry_cd.errors import InputError
-from masonry_cd.state import rotation_matrices
+from masonry_cd.model.blocks import Assembly, mass_properties
+from masonry_cd.model.state import rotation_matrices
 
 
 def test_box_has_its_textbook_inertia_wherever_it_stands():

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from masonry_cd.blocks import Block, Faces, Polyhedron
 from masonry_cd.errors import InputError
-from structures.checks import check
-from structures.prism import prism_xz, rectangle
+from masonry_cd.model.blocks import Block, Faces, Polyhedron
+from structures.geometry.checks import check
+from structures.geometry.prism import prism_xz, rectangle
 
 
 def box(name: str, x: float, z: float, size: tuple[float, float, float] = (1.0, 1.0, 1.0), fixed: bool = False) -> Block:

@@ -11,11 +11,12 @@ import pytest
 from solids import bonded_share, build, free_volume, moved_at_rest, outline, touching_area, volume_of_walls
 from statics3d import assembled, can_stand, in_one_piece
 
-from masonry_cd.blocks import Assembly, Block, mass_properties
+from masonry_cd.contact.joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.joints import find_joints
-from structures import church, church_parts, plan
-from structures.prism import polygon_area, polygon_centroid
+from masonry_cd.model.blocks import Assembly, Block, mass_properties
+from structures.geometry.prism import polygon_area, polygon_centroid
+from structures.kinds import church, church_parts
+from structures.layout import wall_plan
 
 COARSE: dict[str, object] = {"block_length": 2.0}
 SMALL: dict[str, object] = {
@@ -38,7 +39,7 @@ SMALL: dict[str, object] = {
 }
 
 
-def parts_of(**keys: object) -> tuple[church_parts.Church, list[plan.Wall], list[float]]:
+def parts_of(**keys: object) -> tuple[church_parts.Church, list[wall_plan.Wall], list[float]]:
     """The measures, walls and beds of a church."""
     made = church_parts.Church.of(church.with_defaults(church.ChurchTable.model_validate(keys)))
     walls = church_parts.walls(made)
@@ -68,14 +69,14 @@ def test_walls_fill_their_union(keys: dict[str, object]) -> None:
     assert volume(blocks, *groups) + arms == pytest.approx(exact, rel=1e-6)
 
 
-def _without_shoulder(wall: plan.Wall) -> list[plan.Wall]:
+def _without_shoulder(wall: wall_plan.Wall) -> list[wall_plan.Wall]:
     """A wall with shoulders as two walls."""
     if not wall.shoulder:
         return [wall]
     z, a, b = wall.shoulder
-    low = plan.Wall("low", "", wall.axis, wall.start, wall.end, wall.near, wall.far, wall.foot, z)
-    high = plan.Wall("high", "", wall.axis, a, b, wall.near, wall.far, z, wall.top, (), wall.gable)
-    holes = plan.Wall("whole", "", wall.axis, a, b, wall.near, wall.far, wall.foot, wall.top, wall.openings, wall.gable)
+    low = wall_plan.Wall("low", "", wall.axis, wall.start, wall.end, wall.near, wall.far, wall.foot, z)
+    high = wall_plan.Wall("high", "", wall.axis, a, b, wall.near, wall.far, z, wall.top, (), wall.gable)
+    holes = wall_plan.Wall("whole", "", wall.axis, a, b, wall.near, wall.far, wall.foot, wall.top, wall.openings, wall.gable)
     return [low, high, holes]
 
 

@@ -18,15 +18,16 @@ import pytest
 from scipy import sparse
 from typer.testing import CliRunner
 
-from masonry_cd import __version__, case
-from masonry_cd.case import closing_lines
-from masonry_cd.cli import app
+from masonry_cd import __version__
+from masonry_cd.app import case
+from masonry_cd.app.case import closing_lines
+from masonry_cd.app.progress import Interrupt
+from masonry_cd.cli.commands import app
+from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
-from masonry_cd.friction import LocalProblem
-from masonry_cd.problem_files import write_problem
-from masonry_cd.progress import Interrupt
-from masonry_cd.results import Results
-from masonry_cd.stepping import Stepper
+from masonry_cd.friction.files import write_problem
+from masonry_cd.friction.problem import LocalProblem
+from masonry_cd.io.results import Results
 
 SUMMARY_KEYS = {
     "blocks", "joints", "steps", "wall_seconds", "stepping_seconds", "contacts_mean", "contacts_max", "penetration_max",
@@ -70,7 +71,7 @@ print("modules", *sys.modules)
 
 def test_help_and_bad_scenes_need_no_heavy_import(tmp_path):
     modules, errors = modules_loaded_by(tmp_path, "run", "no.toml", "-o", "out")
-    assert "masonry_cd.scene" in modules
+    assert "masonry_cd.app.scene" in modules
     assert not {"numba", "scipy", "h5py", "matplotlib", "vtk", "pyvista", "gmsh", "pandas"} & modules
     assert errors == "masonry-cd: error: no.toml: no such scene file\n"
 
@@ -203,7 +204,7 @@ def test_the_output_must_be_a_folder(block_on_plate, tmp_path):
 
 def test_ctrl_c_leaves_readable_results(block_on_plate, tmp_path):
     out = tmp_path / "out"
-    command = [sys.executable, "-m", "masonry_cd.cli", "run", str(block_on_plate(duration="duration = 3000.0")), "-o", str(out)]
+    command = [sys.executable, "-m", "masonry_cd", "run", str(block_on_plate(duration="duration = 3000.0")), "-o", str(out)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 120
     while not (out / "result.h5").exists() and process.poll() is None and time.monotonic() < deadline:
@@ -322,7 +323,7 @@ def test_a_folder_belongs_to_one_run_at_a_time(block_on_plate, tmp_path, monkeyp
 def test_the_lock_of_a_dead_run_is_taken_over(block_on_plate, tmp_path):
     scene, out = block_on_plate(duration="duration = 0.01"), tmp_path / "out"
     take = f"held = locked(pathlib.Path({str(out)!r})); held.__enter__(); os._exit(9)"
-    code = f"import os, pathlib; from masonry_cd.lock import locked; {take}"
+    code = f"import os, pathlib; from masonry_cd.io.lock import locked; {take}"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 9
     holder = json.loads((out / "run.lock").read_text())
     assert masonry_cd("run", scene, "-o", out, "-q").exit_code == 0

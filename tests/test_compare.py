@@ -12,7 +12,7 @@ import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.errors import InputError
-from reports import compare
+from reports.compare import comparison
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, *(box(f"p{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1), "pier") for k in range(2))]
@@ -43,7 +43,7 @@ def made(folder: Path, slip: float, mu: float = 0.6, a: float = 0.2, r: str = ""
 
 
 def test_what_differs_and_what_came_of_it(tmp_path: Path) -> None:
-    found = compare.compare([made(tmp_path / "weak", 0.006), made(tmp_path / "strong", 0.030, a=0.5)])
+    found = comparison.compare([made(tmp_path / "weak", 0.006), made(tmp_path / "strong", 0.030, a=0.5)])
     rows = {name: values for name, _, values in found.rows}
     assert found.header == ["", "unit", "weak", "strong"]
     assert rows["loads[0].amplitude"] == [0.2, 0.5]
@@ -60,13 +60,13 @@ def test_what_differs_and_what_came_of_it(tmp_path: Path) -> None:
 
 def test_the_thresholds_of_the_first_run_judge_all(tmp_path: Path) -> None:
     one, two = made(tmp_path / "one", 0.006, r="slid = 0.1"), made(tmp_path / "two", 0.006)
-    assert {name: values for name, _, values in compare.compare([one, two]).rows}["joints slid"] == [0, 0]
-    assert {name: values for name, _, values in compare.compare([two, one]).rows}["joints slid"] == [1, 1]
+    assert {name: values for name, _, values in comparison.compare([one, two]).rows}["joints slid"] == [0, 0]
+    assert {name: values for name, _, values in comparison.compare([two, one]).rows}["joints slid"] == [1, 1]
 
 
 def test_the_table_as_csv_markdown_and_picture(tmp_path: Path) -> None:
-    found = compare.compare([made(tmp_path / "a", 0.006), made(tmp_path / "b", 0.030, mu=0.7)])
-    paths = compare.write_comparison(found, tmp_path / "out")
+    found = comparison.compare([made(tmp_path / "a", 0.006), made(tmp_path / "b", 0.030, mu=0.7)])
+    paths = comparison.write_comparison(found, tmp_path / "out")
     with paths[0].open() as file:
         table = {row[0]: row[2:] for row in csv.reader(file)}
     assert table["material.friction"] == ["0.6", "0.7"]
@@ -83,13 +83,13 @@ def test_the_table_as_csv_markdown_and_picture(tmp_path: Path) -> None:
 def test_folders_of_equal_names_are_told_apart(tmp_path: Path) -> None:
     (tmp_path / "x").mkdir()
     (tmp_path / "y").mkdir()
-    found = compare.compare([made(tmp_path / "x" / "run", 0.001), made(tmp_path / "y" / "run", 0.002)])
+    found = comparison.compare([made(tmp_path / "x" / "run", 0.001), made(tmp_path / "y" / "run", 0.002)])
     assert found.header[2:] == ["x/run", "y/run"]
 
 
 def test_nested_tables_get_the_keys_that_users_write() -> None:
     table = {"material": {"friction": {"default": 0.6, "a-b": 0.7}}, "loads": [{"kind": "x"}, {"kind": "y"}], "title": "t"}
-    assert compare.flat(table) == {
+    assert comparison.flat(table) == {
         "material.friction.default": 0.6,
         "material.friction.a-b": 0.7,
         "loads[0].kind": "x",
@@ -102,12 +102,12 @@ def test_bad_folders_are_one_line(tmp_path: Path) -> None:
     good = made(tmp_path / "good", 0.001)
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match=r"result\.h5: no such result file$"):
-        compare.compare([good, tmp_path / "empty"])
+        comparison.compare([good, tmp_path / "empty"])
     with pytest.raises(InputError, match=r"^compare: name two folders of runs at least$"):
-        compare.compare([good])
+        comparison.compare([good])
     with pytest.raises(InputError, match=r"is named twice$"):
-        compare.compare([good, tmp_path / "empty" / ".." / "good"])
+        comparison.compare([good, tmp_path / "empty" / ".." / "good"])
     other = made(tmp_path / "other", 0.001)
     (other / "summary.json").write_text('{"steps": 1')
     with pytest.raises(InputError, match=r"summary\.json: not a summary, or one that was cut off$"):
-        compare.compare([good, other])
+        comparison.compare([good, other])

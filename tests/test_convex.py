@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from models import box
 
-from masonry_cd.blocks import Block, Faces, mass_properties, triangles
-from structures.checks import check
-from structures.convex import is_convex, split
-from structures.prism import prism_xz
+from masonry_cd.model.blocks import Block, Faces, mass_properties, triangles
+from structures.geometry.checks import check
+from structures.geometry.convex import is_convex, split
+from structures.geometry.prism import prism_xz
 
 ELL = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
 CROSS = [(1, 0), (2, 0), (2, 1), (3, 1), (3, 2), (2, 2), (2, 3), (1, 3), (1, 2), (0, 2), (0, 1), (1, 1)]

@@ -9,10 +9,10 @@ import pytest
 from solids import bonded_share, exposed, free_volume, moved_at_rest
 
 import structures
-from masonry_cd.blocks import Assembly, Block
+from masonry_cd.contact.joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.joints import find_joints
-from structures import solid
+from masonry_cd.model.blocks import Assembly, Block
+from structures.geometry import solid
 
 HEAD = 'SetFactory("OpenCASCADE");\n'
 # a hollow square tower of 2.4 m, walls 0.4 m, with a door

@@ -12,14 +12,15 @@ import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 
-from masonry_cd.blocks import Block
 from masonry_cd.errors import InputError
-from masonry_cd.results import Results
-from reports import crack_map, render
-from reports.damage import Thresholds
+from masonry_cd.io.results import Results
+from masonry_cd.model.blocks import Block
+from reports.damage.joint_damage import Thresholds
 from reports.deformed import Pose, Solids
-from reports.picture import auto_view, families_of, structure_picture
-from reports.sheet import in_metres, layout, nice
+from reports.drawing import render
+from reports.drawing.figure import in_metres, layout, nice
+from reports.drawing.structure_picture import auto_view, families_of, structure_picture
+from reports.maps import crack_map
 
 BASE = box("base", (-1.5, -0.5, -0.3), (1.5, 0.5, 0), "base", fixed=True)
 COLUMN = [BASE, *(box(f"d{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1)) for k in range(3))]
@@ -177,7 +178,7 @@ def test_bad_input_is_one_line(tmp_path: Path) -> None:
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the kinds of render window are those of Linux")
 def test_without_opengl_the_packages_are_named() -> None:
     """VTK would end the process where it finds no OpenGL at all; the check comes first."""
-    code = "from reports.render import require_context; require_context()"
+    code = "from reports.drawing.render import require_context; require_context()"
     hidden = {k: v for k, v in os.environ.items() if k != "DISPLAY"} | {"VTK_DEFAULT_OPENGL_WINDOW": "vtkOSOpenGLRenderWindow"}
     if render._loadable("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"):
         pytest.skip("OSMesa is installed here")
@@ -187,7 +188,8 @@ def test_without_opengl_the_packages_are_named() -> None:
 
 
 def test_reports_load_neither_vtk_nor_matplotlib() -> None:
-    code = "import sys; import reports.damage, reports.crack_map, reports.picture; print([m for m in sys.modules if m in HEAVY])"
+    code = "import sys; import reports.damage.joint_damage, reports.maps.crack_map, reports.drawing.structure_picture\n"
+    code += "print([m for m in sys.modules if m in HEAVY])"
     code = code.replace("HEAVY", repr({"vtk", "vtkmodules", "pyvista", "matplotlib", "pandas"}))
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
 

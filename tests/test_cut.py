@@ -10,15 +10,15 @@ import pytest
 from made_run import at_rest, box, turned, write_run
 from test_crack_map import model_area, opening_scale, pixels, shares
 
-from masonry_cd.blocks import Block
+from masonry_cd.contact.joints import polygon_area
 from masonry_cd.errors import InputError
-from masonry_cd.joints import polygon_area
-from masonry_cd.results import Results
-from reports.bands import band_corners
-from reports.crack_map import Look, crack_map
-from reports.cut import caps_of, clipped, clipped_lines, cut_named, traces
+from masonry_cd.io.results import Results
+from masonry_cd.model.blocks import Block
 from reports.deformed import Pose, Solids
-from reports.render import Lines, Surface, view_named
+from reports.drawing.render import Lines, Surface, view_named
+from reports.maps.bands import band_corners
+from reports.maps.crack_map import Look, crack_map
+from reports.maps.cut import caps_of, clipped, clipped_lines, cut_named, traces
 
 BASE = box("base", (-2, -1, -0.5), (2, 1, 0), "base", fixed=True)
 STACK = [BASE, *(box(f"s{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1)) for k in range(3))]

@@ -10,18 +10,18 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 
 from masonry_cd.errors import InputError
-from masonry_cd.results import Results
-from reports import damage
+from masonry_cd.io.results import Results
+from reports.damage import joint_damage
 from reports.deformed import Pose, Solids
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, box("lower", (-0.5, -0.5, 0), (0.5, 0.5, 1)), box("upper", (-0.5, -0.5, 1), (0.5, 0.5, 2))]
 
 
-def table_of(path: Path, thresholds: damage.Thresholds | None = None) -> dict[tuple[str, str], dict[str, object]]:
+def table_of(path: Path, thresholds: joint_damage.Thresholds | None = None) -> dict[tuple[str, str], dict[str, object]]:
     """The rows of the damage table by the (sorted) names of the two blocks."""
     with Results.open(path) as results:
-        table = damage.joint_damage(results, thresholds)
+        table = joint_damage.joint_damage(results, thresholds)
     rows = {}
     for j in range(len(table.joint)):
         rows[tuple(sorted((table.block_a[j], table.block_b[j])))] = {name: getattr(table, name)[j] for name in table.__dataclass_fields__}
@@ -48,8 +48,8 @@ def test_known_slip_comes_back(tmp_path: Path) -> None:
     assert row["contact_area_loss"] == pytest.approx(0.030, abs=1e-9)  # of 1 m x 1 m
     assert row["state"] == "slid"
     with Results.open(path) as results:
-        assert damage.displacement_max(results) == pytest.approx(0.030, abs=1e-9)
-        assert damage.collapsed_blocks(results) == ()
+        assert joint_damage.displacement_max(results) == pytest.approx(0.030, abs=1e-9)
+        assert joint_damage.collapsed_blocks(results) == ()
 
 
 def test_known_hinge_comes_back(tmp_path: Path) -> None:
@@ -69,7 +69,7 @@ def test_wide_hinge_still_touches_and_is_not_separated(tmp_path: Path) -> None:
     path = write_run(tmp_path / "result.h5", PIER, [rest, turned(rest, 2, (0.5, 0.0, 1.0), 25.0)])
     assert table_of(path)["lower", "upper"]["state"] == "opened"
     with Results.open(path) as results:
-        assert damage.collapsed_blocks(results) == ()
+        assert joint_damage.collapsed_blocks(results) == ()
 
 
 @pytest.mark.parametrize("by", [(0.0, 0.0, 0.2), (1.1, 0.0, 0.0)], ids=["lifted off", "slid off"])
@@ -78,8 +78,8 @@ def test_separated(tmp_path: Path, by: tuple[float, float, float]) -> None:
     path = write_run(tmp_path / "result.h5", PIER, [rest, shifted(rest, 2, by)])
     assert table_of(path)["lower", "upper"]["state"] == "separated"
     with Results.open(path) as results:
-        assert damage.collapsed_blocks(results) == ("upper",)
-        assert damage.summary(damage.joint_damage(results)) == {"joints_opened": 0, "joints_slid": 0, "joints_separated": 1}
+        assert joint_damage.collapsed_blocks(results) == ("upper",)
+        assert joint_damage.summary(joint_damage.joint_damage(results)) == {"joints_opened": 0, "joints_slid": 0, "joints_separated": 1}
 
 
 def test_a_hop_that_lands_again_has_opened_but_is_not_separated(tmp_path: Path) -> None:
@@ -93,17 +93,17 @@ def test_the_measure_further_beyond_its_threshold_names_the_joint() -> None:
     opening = np.array([0.0, 2e-4, 2e-4, 9e-5, 1.0])
     sliding = np.array([0.0, 1e-4, 5e-4, 9e-5, 0.0])
     separated = np.array([False, False, False, False, True])
-    codes = damage.classify(opening, sliding, separated, damage.Thresholds())
-    assert [damage.STATES[c] for c in codes] == ["intact", "opened", "slid", "intact", "separated"]
+    codes = joint_damage.classify(opening, sliding, separated, joint_damage.Thresholds())
+    assert [joint_damage.STATES[c] for c in codes] == ["intact", "opened", "slid", "intact", "separated"]
 
 
 def test_thresholds_are_the_users(tmp_path: Path) -> None:
     rest = at_rest(PIER)
     path = write_run(tmp_path / "result.h5", PIER, [rest, shifted(rest, 2, (0.001, 0, 0))])
     assert table_of(path)["lower", "upper"]["state"] == "slid"
-    assert table_of(path, damage.Thresholds(slid=0.002))["lower", "upper"]["state"] == "intact"
+    assert table_of(path, joint_damage.Thresholds(slid=0.002))["lower", "upper"]["state"] == "intact"
     with pytest.raises(InputError, match=r"thresholds\.slid: must be positive"):
-        damage.Thresholds(slid=0.0)
+        joint_damage.Thresholds(slid=0.0)
 
 
 def test_fallen_blocks_are_judged_relative_to_the_base(tmp_path: Path) -> None:
@@ -112,20 +112,20 @@ def test_fallen_blocks_are_judged_relative_to_the_base(tmp_path: Path) -> None:
     rest = at_rest(blocks)
     settled = shifted(rest, slice(None), (0, 0, -3.0))
     with Results.open(write_run(tmp_path / "settled.h5", blocks, [rest, settled])) as results:
-        assert damage.collapsed_blocks(results) == ()
-        assert damage.displacement_max(results) == pytest.approx(0.0, abs=1e-12)
+        assert joint_damage.collapsed_blocks(results) == ()
+        assert joint_damage.displacement_max(results) == pytest.approx(0.0, abs=1e-12)
     thrown = turned(shifted(settled, 2, (1.0, 0, -0.67)), 3, (2.4, 0, -3.0), 90.0)
     with Results.open(write_run(tmp_path / "thrown.h5", blocks, [rest, thrown])) as results:
-        assert damage.collapsed_blocks(results) == ("upper", "drum")
-        assert damage.collapsed_blocks(results, frame=0) == ()
+        assert joint_damage.collapsed_blocks(results) == ("upper", "drum")
+        assert joint_damage.collapsed_blocks(results, frame=0) == ()
 
 
 def test_csv_holds_the_table(tmp_path: Path) -> None:
     rest = at_rest(PIER)
     path = write_run(tmp_path / "result.h5", PIER, [rest, turned(rest, 2, (0.5, 0.0, 1.0), 2.0)])
     with Results.open(path) as results:
-        table = damage.joint_damage(results)
-    damage.write_joints_csv(table, tmp_path / "joints.csv")
+        table = joint_damage.joint_damage(results)
+    joint_damage.write_joints_csv(table, tmp_path / "joints.csv")
     with (tmp_path / "joints.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == [
@@ -187,5 +187,5 @@ def test_displacements_are_relative_to_the_first_support_where_supports_move_apa
     rest = at_rest(blocks)
     sunk = shifted(shifted(rest, slice(None), (0.2, 0.0, 0.0)), slice(1, None, 2), (0.0, 0.0, -0.06))
     with Results.open(write_run(tmp_path / "run.h5", blocks, [rest, sunk])) as results:
-        assert damage.displacements(results) == pytest.approx([0.0, 0.06])
-        assert damage.collapsed_blocks(results) == ()
+        assert joint_damage.displacements(results) == pytest.approx([0.0, 0.06])
+        assert joint_damage.collapsed_blocks(results) == ()

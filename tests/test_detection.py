@@ -5,9 +5,9 @@ import pytest
 from models import box, ground, tower, turned, wall
 from scipy.optimize import linprog
 
-from masonry_cd.blocks import Assembly, Block
-from masonry_cd.detection import CLIPPED, KEPT, SEARCHED, STILL, ContactSet, Detector
-from masonry_cd.state import State, rotation_matrices
+from masonry_cd.contact.detector import CLIPPED, KEPT, SEARCHED, STILL, ContactSet, Detector
+from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.state import State, rotation_matrices
 
 
 def detect(blocks: list[Block], state: State | None = None, slack: float = 0.0) -> ContactSet:

@@ -11,8 +11,8 @@ from solids import build, exposed, free_volume, moved_at_rest
 from statics3d import assembled, can_stand, in_one_piece
 
 from masonry_cd.errors import InputError
-from structures import rings
-from structures.prism import polygon_area, polygon_centroid
+from structures.geometry.prism import polygon_area, polygon_centroid
+from structures.layout import rings
 
 
 def ring_volume(sides: int, profile: np.ndarray) -> float:

@@ -10,12 +10,12 @@ import pytest
 from made_run import box
 from typer.testing import CliRunner
 
-from masonry_cd.cli import app
-from masonry_cd.dump import parse_steps
+from masonry_cd.app.dump import parse_steps
+from masonry_cd.cli.commands import app
 from masonry_cd.errors import InputError
-from masonry_cd.problem_files import read_problem, solve_file
-from masonry_cd.results import Results
-from structures import blockfile
+from masonry_cd.friction.files import read_problem, solve_file
+from masonry_cd.io.results import Results
+from structures.files import blockfile
 
 SCENE = """\
 structure = { kind = "file", path = "blocks.json" }

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
 
-from masonry_cd.blocks import Assembly, Block
-from masonry_cd.detection import ContactSet, Detector
+from masonry_cd.app.scene import JointLaw
+from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.contact.joints import find_joints
+from masonry_cd.dynamics.equilibrium import settle
+from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
-from masonry_cd.joints import find_joints
-from masonry_cd.scene import JointLaw
-from masonry_cd.settling import settle
-from masonry_cd.state import State, rotation_matrices
-from masonry_cd.stepping import Stepper
+from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.state import State, rotation_matrices
 
 STIFFNESS, SIDES, HEIGHT = 1e8, (0.5, 0.3), 0.4  # [N/m3], of the block's base and its height [m]
 AREA, MASS = 0.15, 2000.0 * 0.15 * 0.4

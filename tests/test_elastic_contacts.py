@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import scenes
 
-from masonry_cd.friction import FrictionProblem, Solution, natural_map_error
-from masonry_cd.impacts import solve_apart
+from masonry_cd.dynamics.impacts import solve_apart
+from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options, nlgs
 
 STEP = 1e-3

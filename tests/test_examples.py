@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from masonry_cd.case import prepare, run_case
-from masonry_cd.results import Results
-from masonry_cd.scene import read_scene
+from masonry_cd.app.case import prepare, run_case
+from masonry_cd.app.scene import read_scene
+from masonry_cd.io.results import Results
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 GRAVITY = 9.81
@@ -26,7 +26,7 @@ def run(name: str, folder: Path, *changes: str) -> dict[str, Any]:
 
 def base_reaction(folder: Path) -> tuple[float, float]:
     """Sum of the normal forces of the joints on fixed blocks in the last frame, and the weight of the free blocks [N]."""
-    from masonry_cd.blocks import Assembly
+    from masonry_cd.model.blocks import Assembly
 
     with Results.open(folder / "result.h5") as results:
         assembly, joints = Assembly.from_blocks(results.blocks, 0.5), results.joints

@@ -9,9 +9,9 @@ import pytest
 from made_run import box
 from typer.testing import CliRunner
 
-from masonry_cd.cli import app
-from masonry_cd.explain import HEAVY, _modules
-from structures import blockfile
+from masonry_cd.app.explain import HEAVY, _modules
+from masonry_cd.cli.commands import app
+from structures.files import blockfile
 
 SCENE = """\
 structure = { kind = "file", path = "blocks.json" }

@@ -1,4 +1,5 @@
-"""loads.forces: a bar swings at its frequency and never pushes, a force turns a block about its centre, too stiff a bar is refused."""
+"""loads.kinds.forces: a bar swings at its frequency and never pushes, a force turns a block about its centre, too stiff a bar is
+refused."""
 
 from __future__ import annotations
 
@@ -10,15 +11,15 @@ import pytest
 from models import box, ground
 
 import loads
-from loads.forces import Forces, felt_mass
-from masonry_cd.blocks import Assembly, Block
-from masonry_cd.case import closing_lines, prepare, run_case
+from loads.kinds.forces import Forces, felt_mass
+from masonry_cd.app.case import closing_lines, prepare, run_case
+from masonry_cd.app.scene import Run, read_scene
+from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
-from masonry_cd.results import Results
-from masonry_cd.scene import Run, read_scene
-from masonry_cd.stepping import Stepper
-from structures import blockfile
-from structures.prism import prism_xz
+from masonry_cd.io.results import Results
+from masonry_cd.model.blocks import Assembly, Block
+from structures.files import blockfile
+from structures.geometry.prism import prism_xz
 
 G = (0.0, 0.0, -9.81)
 

@@ -17,7 +17,8 @@ from models import tower
 
 import structures
 from masonry_cd.errors import InputError
-from structures import cutting, foreign, mesh_readers, meshfile, solid
+from structures.files import cutting, foreign, mesh_readers, meshfile
+from structures.geometry import solid
 
 HEAD = 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1, 0.4, 0.5};\n'
 CUT = {"kind": "solid", "units": "m", "course_height": 0.25, "unit_length": 0.5}
@@ -115,7 +116,9 @@ def test_what_a_file_started_ends_with_it(tmp_path: Path, capfd: pytest.CaptureF
     (tmp_path / "wall.geo").write_text(f'SystemCall "echo $$ > {tmp_path}/number; exec {shutil.which("sleep")} 600";\n' + HEAD)
     begin = time.perf_counter()
     limits = foreign.Limits(seconds=0.5)
-    assert "not done after" in refused(capfd, "wall.geo", foreign.read, "structures.cutting:cut", tmp_path / "wall.geo", ASKED, limits)
+    assert "not done after" in refused(
+        capfd, "wall.geo", foreign.read, "structures.files.cutting:cut", tmp_path / "wall.geo", ASKED, limits
+    )
     assert time.perf_counter() - begin < 60.0
     number = int((tmp_path / "number").read_text())
     assert not Path(f"/proc/{number}/cmdline").exists() or b"sleep" not in Path(f"/proc/{number}/cmdline").read_bytes()
@@ -230,7 +233,7 @@ def test_a_child_reads_meshes_to_the_same_bits(tmp_path: Path, suffix: str) -> N
     file = tmp_path / f"stack.{suffix}"
     meshfile.write(file, tower(3))
     reader = f"read_{suffix}"
-    read = foreign.read(f"structures.mesh_readers:{reader}", file)
+    read = foreign.read(f"structures.files.mesh_readers:{reader}", file)
     assert len(read[0]) >= 1
     assert same(read, getattr(mesh_readers, reader)(file))
 
@@ -241,13 +244,13 @@ def test_a_child_cuts_solids_to_the_same_bits(tmp_path: Path, name: str, model) 
         (tmp_path / name).write_text(HEAD)
     else:
         model(name)
-    read = foreign.read("structures.cutting:cut", tmp_path / name, ASKED)
+    read = foreign.read("structures.files.cutting:cut", tmp_path / name, ASKED)
     assert len(read[0]) >= 2
     assert same(read, cutting.cut(tmp_path / name, **ASKED))
 
 
 def test_a_child_imports_no_more_than_it_needs() -> None:
-    text = "import sys, structures.foreign, structures.mesh_readers, structures.cutting; print(*sys.modules)"
+    text = "import sys, structures.files.foreign, structures.files.mesh_readers, structures.files.cutting; print(*sys.modules)"
     there = set(subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True).stdout.split())
     assert "numpy" in there
     assert not there & {"numba", "scipy", "pydantic", "gmsh", "vtkmodules", "pyvista", "trimesh", "meshio", "masonry_cd.errors"}
@@ -323,7 +326,7 @@ def test_the_command_line_tells_one_line_and_exits_with_2(tmp_path: Path) -> Non
         '[structure]\nkind = "solid"\npath = "wall.geo"\nunits = "m"\ncourse_height = 0.25\ntrusted = true\n'
         "[material]\ndensity = 2000.0\nfriction = 0.6\n[run]\ndt = 1e-3\nduration = 0.1\n"
     )
-    command = [sys.executable, "-m", "masonry_cd.cli", "build", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out")]
+    command = [sys.executable, "-m", "masonry_cd", "build", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("masonry-cd: error: ")

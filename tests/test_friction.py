@@ -7,7 +7,7 @@ import pytest
 import scenes
 from scipy import sparse
 
-from masonry_cd.friction import FrictionProblem, LocalProblem, natural_map_error
+from masonry_cd.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 
 
 def project(x: np.ndarray, mu: float) -> np.ndarray:

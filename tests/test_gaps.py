@@ -11,14 +11,14 @@ from models import box
 from solids import build, moved_at_rest
 
 import structures
-from masonry_cd.blocks import Assembly, Block, triangles
+from masonry_cd.contact.joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.joints import find_joints
-from structures import blockfile
-from structures.checks import check
-from structures.gaps import close_gaps
-from structures.prism import prism_xz
-from structures.tidy import tidy
+from masonry_cd.model.blocks import Assembly, Block, triangles
+from structures.files import blockfile
+from structures.geometry.checks import check
+from structures.geometry.gaps import close_gaps
+from structures.geometry.merge_coplanar import tidy
+from structures.geometry.prism import prism_xz
 
 WALL = {"length": 2.0, "height": 1.5, "thickness": 0.4, "course_height": 0.25}
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import loads
-from masonry_cd.case import build_structure
+from masonry_cd.app.case import build_structure
+from masonry_cd.app.scene import read_scene
 from masonry_cd.errors import InputError
-from masonry_cd.scene import read_scene
 
 SCENE = """title = "a"
 [structure]

@@ -11,13 +11,14 @@ import scenes
 from scipy import sparse
 from test_extreme_problems import thrown
 
-from masonry_cd import coulomb
-from masonry_cd.case import prepare
-from masonry_cd.friction import FrictionProblem, LocalProblem, Solution, natural_map_error
-from masonry_cd.scene import read_scene
+from masonry_cd.app.case import prepare
+from masonry_cd.app.scene import read_scene
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.friction.coulomb_law import SLIP, STICK
+from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 from masonry_cd.solvers.interior import TURN
-from masonry_cd.stepping import Stepper
+from masonry_cd.solvers.proximal_kernels import first_change
 
 solve = SOLVERS["interior"]
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -100,12 +101,12 @@ def test_solves_nearly_all_that_is_thrown_apart(mu: float) -> None:
 
 
 @pytest.mark.parametrize("side", [1.0 - 1e-14, 1.0 + 1e-14])
-@pytest.mark.parametrize(("status", "outward"), [(coulomb.SLIP, 1.0), (coulomb.STICK, -1.0)])
+@pytest.mark.parametrize(("status", "outward"), [(SLIP, 1.0), (STICK, -1.0)])
 def test_contact_keeps_the_status_that_it_moves_into(side: float, status: int, outward: float) -> None:
     """Rounding leaves a contact on either side of the cone where it changed: on its way into its new status it does not change back."""
     mu, x = np.array([0.5]), np.array([[2.0, side, 0.0]])
     dx = np.array([[0.1, 0.1 + outward, 0.0]])
-    step, _, _ = coulomb._first_change(mu, np.array([status]), x, dx, (0, 0, 0))
+    step, _, _ = first_change(mu, np.array([status]), x, dx, (0, 0, 0))
     assert step > 1.0
 
 

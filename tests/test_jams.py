@@ -7,13 +7,13 @@ import pytest
 import scenes
 from models import box, gravity, ground, still
 
-from masonry_cd.blocks import Assembly
-from masonry_cd.jams import Closing, find_jam
-from masonry_cd.joints import find_joints
-from masonry_cd.results import ResultWriter
-from masonry_cd.runner import RunReport, run
-from masonry_cd.scene import Run
-from masonry_cd.stepping import Stepper
+from masonry_cd.app.run_loop import RunReport, run
+from masonry_cd.app.scene import Run
+from masonry_cd.contact.joints import find_joints
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.friction.infeasibility import Closing, find_jam
+from masonry_cd.io.results import ResultWriter
+from masonry_cd.model.blocks import Assembly
 
 STEPS = 20
 

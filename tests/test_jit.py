@@ -10,20 +10,20 @@ from pathlib import Path
 import pytest
 from numba.core import caching
 
-from masonry_cd.jit import has_cache, kept, njit
+from masonry_cd.jit import entry, has_cache, kept, kernel
 
 
-@njit()
+@kernel()
 def _half(x):
     return 0.5 * x
 
 
-@njit()
+@entry()
 def quarter(x):
     return _half(_half(x))
 
 
-@njit(entry=True)
+@entry()
 def _eighth(x):
     return _half(quarter(x))
 
@@ -46,23 +46,23 @@ def test_python_is_refused_where_there_is_no_entry_compiled_or_not():
 
 def test_kernels_do_without_a_folder_for_their_cache(monkeypatch):
     monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
-    kernel = njit(cache=True)(third)
-    assert kernel(3.0) == 1.0
-    assert not has_cache(kernel) and kept(kernel) == []
+    compiled = entry()(third)
+    assert compiled(3.0) == 1.0
+    assert not has_cache(compiled) and kept(compiled) == []
 
 
 CALLEE = """
-from masonry_cd.jit import njit
+from masonry_cd.jit import kernel
 
-@njit()
+@kernel()
 def _scaled(x):
     return {factor} * x
 """
 CALLER = """
 from kernel_below import _scaled
-from masonry_cd.jit import njit
+from masonry_cd.jit import entry
 
-@njit(cache=True)
+@entry()
 def scaled_twice(x):
     return _scaled(_scaled(x))
 """

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from models import box, ground, tower, turned, wall
 
-from masonry_cd.blocks import Assembly
-from masonry_cd.joints import JointPeaks, find_joints, measure_joints
-from masonry_cd.state import State
+from masonry_cd.contact.joints import JointPeaks, find_joints, measure_joints
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.state import State
 
 
 def test_the_joints_of_a_wall_are_its_bed_and_head_joints():

@@ -1,4 +1,4 @@
-"""masonry_cd.load_outcome: a run tells the load factor at which its structure gave way."""
+"""masonry_cd.app.load_factor: a run tells the load factor at which its structure gave way."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from models import box, ground
 
-from masonry_cd.blocks import Block
-from masonry_cd.case import closing_lines, prepare, run_case
-from masonry_cd.scene import read_scene
-from structures import blockfile
+from masonry_cd.app.case import closing_lines, prepare, run_case
+from masonry_cd.app.scene import read_scene
+from masonry_cd.model.blocks import Block
+from structures.files import blockfile
 
 
 def push_over(folder: Path, blocks: list[Block], load: str, mu: float, dt: float, seconds: float, solver: str = "nlgs") -> dict:

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from loads.baseline import integrate
 from loads.picture import _thinned, file_picture, record_picture
-from loads.response import default_periods
+from loads.signal.baseline import integrate
+from loads.signal.response import default_periods
 from masonry_cd.errors import InputError
 
 TIME = 0.01 * np.arange(1001)

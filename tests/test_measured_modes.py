@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from models import box, tower
 
-from masonry_cd.blocks import Block
 from masonry_cd.errors import InputError
-from reports.measured_modes import fit_factor, mac, pair, read_measured
-from reports.modal import Modes, modal
+from masonry_cd.model.blocks import Block
+from reports.modal.measured_modes import fit_factor, mac, pair, read_measured
+from reports.modal.modes import Modes, modal
 
 SHAPED = """\
 # ambient vibration test

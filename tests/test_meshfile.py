@@ -10,11 +10,11 @@ from models import box, tower
 from solids import build
 
 import structures
-from masonry_cd.blocks import Assembly, Block, mass_properties
+from masonry_cd.contact.joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.joints import find_joints
-from structures import meshfile
-from structures.prism import prism_xz
+from masonry_cd.model.blocks import Assembly, Block, mass_properties
+from structures.files import meshfile
+from structures.geometry.prism import prism_xz
 
 
 def file(folder: Path, name: str, **keys: object) -> list[Block]:

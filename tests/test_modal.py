@@ -11,9 +11,9 @@ from beams import CLAMPED, FREE, HINGED, Beam, chain
 from models import box, tower
 from scipy.optimize import brentq
 
-from masonry_cd.blocks import Block
 from masonry_cd.errors import InputError
-from reports.modal import Modes, modal
+from masonry_cd.model.blocks import Block
+from reports.modal.modes import Modes, modal
 
 YOUNG, DENSITY = 2e9, 2000.0
 
@@ -227,7 +227,8 @@ def test_wrong_values_are_told_in_one_line(options: dict[str, object], message: 
 
 
 def test_importing_the_rooms_loads_no_heavy_package() -> None:
-    code = "import sys, reports.modal, reports.modal_case, reports.continuum, reports.elastic_joints, reports.modal_picture as _\n"
+    code = "import sys, reports.modal.modes, masonry_cd.app.modal_case, reports.modal.continuum\n"
+    code += "import reports.modal.elastic_joints, reports.modal.modes_picture as _\n"
     code += "print([m for m in ('gmsh', 'skfem', 'matplotlib', 'pyvista', 'vtk', 'pandas') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from models import box, wall
 
-from masonry_cd.blocks import Block
+from masonry_cd.app.modal_case import by_group, modal_case
 from masonry_cd.errors import InputError
-from reports.modal_case import by_group, modal_case
+from masonry_cd.model.blocks import Block
 
 ARCH = """\
 title = "Arch"

@@ -11,7 +11,7 @@ import pytest
 import scenes
 from test_extreme_problems import thrown
 
-from masonry_cd.friction import FrictionProblem, LocalProblem, Solution, natural_map_error
+from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options, newton
 from masonry_cd.solvers.admm import FIRST_STIFFNESS
 

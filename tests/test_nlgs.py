@@ -10,9 +10,9 @@ import scenes
 from scipy import sparse
 from test_friction import project
 
-from masonry_cd import coulomb
-from masonry_cd.friction import LocalProblem, Solution, natural_map_error
+from masonry_cd.friction.problem import LocalProblem, Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options, nlgs
+from masonry_cd.solvers.nlgs_kernels import colour_joints
 
 solve = SOLVERS["nlgs"]
 
@@ -116,7 +116,7 @@ def test_colours_share_no_block() -> None:
     problem = scenes.wall(6, 4)
     bodies = len(problem.v_free)
     index = np.where(problem.bodies < 0, bodies, problem.bodies)
-    start, order, ends = coulomb.colour_joints(index, bodies)
+    start, order, ends = colour_joints(index, bodies)
     assert sorted(order) == list(range(len(start) - 1))
     for low, high in pairwise(ends):
         touched = index[start[order[low:high]]].ravel()

@@ -11,16 +11,16 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 from typer.testing import CliRunner
 
-from masonry_cd.cli import app
+from masonry_cd.cli.commands import app
 from masonry_cd.errors import InputError
-from masonry_cd.results import Results
-from masonry_cd.state import rotation_matrices
-from reports.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Marks, Scale
-from reports.damage import Thresholds
+from masonry_cd.io.results import Results
+from masonry_cd.model.state import rotation_matrices
+from reports.damage.joint_damage import Thresholds
+from reports.damage.macro_elements import Moment
 from reports.deformed import Pose, solids_of
+from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Marks, Scale
 from reports.page import motion, series, write_page
 from reports.page.pack import packed, packed_length
-from reports.parts import Moment
 
 HINGE, SLIP = 0.4, 0.007  # of the middle block about its edge [degrees], of the upper one [m]
 ADDRESS = re.compile(r"//|\bsrc=|@import|\burl\(")

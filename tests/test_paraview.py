@@ -11,7 +11,7 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 
 from masonry_cd.errors import InputError
-from masonry_cd.results import Results
+from masonry_cd.io.results import Results
 from reports.paraview import export
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)

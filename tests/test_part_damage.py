@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 
-from masonry_cd.blocks import Block
 from masonry_cd.errors import InputError
-from masonry_cd.results import Results
-from masonry_cd.state import State
-from reports import grades, part_damage, part_files
-from reports.damage import Thresholds
-from reports.mechanism import Rules
+from masonry_cd.io.results import Results
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.state import State
+from reports.damage import grades, part_damage, part_files
+from reports.damage.joint_damage import Thresholds
+from reports.damage.mechanism import Rules
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [

@@ -5,8 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from masonry_cd import coulomb
-from masonry_cd.solvers.pattern import Pattern
+from masonry_cd.linalg import ordering
+from masonry_cd.linalg.cholesky import factorise_cholesky
+from masonry_cd.linalg.elimination_tree import SUBTREE, partition_tree
+from masonry_cd.linalg.ldu import factorise_ldu
+from masonry_cd.linalg.ordering import Pattern
+from masonry_cd.linalg.supernodes import allocate_factors
+from masonry_cd.linalg.symbolic import analyse
+from masonry_cd.linalg.triangular import solve_cholesky, solve_ldu
 
 
 def grid(columns: int, rows: int) -> tuple[int, np.ndarray, np.ndarray]:
@@ -52,11 +58,11 @@ def test_parts_of_a_level_do_not_know_of_one_another(limit: int) -> None:
     """No edge joins two parts of a level, and what a part leaves to later ones has a copy of its own for each of them."""
     nodes, first, second = grid(13, 17)
     place = Pattern.of(nodes, first, second).place
-    order, part, level = coulomb.cut(place[first], place[second], nodes, limit)
+    order, part, level = partition_tree(place[first], place[second], nodes, limit)
     assert sorted(order) == list(range(nodes))
     assert (len(level) > 3) == (limit < 10**6)
     at = np.argsort(order)
-    plan = coulomb.make_plan(at[place[first]], at[place[second]], nodes, part, level)
+    plan = analyse(at[place[first]], at[place[second]], nodes, part, level)
     np.testing.assert_array_equal(plan.first[plan.part], part)
     own = np.repeat(np.arange(len(part) - 1), np.diff(part))
     its_level = np.repeat(np.arange(len(level) - 1), np.diff(level))[own]
@@ -77,12 +83,12 @@ def test_parts_of_a_level_do_not_know_of_one_another(limit: int) -> None:
 
 @pytest.mark.parametrize("n", [2, 6])
 @pytest.mark.parametrize("symmetric", [True, False])
-@pytest.mark.parametrize("part", [40, coulomb.PART])
+@pytest.mark.parametrize("part", [40, SUBTREE])
 @pytest.mark.parametrize("graph", [grid(9, 14), comb(7, 9)], ids=["runs", "columns"])
 def test_a_factorised_matrix_solves_as_a_dense_one_does(
     n: int, symmetric: bool, part: int, graph: tuple[int, np.ndarray, np.ndarray], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(coulomb, "PART", part)
+    monkeypatch.setattr(ordering, "SUBTREE", part)
     nodes, first, second = graph
     plan = Pattern.of(nodes, first, second).plan
     random = np.random.default_rng(3)
@@ -98,14 +104,14 @@ def test_a_factorised_matrix_solves_as_a_dense_one_does(
     dense[column, :, plan.row, :] = upper.transpose(0, 2, 1)
     matrix, right = dense.reshape(nodes * n, nodes * n), random.normal(size=(nodes, n))
     size = (0,) * n
-    squares, panels, others = coulomb._room(plan, size)
+    squares, panels, others = allocate_factors(plan, size)
     x = right.copy()
     if symmetric:
-        assert coulomb._factorise_symmetric(plan, diagonal, lower, squares, panels, size)
-        coulomb._solve_symmetric(plan, squares, panels, x, size)
+        assert factorise_cholesky(plan, diagonal, lower, squares, panels, size)
+        solve_cholesky(plan, squares, panels, x, size)
     else:
-        assert coulomb._factorise(plan, diagonal, lower, upper, squares, panels, others, size)
-        coulomb._solve_factorised(plan, squares, panels, others, x, size)
+        assert factorise_ldu(plan, diagonal, lower, upper, squares, panels, others, size)
+        solve_ldu(plan, squares, panels, others, x, size)
     np.testing.assert_allclose(x.ravel(), np.linalg.solve(matrix, right.ravel()), rtol=0.0, atol=1e-12 * np.abs(x).max())
 
 
@@ -115,6 +121,6 @@ def test_a_singular_block_is_reported(graph: tuple[int, np.ndarray, np.ndarray])
     plan, size = Pattern.of(nodes, first, second).plan, (0, 0)
     diagonal, lower = np.tile(np.eye(2), (nodes, 1, 1)), np.zeros((len(plan.row), 2, 2))
     diagonal[4] = 0.0
-    squares, panels, others = coulomb._room(plan, size)
-    assert not coulomb._factorise(plan, diagonal, lower, lower, squares, panels, others, size)
-    assert not coulomb._factorise_symmetric(plan, diagonal, lower, squares, panels, size)
+    squares, panels, others = allocate_factors(plan, size)
+    assert not factorise_ldu(plan, diagonal, lower, lower, squares, panels, others, size)
+    assert not factorise_cholesky(plan, diagonal, lower, squares, panels, size)

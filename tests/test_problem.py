@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from models import tower
 
-from masonry_cd.blocks import Block
-from reports.problem import FAULTY, problem_picture
-from structures.checks import Unsound, check
+from masonry_cd.model.blocks import Block
+from reports.drawing.refused_blocks import FAULTY, problem_picture
+from structures.geometry.checks import Unsound, check
 
 TOWER = tower(4)
 RED = np.array([int(FAULTY[i : i + 2], 16) for i in (1, 3, 5)])

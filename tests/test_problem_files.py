@@ -11,8 +11,8 @@ import scenes
 from scipy import sparse
 
 from masonry_cd.errors import InputError
-from masonry_cd.friction import FrictionProblem, LocalProblem, natural_map_error
-from masonry_cd.problem_files import read_problem, solve_file, write_problem
+from masonry_cd.friction.files import read_problem, solve_file, write_problem
+from masonry_cd.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 
 COLLECTED = Path(__file__).parents[1].parent / "shared" / "friction_problems"
 needs_collection = pytest.mark.skipif(not COLLECTED.is_dir(), reason="the collected friction problems are not here")

@@ -8,8 +8,8 @@ import time
 
 import pytest
 
-from masonry_cd import progress
-from masonry_cd.progress import Interrupt, Interrupted, Progress, in_words, said_if_slow
+from masonry_cd.app import progress
+from masonry_cd.app.progress import Interrupt, Interrupted, Progress, in_words, said_if_slow
 
 
 @pytest.mark.parametrize(

@@ -8,26 +8,26 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel
 
-from loads.artificial import ArtificialTable
-from loads.forces import PointTable, TieTable
-from loads.gravity import GravityTable
-from loads.record import RecordTable
-from loads.sequence import SequenceTable
-from loads.settlement import SettlementTable, SpreadingTable
-from loads.sinusoidal import SinusoidalTable
-from loads.tilt import PushTable, TiltTable
-from masonry_cd.case import prepare
-from masonry_cd.scene import Material, Report, Run, read_scene
-from structures.aqueduct import AqueductTable
-from structures.arch import ArchTable
-from structures.blockfile import read
-from structures.church import ChurchTable
-from structures.column import ColumnTable
-from structures.dome import DomeTable
-from structures.keys import OpeningTable
-from structures.tower import TowerTable
-from structures.vault import VaultTable
-from structures.wall import WallTable
+from loads.kinds.artificial import ArtificialTable
+from loads.kinds.forces import PointTable, TieTable
+from loads.kinds.gravity import GravityTable
+from loads.kinds.record import RecordTable
+from loads.kinds.sequence import SequenceTable
+from loads.kinds.settlement import SettlementTable, SpreadingTable
+from loads.kinds.sinusoidal import SinusoidalTable
+from loads.kinds.tilt import PushTable, TiltTable
+from masonry_cd.app.case import prepare
+from masonry_cd.app.scene import Material, Report, Run, read_scene
+from structures.files.blockfile import read
+from structures.kinds.aqueduct import AqueductTable
+from structures.kinds.arch import ArchTable
+from structures.kinds.church import ChurchTable
+from structures.kinds.column import ColumnTable
+from structures.kinds.dome import DomeTable
+from structures.kinds.tower import TowerTable
+from structures.kinds.vault import VaultTable
+from structures.kinds.wall import WallTable
+from structures.schema import OpeningTable
 
 README = Path(__file__).parents[1] / "README.md"
 

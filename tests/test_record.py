@@ -1,4 +1,4 @@
-"""loads.record: a record becomes a base velocity that starts and ends at rest, in true units, on the run's times."""
+"""loads.kinds.record: a record becomes a base velocity that starts and ends at rest, in true units, on the run's times."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import loads
-from loads.baseline import integrate
 from loads.motion import STANDARD_GRAVITY
+from loads.signal.baseline import integrate
 from masonry_cd.errors import InputError
 
 RECORDS = Path(__file__).parents[1].parent / "shared" / "records"

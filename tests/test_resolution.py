@@ -11,11 +11,11 @@ from models import box as cuboid
 from models import ground, stepper, still
 from typer.testing import CliRunner
 
-from masonry_cd.blocks import Assembly
-from masonry_cd.cli import app
-from masonry_cd.resolution import after_run, before_run, dominant_frequency
-from masonry_cd.results import Results
-from masonry_cd.stepping import RunStopped
+from masonry_cd.app.time_step_checks import after_run, before_run, dominant_frequency
+from masonry_cd.cli.commands import app
+from masonry_cd.dynamics.moreau_jean import RunStopped
+from masonry_cd.io.results import Results
+from masonry_cd.model.blocks import Assembly
 
 PLATE = box("plate", (-2, -2, -1), (2, 2, 0), fixed=True)
 

@@ -1,14 +1,14 @@
-"""loads.response and loads.intensity against closed forms."""
+"""loads.signal.response and loads.signal.intensity against closed forms."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from loads.baseline import integrate
-from loads.intensity import arias, intensity, significant_window
 from loads.motion import STANDARD_GRAVITY
-from loads.response import default_periods, response_spectrum
+from loads.signal.baseline import integrate
+from loads.signal.intensity import arias, intensity, significant_window
+from loads.signal.response import default_periods, response_spectrum
 
 
 def sine_response(period: float, damping: float, forcing: float, times: np.ndarray) -> np.ndarray:

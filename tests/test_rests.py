@@ -1,4 +1,4 @@
-"""masonry_cd.rests: a rest ends as soon as the structure is still, and each shock leaves its own record of the damage."""
+"""masonry_cd.dynamics.pauses: a rest ends as soon as the structure is still, and each shock leaves its own record of the damage."""
 
 from __future__ import annotations
 
@@ -9,17 +9,18 @@ import pytest
 from models import GRAVITY, box, gravity, ground, still
 from test_runner import contents
 
-from loads.sequence import Pause, Shock
-from masonry_cd import checkpoint, runner
-from masonry_cd.blocks import Assembly
-from masonry_cd.joints import find_joints
-from masonry_cd.resolution import restless
-from masonry_cd.rests import Rests
-from masonry_cd.results import Results, ResultWriter
-from masonry_cd.scene import Run
-from masonry_cd.stepping import Stepper
-from reports.damage import Thresholds, joint_damage, shock_rows
-from reports.part_damage import Settings, part_damage
+from loads.kinds.sequence import Pause, Shock
+from masonry_cd.app import run_loop
+from masonry_cd.app.scene import Run
+from masonry_cd.app.time_step_checks import restless
+from masonry_cd.contact.joints import find_joints
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.dynamics.pauses import Rests
+from masonry_cd.io import checkpoint
+from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.model.blocks import Assembly
+from reports.damage.joint_damage import Thresholds, joint_damage, shock_rows
+from reports.damage.part_damage import Settings, part_damage
 
 DT, MU, STEPS = 2e-3, 0.3, 500
 SHOCKS = (Shock("first", 0, 50), Shock("second", 250, 300))
@@ -37,11 +38,11 @@ def shaken() -> Stepper:
     return Stepper(assembly, velocity, gravity(STEPS), Run(dt=DT, duration=STEPS * DT, solver="nlgs", tolerance=1e-9, checkpoint_every=0.0))
 
 
-def write(path: Path, machine: Stepper, pauses: tuple[Pause, ...] = PAUSES) -> runner.RunReport:
+def write(path: Path, machine: Stepper, pauses: tuple[Pause, ...] = PAUSES) -> run_loop.RunReport:
     joints = find_joints(machine.assembly)
     rests = Rests(machine.assembly, pauses, SHOCKS, STEPS)
     with ResultWriter(path, machine.assembly, joints) as writer:
-        return runner.run(machine, joints, writer, STEPS, 7, rests=rests)
+        return run_loop.run(machine, joints, writer, STEPS, 7, rests=rests)
 
 
 def test_rests_end_when_all_is_still_and_nothing_else_changes(tmp_path: Path) -> None:
@@ -103,12 +104,12 @@ def test_a_sequence_resumes_to_the_same_bits(tmp_path: Path) -> None:
     writer = ResultWriter(tmp_path / "run.h5", machine.assembly, joints)
     rests = Rests(machine.assembly, PAUSES, SHOCKS, STEPS)
     with pytest.raises(Killed):
-        runner.run(machine, joints, writer, STEPS, 7, kill, saved, rests=rests)
+        run_loop.run(machine, joints, writer, STEPS, 7, kill, saved, rests=rests)
     assert rests.quiet > 0
     writer.close()
     machine, rests = shaken(), Rests(machine.assembly, PAUSES, SHOCKS, STEPS)
     with ResultWriter.resumed(tmp_path / "run.h5", checkpoint.load(saved)[1]["rows"]) as writer:
-        runner.run(machine, joints, writer, STEPS, 7, None, saved, resume=True, rests=rests)
+        run_loop.run(machine, joints, writer, STEPS, 7, None, saved, resume=True, rests=rests)
     assert contents(tmp_path / "run.h5") == contents(tmp_path / "unbroken.h5")
 
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from models import stepper, tower
 
-from masonry_cd import results
+from masonry_cd.app.run_loop import run
+from masonry_cd.contact.joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.joints import find_joints
-from masonry_cd.results import Results, ResultWriter
-from masonry_cd.runner import run
+from masonry_cd.io import results
+from masonry_cd.io.results import Results, ResultWriter
 
 
 def test_a_run_comes_back_as_it_was(tmp_path):

@@ -12,14 +12,15 @@ import numpy as np
 import pytest
 from models import gravity, stepper, still, tower, wall
 
-from masonry_cd import checkpoint, results, runner
+from masonry_cd.app import run_loop
+from masonry_cd.app.run_loop import RunReport, run
+from masonry_cd.app.scene import JointLaw
+from masonry_cd.contact.joints import find_joints
+from masonry_cd.dynamics.moreau_jean import ENERGIES, StepReport
 from masonry_cd.errors import InputError
-from masonry_cd.joints import find_joints
-from masonry_cd.results import Results, ResultWriter
-from masonry_cd.runner import RunReport, run
-from masonry_cd.scene import JointLaw
-from masonry_cd.stepping import ENERGIES, StepReport
-from reports.damage import bonds, joint_damage, write_joints_csv
+from masonry_cd.io import checkpoint, results
+from masonry_cd.io.results import Results, ResultWriter
+from reports.damage.joint_damage import bonds, joint_damage, write_joints_csv
 
 STEPS = 60
 
@@ -104,7 +105,7 @@ def lines_until(limit: int, files: tuple[str, ...], reached: Callable[[int], Non
 
 def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path) -> int:
     """Run a body in a forked process, killed before so many lines of the files that write; return how many of them ran."""
-    files = (results.__file__, checkpoint.__file__, runner.__file__)
+    files = (results.__file__, checkpoint.__file__, run_loop.__file__)
     if (pid := os.fork()) == 0:
         number = counter.open("w")
 

@@ -10,9 +10,9 @@ from made_run import at_rest, box, shifted, turned, write_run
 from test_crack_map import COLUMN, opening_scale, pixels
 
 from masonry_cd.errors import InputError
-from masonry_cd.results import Results
-from reports.crack_map import Look, framing
-from reports.sequence import animation, crack_maps, frames_at
+from masonry_cd.io.results import Results
+from reports.maps.crack_map import Look, framing
+from reports.maps.sequence import animation, crack_maps, frames_at
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""loads.settlement and loads.supports: the supports named end where they should, a wave reaches them one after the other."""
+"""loads.kinds.settlement and loads.supports: the supports named end where they should, a wave reaches them one after the other."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import pytest
 from models import box
 
 import loads
-from masonry_cd.blocks import Assembly
+from masonry_cd.app.scene import Run
+from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
-from masonry_cd.scene import Run
-from masonry_cd.stepping import Stepper
+from masonry_cd.model.blocks import Assembly
 
 G = (0.0, 0.0, -9.81)
 DT = 1e-3

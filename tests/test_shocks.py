@@ -1,4 +1,4 @@
-"""loads.sequence: shocks and their rests, components recorded or artificial; bad keys are named by their full path."""
+"""loads.kinds.sequence: shocks and their rests, components recorded or artificial; bad keys are named by their full path."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""loads.signal: what passes the filters is left as it is, what does not is gone, nothing folds back and no phase is shifted."""
+"""loads.signal.filters: what passes the filters is left as it is, what does not is gone, nothing folds back and no phase is shifted."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from loads.signal import band_pass, resample, taper_factors
+from loads.signal.filters import band_pass, resample, taper_factors
 
 
 def sine(frequency: float, step: float, seconds: float = 40.0) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""loads.sinusoidal: the velocity is the sine asked for, starts and ends without a jump, and its printed numbers are true."""
+"""loads.kinds.sinusoidal: the velocity is the sine asked for, starts and ends without a jump, and its printed numbers are true."""
 
 from __future__ import annotations
 

@@ -7,11 +7,11 @@ import pytest
 from models import box, tower, wall
 from scipy.spatial.transform import Rotation
 
-import reports.solid_mesh
-from masonry_cd.blocks import Block
+import reports.modal.solid_mesh
 from masonry_cd.errors import InputError
-from reports.shapes import QuadraticShapes, RigidShapes
-from reports.solid_mesh import CLUSTER, solid_mesh
+from masonry_cd.model.blocks import Block
+from reports.modal.shapes import QuadraticShapes, RigidShapes
+from reports.modal.solid_mesh import CLUSTER, solid_mesh
 
 
 def moved(block: Block, turn: Rotation) -> Block:
@@ -44,10 +44,10 @@ def test_where_the_union_fails_the_blocks_are_glued(monkeypatch: pytest.MonkeyPa
     def fails(*_: object) -> None:
         raise RuntimeError("no union")
 
-    monkeypatch.setattr(reports.solid_mesh, "_fused", fails)
+    monkeypatch.setattr(reports.modal.solid_mesh, "_fused", fails)
     mesh = solid_mesh(blocks, np.zeros(len(blocks), dtype=int), 0.4)
     assert mesh.volume == pytest.approx(3 * 3 * 0.4 * 0.2 * 0.2, rel=1e-9)
-    monkeypatch.setattr(reports.solid_mesh, "_add", fails)
+    monkeypatch.setattr(reports.modal.solid_mesh, "_add", fails)
     with pytest.raises(InputError, match="modal: gmsh cannot mesh the solid of these blocks: no union"):
         solid_mesh(blocks, np.zeros(len(blocks), dtype=int), 0.4)
 

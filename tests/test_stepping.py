@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
 
-from masonry_cd.blocks import Assembly
-from masonry_cd.case import prepare
-from masonry_cd.joints import JointPeaks, find_joints, measure_joints
-from masonry_cd.results import Results, ResultWriter
-from masonry_cd.runner import run
-from masonry_cd.scene import read_scene
-from masonry_cd.state import State, rotation_matrices
-from masonry_cd.stepping import RunStopped, Stepper
+from masonry_cd.app.case import prepare
+from masonry_cd.app.run_loop import run
+from masonry_cd.app.scene import read_scene
+from masonry_cd.contact.joints import JointPeaks, find_joints, measure_joints
+from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper
+from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.state import State, rotation_matrices
 
 
 def advance(machine: Stepper, steps: int) -> list:

@@ -11,17 +11,17 @@ from made_run import at_rest, box, shifted, turned, write_run
 from models import stepper
 from solids import build
 
-from masonry_cd.blocks import Block
+from masonry_cd.app.run_loop import run
+from masonry_cd.contact.joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.joints import find_joints
-from masonry_cd.results import Results, ResultWriter
-from masonry_cd.runner import run
-from masonry_cd.state import State
-from reports.damage import Thresholds
+from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.state import State
+from reports.damage.joint_damage import Thresholds
+from reports.damage.macro_elements import Moment
 from reports.deformed import Pose, Solids
-from reports.parts import Moment
-from reports.render import Surface, view_named
-from reports.thrust import WIDEST, drawn_points, ribbons
+from reports.drawing.render import Surface, view_named
+from reports.maps.thrust import WIDEST, drawn_points, ribbons
 
 BASE = box("base", (-2, -1, -0.5), (2, 1, 0), "base", fixed=True)
 STACK = [BASE, *(box(f"s{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1)) for k in range(2))]

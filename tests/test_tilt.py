@@ -1,4 +1,4 @@
-"""loads.tilt: gravity turns and keeps its size, a push grows; a block on a slope and a dry wall give way where theory says."""
+"""loads.kinds.tilt: gravity turns and keeps its size, a push grows; a block on a slope and a dry wall give way where theory says."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import pytest
 from models import box, ground
 
 import loads
-from loads.tilt import load_factors
-from masonry_cd.blocks import Assembly, Block
+from loads.kinds.tilt import load_factors
+from masonry_cd.app.scene import Run
+from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
-from masonry_cd.scene import Run
-from masonry_cd.stepping import Stepper
+from masonry_cd.model.blocks import Assembly, Block
 
 G = (0.0, 0.0, -9.81)
 

@@ -10,7 +10,8 @@ from solids import bonded_share, build, exposed, free_volume, moved_at_rest, vol
 from statics3d import assembled, can_stand, in_one_piece
 
 from masonry_cd.errors import InputError
-from structures import plan, tower
+from structures.kinds import tower
+from structures.layout import wall_plan
 
 SMALL: dict[str, object] = {"side": 3.0, "height": 8.0, "thickness": 0.6, "belfry_width": 0.7, "belfry_height": 1.5, "door_width": 0.8}
 
@@ -20,7 +21,7 @@ def test_blocks_fill_the_walls(keys: dict[str, object]) -> None:
     table = tower.TowerTable.model_validate(keys)
     walls = tower.elevations(table)
     blocks = build("tower", **keys)
-    assert free_volume(blocks) == pytest.approx(volume_of_walls(walls, plan.levels(walls, table.course_height)), rel=1e-6)
+    assert free_volume(blocks) == pytest.approx(volume_of_walls(walls, wall_plan.levels(walls, table.course_height)), rel=1e-6)
     assembly, joints = assembled(blocks)
     assert in_one_piece(assembly, joints)
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from models import GRAVITY, box, gravity, ground, stepper, still, tower, wall
 
-from masonry_cd.blocks import Block
-from structures.prism import prism_xz
+from masonry_cd.model.blocks import Block
+from structures.geometry.prism import prism_xz
 
 pytestmark = pytest.mark.validation
 AUTO = {"solver": "auto", "tolerance": 1e-8}

@@ -10,8 +10,9 @@ from solids import build, closings_of, exposed, free_volume, hole, moved_at_rest
 from statics3d import assembled, can_stand, in_one_piece
 
 from masonry_cd.errors import InputError
-from structures import plan, wall
-from structures.prism import polygon_area
+from structures.geometry.prism import polygon_area
+from structures.kinds import wall
+from structures.layout import wall_plan
 
 OPENINGS = [
     {"centre": 0.0, "width": 1.4, "height": 2.6, "head": "round"},
@@ -32,10 +33,10 @@ CASES: dict[str, dict[str, object]] = {
 }
 
 
-def drawn(keys: dict[str, object]) -> tuple[plan.Wall, list[float]]:
+def drawn(keys: dict[str, object]) -> tuple[wall_plan.Wall, list[float]]:
     table = wall.WallTable.model_validate(keys)
     made = wall.elevation(table)
-    return made, plan.levels([made], table.course_height)
+    return made, wall_plan.levels([made], table.course_height)
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 from numba.core.dispatcher import Dispatcher
 
-from masonry_cd import case, coulomb, warmup
+from masonry_cd.app import case, warmup
+from masonry_cd.app.scene import read_scene
 from masonry_cd.jit import kept
-from masonry_cd.scene import read_scene
+from masonry_cd.solvers.interior_kernels import linearised_bodies
 
 
 def versions() -> Counter[str]:
@@ -31,7 +32,7 @@ def test_a_run_compiles_nothing(block_on_plate, tmp_path, planar):
     summary = case.run_case(prepared, tmp_path / "out")
     assert summary["steps"] == 300
     assert versions() - before == Counter()
-    assert before["masonry_cd.coulomb.admm_bodies"] > 0
+    assert before["masonry_cd.solvers.admm_kernels.admm_bodies"] > 0
 
 
 @pytest.mark.parametrize("planar", [True, False])
@@ -41,7 +42,7 @@ def test_the_second_process_compiles_what_a_run_needs(planar):
     warmup.compile_largest(planar)
     assert versions() - before == Counter()
     assert warmup._is_kept(planar)
-    assert set(kept(coulomb.linearised_bodies)) >= set(coulomb.linearised_bodies.overloads)
+    assert set(kept(linearised_bodies)) >= set(linearised_bodies.overloads)
 
 
 def test_a_run_does_without_a_second_process(monkeypatch, tmp_path):
@@ -58,7 +59,8 @@ def test_a_run_does_without_a_second_process(monkeypatch, tmp_path):
 def test_no_second_process_outlives_a_killed_first_one(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))  # it has everything to compile
     code = (
-        "import time\nfrom masonry_cd import warmup\nwith warmup._second_process(True) as p:\n print(p.pid, flush=True)\n time.sleep(600)"
+        "import time\nfrom masonry_cd.app import warmup\nwith warmup._second_process(True) as p:\n print(p.pid, flush=True)\n"
+        " time.sleep(600)"
     )
     first = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
     status = Path(f"/proc/{int(first.stdout.readline())}/stat")

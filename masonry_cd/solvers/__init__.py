@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from masonry_cd.friction import Problem, Solution
+from masonry_cd.friction.problem import Problem, Solution
 from masonry_cd.solvers import admm, auto, interior, newton, nlgs
 from masonry_cd.solvers.options import Options, cores
 

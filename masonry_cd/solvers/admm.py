@@ -48,12 +48,15 @@ from operator import itemgetter
 
 import numpy as np
 
-from masonry_cd import coulomb
-from masonry_cd.friction import FrictionProblem, LocalProblem, Problem, Solution
+from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
+from masonry_cd.linalg.ordering import FIELDS, Pattern
+from masonry_cd.linalg.team import together
 from masonry_cd.solvers import nlgs
+from masonry_cd.solvers.admm_kernels import admm_bodies
+from masonry_cd.solvers.admm_passes import AdmmWorkspace
+from masonry_cd.solvers.contact_partition import partition_contacts
+from masonry_cd.solvers.local_kernels import admm_local
 from masonry_cd.solvers.options import Options
-from masonry_cd.solvers.pattern import FIELDS, Pattern
-from masonry_cd.solvers.team import together
 
 LIMIT = 2000  # iterations
 FIRST_K = 1e4
@@ -130,9 +133,9 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     k = _next_k(memory.tally)
     fresh = bool(memory.tally[1]) or k != memory.tally[0]
     pattern, plan = memory.pattern, memory.pattern.plan
-    turns, desk = coulomb.share_contacts(index, spot, plan), _desk(pattern, *arrays[3:])
+    turns, desk = partition_contacts(index, spot, plan), _desk(pattern, *arrays[3:])
     iterations, error, k_end, factorisations, rate = together(
-        coulomb.admm_bodies, options.threads, plan, *arrays, pattern.order, plan, turns, desk, memory.squares, memory.panels,
+        admm_bodies, options.threads, plan, *arrays, pattern.order, plan, turns, desk, memory.squares, memory.panels,
         memory.rho, impulse, velocity, k, fresh, moving, memory.tally[6], options.tolerance, limit, (0,) * m, (0,) * n,
     )  # fmt: skip
     memory.tally[6] = rate
@@ -140,7 +143,7 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     return Solution(impulse, velocity, iterations, _reason(error, options), memory.arrays())
 
 
-def _desk(pattern: Pattern, jacobian: np.ndarray, offset: np.ndarray, mu: np.ndarray, compliance: np.ndarray) -> coulomb.Desk:
+def _desk(pattern: Pattern, jacobian: np.ndarray, offset: np.ndarray, mu: np.ndarray, compliance: np.ndarray) -> AdmmWorkspace:
     """Room to work in; what is not touched costs nothing. The contacts of a plan of one part stay where they are."""
     plan, count, (contacts, _, m, n) = pattern.plan, pattern.nodes, jacobian.shape
     rows = count + 1 + len(plan.copies)
@@ -149,7 +152,7 @@ def _desk(pattern: Pattern, jacobian: np.ndarray, offset: np.ndarray, mu: np.nda
     bodies, blocks, impulses = (count + 1, n), (count, n, n), (contacts, m)
     alone = len(plan.first) == len(plan.column) and len(plan.part) == 2  # the other factors are made in single precision
     panel, square = (n * n * int(starts[-1]) if alone else 0 for starts in (plan.panel, plan.square))
-    return coulomb.Desk(
+    return AdmmWorkspace(
         inverse=np.empty(blocks), mass=np.empty(blocks), free=np.empty((count, n)), v=np.empty(bodies), trial=np.empty(bodies),
         best_v=np.empty(bodies), push=np.empty((rows, n)), x=np.empty((rows, n), dtype=np.float32), jacobian=jacobian,
         offset=offset, mu=mu, compliance=compliance, even=np.empty(impulses), odd=np.empty(impulses),
@@ -213,7 +216,7 @@ def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, l
     """ADMM in the impulses: the same iteration by Woodbury's identity, with (W + R^-1) in place of (M + H^T R H)."""
     blocks, indices, indptr, _ = nlgs.block_arrays(problem)
     pattern = contact_pattern(indices, indptr)
-    iterations, error = coulomb.admm_local(
+    iterations, error = admm_local(
         blocks, indices, indptr, problem.q, problem.mu, problem.scales(), pattern.order, pattern.place, pattern.plan, impulse, LOCAL_K,
         options.tolerance, limit, (0,) * problem.dimension,
     )  # fmt: skip

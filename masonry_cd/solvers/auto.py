@@ -34,10 +34,10 @@ from math import isnan, nan
 
 import numpy as np
 
-from masonry_cd.friction import FrictionProblem, Problem, Solution, natural_map_error
+from masonry_cd.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
+from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.solvers import admm, interior, newton, nlgs
 from masonry_cd.solvers.options import Options
-from masonry_cd.solvers.pattern import Pattern
 
 NEARLY = 10.0  # times the tolerance: an error at the start below which a step is solved deeper
 DEEPER = 1e-4  # times the tolerance

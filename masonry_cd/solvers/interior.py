@@ -52,16 +52,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from masonry_cd import coulomb
-from masonry_cd.friction import LocalProblem, Problem, Solution
+from masonry_cd.friction.problem import LocalProblem, Problem, Solution
 from masonry_cd.solvers import admm, nlgs
+from masonry_cd.solvers.interior_kernels import INTERIOR, PATH, PROXIMAL, linearised_bodies
+from masonry_cd.solvers.local_interior_kernels import interior_local, proximal_local
 from masonry_cd.solvers.options import Options
 
 DISTANCES = (1e-2, 1e-1, 1e-3)  # of the start from the walls of the cones, if there are impulses to start from
 FAR = 1.0  # without
 FARTHER = (1.0, 10.0, 3.0, 30.0)  # of the starts of the path by its length: each has a path of its own, some with fewer folds
 TURN = 60  # iterations of the damped path, and then of proximal points
-PATH = 250  # iterations of the path by its length; proximal points then have as many as after the other
+FOLLOW = 250  # iterations of the path by its length; proximal points then have as many as after the other
 STIFFNESS = 1e4  # K at the start of the damped path
 RIGID = 1e8  # K of the other
 WIDE = 0.5  # how far products may be off the path, relative to those on it: much more, and it takes other branches for its own
@@ -91,14 +92,14 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     def method(kind: int, stiffness: float, tolerance: float) -> Method:
         def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
             tail = (distance, stiffness, WIDE, tolerance, allowed, *sizes)
-            iterations, error, _, _ = coulomb.linearised_bodies(kind, *given, impulse, velocity, *tail)
+            iterations, error, _, _ = linearised_bodies(kind, *given, impulse, velocity, *tail)
             return iterations, error
 
         return improve
 
-    finish = (method(coulomb.PROXIMAL, STIFFNESS, options.tolerance), TURN)
-    damped = (method(coulomb.INTERIOR, STIFFNESS, options.tolerance), TURN)
-    path = (method(coulomb.PATH, RIGID, max(CLOSE, options.tolerance)), PATH)
+    finish = (method(PROXIMAL, STIFFNESS, options.tolerance), TURN)
+    damped = (method(INTERIOR, STIFFNESS, options.tolerance), TURN)
+    path = (method(PATH, RIGID, max(CLOSE, options.tolerance)), FOLLOW)
     nothing = np.zeros((problem.contacts, m))
     first, *others = _starts(nothing if start is None else start.impulse, (damped, finish))
     paths: list[Try] = [(nothing, distance, (path, finish)) for distance in FARTHER]
@@ -116,10 +117,10 @@ def _solve_local(problem: LocalProblem, options: Options, start: Solution | None
 
     def interior(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
         tail = (distance, STIFFNESS, options.tolerance, allowed, (0,) * m, (0,) * (m + 1))
-        return coulomb.interior_local(*given, impulse, *tail)
+        return interior_local(*given, impulse, *tail)
 
     def proximal(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
-        return coulomb.proximal_local(*given, impulse, options.tolerance, allowed, (0,) * m)
+        return proximal_local(*given, impulse, options.tolerance, allowed, (0,) * m)
 
     begin = np.zeros((problem.contacts, m)) if start is None else start.impulse * root
     best, iterations, error = _search(_starts(begin, ((interior, TURN), (proximal, TURN))), options)
@@ -150,7 +151,7 @@ def _search(tries: list[Try], options: Options) -> tuple[np.ndarray, int, float]
 
 def affordable(iterations: float) -> int:
     """A limit of iterations not far above a number of them: the first start at least, all starts at most."""
-    return int(min(max(iterations, 2 * TURN), 2 * TURN * (len(DISTANCES) + 1) + (PATH + TURN) * len(FARTHER)))
+    return int(min(max(iterations, 2 * TURN), 2 * TURN * (len(DISTANCES) + 1) + (FOLLOW + TURN) * len(FARTHER)))
 
 
 def _reason(error: float, options: Options) -> str:

@@ -38,9 +38,10 @@ from math import inf
 
 import numpy as np
 
-from masonry_cd import coulomb
-from masonry_cd.friction import LocalProblem, Problem, Solution
+from masonry_cd.friction.problem import LocalProblem, Problem, Solution
 from masonry_cd.solvers import admm, nlgs
+from masonry_cd.solvers.interior_kernels import NEWTON, linearised_bodies
+from masonry_cd.solvers.local_kernels import newton_local
 from masonry_cd.solvers.options import Options
 
 LIMIT = 50  # iterations
@@ -71,8 +72,8 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
     impulse, velocity, pattern = start.impulse.copy(), np.empty(problem.v_free.shape), memory.pattern
     m, settings = problem.dimension, (0.0, memory.tally[5], 0.0, options.tolerance, limit)  # of them all, see there
-    iterations, error, begin, stiffness = coulomb.linearised_bodies(
-        coulomb.NEWTON, *arrays, pattern.order, pattern.plan, index, spot, impulse, velocity, *settings, (0,) * m, (0,) * n, (0,) * (m + 1)
+    iterations, error, begin, stiffness = linearised_bodies(
+        NEWTON, *arrays, pattern.order, pattern.plan, index, spot, impulse, velocity, *settings, (0,) * m, (0,) * n, (0,) * (m + 1)
     )
     memory.tally[5], memory.tally[7] = _next_stiffness(memory.tally[5], stiffness, memory.tally[7], iterations, error <= options.tolerance)
     return Solution(impulse, velocity, iterations, _reason(error, begin, options), memory.arrays())
@@ -102,7 +103,7 @@ def _solve_local(problem: LocalProblem, options: Options, start: Solution, limit
     """Newton in the impulses: (I + B W) (p+ - p) = g - p, with W as it is given."""
     blocks, indices, indptr, own = nlgs.block_arrays(problem)
     pattern, impulse = admm.contact_pattern(indices, indptr), start.impulse.copy()
-    iterations, error, begin = coulomb.newton_local(
+    iterations, error, begin = newton_local(
         blocks, indices, indptr, own, problem.q, problem.mu, problem.scales(), pattern.place, pattern.plan, impulse, admm.FIRST_STIFFNESS,
         options.tolerance, limit, (0,) * problem.dimension,
     )  # fmt: skip

@@ -18,8 +18,10 @@ from __future__ import annotations
 import numpy as np
 from numba import config, set_num_threads
 
-from masonry_cd import coulomb
-from masonry_cd.friction import FrictionProblem, LocalProblem, Problem, Solution
+from masonry_cd.friction.coulomb_law import P
+from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
+from masonry_cd.solvers.local_kernels import nlgs_local
+from masonry_cd.solvers.nlgs_kernels import collect_and_measure, colour_joints, nlgs_bodies, prepare_sweeps, sweep_coloured, velocities
 from masonry_cd.solvers.options import Options
 
 LIMIT = 10_000  # sweeps
@@ -44,30 +46,28 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return _solve_coloured(problem, options, impulse, limit)
     if isinstance(problem, FrictionProblem):
         velocity = np.empty(problem.v_free.shape)
-        sweeps, error = coulomb.nlgs_bodies(*problem.arrays(), impulse, velocity, options.tolerance, limit, options.seed, EVERY)
+        sweeps, error = nlgs_bodies(*problem.arrays(), impulse, velocity, options.tolerance, limit, options.seed, EVERY)
         return Solution(impulse, velocity, sweeps, _reason(error, options))
-    sweeps, error = coulomb.nlgs_local(
-        *block_arrays(problem), problem.q, problem.mu, impulse, options.tolerance, limit, options.seed, EVERY
-    )
+    sweeps, error = nlgs_local(*block_arrays(problem), problem.q, problem.mu, impulse, options.tolerance, limit, options.seed, EVERY)
     return Solution(impulse, None, sweeps, _reason(error, options))
 
 
 def _solve_coloured(problem: FrictionProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
     """Sweep colour by colour, on as many threads as asked for."""
-    factor, g, index, law = coulomb.prepare_sweeps(*problem.arrays(), impulse)
+    factor, g, index, law = prepare_sweeps(*problem.arrays(), impulse)
     bodies, n = problem.v_free.shape
-    start, order, ends = coulomb.colour_joints(index, bodies)
+    start, order, ends = colour_joints(index, bodies)
     colours = np.flatnonzero(np.diff(ends))
     y, velocity, random = np.empty((bodies + 1, n)), np.empty((bodies, n)), np.random.default_rng(options.seed)
     set_num_threads(max(1, min(options.threads, config.NUMBA_NUM_THREADS)))
-    error, sweeps = coulomb.collect_and_measure(g, y, index, law), 0
+    error, sweeps = collect_and_measure(g, y, index, law), 0
     while error > options.tolerance and sweeps < limit:
         for _ in range(min(EVERY, limit - sweeps)):
-            coulomb.sweep_coloured(g, y, index, law, start, order, random.permutation(colours), ends[:-1], ends[1:], CHUNK)
+            sweep_coloured(g, y, index, law, start, order, random.permutation(colours), ends[:-1], ends[1:], CHUNK)
             sweeps += 1
-        error = coulomb.collect_and_measure(g, y, index, law)
-    impulse[:] = law[:, coulomb.P : coulomb.P + problem.dimension]
-    coulomb.velocities(factor, problem.v_free, y, velocity)
+        error = collect_and_measure(g, y, index, law)
+    impulse[:] = law[:, P : P + problem.dimension]
+    velocities(factor, problem.v_free, y, velocity)
     return Solution(impulse, velocity, sweeps, _reason(error, options))
 
 

@@ -11,7 +11,7 @@ class Options:
     """Options of one solve.
 
     Attributes:
-        tolerance: natural map error (scaled, see ``masonry_cd.friction``) at which to stop.
+        tolerance: natural map error (scaled, see ``masonry_cd.friction.problem``) at which to stop.
         max_iterations: None takes the solver's own limit.
         seed: of the random sweep order.
         threads: for the solvers that can use more than one.

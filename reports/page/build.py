@@ -15,17 +15,17 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.errors import InputError
-from masonry_cd.results import Results
-from reports import damage
-from reports.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
-from reports.crack_map import MOST, SEEN
-from reports.damage import JointDamage, Thresholds
+from masonry_cd.io.results import Results
+from reports.damage import joint_damage
+from reports.damage.joint_damage import JointDamage, Thresholds
+from reports.damage.part_damage import PartDamage
 from reports.deformed import Solids, solids_of
+from reports.drawing.figure import nice
+from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of
+from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
+from reports.maps.crack_map import MOST, SEEN
 from reports.page import motion, series, words
 from reports.page.pack import packed, packed_length
-from reports.part_damage import PartDamage
-from reports.picture import EDGE, SUPPORT, auto_view, families_of
-from reports.sheet import nice
 
 LIMIT = 13_500_000  # of the packed data [bytes]: with names and scripts the page stays below 15 MB
 FRAMES = 600  # sent at most
@@ -65,15 +65,15 @@ def write_page(
     if scale is not None and not (np.isfinite(scale) and scale > 0):
         raise InputError(f"scale: must be positive, got {scale!r}")
     solids = solids_of(results.blocks)
-    table = damage.joint_damage(results, thresholds)
+    table = joint_damage.joint_damage(results, thresholds)
     tolerance = _tolerance(results, summary)
     missed, steps, missed_times = series.steps_missed(results, tolerance)
     story = words.Story(
         results=results,
         solids=solids,
         table=table,
-        fallen=damage.collapsed_blocks(results, thresholds),
-        displacement_max=damage.displacement_max(results),
+        fallen=joint_damage.collapsed_blocks(results, thresholds),
+        displacement_max=joint_damage.displacement_max(results),
         missed=missed,
         steps=steps,
         tolerance=tolerance,
@@ -92,7 +92,7 @@ def write_page(
 
 def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
     """The tolerance of the run: from its summary, else from its scene, else the default."""
-    from masonry_cd.scene import Run
+    from masonry_cd.app.scene import Run
 
     given = summary.get("solver", {}).get("tolerance")
     if given is None and results.scene:
@@ -159,7 +159,7 @@ def _still(results: Results, solids: Solids, table: JointDamage) -> tuple[dict[s
         "joint_normal": joints.normal.astype(np.float32),
         "polygon_start": joints.polygon_start.astype(np.uint32),
         "polygon": (joints.polygon - origin).astype(np.float32),
-        "state": np.array([damage.STATES.index(word) for word in table.state], np.uint8),
+        "state": np.array([joint_damage.STATES.index(word) for word in table.state], np.uint8),
     }
     arrays |= {f"damage/{name}": getattr(table, name).astype(np.float32) for name in COLUMNS}
     top = int(np.argmax(np.where(free, solids.centre[:, 2] - 1e-9 * np.linalg.norm(solids.centre - origin, axis=1), -np.inf)))
@@ -173,7 +173,7 @@ def _still(results: Results, solids: Solids, table: JointDamage) -> tuple[dict[s
         "smallest": float(np.median(sizes)),
         "view": auto_view(solids),
         "top": top,
-        "states": damage.STATES,
+        "states": joint_damage.STATES,
         "colours": {"stone": STONE, "support": SUPPORT, "fallen": FALLEN, "parted": PARTED, "edge": EDGE},
         "scene": results.scene,
         "energies": series.ENERGIES,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.results import Results
+from masonry_cd.io.results import Results
 from reports.deformed import Solids
 
 POINTS = 2400  # of one curve at most

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.results import Results
-from reports.damage import JointDamage
+from masonry_cd.io.results import Results
+from reports.damage.joint_damage import JointDamage
+from reports.damage.part_damage import PartDamage
 from reports.deformed import Solids
-from reports.part_damage import PartDamage
-from reports.sheet import in_metres
+from reports.drawing.figure import in_metres
 
 TABLES = {"structure": "Structure", "material": "Material", "run": "Computation", "report": "Report"}
 

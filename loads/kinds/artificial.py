@@ -1,0 +1,256 @@
+r"""Artificial accelerograms whose response spectrum is that of a code.
+
+White noise under an envelope e(t) is brought to the target spectrum by turns in frequency and in time: with S_k the response spectrum of
+a_k, every Fourier amplitude is multiplied by what the oscillator of its period lacks,
+
+    A_k+1(f) = A_k(f) * S_target(1/f) / S_k(1/f),        phases kept,
+
+after Gasparini & Vanmarcke (SIMQKE, MIT R76-4, 1976), who start from a sum of sines with random phases. Phases carry the envelope, so
+it is kept too. Each turn ends with a correction of the baseline, so that what is compared is what will shake the base. The
+best of the turns counts; where none comes within the tolerance another noise is drawn, ``DRAWS`` times.
+
+The envelope (Jennings, Housner & Tsai, 1968): (t/rise)^2, then 1 over ``level`` seconds, then exp(-3 x), x from 0 to 1 at the end.
+EN 1998-1, 3.2.3.1.2, asks for at least 10 s of it level, and for no value below 90 % of the target from 0.2 T1 to 2 T1; the tolerance here
+holds on both sides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, Field, model_validator
+
+from loads.kinds.record import sample
+from loads.motion import DirectionKey, Part, RunGrid, describe, smooth_step, strict
+from loads.signal.baseline import ORDERS, History, correct, integrate
+from loads.signal.code_spectrum import CodeSpectrum, ec8, ntc
+from loads.signal.intensity import in_words, intensity
+from loads.signal.response import Oscillators, response_spectrum
+from loads.supports import ShakingTable
+from masonry_cd.errors import InputError
+
+STEP = 0.005  # [s] of the accelerogram
+DAMPING = 0.05  # for which code spectra stand
+PERIODS = 200  # of the oscillators that are matched
+FINE = 700  # of those by which the match is judged: within 1 % of a period a spectrum may change by 5 %
+TURNS = 60
+DRAWS = 6
+MARGIN = 0.95  # of the tolerance, at those periods
+SHORTEST, LONGEST = 0.03, 3.0  # [s] matched at least, so that no period outside the range asked for stands out
+FADE = 0.5  # [s] at both ends
+
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+def _range(value: object) -> tuple[float, float] | None:
+    """Two periods, the first below the second."""
+    if value is None:
+        return None
+    numbers = list(value) if isinstance(value, (list, tuple)) else []
+    right = len(numbers) == 2 and all(isinstance(n, (int, float)) and not isinstance(n, bool) for n in numbers)
+    if not right or not 0.02 <= numbers[0] < numbers[1] <= 4.0:
+        raise ValueError(f"must be [from, to] in seconds, 0.02 <= from < to <= 4; given: {value}")
+    return float(numbers[0]), float(numbers[1])
+
+
+class SpectrumMatch(BaseModel):
+    """The keys that say which accelerogram is drawn."""
+
+    model_config = strict
+
+    spectrum: Literal["EC8", "NTC"]
+    ag: Positive  # on rock [m/s2]
+    ground: Literal["A", "B", "C", "D", "E"] = "A"
+    type: Literal[1, 2] | None = None  # EC8 only; 1 when left out
+    f0: Positive | None = None  # NTC only
+    tc_star: Positive | None = None  # NTC only [s]
+    topography: Literal["T1", "T2", "T3", "T4"] | None = None  # NTC only; T1 when left out
+    vertical: bool = False
+    period: Positive | None = None  # T1: the spectrum is matched from 0.2 to 2 T1 [s]
+    periods: Annotated[tuple[float, float] | None, BeforeValidator(_range)] = None  # or in this range; 0.15 to 2 s when left out
+    tolerance: Annotated[float, Field(ge=0.03, le=0.5)] = 0.10  # of the ratio to the target
+    rise: Positive = 2.0  # [s]
+    level: Positive = 10.0  # [s]
+    duration: Positive = 25.0  # [s]
+    seed: Annotated[int, Field(ge=0)] = 0
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        of_ntc = {"f0": self.f0, "tc_star": self.tc_star, "topography": self.topography}
+        if self.spectrum == "EC8":
+            stray = next((key for key, value in of_ntc.items() if value is not None), None)
+        else:
+            stray = None if self.type is None else "type"
+            missing = next((key for key in ("f0", "tc_star") if of_ntc[key] is None), None)
+            if missing is not None:
+                raise ValueError(f"{missing}: missing, the spectrum of NTC needs it")
+        if stray is not None:
+            raise ValueError(f"{stray}: does not apply to a spectrum of {self.spectrum}")
+        if self.period is not None and self.periods is not None:
+            raise ValueError("give period or periods, not both")
+        if self.period is not None and not 0.1 <= self.period <= 2.0:
+            raise ValueError("period: must lie between 0.1 and 2 s")
+        if self.duration < self.rise + self.level + 2.0 * FADE:
+            raise ValueError(f"duration: {self.duration:g} s leave less than {2.0 * FADE:g} s after rise and level for the decay")
+        return self
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Where the spectrum is to be matched [s]."""
+        if self.period is not None:
+            return 0.2 * self.period, 2.0 * self.period
+        return self.periods or (0.15, 2.0)
+
+    @property
+    def target(self) -> CodeSpectrum:
+        """The spectrum of the code."""
+        if self.spectrum == "EC8":
+            return ec8(self.ag, self.ground, self.type or 1, self.vertical)
+        assert self.f0 is not None
+        assert self.tc_star is not None
+        return ntc(self.ag, self.f0, self.tc_star, self.ground, self.topography or "T1", self.vertical)
+
+
+class ArtificialTable(SpectrumMatch, ShakingTable):
+    """Keys of ``kind = "artificial"``."""
+
+    kind: Literal["artificial"] = "artificial"
+    direction: DirectionKey
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """An accelerogram and how well it meets its target."""
+
+    motion: History
+    worst: float  # largest |S / S_target - 1| inside the range
+    turns: int
+
+
+def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> Part:
+    """The base motion.
+
+    Raises:
+        InputError: no noise was found that meets the tolerance.
+    """
+    motion, target, direction = drawn(table, where), table.target, table.direction
+    low, high = table.range
+    periods = np.geomspace(low, high, 200)
+    ratio = response_spectrum(motion.acceleration, STEP, periods, DAMPING).acceleration / target.at(periods)
+    numbers = motion.numbers() | intensity(motion)
+    at_rest = float(target.at(np.zeros(1))[0])
+    lines = (
+        f"{where} artificial along {direction.label}, {table.spectrum} spectrum, ground {table.ground}, seed {table.seed}, "
+        f"from {table.start:g} s of the run: {describe(numbers)}",
+        f"{where}   spectrum over target {ratio.min():.3f} to {ratio.max():.3f} from {low:g} to {high:g} s, "
+        f"PGA over that of the target {numbers['pga'] / at_rest:.3f}",
+        f"{where}   {in_words(numbers)}",
+    )
+    summary: dict[str, Any] = {
+        "kind": "artificial",
+        "spectrum": table.spectrum,
+        "direction": list(direction.vector),
+        "seed": table.seed,
+        "time_step": STEP,
+        "periods": [low, high],
+        "ratio": [float(ratio.min()), float(ratio.max())],
+        "after": numbers,
+    }
+    return Part(
+        motion=lambda times: direction.along(sample(motion, times - table.start)),
+        delay=table.delay_of_blocks(grid, where),
+        lines=lines,
+        summary=summary,
+    )
+
+
+def drawn(table: SpectrumMatch, where: str) -> History:
+    """The accelerogram of a table, from rest to rest.
+
+    Raises:
+        InputError: no noise was found that meets the tolerance.
+    """
+    try:
+        return accelerogram(table).motion
+    except ValueError as failure:
+        raise InputError(f"{where}: {failure}") from None
+
+
+def accelerogram(table: SpectrumMatch) -> Match:
+    """Draw noise until it can be brought to the target; equal seeds give equal samples.
+
+    Raises:
+        ValueError: none of the draws came within the tolerance.
+    """
+    draws = np.random.SeedSequence(table.seed).spawn(DRAWS)
+    best: Match | None = None
+    for draw in draws:
+        match = _brought_to_target(table, np.random.default_rng(draw))
+        if best is None or match.worst < best.worst:
+            best = match
+        if best.worst <= MARGIN * table.tolerance:
+            return best
+    assert best is not None
+    raise ValueError(
+        f"no accelerogram within {table.tolerance:.0%} of the spectrum was found, the best is off by {best.worst:.1%}; "
+        "allow more tolerance, a longer duration, or take another seed"
+    )
+
+
+class _Judge:
+    """Measures how far a spectrum strays from its target, at closely spaced periods inside the range asked for."""
+
+    def __init__(self, table: SpectrumMatch) -> None:
+        periods = np.geomspace(*table.range, FINE)
+        self._oscillators = Oscillators(periods, STEP, DAMPING)
+        self._of_target = (2.0 * np.pi / periods) ** 2 / table.target.at(periods)
+
+    def worst(self, motion: History) -> float:
+        """Largest |S / S_target - 1|."""
+        return float(np.abs(self._of_target * self._oscillators.peaks(motion.acceleration) - 1.0).max())
+
+
+def envelope(times: np.ndarray, rise: float, level: float, duration: float) -> np.ndarray:
+    """e(t) of the head of this file, faded out over the last half second."""
+    last = rise + level
+    fall = np.exp(-3.0 * np.clip((times - last) / (duration - last), 0.0, 1.0))
+    return np.asarray(np.minimum(times / rise, 1.0) ** 2 * fall * smooth_step((duration - times) / FADE))
+
+
+def _brought_to_target(table: SpectrumMatch, random: np.random.Generator) -> Match:
+    """Turns of scaling in the frequency domain, until good enough; the best of them."""
+    low, high = table.range
+    count = round(table.duration / STEP) + 1
+    times = STEP * np.arange(count)
+    length = 1 << int(np.ceil(np.log2(2 * count)))  # zeros behind, so that nothing comes round
+    frequency = np.fft.rfftfreq(length, STEP)
+    periods = np.geomspace(min(SHORTEST, low), max(LONGEST, 1.2 * high), PERIODS)
+    target, squares = table.target.at(periods), (2.0 * np.pi / periods) ** 2
+    oscillators = Oscillators(periods, STEP, DAMPING)
+    inside = (periods >= low) & (periods <= high)
+    judge = _Judge(table)
+    ends = smooth_step(times / FADE) * smooth_step((table.duration - times) / FADE)
+    log_of = np.log(1.0 / np.maximum(frequency, 1e-3))
+
+    def shaped(values: np.ndarray, gain: np.ndarray) -> np.ndarray:
+        return np.asarray(np.fft.irfft(np.fft.rfft(values, length) * gain, length)[:count])
+
+    # noise with amplitudes S / sqrt(f), about those of a motion with a level spectrum, nothing slower than twice the longest period
+    slow = 1.0 / (1.0 + (0.5 / periods[-1] / np.maximum(frequency, 1e-3)) ** 8)
+    gain = np.interp(log_of, np.log(periods), target) / np.sqrt(np.maximum(frequency, 0.1)) * slow
+    a = shaped(random.standard_normal(count), gain) * envelope(times, table.rise, table.level, table.duration)
+    best = Match(integrate(a, STEP), np.inf, 0)
+    for turn in range(TURNS):
+        motion = correct(integrate(a, STEP), ORDERS["quadratic"])
+        lacking = target / (squares * oscillators.peaks(motion.acceleration))
+        if turn > 0:  # the first one only finds the size
+            worst = float(np.abs(1.0 / lacking[inside] - 1.0).max())
+            worst = worst if worst > min(best.worst, table.tolerance) else judge.worst(motion)
+            best = Match(motion, worst, turn) if worst < best.worst else best
+            if best.worst <= 0.8 * table.tolerance:
+                break
+        factor = lacking if turn > 0 else np.full(PERIODS, np.exp(np.log(lacking[inside]).mean()))
+        a = shaped(motion.acceleration, np.interp(log_of, np.log(periods), factor)) * ends
+    return best

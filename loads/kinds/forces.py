@@ -1,0 +1,333 @@
+r"""Forces on single blocks: point loads, and ties as unilateral bars.
+
+A **point load** keeps its direction and acts at a point that moves with its block.
+
+A **tie** is a bar between a point of one block and a point of another, that pulls and never pushes. With the length L of the line between
+the points, its length L_0 at the start, stiffness k = E A / L_0, tension N_0 at the start, and damping c = 2 xi sqrt(k m_e):
+
+    N = max(0, N_0 + k (L - L_0) + c L'),        on each end along the line.
+
+m_e is the mass that the bar feels at its ends, d its direction:  1 / m_e = sum over the free ends of d . (1/m + [r]^T I^-1 [r]) d.
+
+**In the step.** The forces are taken at the middle positions q_m with the velocities of the step's beginning, and enter the free velocity,
+v_free = v + h M^-1 (f + wrench). For theta = 1/2 that is the leapfrog scheme, which keeps the energy of an elastic bar bounded as
+long as w h < 2 with w = sqrt(k / m_e), and less where it is damped; a run with w h (1 + xi) > 1 is refused, with the dt that would do.
+
+Ties that share a block stiffen one another. With g_i the row that maps the velocities of the blocks to L_i', w^2 is the largest
+eigenvalue of sqrt(k_i k_j) g_i M^-1 g_j^T over all ties, and the same limit holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import BeforeValidator, Field, model_validator
+
+from loads.motion import LoadTable, Part, RunGrid
+from loads.supports import select
+from masonry_cd.errors import InputError
+from masonry_cd.model.blocks import Assembly
+
+LARGEST_PHASE = 1.0  # w h (1 + xi) of a bar, and of all together
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+Vector = tuple[float, float, float]
+
+
+def _vector(value: object) -> Vector | None:
+    """Three numbers."""
+    if value is None:
+        return None
+    numbers = list(value) if isinstance(value, (list, tuple)) else []
+    if len(numbers) != 3 or any(isinstance(n, bool) or not isinstance(n, (int, float)) or not np.isfinite(n) for n in numbers):
+        raise ValueError(f"must be three numbers, e.g. [0, 0, -1000]; given: {value}")
+    return float(numbers[0]), float(numbers[1]), float(numbers[2])
+
+
+def _pair(value: object) -> tuple[str, str]:
+    """Two names."""
+    names = list(value) if isinstance(value, (list, tuple)) else []
+    if len(names) != 2 or not all(isinstance(name, str) for name in names) or names[0] == names[1]:
+        raise ValueError("must be the names of two blocks")
+    return names[0], names[1]
+
+
+def _points(value: object) -> tuple[Vector, Vector] | None:
+    """Two points."""
+    points = list(value) if isinstance(value, (list, tuple)) else [] if value is not None else None
+    if points is None:
+        return None
+    if len(points) != 2:
+        raise ValueError("must be two points, e.g. [[0, 0, 3], [4, 0, 3]]")
+    first, second = _vector(points[0]), _vector(points[1])
+    if first is None or second is None:
+        raise ValueError("must be two points of three numbers")
+    return first, second
+
+
+VectorKey = Annotated[Vector, BeforeValidator(_vector)]
+
+
+class PointTable(LoadTable):
+    """Keys of ``kind = "point"``."""
+
+    kind: Literal["point"] = "point"
+    block: str
+    force: VectorKey  # [N]
+    point: Annotated[Vector | None, BeforeValidator(_vector)] = None  # at the start, in the world [m]; the centre of mass when left out
+    start: NotNegative = 0.0  # [s]
+    ramp: NotNegative = 0.0  # time in which it grows linearly [s]
+
+
+class TieTable(LoadTable):
+    """Keys of ``kind = "tie"``."""
+
+    kind: Literal["tie"] = "tie"
+    blocks: Annotated[tuple[str, str], BeforeValidator(_pair)]
+    points: Annotated[tuple[Vector, Vector] | None, BeforeValidator(_points)] = None  # at the start [m]; centres of mass when left out
+    diameter: Positive | None = None  # [m]
+    area: Positive | None = None  # or [m2]
+    modulus: Positive = 2.1e11  # E, of steel [Pa]
+    tension: NotNegative = 0.0  # N_0 [N]
+    damping: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.02  # xi
+
+    @model_validator(mode="after")
+    def _one_section(self) -> Self:
+        if (self.diameter is None) == (self.area is None):
+            raise ValueError("give exactly one of diameter and area")
+        return self
+
+    @property
+    def section(self) -> float:
+        """A [m2]."""
+        return self.area if self.area is not None else 0.25 * np.pi * (self.diameter or 0.0) ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class PointLoad:
+    """A force on one block."""
+
+    block: int
+    arm: np.ndarray  # (3,) from the centre of mass, body frame [m]
+    force: np.ndarray  # (3,) [N]
+    factor: np.ndarray  # (N + 1,)
+
+
+@dataclass(frozen=True, eq=False)
+class Tie:
+    """A bar between two blocks."""
+
+    blocks: tuple[int, int]
+    arms: np.ndarray  # (2, 3) from the centres of mass, body frames [m]
+    length: float  # L_0 [m]
+    section: float  # A [m2]
+    stiffness: float  # k [N/m]
+    tension: float  # N_0 [N]
+    damping: float  # c [N s/m]
+
+
+@dataclass(frozen=True, eq=False)
+class Forces:
+    """All forces on single blocks: P point loads and T ties."""
+
+    points: tuple[PointLoad, ...]
+    ties: tuple[Tie, ...]
+
+    def wrench(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: int) -> np.ndarray:
+        """Force [N] and moment about the centre of mass [N m] on every block, (B, 6), in the world frame.
+
+        Args:
+            position: (B, 3) centres of mass [m].
+            rotation: (B, 3, 3) body to world.
+            velocity: (B, 6) linear and angular [m/s, rad/s].
+            step: k of the loads.
+        """
+        out = np.zeros((len(position), 6))
+        for load in self.points:
+            force = load.factor[step] * load.force
+            out[load.block] += np.concatenate([force, np.cross(rotation[load.block] @ load.arm, force)])
+        if self.ties:
+            tension, along, arms = self._pull(position, rotation, velocity)
+            force = tension[:, None] * along
+            for end, pull in enumerate((force, -force)):
+                np.add.at(out, self._ends[:, end], np.concatenate([pull, np.cross(arms[:, end], pull)], axis=1))
+        return out
+
+    def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+        """N of each tie, (T,) [N]."""
+        return self._pull(position, rotation, velocity)[0] if self.ties else np.zeros(0)
+
+    def _pull(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """N (T,) [N], unit vectors from the first end to the second (T, 3), and the arms in the world (T, 2, 3)."""
+        ends, rest, bars = self._ends, self._arms, self._bars
+        arms = (rotation[ends] @ rest[..., None])[..., 0]
+        places = position[ends] + arms
+        line = places[:, 1] - places[:, 0]
+        length = np.sqrt(np.sum(line * line, axis=1))
+        along = line / length[:, None]
+        speed = velocity[ends, :3] + np.cross(velocity[ends, 3:], arms)
+        stretch = bars["tension"] + bars["stiffness"] * (length - bars["length"])
+        force = stretch + bars["damping"] * np.sum(along * (speed[:, 1] - speed[:, 0]), axis=1)
+        return np.where(stretch > 0.0, np.maximum(force, 0.0), 0.0), along, arms
+
+    @cached_property
+    def _ends(self) -> np.ndarray:
+        """(T, 2) blocks."""
+        return np.array([tie.blocks for tie in self.ties])
+
+    @cached_property
+    def _arms(self) -> np.ndarray:
+        """(T, 2, 3) in the body frames [m]."""
+        return np.array([tie.arms for tie in self.ties])
+
+    @cached_property
+    def _bars(self) -> dict[str, np.ndarray]:
+        """Numbers of the bars, (T,) each."""
+        return {name: np.array([getattr(tie, name) for tie in self.ties]) for name in ("length", "stiffness", "tension", "damping")}
+
+    def leaves_plane(self, axis: int, at: float, centre: np.ndarray) -> bool:
+        """True when a force or a point of attack lies outside the plane where coordinate ``axis`` equals ``at`` (centres (B, 3) [m])."""
+        arms = [(load.block, load.arm) for load in self.points]
+        arms += [(block, arm) for tie in self.ties for block, arm in zip(tie.blocks, tie.arms, strict=True)]
+        size = 1e-9 * max(1.0, float(np.abs(centre).max()))
+        off = any(abs(centre[block, axis] + arm[axis] - at) > size for block, arm in arms)
+        return off or any(load.force[axis] != 0.0 for load in self.points)
+
+
+def point(table: PointTable, grid: RunGrid, where: str) -> Part:
+    """A point load.
+
+    Raises:
+        InputError: an unknown block, or a support.
+    """
+    assembly = _blocks(grid, where)
+    block = _one_block(table.block, assembly, f"{where}.block")
+    if assembly.fixed[block]:
+        raise InputError(f'{where}.block: "{table.block}" is fixed, a force cannot move it')
+    since = grid.times - table.start
+    factor = np.clip(since / table.ramp, 0.0, 1.0) if table.ramp > 0.0 else (since >= 0.0).astype(float)
+    arm = np.zeros(3) if table.point is None else np.array(table.point) - assembly.centre[block]
+    load = PointLoad(block, arm, np.array(table.force), factor)
+    size = float(np.linalg.norm(load.force))
+    weight = assembly.mass[block] * float(np.linalg.norm(grid.gravity))
+    relation = f", {size / weight:.3g} times its weight" if weight > 0.0 else ""
+    return Part(
+        forces=(load,),
+        lines=(f'{where} point load of {size:.4g} N on "{table.block}"{relation}',),
+        summary={"kind": "point", "block": table.block, "force": list(table.force), "start": table.start, "ramp": table.ramp},
+    )
+
+
+def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
+    """A tie.
+
+    Raises:
+        InputError: unknown blocks, two supports, ends at one point, or a bar too stiff for the time step.
+    """
+    assembly = _blocks(grid, where)
+    ends = (_one_block(table.blocks[0], assembly, f"{where}.blocks"), _one_block(table.blocks[1], assembly, f"{where}.blocks"))
+    if assembly.fixed[list(ends)].all():
+        raise InputError(f"{where}.blocks: both are fixed, a tie between them does nothing")
+    centres = assembly.centre[list(ends)]
+    points = centres if table.points is None else np.array(table.points)
+    length = float(np.linalg.norm(points[1] - points[0]))
+    if length == 0.0:
+        raise InputError(f"{where}.points: both ends are at one point")
+    stiffness = table.modulus * table.section / length
+    omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
+    _check_phase(omega, table.damping, grid.dt, f"{where}: run.dt {grid.dt:g} s is too long for its", "between these blocks")
+    damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
+    bar = Tie(ends, points - centres, length, table.section, stiffness, table.tension, damping)
+    return Part(
+        forces=(bar,),
+        lines=(f'{where} tie from "{table.blocks[0]}" to "{table.blocks[1]}": {length:.4g} m, {stiffness:.4g} N/m, {table.tension:g} N',),
+        summary={
+            "kind": "tie",
+            "blocks": list(table.blocks),
+            "length": length,
+            "section": table.section,
+            "stiffness": stiffness,
+            "tension": table.tension,
+        },
+    )
+
+
+def collect(parts: Sequence[Part], grid: RunGrid) -> Forces | None:
+    """The forces of all tables, None where there are none.
+
+    Raises:
+        InputError: ties that are too stiff together for the time step.
+    """
+    every: list[Any] = [force for part in parts for force in part.forces]
+    if not every:
+        return None
+    forces = Forces(tuple(f for f in every if isinstance(f, PointLoad)), tuple(f for f in every if isinstance(f, Tie)))
+    if len(forces.ties) > 1:
+        assert grid.assembly is not None
+        omega, xi = _highest(forces.ties, grid.assembly)
+        _check_phase(omega, xi, grid.dt, f"loads: run.dt {grid.dt:g} s is too long for the", "of ties on the same blocks")
+    return forces
+
+
+def felt_mass(assembly: Assembly, ends: tuple[int, int], points: np.ndarray) -> float:
+    """m_e of the head of this file [kg]; blocks that lean on others feel heavier, so this is the smallest it can be."""
+    rows = _rows(assembly, ends, points)
+    return 1.0 / sum(float(row @ _accelerated(assembly, block, row)) for block, row in rows.items())
+
+
+def _rows(assembly: Assembly, ends: tuple[int, int], points: np.ndarray) -> dict[int, np.ndarray]:
+    """g of the head of this file, (6,) for each free block at the ends of a tie: what its velocity adds to L'."""
+    along = (points[1] - points[0]) / np.linalg.norm(points[1] - points[0])
+    sides = zip(ends, points, (-1.0, 1.0), strict=True)
+    return {
+        block: sign * np.concatenate([along, np.cross(place - assembly.centre[block], along)])
+        for block, place, sign in sides
+        if not assembly.fixed[block]
+    }
+
+
+def _accelerated(assembly: Assembly, block: int, row: np.ndarray) -> np.ndarray:
+    """M^-1 g^T of a block, (6,)."""
+    return np.concatenate([row[:3] / assembly.mass[block], np.linalg.solve(assembly.inertia[block], row[3:])])
+
+
+def _highest(ties: Sequence[Tie], assembly: Assembly) -> tuple[float, float]:
+    """The largest w of all ties together [rad/s], and the largest damping ratio of one."""
+    rows = [_rows(assembly, tie.blocks, assembly.centre[list(tie.blocks)] + tie.arms) for tie in ties]
+    coupled = np.zeros((len(ties), len(ties)))
+    for i, first in enumerate(rows):
+        for block, row in first.items():
+            gain = _accelerated(assembly, block, row)
+            for j, second in enumerate(rows):
+                if block in second:
+                    coupled[i, j] += np.sqrt(ties[i].stiffness * ties[j].stiffness) * float(second[block] @ gain)
+    ratios = [0.5 * tie.damping * np.sqrt(coupled[i, i]) / tie.stiffness for i, tie in enumerate(ties)]
+    return float(np.sqrt(np.linalg.eigvalsh(coupled)[-1])), max(map(float, ratios))
+
+
+def _check_phase(omega: float, damping: float, dt: float, before: str, after: str) -> None:
+    """Refuse a time step that is too long for bars of angular frequency omega."""
+    phase = omega * dt * (1.0 + damping)
+    if phase > LARGEST_PHASE:
+        needs = f"{omega / (2.0 * np.pi):.3g} Hz {after}; at most {dt * LARGEST_PHASE / phase:.2g} s will do"
+        raise InputError(f"{before} {needs}")
+
+
+def _blocks(grid: RunGrid, where: str) -> Assembly:
+    if grid.assembly is None:
+        raise InputError(f"{where}: needs a structure, whose blocks it names")
+    return grid.assembly
+
+
+def _one_block(name: str, assembly: Assembly, where: str) -> int:
+    """The index of the one block of a name or pattern."""
+    found = np.flatnonzero(select([name], assembly, where))
+    if len(found) > 1:
+        some = ", ".join(assembly.names[b] for b in found[:4])
+        raise InputError(f'{where}: "{name}" names {len(found)} blocks ({some} ...), one is needed')
+    return int(found[0])

@@ -1,0 +1,84 @@
+"""A recorded accelerogram as base motion.
+
+The accelerogram is read and processed (``loads.signal.accelerogram``) and scaled. Its velocity, which is piecewise quadratic, is then
+evaluated exactly at the times of the run. The motion starts at rest. With a correction it also ends at rest, where it began; without one
+the velocity left at the end fades out by a smooth step over ``FADE`` seconds, and the line printed says so.
+
+``target_pga`` is the peak of the corrected record. The horizontal pair of a station is turned by ``rotate`` in the tables of both: each
+component then acts along its direction turned about the vertical, which is the same as turning the pair,
+
+    a_x = a_1 cos(phi) - a_2 sin(phi),      a_y = a_1 sin(phi) + a_2 cos(phi).
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from loads.motion import DirectionKey, Part, RunGrid, smooth_step
+from loads.signal.accelerogram import Accelerogram, Scaled, describe_both, process, size_factor
+from loads.signal.baseline import History
+from loads.supports import ShakingTable
+
+FADE = 1.0  # [s] in which the velocity of an uncorrected record goes to zero after its end
+
+
+class RecordTable(Scaled, Accelerogram, ShakingTable):
+    """Keys of ``kind = "record"``."""
+
+    kind: Literal["record"] = "record"
+    direction: DirectionKey
+    rotate: float = 0.0  # of the direction about z, counter-clockwise seen from above [degrees]
+
+
+def record(table: RecordTable, grid: RunGrid, where: str) -> Part:
+    """The base motion.
+
+    Raises:
+        InputError: a file that cannot be read, named with its line; unknown units; a window outside the record.
+    """
+    processed = process(table, grid.folder, grid.dt, where)
+    factor = size_factor(table.scale, table.target_pga, processed.after.numbers()["pga"])
+    processed = processed.scaled(factor)
+    direction, after = table.direction.turned(table.rotate), processed.after
+    summary = {
+        "kind": "record",
+        "path": table.path,
+        "direction": list(direction.vector),
+        "factor": factor,
+        "correction": table.correction,
+        **processed.numbers(),
+    }
+    begin, end = summary["window"]
+    column = f" [{processed.column}]" if processed.column else ""
+    first = (
+        f"{where} record {table.path}{column} along {direction.label}: {begin:g} to {end:g} s of it, "
+        f"from {table.start:g} s of the run, times {factor:.6g}"
+    )
+    return Part(
+        motion=lambda times: direction.along(sample(after, times - table.start)),
+        delay=table.delay_of_blocks(grid, where),
+        lines=(first, *describe_both(where, processed, table.correction), *_warnings(table, grid, where, after)),
+        summary=summary,
+    )
+
+
+def sample(history: History, since: np.ndarray) -> np.ndarray:
+    """Velocity (m,) at times since the start of a record: zero before, fading to zero over FADE after its end [m/s]."""
+    return history.velocity_at(since) * (1.0 - smooth_step((since - history.duration) / FADE))
+
+
+def _warnings(table: RecordTable, grid: RunGrid, where: str, after: History) -> list[str]:
+    """What the user may not expect of the motion."""
+    lines: list[str] = []
+    if table.correction == "none" and abs(after.velocity[-1]) > 1e-6 * np.abs(after.velocity).max():
+        more = after.displacement[-1] + 0.5 * FADE * after.velocity[-1]
+        lines.append(f"{where}   not corrected: then the velocity fades to zero over {FADE:g} s, the displacement ends at {more:.4g} m")
+    if grid.dt > after.step * (1.0 + 1e-9):
+        coarse = f"run.dt {grid.dt:g} s is coarser than the record's {after.step:g} s"
+        lines.append(f'{where}   {coarse}: what it holds above {0.5 / grid.dt:g} Hz is lost; resample = "run" filters it out first')
+    if table.start + after.duration > grid.end + after.step:
+        over = table.start + after.duration
+        lines.append(f"{where}   the run ends at {grid.end:g} s, the record at {over:g} s; the key window picks the part to use")
+    return lines

@@ -1,0 +1,1 @@
+"""Accelerograms: filters, baselines, spectra, intensity."""

@@ -1,0 +1,224 @@
+"""From a file to a motion: an accelerogram is read, cut, cleaned, integrated and its baseline corrected, in this order:
+
+    read (units) -> window -> mean off, taper -> resampling -> band-pass -> integration -> baseline correction
+
+Steps that are not asked for are left out. The mean is taken off only where a taper or a band-pass would turn an offset of the instrument
+into a pulse, and not when the baseline is to be left as it is. Integration is exact (``loads.signal.baseline``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, Field, model_validator
+
+from loads.motion import describe, strict
+from loads.readers import RawRecord, Request, Source, read
+from loads.readers.units import ACCELERATION, acceleration_unit
+from loads.signal.baseline import ORDERS, History, correct, integrate
+from loads.signal.filters import band_pass, resample, taper_factors
+from loads.signal.intensity import in_words, intensity
+from masonry_cd.errors import InputError
+
+FEWEST = 8  # samples
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+def _two_numbers(value: object, what: str) -> tuple[float, float]:
+    """Two numbers, the first below the second."""
+    numbers = list(value) if isinstance(value, (list, tuple)) else []
+    if len(numbers) != 2 or any(isinstance(n, bool) or not isinstance(n, (int, float)) for n in numbers) or not numbers[0] < numbers[1]:
+        raise ValueError(f"must be [from, to] in {what}, from < to" + (f"; given: {numbers}" if numbers else ""))
+    return float(numbers[0]), float(numbers[1])
+
+
+def _window(value: object) -> tuple[float, float]:
+    return _two_numbers(value, "seconds of the record")
+
+
+def _band(value: object) -> tuple[float, float]:
+    low, high = _two_numbers(value, "Hz")
+    if low <= 0.0:
+        raise ValueError(f"must be [from, to] in Hz, above zero; given: {[low, high]}")
+    return low, high
+
+
+def _column(value: object) -> str | int | None:
+    """A heading or a place."""
+    if isinstance(value, bool) or not (value is None or isinstance(value, (str, int))):
+        raise ValueError("must be the heading of a column, or its place counted from 0")
+    return value
+
+
+def _resampling(value: object) -> float | str | None:
+    """A time step or the word for that of the run."""
+    number = isinstance(value, (int, float)) and not isinstance(value, bool) and np.isfinite(value) and value > 0.0
+    if value is None or value == "run" or number:
+        return float(value) if isinstance(value, (int, float)) else None if value is None else "run"
+    raise ValueError('must be a time step above zero, in seconds, or "run" for that of the run')
+
+
+Window = Annotated[tuple[float, float], BeforeValidator(_window)]
+Band = Annotated[tuple[float, float], BeforeValidator(_band)]
+Column = Annotated[str | int | None, BeforeValidator(_column)]
+Resampling = Annotated[float | str | None, BeforeValidator(_resampling)]
+
+
+class Accelerogram(BaseModel):
+    """The keys that say which accelerogram, and what is done to it."""
+
+    model_config = strict
+
+    path: str
+    format: Literal["auto", "at2", "esm", "knet", "mseed", "csv", "columns"] = "auto"
+    column: Column = None  # heading, or place counted from 0; channel of miniSEED
+    units: str | None = None  # of the accelerations
+    calibration: Annotated[float, Field(gt=0.0)] | None = None  # what one count means, in units; miniSEED only
+    time_step: Positive | None = None  # [s], where the file has no time column
+    window: Window | None = None  # part of the record to use, in its own time [s]
+    taper: NotNegative = 0.0  # [s] over which the acceleration rises and falls at the ends of the window
+    resample: Resampling = None  # to this time step [s], without aliasing
+    band: Band | None = None  # corners of a band-pass [Hz]
+    band_order: Annotated[int, Field(ge=1, le=8)] = 4
+    correction: Literal["none", "linear", "quadratic", "cubic"] = "quadratic"
+
+
+@dataclass(frozen=True, eq=False)
+class Processed:
+    """An accelerogram before and after, both from rest."""
+
+    before: History  # the window as it was read
+    after: History
+    begin: float  # time of the first sample, in the record's own time [s]
+    format: str
+    column: str
+
+    def scaled(self, factor: float) -> Processed:
+        """Both motions times a factor."""
+        return Processed(self.before.scaled(factor), self.after.scaled(factor), self.begin, self.format, self.column)
+
+    def numbers(self) -> dict[str, Any]:
+        """What goes into the summary."""
+        return {
+            "format": self.format,
+            "column": self.column,
+            "window": [self.begin, self.begin + self.after.duration],
+            "time_step": self.after.step,
+            "before": self.before.numbers() | intensity(self.before),
+            "after": self.after.numbers() | intensity(self.after),
+        }
+
+
+class Scaled(BaseModel):
+    """A motion of a given size."""
+
+    model_config = strict
+
+    scale: float | None = None
+    target_pga: Positive | None = None  # [m/s2]
+
+    @model_validator(mode="after")
+    def _one_size(self) -> Self:
+        if self.scale is not None and self.target_pga is not None:
+            raise ValueError("give scale or target_pga, not both")
+        if self.scale == 0.0:
+            raise ValueError("scale: must not be zero")
+        return self
+
+
+def process(table: Accelerogram, folder: Path, dt: float, where: str) -> Processed:
+    """Read an accelerogram and do to it what its keys say.
+
+    Args:
+        table: the keys.
+        folder: to which its path is relative.
+        dt: time step of the run, for ``resample = "run"`` [s].
+        where: the table's name in messages, e.g. ``loads[0]``.
+
+    Raises:
+        InputError: a file that cannot be read, named with its line; unknown units; a window outside the record; keys that do not fit it.
+    """
+    label = f"{where}.path: {table.path}"
+    source = Source.open(folder / table.path, label)
+    name, raw = read(source, table.format, Request(table.column, table.time_step, table.calibration))
+    values, begin = _cut(raw.values * _unit(table, raw, where), raw, table, where)
+    if not values.any():
+        raise InputError(f"{label}: the record is zero throughout")
+    before = integrate(values, raw.step)
+    cleaned, step = _clean(values, raw.step, table, dt, where)
+    after = correct(integrate(cleaned, step), ORDERS[table.correction])
+    return Processed(before, after, begin, name, raw.name)
+
+
+def _clean(values: np.ndarray, step: float, table: Accelerogram, dt: float, where: str) -> tuple[np.ndarray, float]:
+    """Mean, taper, resampling, band-pass: the samples and their step."""
+    if table.band is not None or (table.taper > 0.0 and table.correction != "none"):
+        values = values - values.mean()
+    key = "taper"
+    try:
+        values = values * taper_factors(len(values), step, table.taper)
+        if table.resample is not None:
+            key, wanted = "resample", dt if isinstance(table.resample, str) else table.resample
+            values, step = resample(values, step, wanted), wanted
+            if len(values) < FEWEST:
+                raise ValueError(f"{len(values)} samples are left, at least {FEWEST} are needed")
+        if table.band is not None:
+            key = "band"
+            values = band_pass(values, step, *table.band, table.band_order)
+    except ValueError as failure:
+        raise InputError(f"{where}.{key}: {failure}") from None
+    return values, step
+
+
+def size_factor(scale: float | None, target_pga: float | None, peak: float) -> float:
+    """What to multiply a record of a given peak acceleration with."""
+    if target_pga is not None:
+        return target_pga / peak
+    return 1.0 if scale is None else scale
+
+
+def describe_both(where: str, processed: Processed, correction: str) -> list[str]:
+    """Peaks before and after on two lines, intensity and duration on a third."""
+    numbers = processed.numbers()
+    before, after = numbers["before"], numbers["after"]
+    lines = [f"{where}   before correction:    {describe(before)}"]
+    if correction != "none":
+        lines.append(f"{where}   {correction + ' correction:':21} {describe(after)}")
+    lines.append(f"{where}   {in_words(after)}")
+    return lines
+
+
+def _unit(table: Accelerogram, raw: RawRecord, where: str) -> float:
+    """Size of the record's unit in m/s2."""
+    given = None if table.units is None else acceleration_unit(table.units)
+    known = ", ".join(ACCELERATION)
+    if table.units is not None and given is None:
+        raise InputError(f'{where}.units: unknown unit "{table.units}"; known: {known}')
+    written = None if raw.unit is None else acceleration_unit(raw.unit)
+    if given is not None and written is not None and not np.isclose(given, written):
+        raise InputError(f'{where}.units: "{table.units}", but {table.path} says "{raw.unit}"; leave the key out or correct the file')
+    found = given if given is not None else written
+    if found is None:
+        says = f'says "{raw.unit}", which is no known unit' if raw.unit else "does not name its unit"
+        raise InputError(f"{where}.units: missing, and {table.path} {says}; give one of {known}")
+    return found
+
+
+def _cut(acceleration: np.ndarray, raw: RawRecord, table: Accelerogram, where: str) -> tuple[np.ndarray, float]:
+    """The samples inside the window, and the record's time of the first of them [s]."""
+    first, last = 0, len(acceleration) - 1
+    end = raw.origin + last * raw.step
+    if table.window is not None:
+        slack = 1e-6 * raw.step  # n samples of step h are often called n h long: one step more is let pass
+        if table.window[0] < raw.origin - slack or table.window[1] > end + raw.step + slack:
+            raise InputError(f"{where}.window: {list(table.window)} reaches outside the record, {raw.origin:g} to {end:g} s")
+        first = int(np.ceil((table.window[0] - raw.origin) / raw.step - 1e-6))
+        last = min(last, int(np.floor((table.window[1] - raw.origin) / raw.step + 1e-6)))
+    if last - first + 1 < FEWEST:
+        raise InputError(f"{where}: {max(0, last - first + 1)} samples of {table.path} are too few, at least {FEWEST} are needed")
+    return acceleration[first : last + 1], raw.origin + first * raw.step

@@ -1,0 +1,45 @@
+r"""Measures of a whole accelerogram: Arias intensity and significant duration.
+
+    I(t) = pi / (2 g)  int_0^t a^2 dt,      I_A = I(T)                                  (Arias, 1970)
+    D_5-95 = t(I = 0.95 I_A) - t(I = 0.05 I_A)                                          (Trifunac & Brady, 1975)
+
+a is straight between samples, so over an interval h the integral is h (a^2 + a a' + a'^2) / 3, exactly.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from loads.motion import STANDARD_GRAVITY
+from loads.signal.baseline import History
+
+
+def arias(history: History) -> np.ndarray:
+    """The build-up of the Arias intensity at the samples, (n,) [m/s]."""
+    a, b = history.acceleration[:-1], history.acceleration[1:]
+    steps = history.step / 3.0 * (a * a + a * b + b * b)
+    return np.pi / (2.0 * STANDARD_GRAVITY) * np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def significant_window(history: History, low: float = 0.05, high: float = 0.95) -> tuple[float, float]:
+    """When the Arias intensity passes two shares of its end value, times since the first sample [s].
+
+    Linear between samples. (0, 0) for a record that is zero throughout.
+    """
+    built = arias(history)
+    if built[-1] == 0.0:
+        return 0.0, 0.0
+    times = history.step * np.arange(len(built))
+    begin, end = np.interp([low * built[-1], high * built[-1]], built, times)
+    return float(begin), float(end)
+
+
+def intensity(history: History) -> dict[str, float]:
+    """Arias intensity [m/s] and significant duration, 5 to 95 % [s]."""
+    begin, end = significant_window(history)
+    return {"arias": float(arias(history)[-1]), "significant_duration": end - begin}
+
+
+def in_words(numbers: dict[str, float]) -> str:
+    """Both measures, for a line to the user."""
+    return f"Arias intensity {numbers['arias']:.4g} m/s, significant duration {numbers['significant_duration']:.4g} s (5 to 95 %)"

@@ -1,0 +1,119 @@
+r"""The response spectrum of an accelerogram, exact for accelerations that are straight between their samples.
+
+Oscillators of period T = 2 pi / w and damping ratio xi on a base with acceleration a(t):
+
+    x'' + 2 xi w x' + w^2 x = -a(t),       Sd = max |x|,   Sv = w Sd,   Sa = w^2 Sd  (pseudo-acceleration).
+
+Over an interval h the solution of this equation for a linear a(t) is known in closed form; it takes (x, x') and the two accelerations
+linearly into the next (x, x') (Nigam & Jennings, Bull. Seism. Soc. Am. 59(2), 1969). The eight coefficients are the exponential of one
+matrix: with z = (x, x', a, h a'), z' = G z,  so  z(t + h) = exp(G h) z(t).
+
+Peaks between samples: an interval is cut into parts of at most T / 40, where the recursion is still exact; the largest value at the
+ends of the parts is then at most 0.3 % below the true peak.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm
+
+from masonry_cd.jit import entry
+
+PARTS_PER_PERIOD = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Response spectra over n periods for one damping ratio. Period zero: a rigid oscillator, which moves with the base."""
+
+    period: np.ndarray  # (n,) [s]
+    damping: float
+    displacement: np.ndarray  # (n,) Sd, relative to the base [m]
+    acceleration: np.ndarray  # (n,) Sa = w^2 Sd; the peak ground acceleration at period zero [m/s2]
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """Sv = w Sd, the pseudo-velocity, (n,) [m/s]."""
+        out = np.zeros_like(self.period)
+        moving = self.period > 0.0
+        out[moving] = 2.0 * np.pi / self.period[moving] * self.displacement[moving]
+        return out
+
+
+def response_spectrum(acceleration: np.ndarray, step: float, periods: Sequence[float] | np.ndarray, damping: float = 0.05) -> Spectrum:
+    """The response spectrum of samples.
+
+    The oscillators start at rest; their free vibration after the last sample is not followed (append zeros to see it).
+
+    Args:
+        acceleration: (n,) of the base [m/s2].
+        step: [s].
+        periods: (m,) zero or more [s].
+        damping: ratio xi, 0 <= xi < 1.
+
+    Raises:
+        ValueError: a damping or a period outside its range.
+    """
+    period = np.asarray(periods, dtype=float)
+    if not 0.0 <= damping < 1.0:
+        raise ValueError(f"the damping ratio must lie between 0 and 1, got {damping:g}")
+    if (period < 0.0).any():
+        raise ValueError("a period must not be negative")
+    a = np.ascontiguousarray(acceleration, dtype=float)
+    moving = period > 0.0
+    displacement, pseudo = np.zeros_like(period), np.full_like(period, np.abs(a).max())
+    displacement[moving] = Oscillators(period[moving], step, damping).peaks(a)
+    pseudo[moving] = (2.0 * np.pi / period[moving]) ** 2 * displacement[moving]
+    return Spectrum(period, damping, displacement, pseudo)
+
+
+class Oscillators:
+    """Oscillators of given periods above zero, ready for any number of accelerograms of one time step."""
+
+    def __init__(self, period: np.ndarray, step: float, damping: float) -> None:
+        self._parts = np.maximum(1, np.ceil(PARTS_PER_PERIOD * step / period)).astype(np.int64)
+        omega = 2.0 * np.pi / period
+        self._transitions = np.zeros((len(period), 2, 4))
+        for i, (w, parts) in enumerate(zip(omega, self._parts, strict=True)):
+            self._transitions[i] = _transition(w, damping, step / parts)
+
+    def peaks(self, acceleration: np.ndarray) -> np.ndarray:
+        """Sd of each oscillator under the samples of an acceleration, from rest [m]."""
+        out = np.zeros(len(self._parts))
+        _peaks(np.ascontiguousarray(acceleration, dtype=float), self._parts, self._transitions, out)
+        return out
+
+
+def default_periods(count: int = 100, shortest: float = 0.02, longest: float = 4.0) -> np.ndarray:
+    """Periods (count,) that are even on a logarithmic axis [s]."""
+    return np.geomspace(shortest, longest, count)
+
+
+def _transition(omega: float, damping: float, h: float) -> np.ndarray:
+    """The first two rows of exp(G h), (2, 4), for z = (x, x', a, h a')."""
+    g = np.zeros((4, 4))
+    g[0, 1] = 1.0
+    g[1] = -omega * omega, -2.0 * damping * omega, -1.0, 0.0
+    g[2, 3] = 1.0 / h
+    return np.ascontiguousarray(expm(g * h)[:2])
+
+
+@entry()
+def _peaks(a, parts, transitions, out):
+    """Largest |x| at the ends of the parts of every interval, for each oscillator."""
+    for i in range(len(out)):
+        m, n = transitions[i], parts[i]
+        x, v, peak = 0.0, 0.0, 0.0
+        for k in range(len(a) - 1):
+            rise = (a[k + 1] - a[k]) / n
+            for j in range(n):
+                at = a[k] + j * rise
+                x, v = (
+                    m[0, 0] * x + m[0, 1] * v + m[0, 2] * at + m[0, 3] * rise,
+                    m[1, 0] * x + m[1, 1] * v + m[1, 2] * at + m[1, 3] * rise,
+                )
+                peak = max(peak, abs(x))
+        out[i] = peak

@@ -1,0 +1,1 @@
+"""A scene becomes results: scene file, case, run loop, checks, summary."""

@@ -1,0 +1,102 @@
+"""What a run left out because its scene does not need it, and why: ``masonry-cd run --explain``, and ``explanation`` in summary.json.
+
+Every line names what was spared, and what it rests on: a symmetry, a bound, a counter of the run, or what the scene does not ask for.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+
+import numpy as np
+
+from masonry_cd.app.run_loop import RunReport
+from masonry_cd.app.scene import Report, Scene
+from masonry_cd.dynamics.moreau_jean import Stepper
+
+HEAVY = {
+    "gmsh": "gmsh", "vtk": "vtkmodules", "pyvista": "pyvista", "matplotlib": "matplotlib", "pandas": "pandas", "trimesh": "trimesh",
+    "meshio": "meshio", "scikit-fem": "skfem", "obspy": "obspy",
+}  # fmt: skip
+OUTPUTS = {
+    "crack_map": "crack map", "times": "crack maps at times", "animation": "animation", "damage": "damage by part", "html": "page",
+}  # fmt: skip
+AXES = "xyz"
+
+
+def left_out(scene: Scene, stepper: Stepper, report: RunReport) -> list[str]:
+    """All that was left out of a run that has ended, one line each."""
+    lines = [_plane(scene, stepper), *_pairs(stepper, report), _impacts(report), _islands(scene, report), _solver(scene, report)]
+    lines += _laws(stepper)
+    return [*lines, *_outputs(scene.report), _modules()]
+
+
+def _plane(scene: Scene, stepper: Stepper) -> str:
+    """The reduction to a plane, or why there is none."""
+    if stepper.plane is not None:
+        axis, at = AXES[stepper.plane.axis], stepper.plane.at
+        return (
+            f"third dimension: the scene is its own mirror image about {axis} = {at:.4g} m and moves in that plane; half the contacts, "
+            "two rows per contact instead of three, three unknowns per block instead of six"
+        )
+    if not scene.run.planar:
+        return "third dimension: kept, since run.planar is false"
+    return "third dimension: kept, since blocks or motion are not symmetric about one plane"
+
+
+def _pairs(stepper: Stepper, report: RunReport) -> list[str]:
+    """Pairs of blocks that were not looked at, and searches that were not repeated."""
+    parts, done = len(stepper.assembly.shapes.part_block), report.left_out
+    possible, listed = parts * (parts - 1) // 2, len(stepper.detector.pairs)
+    kept, far = done["pairs_with_points_kept"], done["pairs_not_looked_at"]
+    return [
+        f"pairs of blocks: {possible - listed} of {possible} not listed, since their boxes are apart",
+        f"broad phase: left out in {report.steps - done['broad_phases']} of {report.steps} steps, since no block had left its box",
+        f"listed pairs: contact points kept {kept} times, since the pair had not moved; "
+        f"not looked at {far} times, since it could not have met",
+        f"iterations: none in {report.steps_as_before} of {report.steps} steps, in which the impulses of the last step were good enough",
+    ]
+
+
+def _impacts(report: RunReport) -> str:
+    """Steps that needed no solution of impacts apart from forces."""
+    spared = report.steps - report.steps_apart
+    return f"impacts apart from forces: not solved in {spared} of {report.steps} steps, in which no gap closed fast enough to matter"
+
+
+def _islands(scene: Scene, report: RunReport) -> str:
+    """What was solved by itself, and what was not solved at all."""
+    if not scene.run.islands:
+        return "islands: all blocks solved as one, since run.islands is false"
+    found = f"islands, which touch one another only through supports: {report.islands_mean:.3g} on average, {report.islands_max} at most"
+    return f"{found}; each was solved by itself, and {report.sleeping_mean:.0%} of the blocks slept, since they were at rest"
+
+
+def _solver(scene: Scene, report: RunReport) -> str:
+    """Which methods were used how often, by the solver's own words."""
+    told = sorted(report.solver_reasons.items(), key=lambda item: -item[1])
+    words = ", ".join(f'"{reason}" in {count}' for reason, count in told[:4]) + (" and others" if len(told) > 4 else "")
+    if scene.run.solver == "auto":
+        return f"solvers: auto takes what was cheapest in the steps before, others where that falls short: {words} of {report.steps} steps"
+    return f"solvers: all but {scene.run.solver}, which the scene asks for: {words} of {report.steps} steps"
+
+
+def _laws(stepper: Stepper) -> list[str]:
+    """Parts of the contact law that no joint needs."""
+    laws = stepper.assembly.laws
+    lines = (
+        [] if np.any(laws.normal_stiffness) else ["springs in joints: none, joints are rigid (no normal_stiffness in [material.joints])"]
+    )
+    return lines if np.any(laws.apex) else [*lines, "cohesion: none, joints are dry"]
+
+
+def _outputs(asked: Report) -> list[str]:
+    """Reports that the scene does not ask for."""
+    missing = [words for key, words in OUTPUTS.items() if not getattr(asked, key)]
+    return [f"reports: {', '.join(missing)} not made, since [report] does not ask for them"] if missing else []
+
+
+def _modules(loaded: Mapping[str, object] | None = None) -> str:
+    """Heavy packages that this run did not load."""
+    found = sys.modules if loaded is None else loaded
+    return f"packages not loaded: {', '.join(name for name, module in HEAVY.items() if module not in found) or 'none'}"

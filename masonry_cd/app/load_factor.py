@@ -1,0 +1,100 @@
+"""What became of a structure under its loads: the load factor at which it gave way, the tensions of its ties, the damage shock by shock.
+
+A push or a tilt grows until the structure gives way. Rigid blocks on dry joints hardly move before that, so it counts as given
+way from the first frame on in which a block has moved, relative to the base, by more than MOVED of the smallest width of a block.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from masonry_cd.app.progress import length
+from masonry_cd.io.results import Results
+
+if TYPE_CHECKING:
+    from masonry_cd.app.case import Case
+
+MOVED = 0.01
+
+
+def outcome(case: Case, results: Results) -> dict[str, Any]:
+    """For the summary; a scene without such loads gets none of it."""
+    return _load_factor(case, results) | _ties(case, results)
+
+
+def _load_factor(case: Case, results: Results) -> dict[str, Any]:
+    """lambda at the end, and when the structure gave way."""
+    from reports.damage.joint_damage import displacements
+
+    gravity, free = np.array(case.scene.run.gravity), ~case.assembly.fixed
+    load_step = results.per_step("load_step").astype(np.int64)
+    if not gravity.any() or not len(load_step):
+        return {}
+    factor = case.loading.load_factor(case.scene.run.gravity)[load_step]  # after each step
+    if not factor.any():
+        return {}
+    limit = MOVED * float(case.assembly.shapes.size[free[case.assembly.shapes.part_block]].min())
+    beyond = np.flatnonzero(displacements(results) > limit)
+    found: dict[str, Any] = {"end": float(factor[-1]), "limit": limit, "given_way": None, "given_way_time": None}
+    if len(beyond):
+        time = float(results.time[beyond[0]])
+        found |= {"given_way": float(factor[round(time / case.scene.run.dt) - 1]), "given_way_time": time}
+    return {"load_factor": found}
+
+
+def _ties(case: Case, results: Results) -> dict[str, Any]:
+    """What each tie had to bear."""
+    forces = case.loading.forces
+    if forces is None or not forces.ties:
+        return {}
+    tension, time = results.per_step("ties/tension"), results.per_step("step_time")
+    if not len(tension):
+        return {}
+    rows = []
+    for i, tie in enumerate(forces.ties):
+        worst = int(np.argmax(tension[:, i]))
+        rows.append(
+            {
+                "blocks": [case.assembly.names[block] for block in tie.blocks],
+                "tension_max": float(tension[worst, i]),
+                "tension_max_time": float(time[worst]),
+                "stress_max": float(tension[worst, i]) / tie.section,
+                "tension_end": float(tension[-1, i]),
+            }
+        )
+    return {"ties": rows}
+
+
+def outcome_lines(summary: dict[str, Any]) -> list[str]:
+    """The same in words."""
+    lines = [_shock_line(shock) for shock in summary.get("shocks", ())]
+    if "load_factor" in summary:
+        lines.append(_factor_line(summary["load_factor"]))
+    return lines + [_tie_line(tie) for tie in summary.get("ties", ())]
+
+
+def _shock_line(shock: dict[str, Any]) -> str:
+    when = f"{shock['start']:.4g} to {shock['end']:.4g} s, rest to {shock['rest_end']:.4g} s"
+    return f'after "{shock["name"]}" ({when}): joints: {joints_in_words(shock)}; {shock["collapsed_blocks"] or "no"} blocks fell'
+
+
+def joints_in_words(damage: dict[str, Any]) -> str:
+    """How many joints opened, slid and came apart, and how far."""
+    return (
+        f"{damage['joints_opened']} opened (at most {length(damage['opening_max'])}), {damage['joints_slid']} slid "
+        f"(at most {length(damage['sliding_max'])}), {damage['joints_separated']} separated"
+    )
+
+
+def _factor_line(factor: dict[str, Any]) -> str:
+    moved = f"a block had moved by more than {1e3 * factor['limit']:.3g} mm"
+    if factor["given_way"] is None:
+        return f"load factor: {factor['end']:.4g} at the end, before {moved}"
+    return f"load factor: {factor['given_way']:.4g} when {moved}, at {factor['given_way_time']:.4g} s; {factor['end']:.4g} at the end"
+
+
+def _tie_line(tie: dict[str, Any]) -> str:
+    most = f"{tie['tension_max'] / 1e3:.3g} kN ({tie['stress_max'] / 1e6:.3g} MPa) at {tie['tension_max_time']:.3g} s"
+    return f'tie "{tie["blocks"][0]}" to "{tie["blocks"][1]}": at most {most}, {tie["tension_end"] / 1e3:.3g} kN at the end'

@@ -1,0 +1,360 @@
+"""The modal check of a scene: both models, the measured modes beside them, and the files that say so.
+
+modal.json            everything below, and the size of the models
+modal.csv             one row per model and mode: frequency, participating masses, measured frequency, error, MAC
+shapes_<model>.csv    shapes at the centroids of the blocks, in the form in which measured modes are read
+modes_<model>.png     pictures of the first modes
+mesh_convergence.csv  frequencies of the continuum by size of the elements, where asked for
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from masonry_cd.errors import InputError, parse_table
+from masonry_cd.model.blocks import Block
+from reports.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
+from reports.modal.modes import METHODS, Modes, modal
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+START = 1e9  # modulus from which a fit starts where none is given [Pa]
+ALIKE = 0.8  # MAC below which a pair is told to be doubtful
+OUTPUTS = ("modal.json", "modal.csv", *(f"shapes_{m}.csv" for m in METHODS), *(f"modes_{m}.png" for m in METHODS), "mesh_convergence.csv")
+
+
+class ModalOptions(BaseModel):
+    """What the command can be asked for."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    young: Positive | dict[str, Positive] | None = None
+    """Modulus of the masonry, or moduli by group of blocks and ``default`` [Pa]; not needed when it is fitted."""
+    poisson: Annotated[float, Field(ge=0, lt=0.5)] = 0.2
+    """Poisson's ratio."""
+    method: Literal["both", "continuum", "joints"] = "both"
+    """Which model."""
+    modes: Annotated[int, Field(ge=1, le=500)] = 6
+    """Modes to compute; as many more as are measured."""
+    mesh_size: Positive | None = None
+    """Of the tetrahedra [m]; about the thickness of the structure when not given."""
+    convergence: tuple[Positive, ...] = ()
+    """Sizes of tetrahedra to compare [m]."""
+    normal_stiffness: Positive | None = None
+    """Of all joints, instead of E / block length [Pa/m]."""
+    tangential_stiffness: Positive | None = None
+    """Of all joints; k_n / (2 (1 + nu)) when not given [Pa/m]."""
+    restraint: dict[str, str] = {}
+    """By group of supports, the directions that they hold; all when not given."""
+    reference: Path | None = None
+    """CSV file of measured modes."""
+    fit: bool = False
+    """Fit the modulus to the first measured frequency."""
+    pictures: Annotated[int, Field(ge=0)] = 6
+    """Modes to draw; 0 for none."""
+    view: Literal["front", "back", "side", "top", "isometric"] = "isometric"
+    """From where."""
+
+    @model_validator(mode="after")
+    def _fit_needs_measured(self) -> ModalOptions:
+        if self.fit and self.reference is None:
+            raise ValueError("fit needs the measured modes: give reference")
+        if self.young is None and not self.fit:
+            raise ValueError("no modulus of elasticity: give young in Pa, or fit it to measured modes")
+        if self.tangential_stiffness is not None and self.normal_stiffness is None:
+            raise ValueError("tangential_stiffness needs normal_stiffness beside it")
+        return self
+
+    @property
+    def joint_stiffness(self) -> tuple[float, float] | None:
+        """k_n and k_t [Pa/m], where they are given."""
+        if self.normal_stiffness is None:
+            return None
+        return self.normal_stiffness, self.tangential_stiffness or self.normal_stiffness / (2.0 * (1.0 + self.poisson))
+
+
+def by_group(texts: Sequence[str], key: str) -> str | dict[str, str]:
+    """What the command line gives for one value, ``3e9``, or for several groups, ``pier=4e9 default=2e9``.
+
+    Raises:
+        InputError: several values of which one names no group.
+    """
+    pairs = [text.partition("=") for text in texts]
+    if len(pairs) == 1 and not pairs[0][1]:
+        return pairs[0][0]
+    wrong = next((text for text, (group, equals, value) in zip(texts, pairs, strict=True) if not (group and equals and value)), None)
+    if wrong is not None:
+        raise InputError(f"modal.{key}: write one value, or GROUP=VALUE for each group, got {wrong!r}")
+    return {group: value for group, _, value in pairs}
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """The modes of one model beside the measured ones."""
+
+    modes: Modes
+    pairs: tuple[Pair, ...] = ()
+    factor: float = 1.0  # on the modulus given, from the fit
+
+
+def modal_case(
+    source: Path | str | Sequence[Block], options: Mapping[str, Any], folder: Path | None = None, changes: Sequence[str] = ()
+) -> dict[str, Any]:
+    """The modal check of a scene: what the command ``masonry-cd modal`` does.
+
+    Args:
+        source: a scene file, or blocks.
+        options: keys of :class:`ModalOptions`.
+        folder: where files are written, made if need be; nothing is written without one.
+        changes: ``key=value`` that change the scene.
+
+    Returns:
+        what modal.json holds; ``lines`` are to be printed, ``warnings`` must not pass in silence, ``written`` are the files.
+
+    Raises:
+        InputError: a wrong option, scene, or file of measured modes.
+    """
+    asked = parse_table(ModalOptions, options, "modal")
+    measured = read_measured(asked.reference) if asked.reference else []
+    blocks, title = _blocks(source, changes)
+    results = [_result(blocks, method, asked, measured) for method in (METHODS if asked.method == "both" else (asked.method,))]
+    results = [results[0], *(Result(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
+    young = results[0].modes.young if asked.method != "joints" else asked.young or START
+    table = convergence(blocks, young, asked) if asked.convergence else []
+    out = _summary(title, results, table)
+    if folder is not None:
+        out["written"] = [str(path) for path in write(results, folder, blocks, title, out, table, asked)]
+    return out
+
+
+def _blocks(source: Path | str | Sequence[Block], changes: Sequence[str]) -> tuple[list[Block], str]:
+    """The blocks of a scene, and its title."""
+    if not isinstance(source, (Path, str)):
+        return list(source), "Modes"
+    from masonry_cd.app.case import build_blocks
+    from masonry_cd.app.scene import read_scene
+
+    scene = read_scene(source, changes)
+    return build_blocks(scene), scene.title
+
+
+def _result(blocks: Sequence[Block], method: str, asked: ModalOptions, measured: Sequence[MeasuredMode]) -> Result:
+    """Compute one model, fit it where asked, and pair it with what was measured."""
+    spare = 4 if any(mode.has_shape for mode in measured) else 0  # a measured mode may answer to a higher one
+    modes = modal(
+        blocks,
+        asked.young if asked.young is not None else START,
+        asked.poisson,
+        method=method,
+        modes=max(asked.modes, max((mode.mode for mode in measured), default=0) + spare),
+        size=asked.mesh_size,
+        stiffness=asked.joint_stiffness,
+        restraint=asked.restraint,
+    )
+    factor = fit_factor(modes, measured) if asked.fit else 1.0
+    modes = modes.scaled(factor) if asked.fit else modes
+    return Result(modes, tuple(pair(modes, measured)), factor)
+
+
+def _turned_like(modes: Modes, other: Modes) -> Modes:
+    """The same modes with the signs of the modes of another model that they resemble."""
+    signs = np.ones(modes.count)
+    for k, shape in enumerate(modes.shapes):
+        nearest = max(range(other.count), key=lambda i: mac(shape, other.shapes[i]))
+        signs[k] = 1.0 if np.sum(shape * other.shapes[nearest]) >= 0.0 else -1.0
+    return modes.turned(signs)
+
+
+def convergence(blocks: Sequence[Block], young: float | Mapping[str, float], asked: ModalOptions) -> list[dict[str, Any]]:
+    """Frequencies of the continuum by size of the elements, coarse to fine, with their distance from the finest in per cent."""
+    rows: list[dict[str, Any]] = []
+    for size in sorted(asked.convergence, reverse=True):
+        modes = modal(blocks, young, asked.poisson, modes=asked.modes, size=size, restraint=asked.restraint)
+        facts = {key: modes.facts[key] for key in ("element_size_m", "elements", "unknowns", "seconds")}
+        rows.append(facts | {f"f{k + 1}_hz": float(value) for k, value in enumerate(modes.frequencies)})
+    for row in rows:
+        row |= {
+            key.replace("_hz", "_above_finest_percent"): 100.0 * (value / rows[-1][key] - 1.0)
+            for key, value in list(row.items())
+            if key.endswith("_hz") and key in rows[-1]
+        }
+    return rows
+
+
+def _summary(title: str, results: Sequence[Result], table: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """What modal.json holds."""
+    from masonry_cd import __version__
+
+    models = {result.modes.method: _model(result) for result in results}
+    out: dict[str, Any] = {"title": title, "version": __version__, "models": models, "mesh_convergence": list(table)}
+    if len(results) == 2:
+        first, second = (result.modes for result in results)
+        between = np.array([[mac(a, b) for b in second.shapes] for a in first.shapes])
+        out["mac_between_models"] = {"rows": first.method, "columns": second.method, "values": between.round(6).tolist()}
+    out["lines"] = [line for result in results for line in _lines(result)]
+    out["warnings"] = [line for result in results for line in _warnings(result)]
+    return out
+
+
+def _model(result: Result) -> dict[str, Any]:
+    """One model in numbers."""
+    modes = result.modes
+    young = dict(modes.young) if isinstance(modes.young, Mapping) else modes.young
+    return {
+        "young_pa": young,
+        "young_fitted": result.factor != 1.0,
+        "poisson": modes.poisson,
+        "frequency_hz": modes.frequencies.tolist(),
+        "participation": {axis: modes.participation[:, k].tolist() for k, axis in enumerate("xyz")},
+        "participation_sum": dict(zip("xyz", modes.participation.sum(axis=0).tolist(), strict=True)),
+        "measured": [_pair(p) for p in result.pairs],
+        **modes.facts,
+    }
+
+
+def _pair(p: Pair) -> dict[str, Any]:
+    known = p.mode is not None
+    return {
+        "measured_mode": p.measured_mode,
+        "measured_hz": p.measured,
+        "mode": p.mode,
+        "computed_hz": p.computed if known else None,
+        "error_percent": p.error_percent if known else None,
+        "mac": p.mac if math.isfinite(p.mac) else None,
+    }
+
+
+def _lines(result: Result) -> list[str]:
+    """The modes in words."""
+    modes = result.modes
+    young = f"{modes.young / 1e9:.4g} GPa" if isinstance(modes.young, (int, float)) else "by group"
+    head = f"{modes.method}: E {young}{' (fitted)' if result.factor != 1.0 else ''}, {modes.facts['unknowns']} unknowns"
+    by_mode = {p.mode: p for p in result.pairs if p.mode is not None}
+    lines = [head, "  mode  frequency   mass in x     y     z" + ("   measured   error    MAC" if result.pairs else "")]
+    for k in range(modes.count):
+        share = " ".join(f"{100 * value:4.0f} %" for value in modes.participation[k])
+        line = f"  {k + 1:4d} {modes.frequencies[k]:8.4g} Hz    {share}"
+        if k + 1 in by_mode:
+            p = by_mode[k + 1]
+            line += f" {p.measured:8.4g} Hz {_signed(p.error_percent):>6} %" + (f"  {p.mac:.3f}" if math.isfinite(p.mac) else "")
+        lines.append(line)
+    return lines
+
+
+def _signed(percent: float) -> str:
+    """One decimal and a sign; no minus before zero."""
+    return f"{round(percent, 1) + 0.0:+.1f}"
+
+
+def _warnings(result: Result) -> list[str]:
+    """Doubtful pairs, and motions that nothing holds."""
+    lines = []
+    if result.modes.facts["rigid_motions"]:
+        lines.append(
+            f"{result.modes.method}: the supports leave {result.modes.facts['rigid_motions']} rigid motions free; they are not listed"
+        )
+    for p in result.pairs:
+        if p.mode is None:
+            lines.append(f"{result.modes.method}: no computed mode answers to measured mode {p.measured_mode}")
+        elif p.mac < ALIKE:
+            lines.append(
+                f"{result.modes.method}: measured mode {p.measured_mode} resembles computed mode {p.mode} by a MAC of {p.mac:.2f} only"
+            )
+    return lines
+
+
+def write(
+    results: Sequence[Result],
+    folder: Path,
+    blocks: Sequence[Block],
+    title: str,
+    summary: Mapping[str, Any],
+    table: Sequence[Mapping[str, Any]] = (),
+    asked: ModalOptions | None = None,
+) -> list[Path]:
+    """Write modal.json, the tables and the pictures into a folder, which is made if need be.
+
+    Raises:
+        InputError: no off-screen OpenGL for the pictures; the tables are written by then.
+    """
+    from masonry_cd.app.case import write_json
+
+    asked = asked or ModalOptions(young=START)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in OUTPUTS:
+        (folder / name).unlink(missing_ok=True)
+    write_json({key: value for key, value in summary.items() if key != "written"}, folder / "modal.json")
+    _write_rows(folder / "modal.csv", [row for result in results for row in _rows(result)])
+    for result in results:
+        _write_rows(folder / f"shapes_{result.modes.method}.csv", _shape_rows(result.modes))
+    if table:
+        _write_rows(folder / "mesh_convergence.csv", list(table))
+    if asked.pictures:
+        from reports.modal.modes_picture import modes_picture
+
+        for result in results:
+            path = folder / f"modes_{result.modes.method}.png"
+            modes_picture(result.modes, blocks, path, title, _captions(result), asked.pictures, asked.view)
+    return [folder / name for name in OUTPUTS if (folder / name).exists()]
+
+
+def _rows(result: Result) -> list[dict[str, Any]]:
+    """The rows of modal.csv."""
+    modes, by_mode = result.modes, {p.mode: p for p in result.pairs}
+    rows = []
+    for k in range(modes.count):
+        p = by_mode.get(k + 1)
+        rows.append(
+            {
+                "model": modes.method,
+                "mode": k + 1,
+                "frequency_hz": float(modes.frequencies[k]),
+                "period_s": float(1.0 / modes.frequencies[k]),
+                **{f"mass_{axis}": float(modes.participation[k, i]) for i, axis in enumerate("xyz")},
+                "measured_mode": p.measured_mode if p else "",
+                "measured_hz": p.measured if p else "",
+                "error_percent": p.error_percent if p else "",
+                "mac": p.mac if p and math.isfinite(p.mac) else "",
+            }
+        )
+    return rows
+
+
+def _shape_rows(modes: Modes) -> list[dict[str, Any]]:
+    """Shapes at the centroids in the columns of a file of measured modes."""
+    rows = []
+    for k in range(modes.count):
+        for name, point, shape in zip(modes.names, modes.points, modes.shapes[k], strict=True):
+            row = {"mode": k + 1, "frequency_hz": float(modes.frequencies[k]), "point": name}
+            row |= {f"{axis}_m": float(point[i]) for i, axis in enumerate("xyz")}
+            rows.append(row | {f"u{axis}": float(shape[i]) for i, axis in enumerate("xyz")})
+    return rows
+
+
+def _write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Write a CSV file whose columns are the keys of its first row."""
+    try:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, list(rows[0]), restval="")
+            writer.writeheader()
+            writer.writerows(rows)
+    except OSError as failure:
+        raise InputError(f"{path}: cannot be written, {failure.strerror}") from None
+
+
+def _captions(result: Result) -> list[str]:
+    """The measured frequency of each mode, in words."""
+    by_mode = {p.mode: p for p in result.pairs}
+    out = []
+    for k in range(result.modes.count):
+        p = by_mode.get(k + 1)
+        similar = f", MAC {p.mac:.2f}" if p and math.isfinite(p.mac) else ""
+        out.append(f"measured {p.measured:.4g} Hz, error {_signed(p.error_percent)} %{similar}" if p else "")
+    return out

@@ -1,0 +1,131 @@
+r"""Whether time step and tolerance resolve the shaking, the blocks and their rest; where not, the run warns, with the number and the block.
+
+**Shaking.** f95 is the frequency below which 95 % of the base acceleration's mean square lies, from its values at the steps. Fewer than
+PER_PERIOD steps per period of f95 are too few.
+
+**Rocking.** A block that rocks about an edge grows with the rate p = sqrt(3 g / (4 R)), R the distance of its farthest corner from its
+centre (Housner, Bull. Seism. Soc. Am. 53, 1963). Against Housner's solution peaks are met to 0.1 % at p h = 0.008, to 2 % at 0.02
+(``python -m benchmarks.rocking``); p h beyond ROCKING, some 3 %, is too much.
+
+**Passing through.** A block that moves by more than PASSING times the smallest width of any block within one step can get into another
+before the two are found to touch (see ``docs/stability.md``).
+
+**Stillness.** The error of a step is shared by all C contacts; all of it in one of them is a speed of tolerance g h sqrt(C) there. A rest
+that waits for a smaller one may wait in vain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from masonry_cd.dynamics.pauses import Pause
+from masonry_cd.io.results import Results
+from masonry_cd.model.blocks import Assembly
+
+ENERGY = 0.95
+PER_PERIOD = 10.0
+ROCKING = 0.03
+PASSING = 0.25
+CHUNK_BYTES = 1 << 24  # velocities are read in chunks of this size
+
+
+def before_run(assembly: Assembly, support_velocity: np.ndarray, gravity: float, step: float) -> list[str]:
+    """What of the shaking and of the blocks a time step is too coarse for.
+
+    Args:
+        assembly: the blocks.
+        support_velocity: (N + 1, S, 3) at the steps [m/s].
+        gravity: magnitude [m/s2].
+        step: h [s].
+    """
+    lines, frequency = [], dominant_frequency(support_velocity, step)
+    if frequency * step * PER_PERIOD > 1.0:
+        lines.append(
+            f"run.dt {step:g} s is coarse for the shaking: {100 * ENERGY:g} % of the base acceleration (mean square) lie below "
+            f"{frequency:.3g} Hz, of which a period has {1.0 / (frequency * step):.2g} steps; "
+            f"{PER_PERIOD:g} need dt {_round_down(1.0 / (PER_PERIOD * frequency)):g}"
+        )
+    reach = np.where(assembly.fixed, np.inf, assembly.reach)
+    smallest = int(np.argmin(reach))
+    p = float(np.sqrt(0.75 * gravity / reach[smallest]))
+    if p * step > ROCKING:
+        lines.append(
+            f'run.dt {step:g} s is coarse for block "{assembly.names[smallest]}", should it rock by itself: it grows by p = {p:.3g} 1/s '
+            f"(R {1000 * reach[smallest]:.3g} mm), p dt is {p * step:.2g}; {ROCKING:g} needs dt {_round_down(ROCKING / p):g}"
+        )
+    return lines
+
+
+def after_run(assembly: Assembly, results: Results, step: float) -> list[str]:
+    """Whether a block moved so far within a step that it could pass through another; by the velocities of the frames."""
+    found = fastest(assembly, results)
+    if found is None:
+        return []
+    speed, block, time = found
+    free_part = ~assembly.fixed[assembly.shapes.part_block]
+    part = int(np.argmin(np.where(free_part, assembly.shapes.size, np.inf)))
+    width, thin = float(assembly.shapes.size[part]), assembly.names[assembly.shapes.part_block[part]]
+    if not speed * step > PASSING * width:
+        return []
+    return [
+        f'block "{assembly.names[block]}" moves at {speed:.3g} m/s at {time:.4g} s, by {speed * step / width:.2g} of the width of '
+        f'"{thin}" ({1000 * width:.3g} mm) in one step: it can pass into others; dt {_round_down(PASSING * width / speed):g} is safe'
+    ]
+
+
+def restless(results: Results, pauses: Sequence[Pause], gravity: float, step: float, tolerance: float) -> list[str]:
+    """The rests that took their whole length and waited for a speed that the tolerance does not resolve.
+
+    Args:
+        results: of the run.
+        pauses: of its loads.
+        gravity: magnitude [m/s2].
+        step: h [s].
+        tolerance: of each step.
+    """
+    load_steps, contacts = results.per_step("load_step"), results.per_step("solver/contacts")
+    if not len(load_steps):
+        return []
+    resolved = tolerance * gravity * step * float(np.sqrt(contacts.mean()))
+    return [
+        f'the rest after "{pause.after}" took its whole length: still = {pause.speed:g} m/s asks for less than the {resolved:.2g} m/s that '
+        f"a tolerance of {tolerance:g} resolves for sure"
+        for pause in pauses
+        if pause.speed < resolved and np.any(load_steps == pause.last)  # a rest that ends early jumps over its last step
+    ]
+
+
+def dominant_frequency(support_velocity: np.ndarray, step: float) -> float:
+    """f95 of the base acceleration, all motions and directions together [Hz]; 0 for a base that stands still."""
+    acceleration = np.diff(support_velocity, axis=0).reshape(len(support_velocity) - 1, -1) / step
+    power = (np.abs(np.fft.rfft(acceleration, axis=0)) ** 2).sum(axis=1)
+    if not power.sum() > 0.0:
+        return 0.0
+    share = np.cumsum(power) / power.sum()
+    return float(np.fft.rfftfreq(len(acceleration), step)[int(np.argmax(share >= ENERGY))])
+
+
+def fastest(assembly: Assembly, results: Results) -> tuple[float, int, float] | None:
+    """Largest speed of a free block relative to the first support over the frames [m/s], the block, and when [s]; None without one."""
+    free = np.flatnonzero(~assembly.fixed)
+    if not len(free) or not results.frames:
+        return None
+    support = int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1
+    velocity, best = results.file["velocity"], (-1.0, 0, 0.0)
+    chunk = max(1, CHUNK_BYTES // (48 * assembly.count))
+    for first in range(0, results.frames, chunk):
+        linear = velocity[first : min(first + chunk, results.frames), :, :3]
+        relative = linear[:, free] - (linear[:, [support]] if support >= 0 else 0.0)
+        speed = np.sqrt((relative**2).sum(axis=2))
+        frame, block = np.unravel_index(int(np.argmax(speed)), speed.shape)
+        if speed[frame, block] > best[0]:
+            best = (float(speed[frame, block]), int(free[block]), float(results.time[first + frame]))
+    return best
+
+
+def _round_down(value: float) -> float:
+    """The next value of one digit below: 0.00137 -> 0.001."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(np.floor(value / power * (1 + 1e-9)) * power)

@@ -1,0 +1,122 @@
+"""A run of three cubes before the real one, so that what numba compiles on first use does not count as time of the run.
+
+The scene has a bit of all that a step can meet: a cube at rest, one that starts inside another by a micrometre, one that falls on it.
+No step can reach its tolerance, so that ``auto`` turns to every solver that it has.
+
+numba compiles one thing at a time. Where there are two cores, a second process therefore compiles the largest kernel, while this one runs
+the cubes with ADMM; then this one finds it in numba's cache. If the second process fails, it is compiled here.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from masonry_cd.app.run_loop import run
+from masonry_cd.app.scene import JointLaw, Run, SolverName
+from masonry_cd.contact.joints import find_joints
+from masonry_cd.dynamics import islands
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.friction.problem import FrictionProblem
+from masonry_cd.io.results import ResultWriter
+from masonry_cd.jit import has_cache, kept
+from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.solvers import Options, cores, interior
+from masonry_cd.solvers.interior_kernels import linearised_bodies
+
+STEPS, STEP = 6, 1e-3  # [s]
+FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+PATIENCE = 60.0  # to wait for the second process, beyond what this one took for its share [s]
+
+
+@cache
+def compile_kernels(solver: SolverName, planar: bool, by_area: bool) -> None:
+    """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without."""
+    if solver in ("auto", "newton", "interior") and keeps() and not _is_kept(planar) and cores() > 1:
+        with _second_process(planar):
+            _shake_cubes("admm", planar, by_area)
+    _shake_cubes(solver, planar, by_area)
+    islands.compile_kernels()
+
+
+def keeps() -> bool:
+    """Whether later runs find what this one compiles."""
+    return has_cache(linearised_bodies)
+
+
+def _shake_cubes(solver: SolverName, planar: bool, by_area: bool) -> None:
+    """The run."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+    places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-5)}
+    blocks = [Block(name, corners + [x, 0.0, z], FACES, 2000.0, fixed=name == "base") for name, (x, z) in places.items()]
+    laws = {"default": JointLaw(normal_stiffness=1e9, cohesion=1.0)} if by_area else None
+    assembly = Assembly.from_blocks(blocks, 0.5, laws)
+    joints = find_joints(assembly)
+    shaking = np.zeros((STEPS + 1, 1, 3))
+    shaking[:, 0, 0] = 0.01 * np.arange(STEPS + 1)
+    gravity = np.tile([0.0, 0.0, -9.81], (STEPS + 1, 1))
+    settings = Run(dt=STEP, duration=STEPS * STEP, solver=solver, tolerance=1e-300, planar=planar)
+    with TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", assembly, joints) as writer:
+        run(Stepper(assembly, shaking, gravity, settings), joints, writer, STEPS)
+
+
+# --- the second process ------------------------------------------------------------------------------------------------------------
+
+
+def _is_kept(planar: bool) -> bool:
+    """Whether the largest kernel is in the cache."""
+    return any(len(kinds[-1]) == (3 if planar else 4) for kinds in kept(linearised_bodies))
+
+
+@contextmanager
+def _second_process(planar: bool) -> Iterator[subprocess.Popen[bytes] | None]:
+    """Compile the largest kernel in a process of its own meanwhile, and in the end wait for it. It ends with this one at the latest."""
+    begin = time.monotonic()
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    call = f"from masonry_cd.app import warmup; warmup.be_second_process({planar})"
+    try:
+        other = subprocess.Popen(
+            [sys.executable, "-P", "-c", call], env=environment, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+    except OSError:  # no process to be had
+        yield None
+        return
+    with other:
+        try:
+            yield other
+            other.wait(PATIENCE + time.monotonic() - begin)
+        except subprocess.TimeoutExpired:
+            pass
+        finally:
+            other.kill()
+
+
+def be_second_process(planar: bool) -> None:
+    """Compile the largest kernel; leave when the input ends, which happens when the first process does, in whatever way."""
+    threading.Thread(target=_leave_at_end_of_input, daemon=True).start()
+    compile_largest(planar)
+
+
+def _leave_at_end_of_input() -> None:
+    sys.stdin.buffer.read()
+    os._exit(1)
+
+
+def compile_largest(planar: bool) -> None:
+    """Have the largest kernel compiled, by an iteration on a block that falls onto a support."""
+    m, n = (2, 3) if planar else (3, 6)
+    jacobian = np.zeros((1, 2, m, n))
+    jacobian[0, 0, :, :m] = np.eye(m)
+    body, contact = np.zeros((1, n)), np.zeros((1, m))
+    problem = FrictionProblem(np.eye(n)[None], body - 1.0, np.array([[0, -1]]), jacobian, contact, np.full(1, 0.5), contact)
+    interior.solve(problem, Options(tolerance=1e-300, max_iterations=1))

@@ -1,0 +1,60 @@
+"""What the commands share: arguments of the same name and meaning, and how errors are told."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from masonry_cd.app.progress import Interrupted
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).", show_default=False)]
+Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results; made if need be.", show_default=False)]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change the scene: run.dt=1e-3, loads[0].amplitude=0.3. As often as needed."),
+]
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.", show_default=False)]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite what DIR already holds.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but warnings and errors.")]
+
+
+def free_folder(folder: Path, marks: tuple[str, ...], force: bool) -> None:
+    """Refuse a folder that holds results, is none, or cannot be written."""
+    from masonry_cd.errors import InputError
+
+    there = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    if not there.is_dir():
+        raise InputError(f"{there}: is a file; -o names a folder")
+    if not os.access(there, os.W_OK):
+        raise InputError(f"{there}: nothing may be written there; -o names another folder")
+    if not force and any((folder / mark).exists() for mark in marks):
+        raise InputError(f"{folder}: holds results already; choose another folder, or --force to overwrite them")
+
+
+@contextmanager
+def told() -> Iterator[None]:
+    """Tell errors in one line and set the exit code."""
+    from masonry_cd.errors import InputError
+
+    try:
+        yield
+    except InputError as error:
+        typer.echo(f"masonry-cd: error: {error}", err=True)
+        raise typer.Exit(2) from None
+    except OSError as error:
+        typer.echo(f"masonry-cd: error: {error}", err=True)
+        raise typer.Exit(1) from None
+    except MemoryError as error:
+        typer.echo(f"masonry-cd: error: not enough memory: {error}", err=True)
+        raise typer.Exit(1) from None
+    except Interrupted as asked:
+        typer.echo(f"masonry-cd: {asked}", err=True)
+        raise typer.Exit(128 + asked.number) from None
+    except KeyboardInterrupt:
+        typer.echo("masonry-cd: interrupted", err=True)
+        raise typer.Exit(130) from None

@@ -1,0 +1,1 @@
+"""Where blocks touch: candidate pairs, contact points, gaps, and the joints that blocks share at rest."""

@@ -1,0 +1,1 @@
+"""The Moreau-Jean step: motion, contact rows, impacts, joint laws, islands, energy."""

@@ -1,0 +1,60 @@
+"""Settling: elastic joints take up the weight before a run.
+
+Implicit steps (theta = 1), long for the swing of a block on its joint, each from rest, with the supports held and the gravity of the first
+instant; ties and forces come with the run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.errors import InputError
+
+RADIANS, STEPS = 30.0, 400  # step of settling, in radians of the swing of a block on its joint, and most steps
+SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last move is this share of all of it; or this, and moves shrink no more
+SUNK = 0.1  # share of the smallest width that no block sinks by while it settles
+
+
+def settle(stepper: Stepper) -> int:
+    """Bring a stepper to rest under its weight, and return the steps that took. Without elastic joints there is nothing to do.
+
+    Raises:
+        InputError: the structure does not come to rest.
+    """
+    assembly = stepper.assembly
+    if not assembly.laws.normal_stiffness.any():
+        return 0
+    trial = _trial(stepper)
+    begin, steps, sunk, moved, rests = trial.state.position.copy(), 0, 0.0, np.inf, False
+    while not rests and steps < STEPS and sunk <= SUNK * stepper.width:
+        before, last = trial.state.position.copy(), moved
+        trial.step()
+        trial.halt()
+        sunk = float(np.abs(trial.state.position - begin).max())
+        moved = float(np.abs(trial.state.position - before).max())
+        rests = moved <= SETTLED * sunk or (moved <= ROUNDED * sunk and moved > 0.99 * last)
+        steps += 1
+    if not rests:
+        block = assembly.names[int(np.abs(trial.state.position - begin).max(axis=1).argmax())]
+        raise InputError(f'run.settle: block "{block}" does not come to rest under its weight; settle = false starts the run without')
+    stepper.begin_from(trial, stepper.settings.dt / trial.settings.dt)
+    return steps
+
+
+def _trial(stepper: Stepper) -> Stepper:
+    """A stepper of the same blocks and plane that settles."""
+    a, settings = stepper.assembly, stepper.settings
+    own = {"dt": _step(stepper), "theta": 1.0, "tolerance": 1e-12, "max_iterations": None, "solver": "auto", "planar": False}
+    still, pull = stepper.resting_loads()
+    damped = replace(a, laws=replace(a.laws, theta=np.ones_like(a.laws.theta)))
+    return Stepper(damped, still, pull, settings.model_copy(update=own), stepper.state, plane=stepper.plane)
+
+
+def _step(stepper: Stepper) -> float:
+    """Step in which the heaviest block on the softest joint would swing by RADIANS [s]."""
+    a, free = stepper.assembly, ~stepper.assembly.fixed
+    soft = a.laws.normal_stiffness[a.laws.normal_stiffness > 0.0].min()
+    return RADIANS * float(np.sqrt((a.mass[free] / np.cbrt(a.volume[free]) ** 2).max() / soft))

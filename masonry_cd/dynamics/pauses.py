@@ -1,0 +1,119 @@
+r"""Shocks in a row: rests that end as soon as the structure is still, and what each shock leaves behind.
+
+The loads of a run are laid out over steps k = 0 .. N in which every rest has its full length. The step of the loads runs beside that
+of the run; in a pause of the loads, during which nothing changes, it jumps to the end of the pause once
+
+    max (|v| + |w| r)  over the blocks that stand   <   the pause's speed       for its ``hold`` steps in a row,
+
+r being the farthest corner of a block from its centre. A block that has fallen (it has dropped by more than DROP of its height,
+or is turned by more than TILT) may roll on the ground for as long as it likes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.state import State, rotation_matrices
+
+DROP = 0.5  # of a block's height
+TILT = 45.0  # [degrees]
+
+
+class Pause(Protocol):
+    """Steps of the loads during which nothing changes."""
+
+    @property
+    def first(self) -> int:
+        """The step at which the pause begins."""
+
+    @property
+    def last(self) -> int:
+        """The step at which the loads go on."""
+
+    @property
+    def speed(self) -> float:
+        """Below which the structure counts as still [m/s]."""
+
+    @property
+    def hold(self) -> int:
+        """Steps in a row that it has to be."""
+
+    @property
+    def after(self) -> str:
+        """The shock before."""
+
+
+class Shock(Protocol):
+    """Steps of the loads during which a shock acts."""
+
+    @property
+    def name(self) -> str:
+        """For reports."""
+
+    @property
+    def first(self) -> int:
+        """The step at which it begins."""
+
+    @property
+    def last(self) -> int:
+        """The step from which on the base stands still."""
+
+
+@dataclass(frozen=True)
+class Aftermath:
+    """A shock whose rest is over, in the time of the run."""
+
+    name: str
+    start: float  # [s]
+    end: float  # from when on the base stands still [s]
+    frame: int  # at the end of the rest
+
+
+class Rests:
+    """Leads the loads through their pauses.
+
+    Args:
+        assembly: the blocks.
+        pauses: that may end early.
+        shocks: in order of time.
+        steps: N of the loads.
+    """
+
+    def __init__(self, assembly: Assembly, pauses: Sequence[Pause], shocks: Sequence[Shock], steps: int) -> None:
+        self.quiet = 0  # steps in a row in which all that stands was still
+        self._assembly, self._pauses, self._shocks = assembly, pauses, shocks
+        self._over = [shock.first for shock in shocks[1:]] + [steps]  # where the rest after each shock ends
+        self._height = np.array([np.ptp(block.vertices[:, 2]) for block in assembly.blocks])
+        self._reach = assembly.reach
+
+    def next_step(self, load_step: int, state: State) -> int:
+        """The step of the loads at which to go on after ``load_step``, with the state that it led to."""
+        pause = next((p for p in self._pauses if p.first < load_step < p.last), None)
+        if pause is None:
+            self.quiet = 0
+            return load_step
+        self.quiet = self.quiet + 1 if self._fastest(state) < pause.speed else 0
+        return pause.last if self.quiet >= pause.hold else load_step
+
+    def over(self, before: int, after: int) -> Shock | None:
+        """The shock whose rest ends when the loads go on from one step to another."""
+        return next((shock for shock, end in zip(self._shocks, self._over, strict=True) if before < end <= after), None)
+
+    def _fastest(self, state: State) -> float:
+        """The largest speed of a point of a block that stands [m/s]."""
+        standing = ~self._assembly.fixed & ~fallen(self._assembly, self._height, state)
+        speed = np.linalg.norm(state.velocity[:, :3], axis=1) + np.linalg.norm(state.velocity[:, 3:], axis=1) * self._reach
+        return float(speed[standing].max(initial=0.0))
+
+
+def fallen(assembly: Assembly, height: np.ndarray, state: State) -> np.ndarray:
+    """(B,) True where a block of some height (B,) [m] has dropped or is turned, relative to the base, by more than DROP or TILT say."""
+    moved = state.position[:, 2] - assembly.centre[:, 2]
+    base = float(moved[np.argmax(assembly.fixed)]) if assembly.fixed.any() else 0.0
+    turn = 0.5 * (np.trace(rotation_matrices(state.orientation), axis1=1, axis2=2) - 1.0)  # cosine
+    return np.asarray((base - moved > DROP * height) | (turn < np.cos(np.radians(TILT))))

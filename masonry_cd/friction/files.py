@@ -1,0 +1,434 @@
+r"""Friction problems in files: the field's FCLIB format (HDF5) and a plain .npz, read, checked, written and solved.
+
+A local problem holds W, q and mu: u = W r + q. A global one holds M, H, f, w and mu: M v = H r + f, u = H^T v + w, so that
+W = H^T M^-1 H and q = H^T M^-1 f + w. Rows come as (n, t1, t2) per contact; the impulses are called r there, p elsewhere in this
+program. Format and collection: Acary, Bremond, Huber & Perignon, "FCLIB: a collection of discrete 3D frictional contact
+problems", 2014.
+
+A global problem whose M has one block per body, and whose contacts touch two bodies at most, is read as a problem over bodies.
+
+Elastic contacts: a global problem in .npz holds the diagonal C of their compliance as well, u = H^T v + C r + w; the W beside it, as that
+of every local problem, contains it. FCLIB has a place for it in local problems only.
+
+Sparse matrices in FCLIB follow CSparse: ``nz`` counts the entries of a list of triplets, -1 says compressed columns, -2 compressed rows.
+"""
+
+from __future__ import annotations
+
+import time
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from masonry_cd.errors import InputError, suggest
+from masonry_cd.friction.local_operators import is_definite
+from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, natural_map_error
+from masonry_cd.solvers import SOLVERS, Options, admm, nlgs
+
+UNSYMMETRIC = 1e-2  # of the largest entry: published problems reach 1e-3
+INDEFINITE = 1e-4  # of the largest diagonal entry
+LARGEST = 1e100  # entry of any array: its square is a number, and so are sums of them
+HDF5 = (".hdf5", ".h5")
+
+
+def read_problem(path: Path | str) -> Problem:
+    """Read a friction problem and check it.
+
+    Raises:
+        InputError: no such file, a format that is not known, a missing or misshapen array, NaN or infinity, negative friction, W
+            unsymmetric or indefinite. The line names the file and the array.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: {'is a folder, not a friction problem' if path.is_dir() else 'no such file'}")
+    if path.suffix == ".npz":
+        return _read_npz(path)
+    if path.suffix in HDF5:
+        return _read_fclib(path)
+    raise InputError(f'{path}: unknown format "{path.suffix}"; known are .npz and FCLIB files in HDF5 ({", ".join(HDF5)})')
+
+
+def write_problem(path: Path | str, problem: Problem, title: str = "") -> None:
+    """Write a problem: .npz with W and q (and M, H, f, w of a problem over bodies), or FCLIB HDF5, local or global.
+
+    Raises:
+        InputError: the ending of the name is neither .npz nor an HDF5 one, or a global FCLIB problem would have elastic contacts.
+    """
+    path = Path(path)
+    if path.suffix == ".npz":
+        _write_npz(path, problem)
+    elif path.suffix in HDF5:
+        _write_fclib(path, problem, title)
+    else:
+        raise InputError(f'{path}: unknown format "{path.suffix}"; known are .npz and FCLIB files in HDF5 ({", ".join(HDF5)})')
+
+
+def solve_file(
+    path: Path | str, solver: str = "auto", tolerance: float = 1e-8, max_iterations: int | None = None, seed: int = 0,
+    output: Path | str | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Solve the problem in a file.
+
+    Args:
+        path: .npz or FCLIB HDF5.
+        solver: a name in ``SOLVERS``.
+        tolerance: natural map error, scaled.
+        max_iterations: None: the solver's own limit.
+        seed: of random sweep orders.
+        output: an .npz for the impulses ``r`` and relative velocities ``u`` (of elastic contacts with C r), (C, 3) each as (n, t1, t2);
+            (C, 2) for planar problems.
+
+    Returns:
+        error (scaled natural map error), error_unscaled, iterations, seconds (of the solve alone), converged, contacts, solver, reason.
+
+    Raises:
+        InputError: see :func:`read_problem`; an unknown solver, an impossible tolerance, an output that is no .npz.
+    """
+    if solver not in SOLVERS:
+        raise InputError(f'solver "{solver}": unknown{suggest(solver, SOLVERS)}; known are {", ".join(SOLVERS)}')
+    if not 0.0 < tolerance < 1.0:
+        raise InputError(f"tolerance: should be between 0 and 1, got {tolerance:g}")
+    if output is not None and Path(output).suffix != ".npz":
+        raise InputError(f"{output}: the solution is written to a file of its own, SOLUTION.npz")
+    problem = read_problem(path)
+    if output is not None:
+        Path(output).parent.mkdir(parents=True, exist_ok=True)
+    options = Options(tolerance=tolerance, max_iterations=max_iterations, seed=seed)
+    load_kernels(solver, problem)
+    begin = time.perf_counter()
+    solution = SOLVERS[solver](problem, options, None)
+    seconds = time.perf_counter() - begin
+    error = natural_map_error(problem, solution.impulse)
+    if output is not None:
+        np.savez(output, r=solution.impulse, u=problem.apply(solution.impulse))
+    return {
+        "solver": solver,
+        "contacts": problem.contacts,
+        "error": error,
+        "error_unscaled": natural_map_error(problem, solution.impulse, scaled=False),
+        "iterations": solution.iterations,
+        "seconds": seconds,
+        "converged": bool(error <= tolerance),
+        "reason": solution.reason,
+    }
+
+
+def load_kernels(solver: str, problem: Problem) -> None:
+    """Let the kernels of a solver be compiled, or loaded, before time is taken; those of all for auto, which turns to any of them."""
+    if isinstance(problem, LocalProblem):  # any will do, and factorising a large one takes long
+        m = problem.dimension
+        problem = LocalProblem(sparse.identity(m, format="csr"), -np.ones((1, m)), np.ones(1))
+    for name in SOLVERS if solver == "auto" else (solver,):
+        SOLVERS[name](problem, Options(tolerance=1e-300, max_iterations=1), None)
+
+
+# --- .npz -----------------------------------------------------------------------------------------------------------------------
+
+
+def _read_npz(path: Path) -> Problem:
+    """Read the plain format."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    except (ValueError, OSError, zipfile.BadZipFile, EOFError) as failure:
+        raise InputError(f"{path}: no .npz file that can be read ({failure})") from None
+    mu = _vector(path, arrays, "mu")
+    if any(name.startswith("M_") for name in arrays):
+        mass, h = (_compressed(path, arrays, name) for name in ("M", "H"))
+        w = _vector(path, arrays, "w")
+        compliance = _vector(path, arrays, "C") if "C" in arrays else np.zeros_like(w)
+        return _global(path, mass, h, _vector(path, arrays, "f"), w, mu, compliance)
+    return _local(path, _compressed(path, arrays, "W"), _vector(path, arrays, "q"), mu)
+
+
+def _write_npz(path: Path, problem: Problem) -> None:
+    """Write the plain format."""
+    local = problem.to_local() if isinstance(problem, FrictionProblem) else problem
+    matrices = {"W": local.w}
+    vectors = {"q": local.q.ravel(), "mu": problem.mu}
+    if isinstance(problem, FrictionProblem):
+        matrices["M"], matrices["H"], vectors["f"], vectors["w"] = _global_form(problem)
+        if problem.compliance.any():
+            vectors["C"] = problem.compliance.ravel()
+    for name, matrix in matrices.items():
+        vectors |= {f"{name}_data": matrix.data, f"{name}_indices": matrix.indices, f"{name}_indptr": matrix.indptr}
+    np.savez_compressed(path, allow_pickle=False, **vectors)
+
+
+def _compressed(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> sparse.csr_matrix:
+    """A matrix in compressed rows from its three arrays."""
+    data, indices, indptr = (_vector(path, arrays, f"{name}_{part}", whole=part != "data") for part in ("data", "indices", "indptr"))
+    rows, last = len(indptr) - 1, int(indices.max(initial=-1)) + 1
+    ordered = rows >= 0 and indptr[0] == 0 and indptr[-1] == len(data) and (np.diff(indptr) >= 0).all()
+    if not ordered or len(indices) != len(data) or (indices < 0).any():
+        raise InputError(f"{path}: {name}_indptr and {name}_indices do not describe {name}_data as compressed rows")
+    columns = 3 * len(arrays["mu"]) if name == "H" else max(rows, last)
+    if name == "H" and "w" in arrays:
+        columns = len(arrays["w"])
+    return sparse.csr_matrix((data, indices, indptr), (rows, max(columns, last)))
+
+
+def _vector(path: Path, arrays: Mapping[str, np.ndarray], name: str, whole: bool = False) -> np.ndarray:
+    """A one-dimensional array of finite numbers that can be squared, or of ``whole`` ones."""
+    if name not in arrays:
+        raise InputError(f"{path}: {name} is missing{suggest(name, arrays)}; it holds {', '.join(arrays) or 'nothing'}")
+    out = np.asarray(arrays[name]).ravel()
+    if out.dtype.kind not in "fiu":
+        raise InputError(f"{path}: {name} should hold real numbers, not {out.dtype.name}")
+    numbers = out.astype(np.float64)
+    for wrong, what in (
+        (~np.isfinite(numbers), "is not a finite number"),
+        (np.abs(numbers) > LARGEST, "is too large to be squared"),
+        ((numbers != np.floor(numbers)) & whole, "is no whole number"),
+    ):
+        if wrong.any():
+            raise InputError(f"{path}: {name}[{int(np.argmax(wrong))}] {what}")
+    return out.astype(np.int64) if whole else numbers
+
+
+# --- FCLIB ----------------------------------------------------------------------------------------------------------------------
+
+
+def _read_fclib(path: Path) -> Problem:
+    """Read a local or global problem of the FCLIB format."""
+    try:
+        file = h5py.File(path, "r")
+    except OSError as failure:
+        raise InputError(f"{path}: no HDF5 file that can be read ({failure})") from None
+    with file:
+        if isinstance(group := file.get("fclib_local"), h5py.Group):
+            _refuse_equalities(path, group, ("V", "R"))
+            w, q, mu = _fclib_matrix(path, group, "W"), _fclib_vector(path, group, "q"), _fclib_vector(path, group, "mu")
+            return _of_dimension(path, group, _local(path, w, q, mu))
+        if isinstance(group := file.get("fclib_global"), h5py.Group):
+            _refuse_equalities(path, group, ("G",))
+            mass, h = (_fclib_matrix(path, group, name) for name in ("M", "H"))
+            f, w, mu = (_fclib_vector(path, group, name) for name in ("f", "w", "mu"))
+            return _of_dimension(path, group, _global(path, mass, h, f, w, mu, np.zeros_like(w)))
+    raise InputError(f"{path}: an HDF5 file, but no FCLIB one: it has neither fclib_local nor fclib_global")
+
+
+def _of_dimension(path: Path, group: h5py.Group, problem: Problem) -> Problem:
+    """The problem, if it has as many rows per contact as the file says."""
+    found = _datasets(group)
+    if "spacedim" in found and problem.contacts and (said := _count(path, found, "spacedim")) != problem.dimension:
+        raise InputError(f"{path}: spacedim is {said}, but its arrays hold {problem.dimension} rows per contact")
+    return problem
+
+
+def _refuse_equalities(path: Path, group: h5py.Group, names: tuple[str, ...]) -> None:
+    """Problems with equality constraints are not supported."""
+    for name in names:
+        if name in group:
+            raise InputError(f"{path}: {group.name[1:]}/{name}: equality constraints are not supported")
+
+
+def _datasets(group: h5py.Group | h5py.Dataset | None, prefix: str = "") -> dict[str, np.ndarray]:
+    """The datasets in a group by name, with a prefix; none where there is no group."""
+    items = group.items() if isinstance(group, h5py.Group) else ()
+    return {prefix + key: np.asarray(value) for key, value in items if isinstance(value, h5py.Dataset)}
+
+
+def _count(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> int:
+    """One whole number."""
+    found = _vector(path, arrays, name, whole=True)
+    if len(found) != 1:
+        raise InputError(f"{path}: {name} should be one number, it holds {len(found)}")
+    return int(found[0])
+
+
+def _fclib_vector(path: Path, group: h5py.Group, name: str) -> np.ndarray:
+    """One of the vectors of a problem."""
+    return _vector(path, _datasets(group.get("vectors")), name)
+
+
+def _fclib_matrix(path: Path, group: h5py.Group, name: str) -> sparse.csr_matrix:
+    """One of the matrices of a problem: triplets, compressed columns or compressed rows."""
+    where = f"{group.name[1:]}/{name}"
+    if name not in group:
+        raise InputError(f"{path}: {where} is missing")
+    arrays = _datasets(group[name], f"{where}/")
+    rows, columns, nz = (_count(path, arrays, f"{where}/{key}") for key in ("m", "n", "nz"))
+    i, p = (_vector(path, arrays, f"{where}/{key}", whole=True) for key in ("i", "p"))
+    x = _vector(path, arrays, f"{where}/x")
+    if nz > min(len(i), len(p), len(x)):
+        raise InputError(f"{path}: {where}/nz counts {nz} entries, more than i, p and x hold")
+    try:
+        if nz >= 0:
+            return sparse.coo_matrix((x[:nz], (i[:nz], p[:nz])), (rows, columns)).tocsr()
+        compressed = (sparse.csc_matrix if nz == -1 else sparse.csr_matrix)((x, i, p), (rows, columns))
+        compressed.check_format(full_check=True)
+        return compressed.tocsr()
+    except ValueError as failure:
+        raise InputError(f"{path}: {where}: {failure}") from None
+
+
+def _write_fclib(path: Path, problem: Problem, title: str) -> None:
+    """Write a problem over bodies as a global problem, one in the impulses as a local problem."""
+    if isinstance(problem, FrictionProblem):
+        if problem.compliance.any():
+            raise InputError(f"{path}: a global FCLIB problem has no place for elastic contacts; write .npz, or the local problem")
+        mass, h, f, w = _global_form(problem)
+        kind, matrices, vectors = "fclib_global", {"M": mass, "H": h}, {"f": f, "w": w}
+    else:
+        kind, matrices, vectors = "fclib_local", {"W": problem.w}, {"q": problem.q.ravel()}
+    with h5py.File(path, "w") as file:
+        group = file.create_group(kind)
+        group["spacedim"] = np.array([problem.dimension], dtype=np.int32)
+        for name, matrix in matrices.items():
+            for key, value in zip(["m", "n", "nzmax", "nz"], (*matrix.shape, matrix.nnz, -2), strict=True):
+                group[f"{name}/{key}"] = np.array([value], dtype=np.int32)
+            group[f"{name}/p"], group[f"{name}/i"] = matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32)
+            group[f"{name}/x"] = matrix.data
+        for name, vector in (vectors | {"mu": problem.mu}).items():
+            group[f"vectors/{name}"] = vector
+        for key, text in (("title", title or path.stem), ("description", "written by masonry-cd"), ("math_info", "")):
+            group[f"info/{key}"] = text
+
+
+# --- from matrices to problems -----------------------------------------------------------------------------------------------------
+
+
+def _global_form(problem: FrictionProblem) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray, np.ndarray]:
+    """M, H (as FCLIB has it: unknowns by rows), f = M v_free and w = b."""
+    bodies, n = problem.v_free.shape
+    mass = np.linalg.inv(problem.inverse_mass)
+    blocks = sparse.bsr_matrix((mass, np.arange(bodies), np.arange(bodies + 1)), (bodies * n, bodies * n)).tocsr()
+    blocks.eliminate_zeros()
+    f = np.einsum("bij,bj->bi", mass, problem.v_free).ravel()
+    return blocks, problem.jacobian_matrix().T.tocsr(), f, problem.offset.ravel()
+
+
+def _local(path: Path, w: sparse.csr_matrix, q: np.ndarray, mu: np.ndarray) -> LocalProblem:
+    """Check a local problem."""
+    m = _rows_per_contact(path, "q", q, mu)
+    if w.shape != (len(q), len(q)):
+        raise InputError(f"{path}: W is {w.shape[0]} x {w.shape[1]}, q has {len(q)} entries")
+    problem = LocalProblem(w, q.reshape(-1, m), mu)
+    if len(mu):
+        _check_definite(path, problem)
+    return problem
+
+
+def _rows_per_contact(path: Path, name: str, vector: np.ndarray, mu: np.ndarray) -> int:
+    """2 or 3, from the lengths of mu and of a vector over the contacts."""
+    if (mu < 0).any():
+        raise InputError(f"{path}: mu[{int(np.argmax(mu < 0))}] is negative")
+    if len(mu) == 0 and len(vector) == 0:
+        return 3
+    m = len(vector) // max(len(mu), 1)
+    if m not in (2, 3) or m * len(mu) != len(vector):
+        raise InputError(f"{path}: {name} has {len(vector)} entries, for {len(mu)} contacts it should have 3 (planar: 2) each")
+    return m
+
+
+def _check_definite(path: Path, problem: LocalProblem) -> None:
+    """W should be symmetric and positive semidefinite up to what published problems show."""
+    w = problem.w
+    if not abs(w).max() > 0:
+        raise InputError(f"{path}: W is zero")
+    _check_symmetric(path, "W", w)
+    shift = INDEFINITE * w.diagonal().max()
+    if not shift > 0.0:
+        raise InputError(f"{path}: W is indefinite: no entry of its diagonal is positive")
+    blocks, indices, indptr, _ = nlgs.block_arrays(problem)
+    pattern = admm.contact_pattern(indices, indptr)
+    if not is_definite(blocks, indices, indptr, shift, pattern.place, pattern.plan, (0,) * problem.dimension):
+        raise InputError(f"{path}: W is indefinite: it has eigenvalues below -{shift:.1e}")
+
+
+def _check_symmetric(path: Path, name: str, matrix: sparse.csr_matrix) -> None:
+    """A matrix should be symmetric up to what published problems show."""
+    largest = abs(matrix).max() if matrix.nnz else 0.0
+    skew = abs(matrix - matrix.T).max() if matrix.nnz else 0.0
+    if skew > UNSYMMETRIC * largest:
+        said = f"by {skew / largest:.1e} of its largest entry, at most {UNSYMMETRIC:g} is taken for rounding"
+        raise InputError(f"{path}: {name} is unsymmetric {said}")
+
+
+def _global(
+    path: Path, mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray, w: np.ndarray, mu: np.ndarray, compliance: np.ndarray
+) -> FrictionProblem | LocalProblem:
+    """Check a global problem; over bodies if it has the structure, else in the impulses."""
+    m = _rows_per_contact(path, "w", w, mu)
+    if mass.shape != (len(f), len(f)) or h.shape != (len(f), len(w)):
+        sizes = f"M {mass.shape[0]} x {mass.shape[1]}, H {h.shape[0]} x {h.shape[1]}, f {len(f)}, w {len(w)}"
+        raise InputError(f"{path}: shapes disagree: {sizes}")
+    _check_symmetric(path, "M", mass)
+    if len(compliance) != len(w):
+        raise InputError(f"{path}: C has {len(compliance)} entries, w has {len(w)}")
+    if (compliance < 0).any():
+        raise InputError(f"{path}: C[{int(np.argmax(compliance < 0))}] is negative")
+    bodies = _as_bodies(mass, h, f, w.reshape(-1, m), mu, compliance.reshape(-1, m))
+    if bodies is not None:
+        return bodies
+    try:
+        delassus, q = _eliminate(mass, h, f)
+    except RuntimeError:
+        raise InputError(f"{path}: M is singular") from None
+    return _local(path, delassus + sparse.diags(compliance), q + w, mu)
+
+
+def _eliminate(mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray) -> tuple[sparse.csr_matrix, np.ndarray]:
+    """H^T M^-1 H and H^T M^-1 f, body by body: a body is a set of unknowns that M couples, such as the nodes of a deformable block.
+
+    Raises:
+        RuntimeError: M is singular.
+    """
+    count, body = connected_components(mass, directed=False)
+    order = np.argsort(body, kind="stable")
+    ends = np.cumsum(np.bincount(body, minlength=count))
+    mass, h, f = mass[order][:, order], h[order], f[order]
+    rows, columns, data = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+    q = np.zeros(h.shape[1])
+    for first, end in zip(np.concatenate([[0], ends[:-1]]), ends, strict=True):
+        own = h[first:end]
+        touched = np.unique(own.indices)
+        dense = own[:, touched].toarray()
+        solved = splu(mass[first:end, first:end].tocsc()).solve(np.column_stack([dense, f[first:end]]))
+        rows.append(np.repeat(touched, len(touched)))
+        columns.append(np.tile(touched, len(touched)))
+        data.append((dense.T @ solved[:, :-1]).ravel())
+        q[touched] += dense.T @ solved[:, -1]
+    entries = (np.concatenate(data), (np.concatenate(rows), np.concatenate(columns)))
+    return sparse.csr_matrix(entries, (h.shape[1], h.shape[1])), q
+
+
+def _as_bodies(
+    mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray, w: np.ndarray, mu: np.ndarray, compliance: np.ndarray
+) -> FrictionProblem | None:
+    """The problem over bodies of 6 (planar 3) unknowns, or None if M couples bodies or a contact touches none or more than two."""
+    contacts, m = w.shape
+    n = 6 if m == 3 else 3
+    if len(f) % n:
+        return None
+    count = len(f) // n
+    blocks = mass.tobsr((n, n))
+    blocks.sum_duplicates()
+    if not np.array_equal(blocks.indices, np.arange(count)) or (np.diff(blocks.indptr) != 1).any():
+        return None
+    try:
+        inverse = np.linalg.inv(blocks.data)
+    except np.linalg.LinAlgError:
+        return None
+    if (np.linalg.eigvalsh(blocks.data) <= 0).any():
+        return None
+    rows = h.T.tobsr((m, n))
+    rows.sort_indices()
+    touched = np.diff(rows.indptr)
+    if (touched > 2).any() or (touched == 0).any():
+        return None
+    bodies, jacobian = np.full((contacts, 2), -1), np.zeros((contacts, 2, m, n))
+    for side in range(2):
+        on = np.flatnonzero(touched > side)
+        at = rows.indptr[on] + side
+        bodies[on, side], jacobian[on, side] = rows.indices[at], rows.data[at]
+    v_free = np.einsum("bij,bj->bi", inverse, f.reshape(count, n))
+    return FrictionProblem(inverse, v_free, bodies, jacobian, w.copy(), mu, compliance)

@@ -1,0 +1,1 @@
+"""Files of a run: results, checkpoints, the lock of a folder."""

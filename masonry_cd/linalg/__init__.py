@@ -1,0 +1,1 @@
+"""Block-sparse factorisations over the graph of bodies: ordering, symbolic and numeric factors, triangular solves, threads."""

@@ -1,0 +1,95 @@
+"""Where the blocks of M + H^T R H are, and in which order its factorisation eliminates the bodies.
+
+Symbolic work only: it depends on which bodies touch, not on where, so it lasts while the contact graph stands. The order is an
+approximate minimum degree ordering of the body graph (Amestoy, Davis & Duff, SIAM J. Matrix Anal. Appl. 17, 1996), from cvxopt.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from cvxopt import amd, spmatrix
+
+from masonry_cd.linalg.elimination_tree import SUBTREE, partition_tree
+from masonry_cd.linalg.symbolic import SymbolicFactor, analyse, locate
+
+FIELDS = ("pairs", "order", "place", *SymbolicFactor._fields)  # of a pattern
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Pattern of a block factorisation of N nodes, see ``coulomb``."""
+
+    pairs: np.ndarray  # (E,) pairs of nodes that are coupled, low * N + high, sorted
+    order: np.ndarray  # (N,) node at each place
+    place: np.ndarray  # (N,) place of each node
+    plan: SymbolicFactor  # where the blocks are
+
+    @classmethod
+    def of(cls, nodes: int, first: np.ndarray, second: np.ndarray, kept: np.ndarray | None = None, in_parts: bool = True) -> Pattern:
+        """Analyse a graph.
+
+        Args:
+            nodes: N.
+            first: one end of each edge (E,), may repeat; -1 or equal ends: no edge.
+            second: the other end (E,).
+            kept: pairs of an earlier pattern to include.
+            in_parts: whether a large one is cut into parts.
+        """
+        on = (first >= 0) & (second >= 0) & (first != second)
+        pairs = np.unique(np.minimum(first[on], second[on]) * nodes + np.maximum(first[on], second[on]))
+        if kept is not None:
+            pairs = np.union1d(pairs, kept)
+        low, high = pairs // max(nodes, 1), pairs % max(nodes, 1)
+        order = _minimum_degree(nodes, low, high)
+        place = _places(order)
+        cut, part, level = partition_tree(place[low], place[high], nodes, SUBTREE if in_parts else 2**62)
+        order = order[cut]
+        place = _places(order)
+        return cls(pairs, order, place, analyse(place[low], place[high], nodes, part, level))
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes N."""
+        return len(self.order)
+
+    @classmethod
+    def read(cls, arrays: tuple[np.ndarray, ...]) -> Pattern:
+        """A pattern from what :meth:`arrays` gave."""
+        pairs, order, place, *plan = arrays
+        return cls(pairs, order, place, SymbolicFactor(*plan))
+
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """The pattern for a checkpoint, in the order of ``FIELDS``."""
+        return (self.pairs, self.order, self.place, *self.plan)
+
+    def operations(self, n: int) -> float:
+        """Operations of an unsymmetric factorisation, for n unknowns per node."""
+        width, below = n * np.diff(self.plan.first).astype(float), n * np.diff(self.plan.start).astype(float)
+        return float(4.0 * width @ (width * width / 2 + width * below + below * below))
+
+    def locate(self, bodies: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool] | None:
+        """Places (C, 2) of the bodies of each contact, the block (C,) that couples them, and whether they are those of the last contacts.
+
+        None if a block is missing.
+        """
+        index, spot = np.empty((len(bodies), 2), dtype=np.int64), np.empty(len(bodies), dtype=np.int64)
+        found = locate(bodies, last, self.place, self.plan.column, self.plan.row, index, spot)
+        return None if found < 0 else (index, spot, found == 1)
+
+
+def _places(order: np.ndarray) -> np.ndarray:
+    """Place of each node of an order."""
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    return place
+
+
+def _minimum_degree(nodes: int, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Order of elimination (N,)."""
+    if len(low) == 0:
+        return np.arange(nodes)
+    rows, columns = np.concatenate([np.arange(nodes), high]), np.concatenate([np.arange(nodes), low])
+    graph = spmatrix(1.0, rows.tolist(), columns.tolist(), (nodes, nodes))
+    return np.array(amd.order(graph), dtype=np.int64).ravel()

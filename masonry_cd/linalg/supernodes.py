@@ -1,0 +1,106 @@
+"""The squares and panels of supernodes: where they are stored, and rows scattered into and gathered from them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.jit import entry, kernel
+
+
+@kernel()
+def subtract_product(product, skip, below, begin, own, end, where, panel, n):
+    """panel[j, i] -= product[j, i] for the columns j of the first ``own`` rows of the list and the other rows i of it.
+
+    ``skip`` entries of each line of the product come before those of these rows.
+    """
+    i = 0
+    while own + i < end - begin:
+        at, first = where[below[begin + own + i]], i
+        while own + i < end - begin and where[below[begin + own + i]] == at + i - first:  # neighbours in both
+            i += 1
+        for j in range(own):
+            for q in range(n):
+                to = panel[where[below[begin + j]] * n + q, n * at : n * (at + i - first)]
+                what = product[j * n + q, skip + n * first : skip + n * i]
+                for k in range(len(to)):
+                    to[k] -= what[k]
+
+
+@kernel()
+def view_block(values, start, rows, columns, n):
+    """A square or panel as a matrix."""
+    begin = start * n * n
+    return values[begin : begin + rows * columns].reshape((rows, columns))
+
+
+@entry()
+def allocate_factors(plan, size_n):
+    """Room for the squares and the panels of L and of D U; what is not touched, as the last for a symmetric matrix, costs nothing."""
+    blocks = len(size_n) * len(size_n)
+    return np.empty(plan.square[-1] * blocks), np.empty(plan.panel[-1] * blocks), np.empty(plan.panel[-1] * blocks)
+
+
+@kernel()
+def has_single_columns(plan):
+    """Whether each run is one node, all of them in one part."""
+    return len(plan.first) == len(plan.column) and len(plan.part) == 2
+
+
+@kernel()
+def extent(plan, first, last, n):
+    """Most rows and longest line of the squares and panels that a factorisation of runs first to last meets."""
+    widest, longest = 0, 0
+    for s in range(first, last):
+        width = plan.first[s + 1] - plan.first[s]
+        widest, longest = max(widest, n * width), max(longest, n * max(width, plan.start[s + 1] - plan.start[s]))
+        for e in range(plan.pull[s], plan.pull[s + 1]):
+            d = plan.puller[e]
+            widest, longest = max(widest, n * (plan.first[d + 1] - plan.first[d])), max(longest, n * (plan.start[d + 1] - plan.entry[e]))
+    return widest, longest
+
+
+@kernel()
+def number_rows(plan, s, where):
+    """``where`` the nodes of run s and the rows below it stand in its square and its panel."""
+    for i in range(plan.first[s], plan.first[s + 1]):
+        where[i] = i - plan.first[s]
+    for t in range(plan.start[s], plan.start[s + 1]):
+        where[plan.below[t]] = t - plan.start[s]
+
+
+@kernel()
+def end_inside(plan, e, end):
+    """The end of those rows of the e-th puller that are before node ``end``."""
+    t, last = plan.entry[e], plan.start[plan.puller[e] + 1]
+    while t < last and plan.below[t] < end:
+        t += 1
+    return t
+
+
+@kernel()
+def longest_line(plan, first, last, n):
+    """Entries of the longest line of a panel or square of runs first to last."""
+    longest = 0
+    for s in range(first, last):
+        longest = max(longest, n * max(plan.first[s + 1] - plan.first[s], plan.start[s + 1] - plan.start[s]))
+    return longest
+
+
+@kernel()
+def gather_rows(plan, s, x, y, n):
+    """y = the rows of x below run s."""
+    k = 0
+    for t in range(plan.start[s], plan.start[s + 1]):
+        for p in range(n):
+            y[k] = x[plan.below[t], p]
+            k += 1
+
+
+@kernel()
+def subtract_rows(plan, s, row, y, x, n):
+    """Take y off the rows of x below run s; ``row`` says where these are: plan.below, or plan.target."""
+    k = 0
+    for t in range(plan.start[s], plan.start[s + 1]):
+        for p in range(n):
+            x[row[t], p] -= y[k]
+            k += 1

@@ -1,0 +1,116 @@
+"""Forward and backward substitution with the factors of ldu.py and cholesky.py.
+
+Sums are taken in the order that the processor likes ("reassoc"); equal inputs still give equal bits on one machine.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.jit import entry, kernel
+from masonry_cd.linalg.single_columns import backward_columns, forward_columns
+from masonry_cd.linalg.small_blocks import copy_flat
+from masonry_cd.linalg.supernodes import gather_rows, has_single_columns, longest_line, subtract_rows
+
+
+@kernel(fastmath={"contract", "reassoc"})
+def add_columns(lines, at, length, factors, out, size_n):
+    """out = sum of factors[k] times line k, lines of so many entries one after another from ``at`` on; three at a time, as in the next."""
+    count, threes = len(factors), len(factors) - len(factors) % 3 if len(size_n) % 3 else len(factors)
+    out[:length] = 0.0
+    for k in range(0, threes, 3):
+        x0, x1, x2 = factors[k], factors[k + 1], factors[k + 2]
+        a, b, c = at + k * length, at + (k + 1) * length, at + (k + 2) * length
+        l0, l1, l2 = lines[a:b], lines[b:c], lines[c : c + length]
+        for i in range(length):
+            out[i] += l0[i] * x0 + l1[i] * x1 + l2[i] * x2
+    for k in range(threes, count):
+        line = lines[at + k * length : at + (k + 1) * length]
+        for i in range(length):
+            out[i] += line[i] * factors[k]
+
+
+@kernel(fastmath={"contract", "reassoc"})
+def add_rows(lines, at, length, factors, sign, out, size_n):
+    """out[k] += sign times line k . factors."""
+    factor = lines.dtype.type(sign)
+    count, threes = len(out), len(out) - len(out) % 3 if len(size_n) % 3 else len(out)
+    for k in range(0, threes, 3):
+        a, b, c = at + k * length, at + (k + 1) * length, at + (k + 2) * length
+        l0, l1, l2 = lines[a:b], lines[b:c], lines[c : c + length]
+        t0 = t1 = t2 = lines.dtype.type(0.0)
+        for i in range(length):
+            x = factors[i]
+            t0 += l0[i] * x
+            t1 += l1[i] * x
+            t2 += l2[i] * x
+        out[k] += factor * t0
+        out[k + 1] += factor * t1
+        out[k + 2] += factor * t2
+    for k in range(threes, count):
+        line, total = lines[at + k * length : at + (k + 1) * length], lines.dtype.type(0.0)
+        for i in range(length):
+            total += line[i] * factors[i]
+        out[k] += factor * total
+
+
+@entry()
+def solve_ldu(plan, inverse, low, up, x, size_n):
+    """Solve L D U x = x in place, x (N or more, n)."""
+    if has_single_columns(plan):
+        forward_columns(plan, low, x, size_n)
+        backward_columns(plan, inverse, up, x, size_n)
+        return
+    n, count = len(size_n), len(plan.first) - 1
+    longest, blocks, flat = longest_line(plan, 0, count, n), n * n, x.reshape(x.size)
+    y, z = np.empty(longest), np.empty(longest)
+    for s in range(count):
+        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
+        add_columns(low, plan.panel[s] * blocks, length, own, y, size_n)
+        subtract_rows(plan, s, plan.below, y, x, n)
+    for s in range(count - 1, -1, -1):
+        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
+        gather_rows(plan, s, x, y, n)
+        add_rows(up, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
+        copy_flat(own, z)
+        own[:] = 0.0
+        add_rows(inverse, plan.square[s] * blocks, len(own), z, 1.0, own, size_n)
+
+
+@kernel()
+def forward_substitution(plan, first, last, row, panels, x, size_n):
+    """x <- L^-1 x of a symmetric matrix for runs first to last; ``row`` as in :func:`subtract_rows`."""
+    if has_single_columns(plan):
+        forward_columns(plan, panels, x, size_n)
+        return
+    n, blocks, flat = len(size_n), len(size_n) * len(size_n), x.reshape(x.size)
+    y = np.empty(longest_line(plan, first, last, n), dtype=panels.dtype)
+    for s in range(first, last):
+        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
+        add_columns(panels, plan.panel[s] * blocks, length, own, y, size_n)
+        subtract_rows(plan, s, row, y, x, n)
+
+
+@kernel()
+def backward_substitution(plan, first, last, squares, panels, x, size_n):
+    """x <- L^-T D^-1 x of a symmetric matrix for runs first to last, if the later ones are done."""
+    if has_single_columns(plan):
+        backward_columns(plan, squares, panels, x, size_n)
+        return
+    n, blocks, flat = len(size_n), len(size_n) * len(size_n), x.reshape(x.size)
+    y = np.empty(longest_line(plan, first, last, n), dtype=panels.dtype)
+    for s in range(last - 1, first - 1, -1):
+        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
+        copy_flat(own, y[: len(own)])
+        own[:] = 0.0
+        add_rows(squares, plan.square[s] * blocks, len(own), y, 1.0, own, size_n)
+        gather_rows(plan, s, x, y, n)
+        add_rows(panels, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
+
+
+@entry()
+def solve_cholesky(plan, squares, panels, x, size_n):
+    """Solve A x = x in place for the factors of a symmetric A, x (N or more, n)."""
+    count = len(plan.first) - 1
+    forward_substitution(plan, 0, count, plan.below, panels, x, size_n)
+    backward_substitution(plan, 0, count, squares, panels, x, size_n)

@@ -1,0 +1,1 @@
+"""What is constant during a run, and the state: blocks, materials, positions and velocities."""

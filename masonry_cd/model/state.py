@@ -1,0 +1,55 @@
+"""The state of a run: where the blocks are and how they move, at one time and without history."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from masonry_cd.jit import entry
+from masonry_cd.model.blocks import Assembly
+
+
+@dataclass(eq=False)
+class State:
+    """Positions and velocities of B blocks, in the world frame.
+
+    Attributes:
+        time: [s].
+        position: (B, 3) centres of mass [m].
+        orientation: (B, 4) unit quaternions (w, x, y, z), body to world.
+        velocity: (B, 6) linear [m/s] and angular [rad/s] velocity.
+    """
+
+    time: float
+    position: np.ndarray
+    orientation: np.ndarray
+    velocity: np.ndarray
+
+    @classmethod
+    def at_rest(cls, assembly: Assembly) -> State:
+        """The assembly where it was built, not moving."""
+        orientation = np.zeros((assembly.count, 4))
+        orientation[:, 0] = 1.0
+        return cls(0.0, assembly.centre.copy(), orientation, np.zeros((assembly.count, 6)))
+
+    def copy(self) -> State:
+        """An independent copy."""
+        return State(self.time, self.position.copy(), self.orientation.copy(), self.velocity.copy())
+
+
+def rotation_matrices(orientation: np.ndarray) -> np.ndarray:
+    """Rotation matrices (B, 3, 3), body to world, of unit quaternions (B, 4), w first."""
+    out = np.empty((len(orientation), 3, 3))
+    _matrices(orientation, out)
+    return out
+
+
+@entry()
+def _matrices(orientation, out):
+    for b in range(orientation.shape[0]):
+        w, x, y, z = orientation[b, 0], orientation[b, 1], orientation[b, 2], orientation[b, 3]
+        r = out[b]
+        r[0, 0], r[0, 1], r[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
+        r[1, 0], r[1, 1], r[1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
+        r[2, 0], r[2, 1], r[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)

@@ -1,0 +1,1 @@
+"""Many runs of one scene: error against run time, seeds, vibration sweeps."""

@@ -1,0 +1,297 @@
+r"""The model of a run itself in small vibration, beside the modes of rigid blocks on the same elastic joints.
+
+A run whose joints are elastic has frequencies of its own. Two ways to find them, both from the state at rest under the weight:
+
+    free     every mode gets a small kick, 1/1000 g / omega_i; its coordinate q_i = phi_i^T M x of the run's displacements x(t)
+             swings at the frequency of the run, read from the peak of its spectrum
+    sweep    the base moves by v(t) = C sin(2 pi f t), one run per frequency; the largest displacement of a block relative to the base
+             over the last cycles, beside that of the linear modes with the numerical damping of the joints
+
+The run opens joints that are neither bonded nor pressed together; the linear model never does. So where they differ in small vibration,
+joints without compression are at work, and in a strong one opening and sliding: the peak bends to lower frequencies.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from operator import itemgetter
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from masonry_cd.app.scene import Run, Scene, read_scene
+from masonry_cd.contact.joints import find_joints
+from masonry_cd.dynamics.equilibrium import settle
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.errors import InputError, parse_table
+from masonry_cd.model.blocks import Assembly
+from reports.modal.elastic_joints import joint_modes
+from reports.modal.shapes import RigidShapes
+
+STEPS = 40  # of the highest mode's period, at least: the scheme lengthens a period by (2 pi / 40)^2 / 12 = 0.2 %
+PERIODS = 20  # of the lowest mode, in free vibration
+CYCLES, JUDGED = 14, 4  # of the base in a sweep, and the last of them over which the amplitude is taken
+SMALL = 1e-3  # acceleration of a small vibration, as a share of gravity
+RATIOS = np.union1d(np.linspace(0.3, 2.0, 18), np.linspace(0.85, 1.15, 13)).round(6)  # of a sweep, to the frequency of its mode
+MODES = 12  # of the linear model under a sweep, at least
+OUTPUTS = ("vibration.json", "vibration.csv", "sweep.csv", "sweep.png")
+
+
+class VibrationOptions(BaseModel):
+    """What the command can be asked for."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    modes: Annotated[int, Field(ge=1, le=500)] = 6
+    """Modes to compare."""
+    sweep: Literal["x", "y", "z"] | None = None
+    """Direction of the base in a sweep; none when not given."""
+    velocity: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    """C of the sweep [m/s]; when not given, what makes 1/1000 g at the mode that moves most in its direction."""
+
+
+@dataclass(frozen=True, eq=False)
+class Companion:
+    """Rigid blocks on the elastic joints of a scene, linear: n modes with phi^T M phi = 1 over B blocks."""
+
+    frequencies: np.ndarray  # (n,) [Hz]
+    shapes: np.ndarray  # (n, B, 6) translation and rotation; zero for supports
+    weighted: np.ndarray  # (n, B, 6) M phi
+    participation: np.ndarray  # (n, 3) share of the mass
+
+    def coordinates(self, displacement: np.ndarray) -> np.ndarray:
+        """Modal coordinates (n,) of displacements (B, 6)."""
+        return np.einsum("nbi,bi->n", self.weighted, displacement)
+
+
+def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: Path, changes: Sequence[str] = ()) -> dict[str, Any]:
+    """What ``masonry-cd modal --nscd`` does: free vibration, and a sweep where asked, written into a folder.
+
+    Args:
+        scene_path: a scene file whose joints all are elastic.
+        options: keys of :class:`VibrationOptions`.
+        folder: made if need be.
+        changes: ``key=value`` that change the scene.
+
+    Returns:
+        what vibration.json holds, with ``lines`` to print and ``written``, the files.
+
+    Raises:
+        InputError: a wrong option or scene, or a joint that is rigid.
+    """
+    from masonry_cd.app.case import build_blocks, write_json
+
+    asked = parse_table(VibrationOptions, options, "modal")
+    scene = read_scene(scene_path, changes)
+    blocks = build_blocks(scene)
+    try:
+        assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
+        companion = linear_modes(assembly, max(asked.modes, MODES if asked.sweep else 0))
+        rows = free_vibration(assembly, scene.run, companion, asked.modes)
+        found: dict[str, Any] = {"title": scene.title, "modes": rows, "lines": _mode_lines(rows)}
+        if asked.sweep:
+            swept = _swept(assembly, scene, companion, asked)
+            found |= swept | {"lines": [*found["lines"], _sweep_line(swept)]}
+    except InputError as error:
+        raise scene.at_fault(error) from None
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in OUTPUTS:
+        (folder / name).unlink(missing_ok=True)
+    write_json(found, folder / "vibration.json")
+    _write_rows(folder / "vibration.csv", rows)
+    if asked.sweep:
+        from masonry_cd.studies.vibration_picture import sweep_picture
+
+        _write_rows(folder / "sweep.csv", found["sweep"])
+        sweep_picture(found, folder / "sweep.png")
+    return found | {"written": [str(folder / name) for name in OUTPUTS if (folder / name).exists()]}
+
+
+def linear_modes(assembly: Assembly, count: int) -> Companion:
+    """The modes of rigid blocks on the joints' own stiffness.
+
+    Raises:
+        InputError: a joint without stiffness, or a block tied to no support.
+    """
+    joints, laws, group = find_joints(assembly), assembly.laws, assembly.group_of
+    pair = (group[joints.block_a], group[joints.block_b])
+    normal, tangential = laws.normal_stiffness[pair], laws.tangential_stiffness[pair]
+    rigid = np.flatnonzero(normal == 0.0)
+    if len(rigid):
+        a, b = (assembly.groups[int(side[rigid[0]])] for side in pair)
+        raise InputError(f"material.joints: joints {a}-{b} are rigid, a vibration needs elastic ones: give normal_stiffness")
+    free = np.flatnonzero(~assembly.fixed)
+    found = joint_modes(assembly.blocks, np.ones(assembly.count), 0.0, min(count, 6 * len(free)), stiffness=(normal, tangential))
+    field = found["field"]
+    assert isinstance(field, RigidShapes)
+    shapes = np.zeros((len(field.translation), assembly.count, 6))
+    shapes[:, free] = np.concatenate([field.translation, field.rotation], axis=2)
+    weighted = np.zeros_like(shapes)
+    weighted[..., :3] = assembly.mass[:, None] * shapes[..., :3]
+    weighted[..., 3:] = np.einsum("bij,nbj->nbi", assembly.inertia, shapes[..., 3:])
+    return Companion(np.asarray(found["frequencies"]), shapes, weighted, np.asarray(found["participation"]))
+
+
+def free_vibration(assembly: Assembly, settings: Run, companion: Companion, count: int) -> list[dict[str, float]]:
+    """Frequencies of the run beside those of the linear modes, one row for each of the first ``count`` modes."""
+    frequencies, gravity = companion.frequencies[:count], _gravity(settings)
+    dt = min(settings.dt, 1.0 / (STEPS * float(frequencies[-1])))
+    steps = int(np.ceil(PERIODS / (float(frequencies[0]) * dt)))
+    machine = _at_rest(assembly, settings, dt, np.zeros((steps + 1, 1, 3)))
+    linear, turning = (np.linalg.norm(part, axis=2) for part in np.split(companion.shapes[:count], 2, axis=2))
+    size = (linear + np.cbrt(assembly.volume) * turning).max(axis=1)  # of the shapes, rotations over the width of the blocks
+    speed = SMALL * gravity / (2.0 * np.pi * frequencies) / size
+    machine.kick(np.einsum("n,nbi->bi", speed, companion.shapes[:count]))
+    history = _history(machine, steps, lambda moved: companion.coordinates(moved)[:count])
+    rows = []
+    for k, (frequency, q) in enumerate(zip(frequencies, history.T, strict=True)):
+        own = _peak(q, dt)
+        rows.append(
+            {
+                "mode": k + 1,
+                "linear_hz": float(frequency),
+                "nscd_hz": own,
+                "difference_percent": 100.0 * (own / float(frequency) - 1.0),
+                **{f"mass_{axis}": float(companion.participation[k, i]) for i, axis in enumerate("xyz")},
+            }
+        )
+    return rows
+
+
+def sweep(
+    assembly: Assembly, settings: Run, companion: Companion, axis: int, velocity: float, frequencies: np.ndarray
+) -> list[dict[str, float]]:
+    """Amplitudes of the block that moves most in the first mode of a direction, relative to the base, by frequency of the base.
+
+    Args:
+        assembly: with elastic joints.
+        settings: of the run.
+        companion: its linear modes.
+        axis: 0, 1 or 2: direction of the base.
+        velocity: C [m/s].
+        frequencies: (F,) [Hz].
+    """
+    leading = int(companion.participation[:, axis].argmax())
+    block = int(np.abs(companion.shapes[leading, :, axis]).argmax())
+    rows = []
+    for f in frequencies:
+        dt = min(settings.dt, 1.0 / (STEPS * max(float(f), float(companion.frequencies[leading]))))
+        steps = round(CYCLES / (f * dt))
+        shaking = np.zeros((steps + 1, 1, 3))
+        shaking[:, 0, axis] = velocity * np.sin(2.0 * np.pi * f * dt * np.arange(steps + 1))
+        machine = _at_rest(assembly, settings, dt, shaking)
+        base = int(np.argmax(assembly.fixed))
+        moved = _history(machine, steps, itemgetter(((block, base), axis)))
+        history = moved[:, 0] - moved[:, 1]
+        linear = _linear_response(assembly, companion, axis, block, shaking[:, 0, axis], dt)
+        last = -round(JUDGED / (f * dt))
+        own, reference = (float(np.abs(values[last:]).max()) for values in (history, linear))
+        base_amplitude = velocity / (2.0 * np.pi * f)
+        rows.append(
+            {
+                "frequency_hz": float(f),
+                "base_amplitude_m": float(base_amplitude),
+                "nscd_amplitude_m": own,
+                "linear_amplitude_m": reference,
+                "nscd_ratio": own / base_amplitude,
+                "linear_ratio": reference / base_amplitude,
+            }
+        )
+    return rows
+
+
+def _swept(assembly: Assembly, scene: Scene, companion: Companion, asked: VibrationOptions) -> dict[str, Any]:
+    """The sweep that the options ask for."""
+    axis = "xyz".index(asked.sweep or "x")
+    leading = int(companion.participation[:, axis].argmax())
+    near = float(companion.frequencies[leading])
+    velocity = asked.velocity or SMALL * _gravity(scene.run) / (2.0 * np.pi * near)
+    rows = sweep(assembly, scene.run, companion, axis, velocity, near * RATIOS)
+    block = assembly.names[int(np.abs(companion.shapes[leading, :, axis]).argmax())]
+    return {"sweep": rows, "direction": asked.sweep, "velocity": velocity, "block": block}
+
+
+def _sweep_line(swept: Mapping[str, Any]) -> str:
+    """The outcome of a sweep in words."""
+    own, linear = (max(swept["sweep"], key=itemgetter(name)) for name in ("nscd_ratio", "linear_ratio"))
+    return (
+        f"sweep along {swept['direction']} with C {swept['velocity']:.3g} m/s: block {swept['block']} moves most at "
+        f"{own['frequency_hz']:.4g} Hz, {own['nscd_ratio']:.3g} times the base; in the linear model at {linear['frequency_hz']:.4g} Hz, "
+        f"{linear['linear_ratio']:.3g} times"
+    )
+
+
+def _gravity(settings: Run) -> float:
+    """Magnitude of gravity [m/s2].
+
+    Raises:
+        InputError: there is none, and dry joints without weight do not hold together.
+    """
+    size = float(np.linalg.norm(settings.gravity))
+    if size == 0.0:
+        raise InputError("run.gravity: a vibration needs the weight that presses the joints together")
+    return size
+
+
+def _at_rest(assembly: Assembly, settings: Run, dt: float, shaking: np.ndarray) -> Stepper:
+    """A stepper in the state at rest under the weight, its base to be moved by velocities (N + 1, 1, 3)."""
+    pull = np.tile(np.asarray(settings.gravity, dtype=float), (len(shaking), 1))
+    across = bool(np.any(shaking))  # free vibration has modes out of every plane
+    machine = Stepper(assembly, shaking, pull, settings.model_copy(update={"dt": dt, "planar": settings.planar and across}))
+    settle(machine)
+    return machine
+
+
+def _history(machine: Stepper, steps: int, measure: Callable[[np.ndarray], Any]) -> np.ndarray:
+    """What is measured of the displacements (B, 6) since now, after each step, (N, ...)."""
+    position, orientation = machine.state.position.copy(), machine.state.orientation.copy()
+    out = []
+    for _ in range(steps):
+        machine.step()
+        moved = np.concatenate([machine.state.position - position, 2.0 * (machine.state.orientation - orientation)[:, 1:]], axis=1)
+        out.append(measure(moved))
+    return np.array(out)
+
+
+def _peak(values: np.ndarray, dt: float) -> float:
+    """Frequency of the largest peak of a spectrum [Hz]: Hann window, and a parabola through the logarithms about the largest line."""
+    window = np.hanning(len(values))
+    spectrum = np.log(np.abs(np.fft.rfft((values - values.mean()) * window)) + 1e-300)
+    k = int(np.clip(spectrum[1:-1].argmax() + 1, 1, len(spectrum) - 2))
+    low, mid, high = spectrum[k - 1 : k + 2]
+    return float((k + 0.5 * (low - high) / (low - 2.0 * mid + high)) / (len(values) * dt))
+
+
+def _linear_response(assembly: Assembly, companion: Companion, axis: int, block: int, velocity: np.ndarray, dt: float) -> np.ndarray:
+    """Displacement of a block relative to the base [m] by the linear modes, damped as the joints' theta damps them, (N,)."""
+    from scipy.signal import lsim
+
+    theta = float(assembly.laws.theta[assembly.laws.normal_stiffness > 0.0].mean())
+    time, out = dt * np.arange(len(velocity)), np.zeros(len(velocity))
+    push = -np.gradient(velocity, dt)
+    for f, shape, weighted in zip(companion.frequencies, companion.shapes, companion.weighted, strict=True):
+        omega = 2.0 * np.pi * f
+        damping = (2.0 * theta - 1.0) * omega * dt / 2.0
+        gain = weighted[:, axis].sum() * shape[block, axis]
+        out += gain * lsim(([1.0], [1.0, 2.0 * damping * omega, omega**2]), push, time)[1]
+    return out[1:]
+
+
+def _mode_lines(rows: Sequence[Mapping[str, float]]) -> list[str]:
+    """The modes in words."""
+    lines = ["free vibration of the run, and rigid blocks on the same elastic joints:", "  mode     run [Hz]   linear [Hz]   difference"]
+    return lines + [
+        f"  {row['mode']:4d}  {row['nscd_hz']:11.4f}  {row['linear_hz']:12.4f}  {row['difference_percent']:+9.2f} %" for row in rows
+    ]
+
+
+def _write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Write a CSV file whose columns are the keys of its first row."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)

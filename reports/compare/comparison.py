@@ -1,0 +1,259 @@
+"""Runs side by side: what differs between their scenes, and what that did to the structure.
+
+The columns of the table are the runs, its rows:
+
+- the keys of the scenes that are not equal in all runs (``loads[0].amplitude``, ``material.friction``, ``run.seed`` ...),
+- the damage of the structure, and the grade of each part that is damaged in any run (:mod:`reports.damage.part_damage`),
+- the response: largest displacement and drift, and at the highest free block,
+- how exact and how dear it was.
+
+Damage is judged by the thresholds of the first run in all of them, or the numbers would not compare.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.app.scene import Report, report_of
+from masonry_cd.errors import InputError
+from masonry_cd.io.results import Results
+from reports.damage.joint_damage import displacement_max
+from reports.damage.macro_elements import WHOLE
+from reports.damage.part_damage import PartDamage
+from reports.deformed import base_shift, solids_of
+
+MISSING = "–"
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What a comparison takes from a run."""
+
+    name: str
+    scene: dict[str, Any]  # keys as the user writes them, e.g. loads[0].amplitude
+    damage: PartDamage
+    time: np.ndarray  # (F,) [s]
+    top: np.ndarray  # (F,) horizontal displacement of the highest free block relative to the base, signed along its largest [m]
+    displacement: float  # largest of any block [m]
+    height: float  # of the structure [m]
+    summary: dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A table: rows of a heading, a unit and one value per run."""
+
+    runs: list[Run]
+    rows: list[tuple[str, str, list[Any]]]
+
+    @property
+    def header(self) -> list[str]:
+        """Names of the columns."""
+        return ["", "unit", *(run.name for run in self.runs)]
+
+
+def compare(folders: Sequence[Path]) -> Comparison:
+    """Compare the runs in some folders.
+
+    Raises:
+        InputError: fewer than two folders, one given twice, or one that holds no run.
+    """
+    if len(folders) < 2:
+        raise InputError("compare: name two folders of runs at least")
+    twice = [folder for k, folder in enumerate(folders) if folder.resolve() in [other.resolve() for other in folders[:k]]]
+    if twice:
+        raise InputError(f"compare: {twice[0]} is named twice")
+    settings: Report | None = None
+    runs: list[Run] = []
+    for folder, name in zip(folders, _names(folders), strict=True):
+        with Results.open(folder / "result.h5") as results:
+            settings = settings or report_of(results.scene)
+            runs.append(_run(results, folder, name, settings))
+    return Comparison(runs, [*_scene_rows(runs), *_damage_rows(runs), *_part_rows(runs), *_response_rows(runs), *_solver_rows(runs)])
+
+
+def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
+    """Write comparison.csv, comparison.md and comparison.png into a folder, which is made if need be."""
+    from reports.compare.comparison_picture import comparison_picture
+
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / f"comparison.{ending}" for ending in ("csv", "md", "png")]
+    with paths[0].open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(comparison.header)
+        writer.writerows([name, unit, *(_exact(value) for value in values)] for name, unit, values in comparison.rows)
+    paths[1].write_text(markdown(comparison), encoding="utf-8")
+    comparison_picture(comparison, paths[2])
+    return paths
+
+
+def markdown(comparison: Comparison) -> str:
+    """The table in Markdown, its columns aligned so that it reads well as plain text."""
+    cells = [comparison.header, *([name, unit, *map(_short, values)] for name, unit, values in comparison.rows)]
+    cells = [[cell.replace("|", "\\|") for cell in row] for row in cells]
+    width = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))]
+    lines = ["| " + " | ".join(cell.ljust(w) for cell, w in zip(row, width, strict=True)) + " |" for row in cells]
+    rule = "|" + "|".join("-" * (w + 2) for w in width) + "|"
+    return "\n".join([lines[0], rule, *lines[1:]]) + "\n"
+
+
+def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
+    """Read what is compared."""
+    from reports.outputs import damage_of
+
+    solids = solids_of(results.blocks)
+    free = np.flatnonzero(~solids.fixed)
+    highest = int(free[np.argmax(solids.centre[free, 2])])
+    shift = base_shift(solids, np.asarray(results.position[: results.frames], dtype=float)) if solids.fixed.any() else 0.0
+    moved = np.asarray(results.position[: results.frames, highest], dtype=float) - solids.centre[highest] - shift
+    farthest = moved[np.argmax(np.hypot(*moved[:, :2].T)), :2]
+    along = farthest / max(float(np.hypot(*farthest)), 1e-300)
+    return Run(
+        name=name,
+        scene=flat(tomllib.loads(results.scene)),
+        damage=damage_of(results, settings),
+        time=results.time,
+        top=moved[:, :2] @ (along * (np.sign(along[np.argmax(np.abs(along))]) or 1.0)),
+        displacement=displacement_max(results),
+        height=float(np.ptp(solids.vertices[~solids.fixed[solids.vertex_block], 2])),
+        summary=_summary(folder / "summary.json"),
+    )
+
+
+def _summary(path: Path) -> dict[str, Any]:
+    """The summary of a run, empty where it was killed before it wrote one.
+
+    Raises:
+        InputError: a file that is no JSON object.
+    """
+    if not path.exists():
+        return {}
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError:
+        found = None
+    if not isinstance(found, dict):
+        raise InputError(f"{path}: not a summary, or one that was cut off")
+    return found
+
+
+def flat(table: Mapping[str, Any], before: str = "") -> dict[str, Any]:
+    """Nested tables by the keys that a user writes."""
+    out: dict[str, Any] = {}
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            out |= flat(value, f"{before}{key}.")
+        elif isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
+            for k, item in enumerate(value):
+                out |= flat(item, f"{before}{key}[{k}].")
+        else:
+            out[before + key] = value
+    return out
+
+
+def _names(folders: Sequence[Path]) -> list[str]:
+    """The shortest ends of the folders' paths that tell them apart."""
+    parts = [folder.resolve().parts for folder in folders]
+    for depth in range(1, max(map(len, parts)) + 1):
+        names = ["/".join(part[-depth:]) for part in parts]
+        if len(set(names)) == len(names):
+            return names
+    return [str(folder) for folder in folders]
+
+
+def _scene_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
+    """The keys that differ; titles last, since they are long."""
+    keys = dict.fromkeys(key for run in runs for key in run.scene)
+    rows = []
+    for key in sorted(keys, key=lambda key: key == "title"):
+        values = [run.scene.get(key) for run in runs]
+        if any(value != values[0] for value in values):
+            rows.append((key, "", values))
+    return rows
+
+
+def _damage_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
+    """The structure as a whole."""
+    whole = [run.damage.parts[-1] for run in runs]
+    rows = [
+        ("grade", "", "grade"),
+        ("mechanism", "", "mechanism"),
+        ("joints opened", "", "opened"),
+        ("joints slid", "", "slid"),
+        ("joints separated", "", "separated"),
+        ("first opening", "s", "first_opening_time"),
+        ("hinges, ever", "", "hinges_ever"),
+        ("hinges, left", "", "hinges"),
+        ("largest opening", "m", "max_opening"),
+        ("residual opening", "m", "residual_opening"),
+        ("largest sliding", "m", "max_sliding"),
+        ("residual sliding", "m", "residual_sliding"),
+        ("lost blocks", "", "lost_blocks"),
+        ("lost volume", "share", "lost_share"),
+    ]
+    return [(name, unit, [row[key] for row in whole]) for name, unit, key in rows]
+
+
+def _part_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
+    """The parts that are damaged in any run."""
+    names = dict.fromkeys(row["part"] for run in runs for row in run.damage.parts if row["part"] != WHOLE)
+    rows = []
+    for name in names:
+        found = [next((row for row in run.damage.parts if row["part"] == name), None) for run in runs]
+        if any(row is not None and row["grade"] != "D0" for row in found):
+            rows.append((f"part {name}", "", [f"{row['grade']} {row['mechanism']}" if row else None for row in found]))
+    return rows
+
+
+def _response_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
+    """Displacements relative to the base, and drift."""
+    return [
+        ("largest displacement", "m", [run.displacement for run in runs]),
+        ("highest block, largest", "m", [float(np.abs(run.top).max()) for run in runs]),
+        ("highest block, residual", "m", [float(run.top[-1]) for run in runs]),
+        ("largest drift", "", [run.damage.parts[-1]["max_drift"] for run in runs]),
+        ("residual drift", "", [run.damage.parts[-1]["residual_drift"] for run in runs]),
+        ("end of the run", "s", [float(run.time[-1]) for run in runs]),
+    ]
+
+
+def _solver_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
+    """From summary.json, which a run that was killed has not written."""
+    keys = (
+        ("solver", "", ("solver", "name")),
+        ("largest error", "", ("solver", "error_max")),
+        ("steps missed", "", ("solver", "steps_missed")),
+        ("energy balance", "share", ("energy", "balance_error")),
+        ("stepping", "s", ("stepping_seconds",)),
+    )
+    rows = []
+    for name, unit, path in keys:
+        values: list[Any] = [run.summary for run in runs]
+        for key in path:
+            values = [value.get(key) if isinstance(value, Mapping) else None for value in values]
+        rows.append((name, unit, values))
+    return rows
+
+
+def _short(value: Any) -> str:
+    """A cell for reading: three digits."""
+    if value is None or (isinstance(value, float) and np.isnan(value)):
+        return MISSING
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.3g}"
+    return str(value)
+
+
+def _exact(value: Any) -> str:
+    """A cell for computing: nine digits, empty where unknown."""
+    if value is None or (isinstance(value, float) and np.isnan(value)):
+        return ""
+    return f"{value:.9g}" if isinstance(value, (float, np.floating)) else str(value)

@@ -1,0 +1,166 @@
+"""The picture of a comparison: response over time, joints by damage, crack widths, and the grades of the parts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from reports.compare.comparison import Comparison, Run
+from reports.damage.grades import NAMES
+from reports.drawing.figure import FAINT, INK
+
+# Okabe & Ito's colours (2008), told apart by colour-blind readers, then the same again in other strokes
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+STROKES = ("-", "--", ":", "-.")
+HATCHES = ("", "///", "...", "xxx")
+GRADE_COLOURS = ("#ffffff", "#fde9c8", "#fdbb84", "#ef6548", "#b30000", "#4d0000")
+SHOWN = 0.1  # displacements up to this share of the height are shown
+HEAD: dict[str, Any] = {"loc": "left", "fontsize": 13, "fontweight": "bold", "color": INK}
+PARTS = 30  # shown at most
+
+
+def comparison_picture(comparison: Comparison, path: Path) -> None:
+    """Draw a comparison into a PNG.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    runs = comparison.runs
+    names, grid = _grades(runs)
+    tall = 7.6 + max(1.6, 0.32 * len(names) + 1.0)
+    figure: Any = Figure(figsize=(13.0, tall), dpi=100, facecolor="white", layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.2, h_pad=0.15)
+    FigureCanvasAgg(figure)
+    rows = figure.add_gridspec(3, 2, height_ratios=(3.6, 3.4, tall - 7.6))
+    _response(figure.add_subplot(rows[0, :]), runs)
+    _states(figure.add_subplot(rows[1, 0]), runs)
+    _widths(figure.add_subplot(rows[1, 1]), runs)
+    _grade_table(figure.add_subplot(rows[2, :]), runs, names, grid)
+    for axes in figure.axes:
+        axes.tick_params(labelsize=10, colors=FAINT)
+    try:
+        figure.savefig(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def _look(k: int) -> dict[str, Any]:
+    """Colour and stroke of a run."""
+    return {"color": COLOURS[k % len(COLOURS)], "linestyle": STROKES[(k // len(COLOURS) + k) % len(STROKES)]}
+
+
+def _bar(k: int) -> dict[str, Any]:
+    """Colour and hatching of a run."""
+    return {"color": COLOURS[k % len(COLOURS)], "hatch": HATCHES[k % len(HATCHES)], "edgecolor": "white", "linewidth": 0.5}
+
+
+def _response(axes: Any, runs: list[Run]) -> None:
+    """Displacement of the highest block over time."""
+    reach = max(float(np.abs(run.top).max()) for run in runs)
+    shown = min(1.1 * reach, SHOWN * max(run.height for run in runs))  # a fallen block must not flatten the others to a line
+    factor, unit = (1000.0, "mm") if shown < 0.5 else (1.0, "m")
+    for k, run in enumerate(runs):
+        left = " (left the picture)" if np.abs(run.top).max() > shown else ""
+        axes.plot(run.time, factor * run.top, label=run.name + left, linewidth=1.8, **_look(k))
+    if reach > shown:
+        axes.set_ylim(-factor * shown, factor * shown)
+    axes.axhline(0.0, color=FAINT, linewidth=0.6)
+    axes.set_title("Highest block: horizontal displacement relative to the base", **HEAD)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(f"[{unit}]")
+    axes.legend(fontsize=10, frameon=False, ncols=min(4, len(runs)), loc="upper left", bbox_to_anchor=(0.0, -0.13))
+    axes.margins(x=0.01)
+    _plain(axes)
+
+
+def _states(axes: Any, runs: list[Run]) -> None:
+    """Joints by state, and lost blocks, side by side."""
+    labels = (
+        ("opened", "joints\nopened"),
+        ("slid", "joints\nslid"),
+        ("separated", "joints\nseparated"),
+        ("hinges", "hinges\nleft"),
+        ("lost_blocks", "blocks\nlost"),
+    )
+    width = 0.8 / len(runs)
+    for k, run in enumerate(runs):
+        values = [run.damage.parts[-1][key] for key, _ in labels]
+        place = np.arange(len(labels)) + (k - (len(runs) - 1) / 2) * width
+        bars = axes.bar(place, values, width, **_bar(k))
+        if len(runs) <= 6:
+            axes.bar_label(bars, fontsize=9, color=INK)
+    axes.set_xticks(np.arange(len(labels)), [text for _, text in labels])
+    axes.set_title("Damage of the structure", **HEAD)
+    _plain(axes)
+
+
+def _widths(axes: Any, runs: list[Run]) -> None:
+    """Cracks left at the end by class of width."""
+    width = 0.8 / len(runs)
+    bounds = runs[0].damage.width_classes
+    for k, run in enumerate(runs):
+        keys = [key for key in run.damage.parts[-1] if key.startswith("crack_")]
+        values = [run.damage.parts[-1][key] for key in keys]
+        axes.bar(np.arange(len(values)) + (k - (len(runs) - 1) / 2) * width, values, width, **_bar(k))
+    axes.set_xticks(np.arange(len(bounds)), [f"{1000 * bound:.3g}" for bound in bounds])
+    axes.set_xlabel("residual opening of joints, from ... mm to the next class")
+    axes.set_ylabel("joints")
+    axes.set_title("Crack widths", **HEAD)
+    axes.yaxis.get_major_locator().set_params(integer=True)
+    _plain(axes)
+
+
+def _grades(runs: list[Run]) -> tuple[list[str], np.ndarray]:
+    """Parts in the order of their worst grade, and their grade in each run (parts, runs); -1 where a run has no such part."""
+    found = dict.fromkeys(row["part"] for run in runs for row in run.damage.parts)
+    table = {name: [_grade(run, name) for run in runs] for name in found}
+    order = sorted(found, key=lambda name: (name != runs[0].damage.parts[-1]["part"], -max(table[name])))[:PARTS]
+    return order, np.array([table[name] for name in order])
+
+
+def _grade(run: Run, part: str) -> int:
+    """Number of a part's grade."""
+    row = next((row for row in run.damage.parts if row["part"] == part), None)
+    return NAMES.index(row["grade"]) if row else -1
+
+
+def _grade_table(axes: Any, runs: list[Run], names: list[str], grid: np.ndarray) -> None:
+    """A row per part and a column per run, the grade written in and shaded."""
+    from matplotlib.patches import Rectangle
+
+    for i in range(len(names)):
+        for k in range(len(runs)):
+            grade = int(grid[i, k])
+            colour = GRADE_COLOURS[grade] if grade >= 0 else "white"
+            axes.add_patch(Rectangle((k, i), 1, 1, facecolor=colour, edgecolor="#c9cdd1", linewidth=1.0))
+            text = f"{NAMES[grade]}  {_mechanism(runs[k], names[i])}" if grade >= 0 else "no such part"
+            axes.text(k + 0.03, i + 0.5, text, va="center", fontsize=10, color="white" if grade >= 4 else INK, clip_on=True)
+    axes.set_xlim(0, len(runs))
+    axes.set_ylim(len(names), 0)
+    axes.set_xticks(np.arange(len(runs)) + 0.5, [run.name for run in runs])
+    axes.xaxis.tick_top()
+    axes.set_yticks(np.arange(len(names)) + 0.5, names)
+    axes.tick_params(length=0)
+    for side in axes.spines.values():
+        side.set_visible(False)
+    axes.set_xlabel("grade and mechanism of the structure and its parts; thresholds: those of the first run", fontsize=10, color=FAINT)
+
+
+def _mechanism(run: Run, part: str) -> str:
+    """The mechanism of a part, empty for none."""
+    name = next(row["mechanism"] for row in run.damage.parts if row["part"] == part)
+    return "" if name == "none" else str(name)
+
+
+def _plain(axes: Any) -> None:
+    """No frame but the axes, a faint grid behind."""
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    axes.grid(axis="y", color="#e3e6e9", linewidth=0.8)
+    axes.set_axisbelow(True)

@@ -1,0 +1,110 @@
+"""Grades of damage, D0 to D5, by thresholds that the user can set.
+
+The names are those of the European Macroseismic Scale (Gruenthal, ed., EMS-98, Cahiers du Centre Europeen de Geodynamique et de
+Seismologie 15, 1998), which tells damage to masonry in words, from hair-line cracks in very few walls (grade 1) over large and extensive
+cracks in most walls (3) to total or near total collapse (5), and gives no numbers. The numbers are this program's own defaults, and every
+table states them with the grade:
+
+    residual width   opening or sliding of a joint between standing blocks [m]: 0.1, 5, 15 and 25 mm. Of the categories of visible damage of
+                     Burland, Broms & de Mello (Behaviour of foundations and structures, Tokyo, 1977; in BRE Digest 251, 1981) these are
+                     the lower bounds of 1 (very slight; below lie hair-line cracks, negligible), 3 (moderate), 4 (severe) and 5 (very
+                     severe). Category 2 (slight, 1 to 5 mm) is D1 here, too. They are meant for settlement, and their
+                     authors warn that width alone is no measure of damage: so drift and lost volume count as well
+    residual drift   of the part (:mod:`reports.damage.macro_elements`): 0.3, 0.6 and 1 %, which FEMA 356 (2000, table C1-3) gives as
+    typical of unreinforced masonry walls at immediate occupancy, life safety and collapse prevention
+    lost volume      share of the part that has fallen: any, 5 % and 50 %
+
+A part has the highest grade one of whose thresholds it reaches; ``inf`` is never reached. Set them in the scene's ``[report.grades]``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, field_validator
+
+from masonry_cd.errors import parse_table
+
+INF = float("inf")
+NAMES = ("D0", "D1", "D2", "D3", "D4", "D5")
+LABELS = (
+    "no damage",
+    "negligible to slight damage",
+    "moderate damage",
+    "substantial to heavy damage",
+    "very heavy damage",
+    "destruction",
+)
+
+
+def _five_rising(value: object) -> object:
+    """Five numbers that do not fall, for D1 to D5."""
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 5:
+        raise ValueError("should be five numbers, for D1 to D5; inf for a grade that this measure alone does not reach")
+    if any(isinstance(v, bool) or not isinstance(v, (int, float)) or not v > 0 for v in value):
+        raise ValueError("should be positive numbers or inf")
+    if any(b < a for a, b in pairwise(value)):
+        raise ValueError("should not fall from D1 to D5")
+    return tuple(float(v) for v in value)
+
+
+Five = Annotated[tuple[float, float, float, float, float], BeforeValidator(_five_rising)]
+
+
+class Grades(BaseModel):
+    """The table ``[report.grades]``: lower bounds of D1 to D5, and what the grades are called."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    width: Five = (1e-4, 5e-3, 15e-3, 25e-3, INF)
+    """Residual opening or sliding [m]."""
+    drift: Five = (INF, 3e-3, 6e-3, 1e-2, INF)
+    """Residual drift of the part."""
+    lost: Five = (INF, INF, 1e-9, 0.05, 0.5)
+    """Share of the volume that has fallen."""
+    labels: tuple[str, str, str, str, str, str] = LABELS
+    """Of D0 to D5."""
+
+    @field_validator("labels", mode="before")
+    @classmethod
+    def _six(cls, value: object) -> object:
+        if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 6:
+            raise ValueError("should be six texts, for D0 to D5")
+        return tuple(value)
+
+
+@dataclass(frozen=True)
+class Grade:
+    """A grade and what led to it, e.g. ``drift 0.0072 >= 0.006``."""
+
+    number: int
+    label: str
+    reason: str
+
+    @property
+    def name(self) -> str:
+        """D0 to D5."""
+        return NAMES[self.number]
+
+
+def read_grades(table: Mapping[str, Any]) -> Grades:
+    """Check the table ``[report.grades]``.
+
+    Raises:
+        InputError: names the key.
+    """
+    return parse_table(Grades, table, "report.grades")
+
+
+def grade_of(width: float, drift: float, lost: float, grades: Grades) -> Grade:
+    """The grade of a part with a residual width [m], a residual drift and a share of lost volume."""
+    reached = []
+    for name, value, bounds in (("width", width, grades.width), ("drift", drift, grades.drift), ("lost", lost, grades.lost)):
+        number = max((k for k, bound in enumerate(bounds, start=1) if value >= bound), default=0)
+        bound = bounds[number - 1] if number else INF
+        reached.append((number, f"{name} {value:.4g} >= {bound:.4g}"))
+    number, reason = max(reached, key=lambda pair: pair[0])
+    return Grade(number, grades.labels[number], reason if number else "")

@@ -1,0 +1,263 @@
+r"""Joint damage: what each joint suffered over the run and what is left of it at the end.
+
+The measures are those of :mod:`masonry_cd.contact.joints`: opening (the widest corner gap), sliding (of the corners that touch), relative
+rotation, contact area. ``max_*`` is the largest value over all time steps, ``residual_*`` that of the last frame. The time of the
+first opening is that of a step where the threshold is the run's own (0.1 mm), else that of a frame.
+
+**State of a joint.** One word per joint, by the first rule that holds:
+
+1. *separated*: at the end the whole contact area is lost and the blocks cannot find back: either every corner of the interface
+   is open by at least ``apart * sqrt(area)``, or the blocks have slid off each other by at least that much. A hinge, which touches
+   along an edge, is not separated, however wide it gapes.
+2. *opened* or *slid*: the largest opening or sliding reached its threshold at any time. Where both did, the one that went
+   further beyond its threshold names the joint: a hinge that slipped a little has opened, a bed joint that slid while rocking has slid.
+3. *intact*.
+
+**Fallen blocks.** A free block has fallen when, at the end and relative to the base, its centre of mass has dropped by more than
+half of its height, or it is turned by more than 45 degrees, or all of its joints are separated.
+"""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.atomic import replacing
+from masonry_cd.contact.joints import OPENED as OPENING_IN_RUN
+from masonry_cd.contact.joints import Joints
+from masonry_cd.dynamics.pauses import DROP, TILT
+from masonry_cd.errors import InputError
+from masonry_cd.io.results import BONDED, Results
+from reports.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap, solids_of
+
+STATES = ("intact", "opened", "slid", "separated")
+INTACT, OPENED, SLID, SEPARATED = range(4)
+BROKEN = 0.98  # a joint is broken when less than this share of what was bonded is left; a corner holds 4 % or more
+CHUNK_BYTES = 1 << 24  # frames are read in chunks of this size, so that a long run needs no memory
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Where damage begins. The defaults suit buildings; set them for models at another scale.
+
+    Attributes:
+        opened: smallest opening of an opened joint [m]. 0.1 mm is a hairline crack, the smallest seen by eye (Burland, Broms & de
+            Mello, Behaviour of foundations and structures, 1977), and a hundred times what a converged run leaves as gap.
+        slid: smallest sliding of a slid joint [m]. 0.1 mm likewise: dry joints without stiffness do not slip elastically.
+        apart: distance of a separated joint as a share of the square root of its area.
+        lost: share of the area below which a contact counts as wholly lost.
+        drop: drop of a fallen block's centre as a share of its height.
+        tilt: turn of a fallen block [degrees].
+    """
+
+    opened: float = 1e-4
+    slid: float = 1e-4
+    apart: float = 0.1
+    lost: float = 0.01
+    drop: float = DROP
+    tilt: float = TILT
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not (np.isfinite(value) and value > 0):
+                raise InputError(f"thresholds.{item.name}: must be positive, got {value!r}")
+
+
+@dataclass(frozen=True, eq=False)
+class JointDamage:
+    """Damage of J joints, one row each, in the order of the result file."""
+
+    joint: np.ndarray  # (J,) number of the joint, from zero
+    block_a: np.ndarray  # (J,) names
+    block_b: np.ndarray  # (J,) names
+    area: np.ndarray  # (J,) [m2] at rest
+    max_opening: np.ndarray  # (J,) [m]
+    residual_opening: np.ndarray  # (J,) [m]
+    max_sliding: np.ndarray  # (J,) [m]
+    residual_sliding: np.ndarray  # (J,) [m]
+    max_rotation: np.ndarray  # (J,) [rad]
+    contact_area_loss: np.ndarray  # (J,) largest over the run, as a share of the area
+    first_opening_time: np.ndarray  # (J,) [s], NaN where the joint never opened
+    state: np.ndarray  # (J,) one of STATES
+    bonded: np.ndarray  # (J,) share of the area that is bonded at the end; NaN in a run without bonds
+
+
+def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: int | None = None) -> JointDamage:
+    """The damage of all joints at the end of a run, or after the rest that followed a shock of a sequence.
+
+    A run that was killed before it wrote its peaks is judged by its frames.
+    """
+    thresholds = thresholds or Thresholds()
+    joints = results.joints
+    names = np.array([block.name for block in results.blocks], dtype=object)
+    frame = -1 if shock is None else results.shocks[shock].frame
+    peaks = _peaks(results, thresholds, shock)
+    opening, sliding = (joint_frame(results, name, frame) for name in ("opening", "sliding"))
+    # a peak is over the steps and a residual over the frames: never let the one fall below the other
+    largest_opening, largest_sliding = np.maximum(peaks["opening"], opening), np.maximum(peaks["sliding"], sliding)
+    codes = classify(largest_opening, largest_sliding, separated_joints(results, frame, thresholds), thresholds)
+    return JointDamage(
+        joint=np.arange(joints.count),
+        block_a=names[joints.block_a],
+        block_b=names[joints.block_b],
+        area=joints.area,
+        max_opening=largest_opening,
+        residual_opening=opening,
+        max_sliding=largest_sliding,
+        residual_sliding=sliding,
+        max_rotation=peaks["rotation"],
+        contact_area_loss=peaks["contact_area_loss"],
+        first_opening_time=peaks["first_opening_time"],
+        state=np.array(STATES, dtype=object)[codes],
+        bonded=joint_frame(results, BONDED, frame) if has_bonds(results) else np.full(joints.count, np.nan),
+    )
+
+
+def has_bonds(results: Results) -> bool:
+    """Whether joints of the run had cohesion."""
+    return f"joints/{BONDED}" in results.file
+
+
+def bonds(results: Results) -> dict[str, int]:
+    """Joints that were bonded at the start, and those of them that broke, all over or in part; nothing in a run without bonds."""
+    if not has_bonds(results):
+        return {}
+    share = results.joint_history(BONDED)
+    return {"joints_bonded": int((share[0] > 0.0).sum()), "joints_broken": int((share[-1] < BROKEN * share[0]).sum())}
+
+
+def classify(opening: np.ndarray, sliding: np.ndarray, separated: np.ndarray, thresholds: Thresholds) -> np.ndarray:
+    """Index into STATES of each joint, (J,), by the rules at the head of this file."""
+    opened, slid = opening / thresholds.opened, sliding / thresholds.slid
+    codes = np.where(opened >= slid, OPENED, SLID)
+    codes[np.maximum(opened, slid) < 1.0] = INTACT
+    codes[separated] = SEPARATED
+    return codes
+
+
+def separated_joints(results: Results, frame: int = -1, thresholds: Thresholds | None = None) -> np.ndarray:
+    """(J,) True where a joint is separated at a frame, see the head of this file."""
+    thresholds = thresholds or Thresholds()
+    joints = results.joints
+    solids = solids_of(results.blocks)
+    gap = smallest_gap(joints, solids, Pose.of(results, solids, frame))
+    sliding, contact_area = (joint_frame(results, name, frame) for name in ("sliding", "contact_area"))
+    return parted(joints, gap, sliding, contact_area, thresholds)
+
+
+def parted(joints: Joints, gap: np.ndarray, sliding: np.ndarray, contact_area: np.ndarray, thresholds: Thresholds) -> np.ndarray:
+    """(J,) True where a joint with a smallest gap [m], sliding [m] and contact area [m2], (J,) each, is separated."""
+    limit = thresholds.apart * np.sqrt(joints.area)
+    return np.asarray((contact_area <= thresholds.lost * joints.area) & ((gap >= limit) | (sliding >= limit)))
+
+
+def collapsed_blocks(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> tuple[str, ...]:
+    """Names of the blocks that have fallen, by the rule at the head of this file."""
+    return tuple(results.blocks[i].name for i in np.flatnonzero(fallen(results, thresholds, frame)))
+
+
+def fallen(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> np.ndarray:
+    """(B,) True where a free block has fallen at a frame."""
+    thresholds = thresholds or Thresholds()
+    solids = solids_of(results.blocks)
+    separated = separated_joints(results, frame, thresholds)
+    return fallen_in(results.joints, solids, Pose.of(results, solids, frame), separated, thresholds)
+
+
+def fallen_in(joints: Joints, solids: Solids, pose: Pose, separated: np.ndarray, thresholds: Thresholds) -> np.ndarray:
+    """(B,) True where a free block has fallen in a pose whose separated joints (J,) are known."""
+    dropped = -pose.displacement(solids)[:, 2] > thresholds.drop * solids.sizes[:, 2]
+    turn = np.degrees(np.arccos(np.clip((np.trace(pose.rotation, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0)))
+    ends = np.concatenate([joints.block_a, joints.block_b]).astype(np.int64)
+    owned = np.bincount(ends, minlength=len(solids.centre))
+    loose = (owned > 0) & (np.bincount(ends, np.tile(separated, 2).astype(float), minlength=len(solids.centre)) == owned)
+    return np.asarray(~solids.fixed & (dropped | (turn > thresholds.tilt) | loose))
+
+
+def displacement_max(results: Results) -> float:
+    """Largest displacement of a block's centre of mass relative to the base, over all frames [m]."""
+    return float(displacements(results).max(initial=0.0))
+
+
+def displacements(results: Results) -> np.ndarray:
+    """(F,) largest displacement of a block's centre of mass relative to the base in each frame [m]."""
+    solids, largest = solids_of(results.blocks), np.zeros(results.frames)
+    if solids.fixed.all():
+        return largest
+    step = max(1, CHUNK_BYTES // (24 * len(solids.centre)))
+    for first in range(0, results.frames, step):
+        position = np.asarray(results.position[first : min(first + step, results.frames)], dtype=float)
+        relative = position - base_shift(solids, position)[:, None] - solids.centre
+        largest[first : first + len(position)] = np.linalg.norm(relative[:, ~solids.fixed], axis=2).max(axis=1)
+    return largest
+
+
+def summary(table: JointDamage) -> dict[str, int]:
+    """Numbers of joints by state: joints_opened, joints_slid, joints_separated. Each joint counts once, by the word in its row."""
+    return {f"joints_{state}": int(np.count_nonzero(table.state == state)) for state in STATES[1:]}
+
+
+def shock_rows(results: Results, thresholds: Thresholds | None = None) -> list[dict[str, Any]]:
+    """What the structure had suffered after each shock of a sequence and its rest, those before included."""
+    rows = []
+    for i, shock in enumerate(results.shocks):
+        table = joint_damage(results, thresholds, i)
+        rest_end = float(results.time[shock.frame])
+        rows.append(
+            {"name": shock.name, "start": shock.start, "end": shock.end, "rest_end": rest_end}
+            | summary(table)
+            | {
+                "collapsed_blocks": len(collapsed_blocks(results, thresholds, shock.frame)),
+                "opening_max": float(table.max_opening.max(initial=0.0)),
+                "sliding_max": float(table.max_sliding.max(initial=0.0)),
+                "residual_opening_max": float(table.residual_opening.max(initial=0.0)),
+                "residual_sliding_max": float(table.residual_sliding.max(initial=0.0)),
+            }
+        )
+    return rows
+
+
+def write_joints_csv(table: JointDamage, path: Path) -> None:
+    """Write one row per joint; the columns are the fields of :class:`JointDamage`, an unknown time is left empty.
+
+    The share that is bonded is a column of runs with bonds only.
+    """
+    columns = [item.name for item in fields(table) if item.name != BONDED or not np.isnan(table.bonded).all()]
+    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*(map(_text, getattr(table, name).tolist()) for name in columns), strict=True))
+
+
+def _text(value: Any) -> str:
+    """A cell: numbers with nine digits, NaN as nothing."""
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.9g}"
+    return str(value)
+
+
+def _peaks(results: Results, thresholds: Thresholds, shock: int | None) -> dict[str, np.ndarray]:
+    """Peaks over all steps, or those up to the rest after a shock; over the frames where the run was killed before it wrote them."""
+    found = results.peaks if shock is None else results.peaks_after(shock)
+    peaks = {name: np.array(values, dtype=float) for name, values in found.items()}
+    if not np.isnan(peaks["opening"]).any():
+        if thresholds.opened != OPENING_IN_RUN:  # the run noted the times of its own threshold only
+            first, last = _first_time(results, thresholds.opened), len(results.time) - 1 if shock is None else results.shocks[shock].frame
+            peaks["first_opening_time"] = np.where(first <= results.time[last], first, np.nan)
+        return peaks
+    for name in ("opening", "sliding", "rotation"):
+        peaks[name] = results.joint_history(name).max(axis=0)
+    peaks["contact_area_loss"] = 1.0 - results.joint_history("contact_area").min(axis=0) / results.joints.area
+    peaks["first_opening_time"] = _first_time(results, thresholds.opened)
+    return peaks
+
+
+def _first_time(results: Results, opened: float) -> np.ndarray:
+    """(J,) time of the first frame whose opening reaches a threshold [s], NaN where none does."""
+    beyond = results.joint_history("opening") >= opened
+    return np.where(beyond.any(axis=0), results.time[beyond.argmax(axis=0)], np.nan)

@@ -1,0 +1,198 @@
+r"""Parts of a structure: the groups of its blocks (piers, arches, facade ...), which is what engineers call macro-elements.
+
+A part is a group with at least one free block; a group of supports alone is none. A joint between two parts belongs to both, and a
+joint between a part and a support to the part: sums over the parts therefore exceed the number of the structure, which has a
+row of its own and counts each joint once.
+
+**Levels and drift.** The height of the free blocks at rest is cut into equal levels. The displacement u_k of a part at a level is the
+horizontal mean over its standing blocks whose centre lies there at rest, weighted by volume, relative to the base [m], and z_k the mean
+height of these blocks [m]; a part that stands on supports has their displacement at its foot, level 0. Then
+
+    drift of a level    | u_k - u_j | / (z_k - z_j),     j the next level below
+    drift of the part   max_k | u_k - u_0 | / height,    of parts with two levels at least, height from the foot to the top of the part
+
+The first shows where a structure is sheared, and grows without bound as levels become thinner than the slip of a joint is long; the second
+does not, and grades the part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from masonry_cd.contact.joints import Joints
+from masonry_cd.errors import InputError
+from masonry_cd.io.results import Results
+from masonry_cd.model.blocks import Block, mass_properties
+from reports.damage.joint_damage import Thresholds, fallen_in, parted
+from reports.deformed import Pose, Solids, corner_gaps, frame_index, joint_frame, solids_of
+
+WHOLE = "structure"  # name of the row of the structure as a whole
+LEVELS = 10
+HINGED = 0.25  # a hinge touches where its smallest gap is below this share of its largest
+MERGED = 0.5  # levels whose blocks lie closer than this share of a level's height are not compared
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """P parts and, as row P, the structure as a whole."""
+
+    names: tuple[str, ...]  # P + 1, the last is WHOLE
+    blocks: np.ndarray  # (P + 1, B) bool: free blocks of each
+    joints: np.ndarray  # (P + 1, J) bool: joints of each
+    volume: np.ndarray  # (B,) [m3]
+
+    @property
+    def count(self) -> int:
+        """Number of rows, P + 1."""
+        return len(self.names)
+
+
+def parts_of(blocks: Sequence[Block], joints: Joints) -> Parts:
+    """The parts of a structure.
+
+    Raises:
+        InputError: a group that is called as the whole is.
+    """
+    groups = list(dict.fromkeys(block.group for block in blocks if not block.fixed))
+    if WHOLE in groups:
+        raise InputError(f'group "{WHOLE}": this name stands for the whole in the damage tables; give the group another')
+    of_block = np.array([groups.index(block.group) if block.group in groups else -1 for block in blocks], dtype=np.int64)
+    free = np.array([not block.fixed for block in blocks])
+    member = (of_block == np.arange(len(groups))[:, None]) & free
+    owns = member[:, joints.block_a] | member[:, joints.block_b]
+    return Parts(
+        names=(*groups, WHOLE),
+        blocks=np.concatenate([member, free[None]]),
+        joints=np.concatenate([owns, np.ones((1, joints.count), dtype=bool)]),
+        volume=np.array([mass_properties(block.vertices, block.faces).volume for block in blocks]),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """What is damaged at one frame: J joints, B blocks."""
+
+    pose: Pose
+    opening: np.ndarray  # (J,) largest corner gap [m]
+    gap: np.ndarray  # (J,) smallest corner gap [m]
+    sliding: np.ndarray  # (J,) [m]
+    rotation: np.ndarray  # (J,) [rad]
+    separated: np.ndarray  # (J,)
+    down: np.ndarray  # (B,) fallen blocks
+    live: np.ndarray  # (J,) neither of its blocks has fallen
+    open: np.ndarray  # (J,) live, not separated, opening beyond the threshold
+    slid: np.ndarray  # (J,) likewise by sliding
+    hinged: np.ndarray  # (J,) open at one side and in contact at the other
+    touching: np.ndarray  # (N,) corners where a hinged joint touches
+
+    @classmethod
+    def at(cls, results: Results, frame: int, thresholds: Thresholds) -> Moment:
+        """The damage at a frame."""
+        joints, solids = results.joints, solids_of(results.blocks)
+        pose = Pose.of(results, solids, frame_index(results, frame))
+        opening, sliding, rotation, area = (joint_frame(results, n, frame) for n in ("opening", "sliding", "rotation", "contact_area"))
+        gaps = corner_gaps(joints, solids, pose)
+        least = np.minimum.reduceat(gaps, joints.polygon_start[:-1]) if joints.count else np.zeros(0)
+        separated = parted(joints, least, sliding, area, thresholds)
+        down = fallen_in(joints, solids, pose, separated, thresholds)
+        live = ~(down[joints.block_a] | down[joints.block_b])
+        opened = live & ~separated & (opening >= thresholds.opened)
+        hinged = opened & (least <= HINGED * opening)
+        side = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
+        touching = hinged[side] & (gaps <= (least + 0.1 * (opening - least))[side])
+        slid = live & ~separated & (sliding >= thresholds.slid)
+        return cls(pose, opening, least, sliding, rotation, separated, down, live, opened, slid, hinged, touching)
+
+
+def hinge_places(joints: Joints, moment: Moment) -> np.ndarray:
+    """(J, 3) where each hinged joint touches: the mean of its touching corners at rest [m]; NaN where it is no hinge."""
+    side = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
+    out = np.zeros((joints.count, 3))
+    np.add.at(out, side[moment.touching], joints.polygon[moment.touching])
+    count = np.bincount(side[moment.touching], minlength=joints.count)
+    return np.where(moment.hinged[:, None], out / np.maximum(count, 1)[:, None], np.nan)
+
+
+def side_names(towards: np.ndarray) -> list[str]:
+    """Names of directions (n, 3) by their largest component: ``+x``, ``-z`` ...; empty where there is none."""
+    names = []
+    for vector in towards:
+        k = int(np.argmax(np.abs(np.nan_to_num(vector))))
+        names.append(f"{'-' if vector[k] < 0 else '+'}{'xyz'[k]}" if np.abs(vector[k]) > 0 else "")
+    return names
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """L levels over the height of the free blocks."""
+
+    bounds: np.ndarray  # (L + 1,) [m]
+    of_block: np.ndarray  # (B,) level of each block's centre at rest
+    foot: np.ndarray  # (P + 1,) height where a part stands on supports [m], NaN where it stands on none
+    footing: np.ndarray  # (P + 1, B) the supports that it stands on
+    ends: np.ndarray  # (P + 1, 2) lowest and highest corner of a part [m]
+
+    @classmethod
+    def of(cls, solids: Solids, joints: Joints, parts: Parts, count: int = LEVELS) -> Levels:
+        """Cut the height of a structure into levels."""
+        free = ~solids.fixed
+        z = solids.vertices[free[solids.vertex_block], 2]
+        bounds = np.linspace(z.min(), z.max(), count + 1)
+        of_block = np.clip(np.searchsorted(bounds, solids.centre[:, 2], side="right") - 1, 0, count - 1)
+        foot, footing = np.full(parts.count, np.nan), np.zeros((parts.count, len(free)), dtype=bool)
+        held = solids.fixed[joints.block_a] | solids.fixed[joints.block_b]
+        height = joints.centres()[:, 2]
+        ends_z = np.empty((parts.count, 2))
+        for p in range(parts.count):
+            corners = solids.vertices[parts.blocks[p][solids.vertex_block], 2]
+            ends_z[p] = corners.min(), corners.max()
+            mine = np.flatnonzero(parts.joints[p] & held)
+            ends = np.concatenate([joints.block_a[mine], joints.block_b[mine]])
+            footing[p, ends[solids.fixed[ends]]] = True
+            foot[p] = height[mine].min() if len(mine) else np.nan
+        return cls(bounds, of_block, foot, footing, ends_z)
+
+    def profile(self, part: int, parts: Parts, solids: Solids, moment: Moment) -> Profile:
+        """Heights and displacements of a part, level by level, from its standing blocks."""
+        count = len(self.bounds) - 1
+        standing = parts.blocks[part] & ~moment.down
+        level, weight = self.of_block[standing], parts.volume[standing]
+        moved = moment.pose.displacement(solids)
+        filled = np.bincount(level, weight, minlength=count)
+        kept = np.flatnonzero(filled)
+        sums = [np.bincount(level, weight * v, minlength=count)[kept] for v in (solids.centre[standing, 2], *moved[standing, :2].T)]
+        height, *plan = (values / filled[kept] for values in sums)
+        shift = np.stack(plan, axis=1)
+        if np.isfinite(self.foot[part]):
+            height = np.concatenate([[self.foot[part]], height])
+            shift = np.concatenate([moved[self.footing[part], :2].mean(axis=0)[None], shift])
+            kept = np.concatenate([[-1], kept])
+        least = MERGED * float(np.diff(self.bounds)[0])
+        low, high = self.ends[part]
+        overall = float(np.linalg.norm(shift - shift[:1], axis=1).max(initial=0.0)) / (high - low) if (kept >= 0).sum() > 1 else 0.0
+        return Profile(kept, height, shift, _drifts(height, shift, least), overall)
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A part over its height: n levels that hold blocks, the support first where it stands on one."""
+
+    level: np.ndarray  # (n,) -1 for the support
+    height: np.ndarray  # (n,) of the centres [m]
+    shift: np.ndarray  # (n, 2) horizontal displacement relative to the base [m]
+    drift: np.ndarray  # (n,) towards the level below; NaN for the lowest
+    overall: float  # drift of the part
+
+
+def _drifts(height: np.ndarray, shift: np.ndarray, least: float) -> np.ndarray:
+    """Drift of each level towards the next one below that is at least so far away [m]; a thin lowest course counts from its foot."""
+    out = np.full(len(height), np.nan)
+    for k in range(1, len(height)):
+        below = np.flatnonzero(height[:k] <= height[k] - least)
+        if len(below):
+            j = below[-1]
+            out[k] = np.linalg.norm(shift[k] - shift[j]) / (height[k] - height[j])
+    return out

@@ -1,0 +1,177 @@
+r"""How a part gave way: words for its mechanism, from the geometry of a frame alone.
+
+By the first rule that holds; ``others`` lists those that hold as well:
+
+1. *falling blocks*: at least one block of the part has fallen (:mod:`reports.damage.joint_damage`).
+2. *out-of-plane overturning*: a piece of the part that is a wall (``thin`` or thinner in plan, and higher than it is thick) has turned
+   about the direction of its length. A *piece* is a set of blocks joined inside the part: the two walls of a nave are two pieces.
+   It has turned when the blocks of its upper half, of volumes V and rotation vectors w, turn enough about the axis a, and mostly in
+   one sense:
+
+       | sum V w . a | >= turned * sum V      and      | sum V w . a | >= coherent * sum V |w . a|
+
+3. *overturning*: likewise, about any horizontal axis, of a piece that is compact in plan and higher than wide: a tower, a pier.
+4. *hinging*, *sliding* or *parting*, by the largest of these sums over the part's joints between standing blocks [m3]:
+
+       hinging  area * opening of joints that are open at one side and touch at the other
+       sliding  area * sliding of slid joints
+       parting  area * smallest gap of joints that are open over their whole face
+
+5. *none*.
+
+Joints below the thresholds of damage count nothing. The rules see a frame, at the end of a run what has remained: an arch that has
+rocked on four hinges and closed again shows none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial.transform import Rotation
+
+from masonry_cd.contact.joints import Joints
+from masonry_cd.errors import InputError
+from reports.damage.macro_elements import Moment, Parts
+from reports.deformed import Solids
+
+NONE, HINGING, SLIDING, PARTING = "none", "hinging", "sliding", "parting"
+FALLING, OUT_OF_PLANE, OVERTURNING = "falling blocks", "out-of-plane overturning", "overturning"
+MECHANISMS = (NONE, PARTING, SLIDING, HINGING, OVERTURNING, OUT_OF_PLANE, FALLING)
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Numbers of the rules above.
+
+    Attributes:
+        turned: rotation of a piece that overturns [rad]; 0.01 rad is a lean of 1 %.
+        coherent: share of the turning that must be in one sense.
+        thin: thickness of a wall over its length.
+        slender: height of a compact piece over its longer side in plan.
+    """
+
+    turned: float = 0.01
+    coherent: float = 0.5
+    thin: float = 0.5
+    slender: float = 1.25
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not (np.isfinite(value) and value > 0):
+                raise InputError(f"rules.{item.name}: must be positive, got {value!r}")
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Blocks joined inside a part that could overturn together."""
+
+    part: int
+    upper: np.ndarray  # indices of the blocks of its upper half
+    axis: np.ndarray | None  # (3,) direction of its length when it is a wall, None when it is compact
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """What happened to a part.
+
+    Attributes:
+        name: one of MECHANISMS.
+        others: which others hold as well.
+        turn: largest mean rotation of a piece [rad], of those that may overturn.
+        towards: where the top of that piece went, e.g. ``+y``; empty where it did not turn.
+    """
+
+    name: str
+    others: tuple[str, ...]
+    turn: float
+    towards: str
+
+
+def pieces_of(solids: Solids, joints: Joints, parts: Parts, rules: Rules) -> tuple[Piece, ...]:
+    """The pieces of all parts that are walls, or compact and slender, by their shape at rest."""
+    found = []
+    count = len(solids.centre)
+    for p in range(parts.count - 1):
+        inside = parts.blocks[p][joints.block_a] & parts.blocks[p][joints.block_b]
+        links = coo_array((np.ones(int(inside.sum())), (joints.block_a[inside], joints.block_b[inside])), shape=(count, count))
+        label = connected_components(links, directed=False)[1]
+        mine = np.flatnonzero(parts.blocks[p])
+        order = mine[np.argsort(label[mine], kind="stable")]
+        for members in np.split(order, np.flatnonzero(np.diff(label[order])) + 1):
+            piece = _piece(p, members, solids, parts, rules)
+            if piece is not None:
+                found.append(piece)
+    return tuple(found)
+
+
+def mechanisms(moment: Moment, joints: Joints, parts: Parts, pieces: tuple[Piece, ...], rules: Rules) -> tuple[Mechanism, ...]:
+    """The mechanism of each part and, last, of the structure: the gravest of its parts'."""
+    weights = _joint_weights(moment, joints)
+    turn, towards = np.zeros(parts.count), [""] * parts.count
+    held: list[set[str]] = [set() for _ in range(parts.count)]
+    spin = Rotation.from_matrix(moment.pose.rotation).as_rotvec()
+    for piece in pieces:
+        angle, direction = _turn(piece, moment, parts, spin, rules)
+        if angle > turn[piece.part]:
+            turn[piece.part], towards[piece.part] = angle, direction
+        if angle >= rules.turned:
+            held[piece.part].add(OVERTURNING if piece.axis is None else OUT_OF_PLANE)
+    out = []
+    for p in range(parts.count):
+        if p == parts.count - 1:
+            whole = int(np.argmax(turn))
+            turn[p], towards[p] = turn[whole], towards[whole]
+            held[p] = set().union(*held)
+        score = {name: float(weights[name][parts.joints[p]].sum()) for name in weights}
+        held[p] |= {name for name, value in score.items() if value > 0}
+        if (moment.down & parts.blocks[p]).any():
+            held[p].add(FALLING)
+        ranked = sorted(held[p], key=lambda name: (name in score, -score.get(name, 0.0), -MECHANISMS.index(name)))
+        out.append(Mechanism(ranked[0] if ranked else NONE, tuple(ranked[1:]), float(turn[p]), towards[p]))
+    return tuple(out)
+
+
+def _joint_weights(moment: Moment, joints: Joints) -> dict[str, np.ndarray]:
+    """(J,) contribution of each joint to the three sums of rule 4 [m3]."""
+    return {
+        HINGING: np.where(moment.hinged, joints.area * moment.opening, 0.0),
+        SLIDING: np.where(moment.slid, joints.area * moment.sliding, 0.0),
+        PARTING: np.where(moment.open & ~moment.hinged, joints.area * np.maximum(moment.gap, 0.0), 0.0),
+    }
+
+
+def _piece(part: int, members: np.ndarray, solids: Solids, parts: Parts, rules: Rules) -> Piece | None:
+    """The piece that some blocks form, if its shape at rest lets it overturn."""
+    corners = solids.vertices[np.isin(solids.vertex_block, members)]
+    plan = corners[:, :2] - corners[:, :2].mean(axis=0)
+    axes = np.linalg.svd(plan, full_matrices=False)[2]  # the first along the length
+    length, thickness = np.ptp(plan @ axes.T, axis=0)
+    height = float(np.ptp(corners[:, 2]))
+    wall = thickness <= rules.thin * length
+    if height <= (thickness if wall else rules.slender * length):
+        return None
+    z, volume = solids.centre[members, 2], parts.volume[members]
+    order = np.argsort(-z, kind="stable")
+    half = np.searchsorted(np.cumsum(volume[order]), 0.5 * volume.sum()) + 1
+    return Piece(part, members[order[:half]], np.array([*axes[0], 0.0]) if wall else None)
+
+
+def _turn(piece: Piece, moment: Moment, parts: Parts, spin: np.ndarray, rules: Rules) -> tuple[float, str]:
+    """Mean rotation of a piece's upper half [rad], 0 where it turns in many senses, and where its top goes."""
+    upper = piece.upper[~moment.down[piece.upper]]
+    if not len(upper):
+        return 0.0, ""
+    weight = parts.volume[upper] / parts.volume[upper].sum()
+    mean = weight @ spin[upper]
+    axis = piece.axis if piece.axis is not None else np.array([mean[0], mean[1], 0.0]) / max(float(np.hypot(*mean[:2])), 1e-300)
+    about = spin[upper] @ axis
+    total = float(weight @ about)
+    if abs(total) < rules.coherent * float(weight @ np.abs(about)) or abs(total) < 1e-9:
+        return 0.0, ""
+    top = np.cross(total * axis, [0.0, 0.0, 1.0])
+    k = int(np.argmax(np.abs(top)))
+    return abs(total), f"{'-' if top[k] < 0 else '+'}{'xy'[k]}"

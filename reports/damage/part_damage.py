@@ -1,0 +1,269 @@
+"""The damage of a run by part: at the end, and frame by frame.
+
+What a part is and which joints it owns says :mod:`reports.damage.macro_elements`, the mechanisms :mod:`reports.damage.mechanism`, the
+grades :mod:`reports.damage.grades`. Two kinds of numbers stand side by side and must not be mixed up:
+
+- ``opened``, ``slid``, ``separated`` count each joint once by the word of joints.csv, which is what it suffered at any time;
+- ``open``, ``slipped``, ``apart``, ``hinges`` and the crack widths say what is the case at the frame: at the end, what has remained. They
+  leave out joints one of whose blocks has fallen; such blocks are counted as lost.
+
+A crack's width is the opening of a joint that is open at the end and not separated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.contact.joints import Joints
+from masonry_cd.io.results import Results
+from reports.damage.grades import Grades, grade_of
+from reports.damage.joint_damage import JointDamage, Thresholds, joint_damage
+from reports.damage.macro_elements import Levels, Moment, Parts, Profile, hinge_places, parts_of, side_names
+from reports.damage.mechanism import Mechanism, Rules, mechanisms, pieces_of
+from reports.deformed import Solids, solids_of
+from reports.drawing.figure import classes
+
+Row = dict[str, Any]
+
+LARGEST = 0.05  # where the last class of crack widths begins [m], as on the crack map
+FRAMES = 300  # of the history at most; longer runs are thinned out evenly, their first and last frame kept
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What counts as damage, and from where on it is which grade."""
+
+    thresholds: Thresholds = field(default_factory=Thresholds)
+    rules: Rules = field(default_factory=Rules)
+    grades: Grades = field(default_factory=Grades)
+
+
+@dataclass(frozen=True, eq=False)
+class PartDamage:
+    """The tables of a run's damage; lists of rows with equal keys, ready for CSV and JSON."""
+
+    title: str
+    time: float  # of the last frame [s]
+    settings: Settings
+    width_classes: tuple[float, ...]  # lower bounds [m]
+    parts: list[Row]  # one per part, then the structure
+    shocks: list[Row]  # the same after each shock of a sequence and its rest; empty for any other run
+    history: list[Row]  # one per frame and part
+    hinges: list[Row]  # one per joint that was a hinge at a frame
+    levels: list[Row]  # one per part and level
+
+
+def part_damage(results: Results, settings: Settings | None = None) -> PartDamage:
+    """The damage of a run by part.
+
+    Raises:
+        InputError: a group of blocks named as the structure as a whole is.
+    """
+    settings = settings or Settings()
+    view = _View.of(results, settings)
+    watch = _Watch(view)
+    evenly = np.linspace(0, results.frames - 1, min(results.frames, FRAMES)).round().astype(int)
+    after = {shock.frame: i for i, shock in enumerate(results.shocks)}
+    history: list[Row] = []
+    shocks: list[Row] = []
+
+    def parts(table: JointDamage, moment: Moment) -> list[Row]:
+        last = history[-view.parts.count :]
+        return [_part_row(view, watch, table, moment, p, last[p]) for p in range(view.parts.count)]
+
+    for frame in np.unique([*evenly, *after]):
+        moment = Moment.at(results, int(frame), settings.thresholds)
+        history += watch.add(moment)
+        if frame in after:
+            i = after[frame]
+            named = {"shock": results.shocks[i].name}
+            shocks += [named | row for row in parts(joint_damage(results, settings.thresholds, i), moment)]
+    table = joint_damage(results, settings.thresholds)
+    return PartDamage(
+        title=results.title,
+        time=float(results.time[-1]),
+        settings=settings,
+        width_classes=view.widths,
+        parts=parts(table, moment),
+        shocks=shocks,
+        history=history,
+        hinges=_hinge_rows(view, watch, table, moment),
+        levels=watch.level_rows(),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _View:
+    """What does not change over the frames."""
+
+    solids: Solids
+    joints: Joints
+    parts: Parts
+    levels: Levels
+    names: tuple[str, ...]
+    pieces: tuple[Any, ...]
+    settings: Settings
+    widths: tuple[float, ...]
+
+    @classmethod
+    def of(cls, results: Results, settings: Settings) -> _View:
+        solids, joints = solids_of(results.blocks), results.joints
+        parts = parts_of(results.blocks, joints)
+        return cls(
+            solids=solids,
+            joints=joints,
+            parts=parts,
+            levels=Levels.of(solids, joints, parts),
+            names=tuple(block.name for block in results.blocks),
+            pieces=pieces_of(solids, joints, parts, settings.rules),
+            settings=settings,
+            widths=tuple(classes(settings.thresholds.opened, max(LARGEST, settings.thresholds.opened))),
+        )
+
+
+class _Watch:
+    """Goes through the frames and keeps what only the history tells: peaks of drift, and hinges that have closed again."""
+
+    def __init__(self, view: _View) -> None:
+        self._view = view
+        count = view.joints.count
+        self.drift_max = np.zeros(view.parts.count)
+        self.widest = np.zeros(count)  # opening of each joint while it was a hinge [m]
+        self.place = np.full((count, 3), np.nan)
+        self.when = np.full(count, np.nan)
+        self.profiles: list[Profile] = []
+        self._level_peaks: list[dict[int, tuple[float, float]]] = [{} for _ in range(view.parts.count)]
+
+    def add(self, moment: Moment) -> list[Row]:
+        """Take in a frame; return its row of each part."""
+        view = self._view
+        self.profiles = [view.levels.profile(p, view.parts, view.solids, moment) for p in range(view.parts.count)]
+        self.drift_max = np.maximum(self.drift_max, [profile.overall for profile in self.profiles])
+        for peaks, profile in zip(self._level_peaks, self.profiles, strict=True):
+            for level, shift, drift in zip(profile.level, profile.shift, profile.drift, strict=True):
+                before = peaks.get(int(level), (0.0, 0.0))
+                peaks[int(level)] = max(before[0], float(np.hypot(*shift))), max(before[1], float(np.nan_to_num(drift)))
+        wider = moment.hinged & (moment.opening > self.widest)
+        self.widest[wider], self.when[wider] = moment.opening[wider], moment.pose.time
+        self.place[wider] = hinge_places(view.joints, moment)[wider]
+        how = mechanisms(moment, view.joints, view.parts, view.pieces, view.settings.rules)
+        return [_frame_row(view, moment, p, self.profiles[p], how[p]) for p in range(view.parts.count)]
+
+    def level_rows(self) -> list[Row]:
+        """Displacement and drift of each part and level: at the last frame, and the largest over all frames."""
+        rows = []
+        bounds = self._view.levels.bounds
+        for name, profile, peaks in zip(self._view.parts.names, self.profiles, self._level_peaks, strict=True):
+            for k, level in enumerate(profile.level):
+                largest = peaks[int(level)]
+                rows.append(
+                    {
+                        "part": name,
+                        "level": int(level) + 1,  # 0 is the support
+                        "from_z": float(bounds[level]) if level >= 0 else profile.height[k],
+                        "to_z": float(bounds[level + 1]) if level >= 0 else profile.height[k],
+                        "mean_z": profile.height[k],
+                        "residual_x": profile.shift[k, 0],
+                        "residual_y": profile.shift[k, 1],
+                        "largest_displacement": largest[0],
+                        "residual_drift": profile.drift[k],
+                        "largest_drift": largest[1] if np.isfinite(profile.drift[k]) else np.nan,
+                    }
+                )
+        return rows
+
+
+def _frame_row(view: _View, moment: Moment, part: int, profile: Profile, how: Mechanism) -> Row:
+    """What is the case in a part at a frame."""
+    own, area = view.parts.joints[part], view.joints.area
+    live = own & moment.live
+    apart, standing = live & moment.separated, live & ~moment.separated
+    lost = view.parts.blocks[part] & moment.down
+    return {
+        "time": moment.pose.time,
+        "part": view.parts.names[part],
+        "open": int((own & moment.open).sum()),
+        "open_area": float(area[own & moment.open].sum()),
+        "slipped": int((own & moment.slid).sum()),
+        "slipped_area": float(area[own & moment.slid].sum()),
+        "apart": int(apart.sum()),
+        "apart_area": float(area[apart].sum()),
+        "hinges": int((own & moment.hinged).sum()),
+        "opening": float(moment.opening[standing].max(initial=0.0)),
+        "sliding": float(moment.sliding[standing].max(initial=0.0)),
+        "drift": profile.overall,
+        "lost_blocks": int(lost.sum()),
+        "lost_share": float(view.parts.volume[lost].sum() / view.parts.volume[view.parts.blocks[part]].sum()),
+        "mechanism": how.name,
+        "other_mechanisms": ", ".join(how.others),
+        "turn": how.turn,
+        "turn_towards": how.towards,
+    }
+
+
+def _part_row(view: _View, watch: _Watch, table: JointDamage, moment: Moment, part: int, last: Row) -> Row:
+    """A part at the end of the run."""
+    own = view.parts.joints[part]
+    row: Row = {
+        "part": last["part"],
+        "blocks": int(view.parts.blocks[part].sum()),
+        "joints": int(own.sum()),
+        "joint_area": float(view.joints.area[own].sum()),
+    }
+    for state in ("opened", "slid", "separated"):
+        having = own & (table.state == state)
+        row |= {state: int(having.sum()), f"{state}_area": float(view.joints.area[having].sum())}
+    first = table.first_opening_time[own]
+    row |= {
+        "max_opening": float(table.max_opening[own].max(initial=0.0)),
+        "max_sliding": float(table.max_sliding[own].max(initial=0.0)),
+        "first_opening_time": float(np.nanmin(first)) if np.isfinite(first).any() else np.nan,
+        "hinges_ever": int((own & np.isfinite(watch.when)).sum()),
+    }
+    renamed = {"opening": "residual_opening", "sliding": "residual_sliding", "drift": "residual_drift"}
+    row |= {renamed.get(key, key): value for key, value in last.items() if key not in ("time", "part")}
+    row["max_drift"] = float(watch.drift_max[part])
+    row["lost_names"] = [view.names[i] for i in np.flatnonzero(view.parts.blocks[part] & moment.down)]
+    row |= _histogram(view, moment, own)
+    # a joint between standing blocks that is separated is a crack as well: its width counts for the grade
+    live = own & moment.live
+    width = max(float(moment.opening[live].max(initial=0.0)), float(moment.sliding[live].max(initial=0.0)))
+    grade = grade_of(width, row["residual_drift"], row["lost_share"], view.settings.grades)
+    return row | {"grade": grade.name, "grade_label": grade.label, "grade_reason": grade.reason}
+
+
+def _histogram(view: _View, moment: Moment, own: np.ndarray) -> Row:
+    """Joints by class of residual width: ``crack_0.1_mm`` holds widths from 0.1 mm to the next class."""
+    width = moment.opening[own & moment.open]
+    place = np.searchsorted(view.widths, width, side="right") - 1
+    counts = np.bincount(place, minlength=len(view.widths))
+    return {f"crack_{1000 * bound:.3g}_mm": int(count) for bound, count in zip(view.widths, counts, strict=True)}
+
+
+def _hinge_rows(view: _View, watch: _Watch, table: JointDamage, moment: Moment) -> list[Row]:
+    """The joints that were hinges at some frame, where they touched when they were widest open."""
+    ever = np.flatnonzero(np.isfinite(watch.when))
+    sides = side_names(watch.place[ever] - view.joints.centres()[ever])
+    rows = []
+    for j, side in zip(ever, sides, strict=True):
+        owners = [name for name, own in zip(view.parts.names[:-1], view.parts.joints, strict=False) if own[j]]
+        rows.append(
+            {
+                "joint": int(j),
+                "block_a": table.block_a[j],
+                "block_b": table.block_b[j],
+                "parts": ", ".join(owners),
+                "x": watch.place[j, 0],
+                "y": watch.place[j, 1],
+                "z": watch.place[j, 2],
+                "touches_towards": side,
+                "opening": watch.widest[j],
+                "time": watch.when[j],
+                "residual_opening": moment.opening[j],
+                "at_end": bool(moment.hinged[j]),
+            }
+        )
+    return rows

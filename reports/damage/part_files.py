@@ -1,0 +1,145 @@
+"""Writes the damage of parts: four or five CSV tables for spreadsheets, and one JSON file with the same numbers.
+
+damage.csv           one row per part and, last, the structure: the end of the run
+damage_history.csv   one row per frame and part
+hinges.csv           one row per joint that was a hinge at a frame
+drift.csv            one row per part and level
+damage_shocks.csv    the rows of damage.csv after each shock of a sequence and its rest; for such runs only
+damage.json          all of these, with the thresholds, rules and grades that made them
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.atomic import replacing
+from reports.damage.grades import NAMES
+from reports.damage.part_damage import PartDamage, Row
+
+NAMES_OF_FILES = ("damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json")
+BY_SHOCK = "damage_shocks.csv"
+SHORT = (
+    "part", "blocks", "joints", "grade", "grade_label", "grade_reason", "mechanism", "opened", "slid", "separated", "lost_blocks",
+    "max_opening", "max_sliding", "residual_opening", "residual_sliding", "residual_drift",
+)  # fmt: skip
+DIGITS = 9
+NOTE = (
+    "A part is a group of blocks. A joint between two parts belongs to both, so the parts add up to more than the structure, which "
+    "counts each joint once. opened, slid and separated: what each joint suffered at any time, as in joints.csv; open, slipped, apart, "
+    "hinges and residual values: what is left at the end, between blocks that have not fallen. SI units."
+)
+
+
+def write_part_damage(damage: PartDamage, folder: Path) -> tuple[Path, ...]:
+    """Write all tables into a folder; return their paths."""
+    paths = tuple(folder / name for name in NAMES_OF_FILES)
+    empty: dict[str, Sequence[str]] = {"hinges.csv": HINGE_COLUMNS}
+    for path, rows in zip(paths, (damage.parts, damage.history, damage.hinges, damage.levels), strict=False):
+        _write_csv(rows, path, empty.get(path.name, ()))
+    with replacing(paths[-1]) as part:
+        part.write_text(json.dumps(as_json(damage), indent=1) + "\n", encoding="utf-8")
+    if not damage.shocks:
+        return paths
+    _write_csv(damage.shocks, folder / BY_SHOCK)
+    return *paths, folder / BY_SHOCK
+
+
+HINGE_COLUMNS = ("joint", "block_a", "block_b", "parts", "x", "y", "z", "touches_towards", "opening", "time", "residual_opening", "at_end")
+
+
+def as_json(damage: PartDamage) -> dict[str, Any]:
+    """The tables as one JSON document, numbers with as many digits as in the CSV files, unknown ones null."""
+    settings = damage.settings
+    grades = settings.grades
+    bounds = {name: dict(zip(NAMES[1:], getattr(grades, name), strict=True)) for name in ("width", "drift", "lost")}
+    return _plain(
+        {
+            "title": damage.title,
+            "time": damage.time,
+            "note": NOTE,
+            "thresholds": asdict(settings.thresholds),
+            "rules": asdict(settings.rules),
+            "grades": {"labels": dict(zip(NAMES, grades.labels, strict=True)), "reached_from": bounds},
+            "crack_classes": damage.width_classes,
+            "parts": damage.parts,
+            "shocks": damage.shocks,
+            "hinges": damage.hinges,
+            "levels": damage.levels,
+            "history": _by_part(damage.history),
+        }
+    )
+
+
+def part_lines(parts: Sequence[Row]) -> list[str]:
+    """The grade and mechanism of each part in a line, for the terminal; the gravest first, the undamaged ones counted only.
+
+    Args:
+        parts: rows as in damage.csv, the structure last.
+    """
+    rows = sorted(parts[:-1], key=lambda row: row["grade"], reverse=True)
+    damaged, sound = [row for row in rows if row["grade"] != NAMES[0]], [row for row in rows if row["grade"] == NAMES[0]]
+    lines = [f"{'part':<20} {'grade':<5} {'mechanism':<24} {'opened':>6} {'slid':>6} {'lost':>6} {'crack mm':>9} {'drift %':>8}"]
+    for row in [*damaged, parts[-1]]:
+        drift = math.nan if row["residual_drift"] is None else row["residual_drift"]
+        lines.append(
+            f"{row['part']:<20} {row['grade']:<5} {row['mechanism']:<24} {row['opened']:>6} {row['slid']:>6} {row['lost_blocks']:>6} "
+            f"{1000 * row['residual_opening']:>9.3g} {100 * drift:>8.3g}"
+        )
+    if sound:
+        lines.append(f"{len(sound)} of {len(rows)} parts: {NAMES[0]}, {sound[0]['grade_label']}")
+    return lines
+
+
+def in_short(parts: Sequence[Row]) -> list[Row]:
+    """The columns of damage.csv that a summary has room for."""
+    return [{key: row[key] for key in SHORT} for row in parts]
+
+
+def _by_part(history: Sequence[Row]) -> dict[str, Any]:
+    """The history as columns by part: shorter, and what a plot wants."""
+    out: dict[str, Any] = {"time": list(dict.fromkeys(row["time"] for row in history)), "parts": {}}
+    for row in history:
+        columns = out["parts"].setdefault(row["part"], {key: [] for key in row if key not in ("time", "part")})
+        for key, column in columns.items():
+            column.append(row[key])
+    return out
+
+
+def _write_csv(rows: Sequence[Row], path: Path, columns: Sequence[str] = ()) -> None:
+    """One line per row; lists are joined by blanks, unknown numbers left empty."""
+    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(rows[0] if rows else columns)
+        writer.writerows([_cell(value) for value in row.values()] for row in rows)
+
+
+def _cell(value: Any) -> str:
+    """A cell of a table."""
+    if isinstance(value, (list, tuple)):
+        return " ".join(map(_cell, value))
+    if isinstance(value, (float, np.floating)):
+        return "" if math.isnan(value) else f"{value:.{DIGITS}g}"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _plain(value: Any) -> Any:
+    """What JSON knows: NaN becomes null, infinity the text ``inf``."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float):
+        if math.isinf(value):
+            return "inf"
+        return None if math.isnan(value) else float(f"{value:.{DIGITS}g}")
+    return value

@@ -1,0 +1,1 @@
+"""Pictures: rendering, the figure around a model, structures and refused blocks."""

@@ -1,0 +1,153 @@
+"""The picture of a structure before any run: blocks coloured by group."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.model.blocks import Block
+from reports.deformed import Solids
+from reports.drawing.figure import Box, Paint, Sheet, in_metres, layout
+from reports.drawing.render import Lines, Surface, View, Window, render, view_named
+
+# light enough for black edges, apart in hue and in grey; supports are always the grey one
+SUPPORT = "#a9adb0"
+PALETTE = ("#e6d9bd", "#9fc3dd", "#e9a77c", "#b9d3a4", "#cbb3d9", "#f3dc84", "#8fb8b0", "#dba3ad", "#b7a58a", "#c6d9ea")
+EDGE = "#4a4640"
+MOTTLE = 0.025  # blocks of one colour differ by this share, as stones do
+
+
+def structure_picture(blocks: Sequence[Block], path: Path, title: str, view: str = "auto") -> None:
+    """Draw the blocks by group, with a key and a scale bar, into a PNG.
+
+    Args:
+        blocks: of the structure.
+        path: of the PNG.
+        title: of the picture.
+        view: auto (front where all blocks are prisms across y, else isometric), front, back, side, top or isometric.
+
+    Raises:
+        InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
+    """
+    solids = Solids.from_blocks(blocks)
+    looking = view_named(auto_view(solids) if view == "auto" else view)
+    window = structure_window(solids, looking)
+    plan = layout(window.width / window.height)
+    window = window.fitted(plan.pixels)
+    families = families_of(blocks)
+    layers = block_layers(solids, solids.vertices, _block_colours(len(blocks), families), looking, window)
+    sheet = Sheet(plan)
+    sheet.model(render(layers, looking, window, plan.pixels))
+    extent = " × ".join(in_metres(v) for v in np.ptp(solids.vertices[~solids.fixed[solids.vertex_block]], axis=0))
+    sheet.head(title, f"{len(blocks)} blocks · {extent} (x, y, z) without supports · {looking.name} view")
+    _keys(sheet, families, window)
+    sheet.save(path)
+
+
+def auto_view(solids: Solids) -> str:
+    """``front`` for planar structures: free blocks that are prisms across y and span one common width; else ``isometric``."""
+    free = ~solids.fixed if not solids.fixed.all() else solids.fixed
+    across = np.abs(solids.face_normals[free[solids.face_block], 1])
+    prisms = bool(((across < 1e-6) | (across > 1 - 1e-6)).all())
+    y = solids.vertices[free[solids.vertex_block], 1]
+    common = bool((solids.sizes[free, 1] > (1 - 1e-6) * np.ptp(y)).all())
+    return "front" if prisms and common else "isometric"
+
+
+def structure_window(solids: Solids, view: View) -> Window:
+    """The window around the free blocks; wide supports, such as the ground, may run out of the picture."""
+    whole = around(view.plane(solids.vertices), 0.03)
+    if solids.fixed.all():
+        return whole
+    free = around(view.plane(solids.vertices[~solids.fixed[solids.vertex_block]]), 0.10)
+    return Window(max(whole.left, free.left), min(whole.right, free.right), max(whole.bottom, free.bottom), min(whole.top, free.top))
+
+
+def around(plane: np.ndarray, margin: float) -> Window:
+    """The window around points (N, 2), with a margin as a share of the larger side."""
+    (left, bottom), (right, top) = plane.min(axis=0), plane.max(axis=0)
+    pad = margin * max(right - left, top - bottom)
+    return Window(float(left - pad), float(right + pad), float(bottom - pad), float(top + pad))
+
+
+def rgb(colour: str) -> np.ndarray:
+    """``#rrggbb`` as (3,) in 0..1."""
+    return np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255.0
+
+
+def block_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, view: View, window: Window) -> list[Surface | Lines]:
+    """The faces of all blocks, shaded in colours (B, 3) 0..1, and their edges, drawn thin just before them."""
+    count = len(colours)
+    stone = 1.0 + MOTTLE * (2.0 * ((np.arange(count) * 0.6180339887498949) % 1.0) - 1.0)  # golden ratio: neighbours differ
+    shade = np.clip(255.0 * colours * stone[:, None], 0, 255).astype(np.uint8)
+    lift = 5e-4 * window.height * view.towards
+    thin = 1.2 if count < 2000 else 0.7
+    return [
+        Surface(vertices, solids.loops, solids.loop_start, shade[solids.face_block]),
+        Lines(vertices + lift, solids.edges(), EDGE, thin),
+    ]
+
+
+def box_swatch(axes: Any, place: Box, colour: str) -> None:
+    """A filled box of a key."""
+    from matplotlib.patches import Rectangle
+
+    axes.add_patch(Rectangle(place[:2], *place[2:], facecolor=colour, edgecolor=EDGE, linewidth=1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Blocks that one colour stands for: a group, or numbered groups (pier1, pier2 ...) taken together."""
+
+    text: str
+    members: np.ndarray  # indices of blocks
+    colour: str
+
+
+def families_of(blocks: Sequence[Block]) -> list[Family]:
+    """The groups of blocks; where they outnumber the colours, numbered groups together. Groups of supports are grey."""
+    named = [b.group for b in blocks]
+    if len(set(named)) > len(PALETTE) + 1:
+        named = [re.sub(r"\d+", "#", name) for name in named]
+    names = np.array(named, dtype=object)
+    out: list[Family] = []
+    for name in dict.fromkeys(named):
+        members = np.flatnonzero(names == name)
+        groups = list(dict.fromkeys(blocks[int(i)].group for i in members))
+        text = groups[0] if len(groups) == 1 else f"{groups[0]} to {groups[-1]}"
+        support = all(blocks[int(i)].fixed for i in members)
+        free = sum(family.colour != SUPPORT for family in out)
+        out.append(Family(f"{text} ({len(members)})", members, SUPPORT if support else PALETTE[free % len(PALETTE)]))
+    return out
+
+
+def no_swatch(axes: Any, place: Box) -> None:
+    """A row of a key without a sign."""
+
+
+def _block_colours(count: int, families: Sequence[Family]) -> np.ndarray:
+    """(B, 3) in 0..1."""
+    out = np.empty((count, 3))
+    for family in families:
+        out[family.members] = rgb(family.colour)
+    return out
+
+
+def _keys(sheet: Sheet, families: Sequence[Family], window: Window) -> None:
+    """The families in columns, and the scale bar."""
+    rows: list[tuple[Paint, str]] = [(partial(box_swatch, colour=family.colour), family.text) for family in families]
+    boxes = sheet.plan.keys(3 if sheet.plan.beside else 5)
+    per_column = int((boxes[0][3] - 6) // 32)
+    room = (len(boxes) - 1) * per_column
+    if len(rows) > room:
+        rows = [*rows[: room - 1], (no_swatch, f"and {len(rows) - room + 1} more")]
+    for k in range(len(boxes) - 1):
+        sheet.swatches(sheet.axes(*boxes[k]), rows[k * per_column : (k + 1) * per_column], 0, boxes[k][3] - 6)
+    axes, top = sheet.axes(*boxes[-1]), boxes[-1][3]
+    sheet.scale_bar(axes, window.width / sheet.plan.pixels[0], 10, top - 44, boxes[-1][2] - 60)

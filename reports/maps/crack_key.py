@@ -1,0 +1,138 @@
+"""What stands around a crack map: the classes of its colours, the signs of its key with their numbers, and the scale bar."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.contact.joints import Joints
+from reports.damage.joint_damage import Thresholds
+from reports.damage.macro_elements import Moment
+from reports.drawing.figure import FAINT, INK, Box, Paint, Sheet, classes
+from reports.drawing.structure_picture import box_swatch, rgb
+from reports.maps.thrust import COLOUR as THRUST
+
+STONE, FALLEN, PARTED, SHADOW = "#efe8da", "#c4a491", "#2b2b2b", "#e6e9ec"
+OPENING_COLOURS, SLIDING_COLOURS = ("YlGnBu", 0.4, 1.0), ("OrRd", 0.4, 1.0)  # colour map and the part of it in use
+
+
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """What is drawn of J joints at a frame."""
+
+    opening: np.ndarray  # (J,) [m]
+    sliding: np.ndarray  # (J,) [m]
+    separated: np.ndarray  # (J,)
+    opened: np.ndarray  # (J,) beyond the threshold, not separated, not between two fallen blocks
+    slid: np.ndarray  # (J,) likewise
+
+    @classmethod
+    def of(cls, joints: Joints, moment: Moment, thresholds: Thresholds) -> Marks:
+        """The marks of a frame's damage."""
+        live = ~moment.separated & ~(moment.down[joints.block_a] & moment.down[joints.block_b])
+        opened, slid = live & (moment.opening >= thresholds.opened), live & (moment.sliding >= thresholds.slid)
+        return cls(moment.opening, moment.sliding, moment.separated, opened, slid)
+
+
+class Scale:
+    """Classes of a length from a threshold to a largest value, in steps of 1-2-5, each with a colour; one more class lies beyond."""
+
+    def __init__(self, smallest: float, largest: float, colours: tuple[str, float, float]) -> None:
+        from matplotlib import colormaps
+
+        name, low, high = colours
+        self.bounds = classes(smallest, largest)  # [m]
+        self.colours = np.round(255 * colormaps[name](np.linspace(low, high, len(self.bounds)))[:, :3]).astype(np.uint8)
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        """(N, 3) uint8 colours of lengths (N,) [m]."""
+        return self.colours[np.clip(np.searchsorted(self.bounds, values, side="right") - 1, 0, len(self.colours) - 1)]
+
+
+@dataclass(frozen=True, eq=False)
+class Key:
+    """What the key of a map says.
+
+    Attributes:
+        marks: of the joints.
+        scales: of opening and sliding.
+        when: ``Residual`` or ``Present``.
+        down: number of fallen blocks.
+        outside: number of blocks of which nothing is in the picture.
+        moved: the shape at rest can be seen behind the drawn one.
+        alone: a single map, whose key names only what it shows.
+        force: of the widest ribbon [N], None where the forces are not drawn.
+        pixel: size of a pixel [m].
+    """
+
+    marks: Marks
+    scales: tuple[Scale, Scale]
+    when: str
+    down: int
+    outside: int
+    moved: bool
+    alone: bool
+    force: float | None
+    pixel: float
+
+
+def draw_key(sheet: Sheet, key: Key) -> None:
+    """The two colour scales, the signs with their numbers, and the scale bar."""
+    marks, scales, boxes = key.marks, key.scales, sheet.plan.keys(4)
+    for box, scale, name, dash in zip(boxes[:2], scales, ("opening", "sliding"), (False, True), strict=True):
+        _scale_key(sheet.axes(*box), box, scale, f"{key.when} {name} [mm]", dash)
+    middle = [scale.colours[len(scale.colours) // 2] / 255.0 for scale in scales]
+    both = marks.opened & marks.slid
+    rows: list[tuple[Paint, str]] = [
+        (partial(_band_sign, first=middle[0], second=middle[0]), f"joint open ({int((marks.opened & ~both).sum())})"),
+        (partial(_band_sign, first=middle[1], second=np.ones(3)), f"joint slid ({int((marks.slid & ~both).sum())})"),
+        (partial(_band_sign, first=middle[0], second=middle[1]), f"open and slid ({int(both.sum())})"),
+        (partial(_band_sign, first=rgb(PARTED), second=rgb(PARTED)), f"separated ({int(marks.separated.sum())})"),
+    ]
+    if key.down or not key.alone:
+        hidden = f", {key.outside} not in view" if key.outside else ""
+        rows.append((partial(box_swatch, colour=FALLEN), f"fallen block ({key.down}){hidden}"))
+    if key.moved or not key.alone:
+        rows.append((partial(box_swatch, colour=SHADOW), "shape at rest"))
+    sheet.swatches(sheet.axes(*boxes[2]), rows, 0, boxes[2][3] - 4, pitch=29.0)
+    bar = sheet.axes(*boxes[3])
+    sheet.scale_bar(bar, key.pixel, 10, boxes[3][3] - 44, boxes[3][2] - 60)
+    if key.force is not None:
+        thrust = np.array(THRUST) / 255.0
+        width = f"normal force, widest {key.force / 1000:.3g} kN"
+        rows = [(partial(_band_sign, first=thrust, second=thrust), width), (_no_sign, THRUST_NOTE)]
+        sheet.swatches(bar, rows, 10, boxes[3][3] - 84, pitch=29.0)
+
+
+THRUST_NOTE = "through where it acts in each joint"
+
+
+def _no_sign(axes: Any, place: Box) -> None:
+    """A row of text only."""
+
+
+def _scale_key(axes: Any, box: Box, scale: Scale, name: str, dash: bool) -> None:
+    """A row of boxes with their bounds below; dashed ones leave a gap, as the dashes of the map do."""
+    from matplotlib.patches import Rectangle
+
+    top, start, width = box[3] - 66, 10, (box[2] - 40) / len(scale.bounds)
+    axes.text(0, box[3] - 24, name, fontsize=14, weight="bold", color=INK, va="center")
+    for k, (bound, colour) in enumerate(zip(scale.bounds, scale.colours, strict=True)):
+        left = start + k * width
+        axes.add_patch(Rectangle((left, top), width * (0.66 if dash else 1.0), 26, facecolor=colour / 255.0, linewidth=0))
+        axes.plot([left, left], [top - 6, top], color=FAINT, linewidth=1.0)
+        axes.text(left, top - 18, f"{bound * 1000:.3g}", fontsize=11, color=INK, ha="center", va="center")
+    axes.text(start + len(scale.bounds) * width + 6, top + 13, "+", fontsize=14, color=INK, va="center")
+
+
+def _band_sign(axes: Any, place: Box, first: np.ndarray, second: np.ndarray) -> None:
+    """A piece of a band, its dashes alternating."""
+    from matplotlib.patches import Rectangle
+
+    left, bottom, width, height = place
+    for k in range(3):
+        colour = first if k % 2 == 0 else second
+        axes.add_patch(Rectangle((left + k * width / 3, bottom + height / 2 - 4), width / 3, 8, facecolor=colour, linewidth=0))

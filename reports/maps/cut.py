@@ -1,0 +1,191 @@
+r"""Cuts a drawn structure by a plane, so that a crack map shows what goes on inside: vaults, infill, the back of a wall.
+
+The plane is x, y or z = value. What lies on the viewer's side of it is taken away and the blocks it runs through are closed by a cap.
+
+Every polygon is clipped at once (Sutherland & Hodgman, Reentrant polygon clipping, Comm. ACM 17(1), 1974): with d_k the signed
+distance of corner k from the plane, a corner stays where d_k > 0, and an edge from k to l that changes sign yields the point
+X_k + d_k/(d_k - d_l) (X_l - X_k).
+A face that is cut leaves one edge in the plane; on a closed block these edges join into loops, which are the caps. Corners in
+the plane are taken to lie a little behind it, so no case is left over.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from masonry_cd.contact.joints import Joints
+from masonry_cd.errors import InputError
+from reports.deformed import Solids
+from reports.drawing.render import Lines, Surface, View
+from reports.maps.bands import Bands
+
+AXES = "xyz"
+FACING = {"x": "side", "y": "front", "z": "top"}  # the views that look along an axis
+ON_PLANE = 1e-9  # [m] corners nearer than this count as behind the plane
+EDGE_ON = 0.05  # a plane whose normal is nearer to perpendicular to the view than this shows nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """A plane: points X with X[axis] = value; what is kept lies on the side of ``normal``, away from the viewer."""
+
+    axis: str
+    value: float
+    normal: np.ndarray  # (3,)
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """Signed distance of points (N, 3) from the plane, positive where they are kept; never zero [m]."""
+        d = (points[:, AXES.index(self.axis)] - self.value) * self.normal[AXES.index(self.axis)]
+        return np.where(np.abs(d) < ON_PLANE, ON_PLANE, d)
+
+    @property
+    def text(self) -> str:
+        """``y = 1.5 m``"""
+        return f"{self.axis} = {self.value:.4g} m"
+
+
+def axis_of(text: str) -> str:
+    """The axis of a cut given as ``y`` or ``y=1.5``.
+
+    Raises:
+        InputError: anything else.
+    """
+    return _parse(text)[0]
+
+
+def cut_named(text: str, solids: Solids, view: View) -> Cut:
+    """The cut that a text asks for: ``y=1.5``, or ``y`` for the middle of the structure.
+
+    Raises:
+        InputError: no such plane, one that the view sees edge-on, or one that leaves nothing of the structure.
+    """
+    axis, value = _parse(text)
+    k = AXES.index(axis)
+    free = solids.vertices[~solids.fixed[solids.vertex_block]] if not solids.fixed.all() else solids.vertices
+    low, high = float(free[:, k].min()), float(free[:, k].max())
+    if value is None:
+        value = (low + high) / 2.0
+    if not low < value < high:
+        raise InputError(f"cut: {axis} = {value:g} m does not pass through the structure, which spans {low:.4g} to {high:.4g} m")
+    if abs(view.towards[k]) < EDGE_ON:
+        raise InputError(f"cut: the {view.name} view sees the plane {axis} = {value:g} m edge-on; {FACING[axis]} and isometric show it")
+    normal = np.zeros(3)
+    normal[k] = -np.sign(view.towards[k])
+    return Cut(axis, float(value), normal)
+
+
+def _parse(text: str) -> tuple[str, float | None]:
+    found = re.fullmatch(r"\s*([xyz])\s*(?:=\s*([-+0-9.eE]+)\s*)?", text)
+    try:
+        if found:
+            return found[1], None if found[2] is None else float(found[2])
+    except ValueError:
+        pass
+    raise InputError(f'cut: "{text}" is no plane; write x, y or z for the middle, or y=1.5 for a place [m]')
+
+
+def clipped(surface: Surface, cut: Cut) -> Surface:
+    """What the plane leaves of a surface; caps are extra."""
+    source, weight, owner = _clip_loops(surface.loops, surface.loop_start, cut.distance(surface.points))
+    points = _between(surface.points, source, weight)
+    kept, start = np.unique(owner, return_index=True)
+    return Surface(points, np.arange(len(points)), np.append(start, len(points)), surface.colours[kept], surface.lit)
+
+
+def clipped_lines(lines: Lines, cut: Cut) -> Lines:
+    """What the plane leaves of straight lines."""
+    d = cut.distance(lines.points)
+    kept = (d[lines.pairs] > 0).any(axis=1)
+    a, b = lines.pairs[kept].T
+    swap = d[a] < 0
+    a, b = np.where(swap, b, a), np.where(swap, a, b)  # a is kept
+    crossed = d[b] < 0
+    share = np.where(crossed, d[a] / np.where(crossed, d[a] - d[b], 1.0), 1.0)
+    ends = lines.points[a] + share[:, None] * (lines.points[b] - lines.points[a])
+    points = np.stack([lines.points[a], ends], axis=1).reshape(-1, 3)
+    return Lines(points, np.arange(len(points)).reshape(-1, 2), lines.colour, lines.width)
+
+
+@dataclass(frozen=True, eq=False)
+class Caps:
+    """The closed faces in the plane: loops (as in :class:`Surface`) and the block of each."""
+
+    points: np.ndarray
+    loops: np.ndarray
+    loop_start: np.ndarray
+    block: np.ndarray
+
+    def outline(self, colour: str, width: float) -> Lines:
+        """Their edges."""
+        following = np.arange(1, len(self.loops) + 1)
+        following[self.loop_start[1:] - 1] = self.loop_start[:-1]
+        return Lines(self.points, np.stack([self.loops, self.loops[following]], axis=1), colour, width)
+
+
+def caps_of(solids: Solids, points: np.ndarray, cut: Cut) -> Caps:
+    """Caps of the blocks with corners at points (V, 3): the cut edges of their faces, joined into loops."""
+    d = cut.distance(points)
+    face = np.repeat(np.arange(len(solids.face_block)), np.diff(solids.loop_start))
+    a = solids.loops
+    following = np.arange(1, len(a) + 1)
+    following[solids.loop_start[1:] - 1] = solids.loop_start[:-1]
+    b = a[following]
+    leaves, enters = (d[a] > 0) & (d[b] < 0), (d[a] < 0) & (d[b] > 0)
+    place = points[a] + (d[a] / np.where(leaves | enters, d[a] - d[b], 1.0))[:, None] * (points[b] - points[a])
+    edge = {(int(a[k]), int(b[k])): k for k in np.flatnonzero(enters).tolist()}
+    out_of = {int(face[k]): k for k in np.flatnonzero(leaves).tolist()}  # a convex face is left once
+    loops: list[list[int]] = []
+    seen: set[int] = set()
+    for first in np.flatnonzero(enters).tolist():  # walk: along the cut of a face, over the edge, into the neighbour that shares it
+        loop: list[int] = []
+        at = first
+        while at >= 0 and at not in seen:
+            seen.add(at)
+            loop.append(at)
+            leave = out_of.get(int(face[at]), -1)
+            at = edge.get((int(b[leave]), int(a[leave])), -1) if leave >= 0 else -1
+        if len(loop) >= 3:
+            loops.append(loop)
+    flat = np.array([k for loop in loops for k in loop], dtype=np.int64)
+    start = np.cumsum([0, *map(len, loops)])
+    block = solids.face_block[face[flat[start[:-1]]]] if loops else np.zeros(0, dtype=np.int64)
+    return Caps(place[flat], np.arange(len(flat)), start, block)
+
+
+def traces(joints: Joints, on_a: np.ndarray, on_b: np.ndarray, drawn: np.ndarray, cut: Cut) -> Bands:
+    """Where the plane runs through the joints drawn (J,): a quadrilateral each, from the cut of the polygon on a to that on b (N, 3)."""
+    middle = (on_a + on_b) / 2.0
+    d = cut.distance(middle)
+    following = np.arange(1, len(middle) + 1)
+    following[joints.polygon_start[1:] - 1] = joints.polygon_start[:-1]
+    joint = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
+    crossed = drawn[joint] & (d * d[following] < 0)
+    k = np.flatnonzero(crossed)
+    _, count = np.unique(joint[k], return_counts=True)
+    k = k[np.repeat(count == 2, count)]  # interface polygons are convex: crossed twice or not at all
+    share = (d[k] / (d[k] - d[following[k]]))[:, None]
+    a, b = (side[k] + share * (side[following[k]] - side[k]) for side in (on_a, on_b))
+    corners = np.stack([a[0::2], a[1::2], b[1::2], b[0::2]], axis=1)
+    corners[..., AXES.index(cut.axis)] = cut.value
+    return Bands(corners, joint[k[0::2]])
+
+
+def _clip_loops(loops: np.ndarray, loop_start: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Corners of clipped loops: each between two points (n, 2) with a weight (n,), and the loop (n,) that it belongs to."""
+    owner = np.repeat(np.arange(len(loop_start) - 1), np.diff(loop_start))
+    following = np.arange(1, len(loops) + 1)
+    following[loop_start[1:] - 1] = loop_start[:-1]
+    a, b = loops, loops[following]
+    crossed = d[a] * d[b] < 0
+    emitted = np.stack([d[a] > 0, crossed], axis=1).ravel()  # the corner itself, then the crossing behind it
+    share = np.stack([np.zeros(len(a)), d[a] / np.where(crossed, d[a] - d[b], 1.0)], axis=1).ravel()
+    source = np.repeat(np.stack([a, b], axis=1), 2, axis=0)
+    return source[emitted], share[emitted], np.repeat(owner, 2)[emitted]
+
+
+def _between(points: np.ndarray, source: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Points between pairs of points."""
+    return points[source[:, 0]] + weight[:, None] * (points[source[:, 1]] - points[source[:, 0]])

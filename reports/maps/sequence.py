@@ -1,0 +1,99 @@
+"""Crack maps in a row: PNGs at given times, and a GIF of a whole run.
+
+All maps of a row share view, amplification, window and colour classes, so that only the damage changes from one to the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from masonry_cd.io.results import Results
+from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Scale
+from reports.maps.crack_map import Look, framing, sheet_of
+
+MOST_FRAMES = 60  # of an animation
+WIDTH = 900  # of an animation [pixels]
+REST = 1500  # how long its last frame stays [ms]
+
+
+def frames_at(results: Results, times: Sequence[float]) -> list[int]:
+    """The frames next to some times [s], in their order.
+
+    Raises:
+        InputError: a time outside the run, or no number.
+    """
+    have = results.time
+    slack = 0.51 * float(np.diff(have).max(initial=0.0)) + 1e-9
+    for time in times:
+        if not (np.isfinite(time) and have[0] - slack <= time <= have[-1] + slack):
+            raise InputError(f"time {time:g} s lies outside the run, which has frames from {have[0]:g} to {have[-1]:g} s")
+    return [int(np.argmin(np.abs(have - time))) for time in times]
+
+
+def crack_maps(results: Results, folder: Path, times: Sequence[float], look: Look | None = None) -> list[Path]:
+    """Draw the crack maps next to some times [s] into ``crack_map_1.25s.png`` and so on; return the files.
+
+    Raises:
+        InputError: a time outside the run, or what :func:`reports.maps.crack_map.crack_map` says.
+    """
+    frames = list(dict.fromkeys(frames_at(results, times)))
+    framed = framing(results, frames, look or Look())
+    paths = []
+    for frame in frames:
+        paths.append(folder / f"crack_map_{results.time[frame]:.6g}s.png")
+        sheet_of(results, frame, framed).save(paths[-1])
+    return paths
+
+
+def animation(
+    results: Results, path: Path, look: Look | None = None, most: int = MOST_FRAMES, progress: Callable[[int], None] | None = None
+) -> int:
+    """Draw a GIF of the run, in its own time where it has no more than ``most`` frames a viewer can follow; return their number.
+
+    Raises:
+        InputError: a run of a single frame, a path that cannot be written, or what :func:`reports.maps.crack_map.crack_map` says.
+    """
+    from PIL import Image
+
+    if results.frames < 2:
+        raise InputError("animation: the result has a single frame")
+    frames = np.unique(np.linspace(0, results.frames - 1, min(results.frames, most)).round().astype(int)).tolist()
+    framed = framing(results, frames, look or Look())
+    images: list[Any] = []
+    for k, frame in enumerate(frames):
+        pixels = sheet_of(results, frame, framed, samples=1).pixels()
+        size = (WIDTH, round(WIDTH * pixels.shape[0] / pixels.shape[1]))
+        images.append(Image.fromarray(pixels).resize(size, Image.Resampling.BOX if size[0] * 2 == pixels.shape[1] else None))
+        if progress is not None:
+            progress(k + 1)
+    palette = _palette(images, framed.look)
+    flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+    shown = [max(20, round(1000 * step)) for step in np.diff(results.time[frames])] + [REST]
+    try:
+        flat[0].save(path, save_all=True, append_images=flat[1:], duration=shown, loop=0, optimize=False)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+    return len(images)
+
+
+def _palette(images: Sequence[Any], look: Look) -> Any:
+    """One palette for all frames, or their colours would flicker: those of the classes exactly, the others from a few of the frames."""
+    from PIL import Image
+
+    scales = Scale(look.thresholds.opened, look.largest, OPENING_COLOURS), Scale(look.thresholds.slid, look.largest, SLIDING_COLOURS)
+    exact = np.concatenate([[[255, 255, 255]], *(scale.colours for scale in scales)]).astype(np.uint8)
+    picked = [images[k] for k in sorted({0, len(images) // 2, len(images) - 1})]
+    width, height = picked[0].size
+    joined = Image.new("RGB", (width, height * len(picked)))
+    for k, image in enumerate(picked):
+        joined.paste(image, (0, k * height))
+    free = 256 - len(exact)
+    others = (joined.quantize(colors=free, method=Image.Quantize.MEDIANCUT).getpalette() or [])[: 3 * free]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(exact.ravel().tolist() + others)
+    return palette

@@ -1,0 +1,93 @@
+r"""The line of thrust: ribbons through the blocks, from joint to joint, as wide as the normal force of the joint is large.
+
+A result file holds for each joint its normal force N_j and the point where the resultant of its contact forces crosses the plane of the
+joint (``joints/force_point``). In each block the ribbons of its joints meet at the mean of these points weighted by N_j: in a voussoir,
+whose two joints carry nearly equal forces, that is a straight line from joint to joint, and the ribbons of an arch are its line of
+thrust. Where it comes to the edge of a joint the joint is a hinge. A block with one joint has no ribbon.
+
+The forces are those that the run found. Where a structure is hyperstatic they are one of many possible sets, and so is the line.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from masonry_cd.io.results import Results
+from reports.damage.macro_elements import Moment
+from reports.deformed import Pose, Solids, base_shift, joint_frame
+from reports.drawing.render import Surface, View
+
+COLOUR = (90, 20, 110)
+WIDEST = 12.0  # of the largest force [pixels]
+WIDEST_OF_BLOCK = 0.3  # ... but no more than this share of a block's smallest extent
+THINNEST = 0.08  # forces below this share of the largest are left out
+
+
+def ribbons(
+    results: Results, solids: Solids, pose: Pose, moment: Moment, frame: int, factor: float, view: View, pixel: float
+) -> tuple[Surface, float]:
+    """The ribbons at a frame as a surface that faces the viewer, and the force of the widest one [N].
+
+    Args:
+        results: of a run, which must hold the forces of its joints and the points where they act.
+        solids: of its blocks.
+        pose: of the frame.
+        moment: of the frame, for what has come apart.
+        frame: which.
+        factor: amplification of the displacements.
+        view: from where.
+        pixel: size of a pixel [m].
+
+    Raises:
+        InputError: the file holds no forces, or not where they act.
+    """
+    if "joints/normal_force" not in results.file or "joints/force_point" not in results.file:
+        raise InputError("thrust: this result does not hold the forces of its joints and where they act; run its scene again")
+    joints = results.joints
+    force = np.where(moment.separated, 0.0, joint_frame(results, "normal_force", frame))
+    largest = float(force.max(initial=0.0))
+    place = drawn_points(results, solids, pose, frame, factor)
+    ends, strength = [], []
+    for block in (joints.block_a, joints.block_b):
+        hub = _hubs(joints.block_a, joints.block_b, place, force, len(solids.centre))
+        drawn = ~solids.fixed[block] & (force >= THINNEST * max(largest, 1e-300))
+        ends.append(np.stack([place, hub[block]], axis=1)[drawn])
+        strength.append(force[drawn])
+    widest = min(WIDEST * pixel, WIDEST_OF_BLOCK * float(np.median(solids.sizes[~solids.fixed].min(axis=1))))
+    lines, width = np.concatenate(ends), widest * np.concatenate(strength) / max(largest, 1e-300)
+    long = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > 0.5 * pixel  # a block on a single joint has nowhere to lead its force
+    return _facing(lines[long], width[long], view), largest
+
+
+def drawn_points(results: Results, solids: Solids, pose: Pose, frame: int, factor: float) -> np.ndarray:
+    """(J, 3) the force points where a picture with amplified displacements has them, halfway between the two blocks; 0 without force."""
+    joints = results.joints
+    seen = np.nan_to_num(joint_frame(results, "force_point", frame) - base_shift(solids, np.asarray(results.position[frame])))
+    out = np.zeros_like(seen)
+    for block in (joints.block_a, joints.block_b):
+        at_rest = np.einsum("jki,jk->ji", pose.rotation[block], seen - pose.position[block]) + solids.centre[block]
+        out += 0.5 * pose.moved(solids, at_rest, block, factor)
+    return out
+
+
+def _hubs(a: np.ndarray, b: np.ndarray, place: np.ndarray, force: np.ndarray, count: int) -> np.ndarray:
+    """(B, 3) mean place of the joints of each block, weighted by force."""
+    ends, weight = np.concatenate([a, b]), np.tile(force, 2)
+    total = np.bincount(ends, weight, minlength=count)
+    sums = [np.bincount(ends, weight * np.tile(v, 2), minlength=count) for v in place.T]
+    return np.stack(sums, axis=1) / np.where(total > 0, total, 1.0)[:, None]
+
+
+def _facing(lines: np.ndarray, width: np.ndarray, view: View) -> Surface:
+    """Lines (n, 2, 3) as flat ribbons of given widths (n,), turned towards the viewer, with a joint-filling overlap at their ends."""
+    along = view.plane(lines[:, 1] - lines[:, 0])
+    length = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
+    along = along / length
+    half = 0.5 * width[:, None]
+    across = half * (along[:, 1:] * -view.right + along[:, :1] * view.up)
+    ahead = 0.5 * half * (along[:, :1] * view.right + along[:, 1:] * view.up)
+    start, end = lines[:, 0] - ahead, lines[:, 1] + ahead
+    points = np.stack([start - across, end - across, end + across, start + across], axis=1).reshape(-1, 3)
+    colours = np.tile(np.array(COLOUR, dtype=np.uint8), (len(lines), 1))
+    return Surface(points, np.arange(len(points)), np.arange(0, len(points) + 1, 4), colours, lit=False)

@@ -1,0 +1,173 @@
+r"""Modes of rigid blocks on elastic joints: what a rigid-block model keeps of the elasticity of its stones.
+
+The deformation of two blocks is gathered in the joint between them. A column of length l = l_a + l_b, the distances of both centroids from
+the joint along its normal, gives the stiffnesses per area
+
+    k_n = 1 / (l_a / E_a + l_b / E_b),        k_t = k_n / (2 (1 + nu)),
+
+k_n = E / l where both are of one stone (Lemos, Int. J. Archit. Herit. 1, 2007, for the springs of masonry in discrete
+elements). Supports do not deform: their l counts nothing. With d(x) = u_b - u_a the relative displacement of the faces,
+u = v + theta x (x - c), the energy of a joint is 1/2 int d^T (k_t (1 - n n^T) + k_n n n^T) d dA. Its integrand is
+quadratic, and the midpoints of the sides of each triangle of the polygon integrate it exactly.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from masonry_cd.contact.joints import Joints, find_joints
+from masonry_cd.errors import InputError
+from masonry_cd.model.blocks import Assembly, Block
+from reports.modal.eigen import lowest_modes, participation
+from reports.modal.shapes import RigidShapes
+
+Stiffness = tuple[np.ndarray, np.ndarray]
+
+
+def joint_modes(
+    blocks: Sequence[Block],
+    young: np.ndarray,
+    poisson: float,
+    count: int,
+    *,
+    stiffness: tuple[float, float] | Stiffness | None = None,
+    held: Mapping[str, np.ndarray] | None = None,
+) -> dict[str, object]:
+    """The lowest modes of rigid blocks on elastic joints.
+
+    Args:
+        blocks: of the structure, supports included.
+        young: (B,) modulus of each block [Pa].
+        poisson: Poisson's ratio.
+        count: modes asked for.
+        stiffness: k_n and k_t of all joints, or of each joint (J,), [Pa/m] instead of those that follow from the modulus.
+        held: by group of supports, which of x, y and z they hold, (3,) bool; all three when not given.
+
+    Returns:
+        ``frequencies`` (n,) [Hz], ``participation`` (n, 3), ``field`` and ``facts`` of :class:`reports.modal.modes.Modes`.
+
+    Raises:
+        InputError: a block that no joint ties to a support.
+    """
+    begin = time.perf_counter()
+    assembly = Assembly.from_blocks(blocks, 0.0)
+    joints = find_joints(assembly)
+    _check_supported(assembly, joints)
+    normal, tangential = joint_stiffness(assembly, joints, young, poisson)
+    if stiffness:
+        normal, tangential = (np.broadcast_to(np.asarray(value, dtype=float), joints.count) for value in stiffness)
+    free = np.flatnonzero(~assembly.fixed)
+    unknown = (6 * free[:, None] + np.arange(6)).ravel()
+    matrix = _stiffness(assembly, joints, normal, tangential, _directions(assembly, joints, held or {}))[unknown][:, unknown]
+    mass = _mass(assembly)[unknown][:, unknown]
+    carried = mass @ np.tile(np.vstack([np.eye(3), np.zeros((3, 3))]), (len(free), 1))
+    total = float(assembly.mass[free].sum())
+    pairs = lowest_modes(matrix, mass, count, _scale(assembly, joints, normal))
+    motion = pairs.vectors.reshape(len(pairs.values), len(free), 6)
+    field = RigidShapes([blocks[int(i)] for i in free], assembly.centre[free], motion[..., :3].copy(), motion[..., 3:].copy())
+    facts = {
+        "blocks": len(free),
+        "joints": joints.count,
+        "unknowns": len(unknown),
+        "normal_stiffness_pa_m": [float(normal.min()), float(normal.max())],
+        "tangential_stiffness_pa_m": [float(tangential.min()), float(tangential.max())],
+        "rigid_motions": pairs.rigid,
+        "mass_kg": total,
+        "seconds": time.perf_counter() - begin,
+    }
+    return {"frequencies": pairs.frequencies, "participation": participation(pairs, carried, total), "field": field, "facts": facts}
+
+
+def joint_stiffness(assembly: Assembly, joints: Joints, young: np.ndarray, poisson: float) -> Stiffness:
+    """Normal and tangential stiffness per area of each joint, (J,) each [Pa/m]."""
+    middle = joints.centres()
+    softness = np.zeros(joints.count)
+    for side in (joints.block_a, joints.block_b):
+        length = np.abs(np.einsum("ji,ji->j", middle - assembly.centre[side], joints.normal))
+        softness += np.where(assembly.fixed[side], 0.0, length / young[side])
+    normal = 1.0 / softness
+    return normal, normal / (2.0 * (1.0 + poisson))
+
+
+def _stiffness(assembly: Assembly, joints: Joints, normal: np.ndarray, tangential: np.ndarray, directions: np.ndarray) -> sparse.csr_matrix:
+    """K over all blocks, (6 B, 6 B), unknowns d and theta of each block."""
+    point, weight, owner = _midpoints(joints)
+    n = joints.normal
+    law = tangential[:, None, None] * np.eye(3) + (normal - tangential)[:, None, None] * np.einsum("ji,jk->jik", n, n)
+    law = law * directions[:, :, None] * directions[:, None, :]
+    map_a = -_rigid_map(point - assembly.centre[joints.block_a[owner]])
+    map_b = _rigid_map(point - assembly.centre[joints.block_b[owner]])
+    both = np.concatenate([map_a, map_b], axis=2)  # (Q, 3, 12)
+    part = np.matmul(both.transpose(0, 2, 1), np.matmul(law[owner] * weight[:, None, None], both))
+    blocks = np.add.reduceat(part, np.searchsorted(owner, np.arange(joints.count)))
+    unknown = np.stack([joints.block_a, joints.block_b], axis=1)[:, :, None] * 6 + np.arange(6)
+    unknown = unknown.reshape(-1, 12)
+    rows, columns = np.repeat(unknown, 12, axis=1), np.tile(unknown, (1, 12))
+    return sparse.coo_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), (6 * assembly.count,) * 2).tocsr()
+
+
+def _midpoints(joints: Joints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Midpoints of the sides of a fan of triangles in each polygon: places (Q, 3), weights (Q,) [m2] and joints (Q,), ascending."""
+    corners = np.diff(joints.polygon_start)
+    owner = np.repeat(np.arange(joints.count), corners - 2)
+    within = np.concatenate([np.arange(1, c - 1) for c in corners]).astype(np.int64)
+    first = joints.polygon_start[owner]
+    a, b, c = (joints.polygon[i] for i in (first, first + within, first + within + 1))
+    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    points = np.stack([0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)], axis=1)
+    return points.reshape(-1, 3), np.repeat(area / 3.0, 3), np.repeat(owner, 3)
+
+
+def _rigid_map(arm: np.ndarray) -> np.ndarray:
+    """The matrices (Q, 3, 6) of d + theta x arm."""
+    out = np.zeros((len(arm), 3, 6))
+    out[:, :, :3] = np.eye(3)
+    x, y, z = arm.T
+    out[:, 0, 4], out[:, 0, 5] = z, -y
+    out[:, 1, 3], out[:, 1, 5] = -z, x
+    out[:, 2, 3], out[:, 2, 4] = y, -x
+    return out
+
+
+def _mass(assembly: Assembly) -> sparse.csr_matrix:
+    """Masses and inertias of all blocks, (6 B, 6 B)."""
+    blocks = np.zeros((assembly.count, 6, 6))
+    blocks[:, :3, :3] = assembly.mass[:, None, None] * np.eye(3)
+    blocks[:, 3:, 3:] = assembly.inertia
+    return sparse.bsr_matrix((blocks, np.arange(assembly.count), np.arange(assembly.count + 1))).tocsr()
+
+
+def _directions(assembly: Assembly, joints: Joints, held: Mapping[str, np.ndarray]) -> np.ndarray:
+    """1 where a joint acts in x, y and z, (J, 3); a joint with a support that lets a direction go does not act in it."""
+    out = np.ones((joints.count, 3))
+    for side in (joints.block_a, joints.block_b):
+        for group, axes in held.items():
+            if group in assembly.groups:
+                on = assembly.fixed[side] & (assembly.group_of[side] == assembly.groups.index(group))
+                out[on] *= axes
+    return out
+
+
+def _scale(assembly: Assembly, joints: Joints, normal: np.ndarray) -> float:
+    """E / (density length^2) of the structure [1/s2], E from the stiffness of the joints and the sizes of the blocks."""
+    free = ~assembly.fixed
+    block = float(np.median(np.cbrt(assembly.volume[free])))
+    density = float(assembly.mass[free].sum() / assembly.volume[free].sum())
+    extent = np.ptp(joints.polygon, axis=0).max()
+    return float(np.max(normal)) * block / (density * extent**2)
+
+
+def _check_supported(assembly: Assembly, joints: Joints) -> None:
+    """Where there are supports, joints must tie every block to one."""
+    if not assembly.fixed.any():
+        return
+    graph = sparse.coo_matrix((np.ones(joints.count), (joints.block_a, joints.block_b)), (assembly.count,) * 2)
+    _, label = connected_components(graph, directed=False)
+    loose = np.flatnonzero(~np.isin(label, label[assembly.fixed]))
+    if len(loose):
+        raise InputError(f'modal: block "{assembly.names[loose[0]]}" is tied to no support, neither itself nor through others')

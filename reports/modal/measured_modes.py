@@ -1,0 +1,218 @@
+r"""Measured modes: read from a CSV file, paired with computed ones, and compared.
+
+    mode,frequency_hz,point,x_m,y_m,z_m,ux,uy,uz
+    1,3.42,A1,0.0,1.0,8.5,0.02,1.00,
+    1,,A2,6.0,1.0,8.5,0.03,0.71,
+    2,5.10
+
+One row per mode and point; ``mode`` and ``frequency_hz`` (or ``period_s``) suffice where only frequencies are known. A component left
+empty was not measured; components need no unit, since a shape is given up to a factor. Lines that begin with # are remarks.
+
+Two shapes are compared by the modal assurance criterion over the measured components (Allemang & Brown, Proc. 1st IMAC, 1982):
+
+    MAC = (phi_m . phi_c)^2 / ((phi_m . phi_m) (phi_c . phi_c)),        1 for the same shape, 0 for orthogonal ones.
+
+Measured modes with a shape are paired with the computed ones so that the sum of the MAC is largest; those without, by their number.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from masonry_cd.errors import InputError, suggest
+from reports.modal.modes import Modes
+
+LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+PLACES = {f"{axis}_{unit}": (axis, factor) for axis in "xyz" for unit, factor in LENGTHS.items()}
+COLUMNS = ("mode", "frequency_hz", "period_s", "point", *PLACES, "ux", "uy", "uz")
+WITH_UNIT = {"frequency": "frequency_hz", "period": "period_s", "x": "x_m", "y": "y_m", "z": "z_m"}
+FAR = 0.05  # a measured point may lie this share of the structure's size outside it
+COMPONENTS = ("ux", "uy", "uz")
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredMode:
+    """One measured mode; P points, none where only the frequency is known."""
+
+    mode: int
+    frequency: float  # [Hz]
+    points: np.ndarray  # (P, 3) [m]
+    shape: np.ndarray  # (P, 3), NaN where not measured
+    places: tuple[str, ...]  # file and line of each point
+
+    @property
+    def has_shape(self) -> bool:
+        """True where components were measured."""
+        return bool(np.isfinite(self.shape).any())
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A measured mode beside the computed one that answers to it."""
+
+    measured_mode: int
+    measured: float  # [Hz]
+    mode: int | None  # number of the computed mode, from 1; None where too few were computed
+    computed: float  # [Hz]
+    mac: float  # NaN without a measured shape
+
+    @property
+    def error_percent(self) -> float:
+        """Computed less measured frequency, over the measured one [%]."""
+        return 100.0 * (self.computed / self.measured - 1.0)
+
+
+def read_measured(path: Path | str) -> list[MeasuredMode]:
+    """Read measured modes, by ascending number.
+
+    Raises:
+        InputError: no such file, a column that is unknown, missing or without a unit, or a value that is wrong; names file and line.
+    """
+    path = Path(path)
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as failure:
+        raise InputError(f"{path}: cannot be read, {failure.strerror}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file in UTF-8") from None
+    numbered = [(n, line) for n, line in enumerate(lines, start=1) if line.strip() and not line.lstrip().startswith("#")]
+    if len(numbered) < 2:
+        raise InputError(f"{path}: holds no modes; the first line names the columns: {', '.join(COLUMNS[:3])} ...")
+    header = [name.strip() for name in next(csv.reader([numbered[0][1]]))]
+    _check_header(header, path)
+    rows: dict[int, list[tuple[str, dict[str, str]]]] = {}
+    for number, line in numbered[1:]:
+        where = f"{path}:{number}"
+        cells = [cell.strip() for cell in next(csv.reader([line]))]
+        if len(cells) > len(header):
+            raise InputError(f"{where}: {len(cells)} values under {len(header)} columns")
+        row = dict(zip(header, cells + [""] * (len(header) - len(cells)), strict=True))
+        rows.setdefault(_mode_number(row["mode"], where), []).append((where, row))
+    return [_mode(number, rows[number]) for number in sorted(rows)]
+
+
+def _check_header(header: Sequence[str], path: Path) -> None:
+    """Known columns with units, each once; places complete."""
+    for name in header:
+        if name in WITH_UNIT:
+            raise InputError(f'{path}: column "{name}" has no unit; write {WITH_UNIT[name]}')
+        if name not in COLUMNS:
+            raise InputError(f'{path}: unknown column "{name}"{suggest(name, COLUMNS)}; known: {", ".join(COLUMNS)}')
+        if header.count(name) > 1:
+            raise InputError(f'{path}: column "{name}" occurs twice')
+    if "mode" not in header:
+        raise InputError(f"{path}: column mode: missing")
+    if ("frequency_hz" in header) == ("period_s" in header):
+        raise InputError(f"{path}: should have one of the columns frequency_hz and period_s")
+    axes = [PLACES[name][0] for name in header if name in PLACES]
+    moving = [name for name in header if name in COMPONENTS]
+    if (axes or moving) and (sorted(axes) != ["x", "y", "z"] or not moving):
+        raise InputError(f"{path}: a shape needs the columns x_m, y_m, z_m, each once, and one of ux, uy, uz or more")
+
+
+def _mode_number(text: str, where: str) -> int:
+    if not text.isdigit() or int(text) < 1:
+        raise InputError(f'{where}: mode: should be a number from 1, got "{text}"')
+    return int(text)
+
+
+def _number(text: str, column: str, where: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f'{where}: {column}: should be a number, got "{text}"')
+    return value
+
+
+def _mode(number: int, rows: Sequence[tuple[str, dict[str, str]]]) -> MeasuredMode:
+    """One mode from its rows."""
+    frequencies, points, shape, places = [], [], [], []
+    for where, row in rows:
+        for column in ("frequency_hz", "period_s"):
+            if row.get(column):
+                value = _number(row[column], column, where)
+                if value <= 0.0:
+                    raise InputError(f"{where}: {column}: must be above 0, got {value:g}")
+                frequencies.append(value if column == "frequency_hz" else 1.0 / value)
+                if not math.isclose(frequencies[-1], frequencies[0], rel_tol=1e-9):
+                    raise InputError(f"{where}: {column}: mode {number} has another one before, {value:g}")
+        if not any(row.get(name) for name in COMPONENTS):
+            continue
+        place = {PLACES[name][0]: _number(row[name], name, where) * PLACES[name][1] for name in row if name in PLACES}
+        points.append([place[axis] for axis in "xyz"])
+        shape.append([_number(row[name], name, where) if row.get(name) else math.nan for name in COMPONENTS])
+        places.append(where)
+    if not frequencies:
+        raise InputError(f"{rows[0][0]}: mode {number} has no frequency")
+    return MeasuredMode(number, frequencies[0], np.reshape(points, (-1, 3)), np.reshape(shape, (-1, 3)), tuple(places))
+
+
+def mac(first: np.ndarray, second: np.ndarray) -> float:
+    """Modal assurance criterion of two real shapes of one size, over the entries that are known in both."""
+    known = np.isfinite(first) & np.isfinite(second)
+    a, b = first[known], second[known]
+    size = (a @ a) * (b @ b)
+    return float((a @ b) ** 2 / size) if size > 0.0 else 0.0
+
+
+def mac_table(modes: Modes, measured: Sequence[MeasuredMode]) -> np.ndarray:
+    """MAC of each measured mode with each computed one, (m, n); NaN where no shape was measured.
+
+    Raises:
+        InputError: a measured point that lies outside the structure; names its line.
+    """
+    out = np.full((len(measured), modes.count), np.nan)
+    low, high = modes.points.min(axis=0), modes.points.max(axis=0)
+    reach = FAR * float(np.linalg.norm(high - low)) + 1e-9
+    for row, mode in enumerate(measured):
+        if not mode.has_shape:
+            continue
+        computed, outside = modes.field.at(mode.points)
+        if outside.max() > reach:
+            worst = int(np.argmax(outside))
+            at = ", ".join(f"{value:g}" for value in mode.points[worst])
+            raise InputError(f"{mode.places[worst]}: the point ({at}) m lies {outside[worst]:.3g} m outside the structure")
+        out[row] = [mac(mode.shape, shape) for shape in computed]
+    return out
+
+
+def pair(modes: Modes, measured: Sequence[MeasuredMode]) -> list[Pair]:
+    """Pair measured modes with computed ones; see the head of this file."""
+    table = mac_table(modes, measured)
+    shaped = [row for row, mode in enumerate(measured) if mode.has_shape]
+    partner: dict[int, int] = {}
+    if shaped:
+        rows, columns = linear_sum_assignment(table[shaped], maximize=True)
+        partner = {shaped[row]: int(column) for row, column in zip(rows, columns, strict=True)}
+    for row, mode in enumerate(measured):
+        if row not in shaped and mode.mode <= modes.count and mode.mode - 1 not in partner.values():
+            partner[row] = mode.mode - 1
+    out = []
+    for row, mode in enumerate(measured):
+        column = partner.get(row)
+        if column is None:
+            out.append(Pair(mode.mode, mode.frequency, None, math.nan, math.nan))
+        else:
+            out.append(Pair(mode.mode, mode.frequency, column + 1, float(modes.frequencies[column]), float(table[row, column])))
+    return out
+
+
+def fit_factor(modes: Modes, measured: Sequence[MeasuredMode]) -> float:
+    """The factor on the modulus with which the first measured frequency is met.
+
+    Raises:
+        InputError: no computed mode answers to the first measured one.
+    """
+    first = pair(modes, measured)[0]
+    if first.mode is None:
+        raise InputError(f"modal: mode {first.measured_mode} is measured, but only {modes.count} modes are computed; raise modal.modes")
+    return (first.measured / first.computed) ** 2

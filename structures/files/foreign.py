@@ -1,0 +1,261 @@
+"""Files from elsewhere, CAD models and meshes, are read in a process of their own.
+
+OpenCASCADE, VTK and the mesh libraries were written for files that mean well: one changed character may end the process, fill the
+memory or go round for ever. So a reader is a function that runs in a child process, with limits of time, memory and size of its output,
+without a shell, without the environment and in an empty folder that is removed. It answers with plain arrays, which are checked before
+they are used. However the child ends, the caller is told in one line that names the file.
+
+A reader is named ``module:function``, takes the path and keywords that JSON knows, and returns an :data:`Answer`. It raises
+:class:`Refused` with a whole line for the user; the message of any other exception becomes "FILE: cannot be read: ...". The child
+imports the reader's module and what that imports, so these keep to numpy and the one library that reads the format.
+
+This keeps crashes and runaway files from the user. It does not take away the user's rights: a file that is a program, as a .geo is,
+could still write where the user may, and is only read where the scene says that it is trusted.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from importlib import import_module
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+Faces = tuple[tuple[int, ...], ...]
+Piece = tuple[int, str, np.ndarray, Faces]  # a number (block of the file, or course), a name or group, vertices (V, 3), faces
+Answer = tuple[Sequence[Piece], Sequence[float]]  # and figures whose meaning the reader states
+
+GIB = 2**30
+MEMORY = 4 * GIB  # addresses [B]: gmsh takes 0.4 GiB and VTK with its readers 0.7 GiB before they open a file; the rest is for the file
+OUTPUT = GIB  # largest file that a child may write [B], its answer of some 100 B per corner among them
+SECONDS = 120.0  # processor time [s]: an STL of 20,000 boxes takes 6, a VTU 3
+WAIT = 2.0  # wall time, in processor times: another program may have the core, but a child that only waits has to end
+PR_SET_PDEATHSIG = 1  # of prctl, see linux/prctl.h
+SHOWN = 300  # most characters of a child's message
+CHILD = """import json, sys
+request = json.load(open("request.json", encoding="utf-8"))
+sys.path[:] = request["path"]
+from structures.files import foreign
+foreign.serve(request)
+"""
+
+
+class Refused(Exception):
+    """What a reader finds wrong: one line that names the file or the key at fault."""
+
+
+class Limits(NamedTuple):
+    """What a child may use."""
+
+    seconds: float = SECONDS  # processor time [s]
+    memory: int = MEMORY  # addresses [B]
+    output: int = OUTPUT  # of each file that it writes [B]
+
+
+def read(reader: str, path: Path, keywords: Mapping[str, Any] | None = None, limits: Limits | None = None, advice: str = "") -> Answer:
+    """Read a file by a reader in a child process.
+
+    Args:
+        reader: ``module:function``, see above.
+        path: of the file.
+        keywords: for the reader, of kinds that JSON knows.
+        limits: what the child may use.
+        advice: what the user can do where it takes too long, at the end of that message.
+
+    Raises:
+        InputError: one line: the file cannot be read, or the child crashed, took too long or too much.
+    """
+    from masonry_cd.errors import InputError
+
+    limits = limits or Limits()
+    request = {
+        "path": [os.path.abspath(place) for place in sys.path],
+        "reader": reader,
+        "file": os.path.abspath(path),
+        "keywords": dict(keywords or {}),
+        "limits": limits,
+    }
+    with tempfile.TemporaryDirectory(prefix="masonry-cd-", ignore_cleanup_errors=True) as name:
+        folder = Path(name)
+        (folder / "request.json").write_text(json.dumps(request), encoding="utf-8")
+        code = _run(folder, WAIT * limits.seconds + 10.0)
+        if (folder / "refused").is_file():
+            raise InputError(_line((folder / "refused").read_bytes()))
+        if code != 0 or not (folder / "answer.npz").is_file():
+            raise InputError(f"{path.name}: cannot be read: {_ending(code, limits, advice, folder)}")
+        try:
+            return _unpacked(_checked(folder / "answer.npz"))
+        except (ValueError, KeyError, EOFError, OSError, MemoryError, zipfile.BadZipFile) as failure:
+            raise InputError(f"{path.name}: cannot be read: its reader answers nonsense: {_line(str(failure).encode())}") from None
+
+
+def _run(folder: Path, wait: float) -> int | None:
+    """Run the child in its folder: its exit code, negative for a signal; None where it had to be stopped."""
+    loader = {"LD_LIBRARY_PATH": os.environ["LD_LIBRARY_PATH"]} if "LD_LIBRARY_PATH" in os.environ else {}
+    threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each thread would take addresses for its stack and its arena
+    with (folder / "said").open("wb") as said:
+        child = subprocess.Popen(
+            [sys.executable, "-I", "-c", CHILD],
+            cwd=folder,
+            env={"HOME": str(folder), "TMPDIR": str(folder), "LANG": "C.UTF-8", **threads, **loader},
+            stdin=subprocess.DEVNULL,
+            stdout=said,
+            stderr=said,
+            start_new_session=True,
+        )
+    try:
+        return child.wait(wait)
+    except subprocess.TimeoutExpired:
+        return None
+    finally:  # also after Ctrl-C, and whatever the child has started itself
+        with suppress(ProcessLookupError):
+            os.killpg(child.pid, signal.SIGKILL)
+        child.wait()
+
+
+def _ending(code: int | None, limits: Limits, advice: str, folder: Path) -> str:
+    """How a child ended that gave no answer, in words."""
+    memory = f"{limits.memory / GIB:.3g} GiB of memory"
+    if code is None or code == -signal.SIGXCPU:
+        return f"not done after {limits.seconds:g} s of computing; it is damaged or too large{advice}"
+    if code < 0:
+        return f"its reader crashed ({signal.Signals(-code).name}); it is damaged, or needs more than {memory}"
+    said = (folder / "said").read_bytes()[-2000:].strip().splitlines()
+    return f"its reader ended with code {code} and no answer{': ' + _line(said[-1]) if code and said else ''}"
+
+
+def _line(text: bytes) -> str:
+    """A child's message as one short line that a terminal can show."""
+    shown = "".join(c if c.isprintable() else " " for c in text[: 4 * SHOWN].decode("utf-8", "replace"))
+    shown = " ".join(shown.split())
+    return shown if len(shown) <= SHOWN else shown[:SHOWN] + " ..."
+
+
+# --- in the child ---------------------------------------------------------------------------------------------------------------------
+
+
+def serve(request: Mapping[str, Any]) -> None:
+    """Read the file of a request within its limits, write the answer or the refusal, and end the process.
+
+    Ends without the libraries' own clearing up, which is a place to crash, too.
+    """
+    _end_with_caller()
+    limits, file = Limits(*request["limits"]), request["file"]
+    whole = max(1, round(limits.seconds))
+    resource.setrlimit(resource.RLIMIT_CPU, (whole, whole + 1))
+    resource.setrlimit(resource.RLIMIT_AS, (limits.memory, limits.memory))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limits.output, limits.output))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    try:
+        module, function = request["reader"].split(":")
+        pieces, figures = getattr(import_module(module), function)(Path(file), **request["keywords"])
+        np.savez("answer.npz", allow_pickle=False, **_packed(pieces, figures))
+    except Refused as refusal:
+        _refuse(str(refusal))
+    except MemoryError:
+        _refuse(f"{Path(file).name}: cannot be read: it needs more than {limits.memory / GIB:.3g} GiB of memory")
+    except (Exception, SystemExit) as failure:
+        what = str(failure).strip() or type(failure).__name__
+        _refuse(f"{Path(file).name}: cannot be read: {what.splitlines()[0]}")
+    os._exit(0)
+
+
+def _end_with_caller() -> None:
+    """Have the kernel end this process when the caller is killed (Linux; elsewhere the limits of time do)."""
+    with suppress(AttributeError, OSError):
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def _refuse(message: str) -> None:
+    Path("refused").write_text(message, encoding="utf-8", errors="replace")
+
+
+def _packed(pieces: Sequence[Piece], figures: Sequence[float]) -> dict[str, np.ndarray]:
+    """An answer as plain arrays: ``*_start`` delimit a piece or a face, the loops count the vertices of their own piece."""
+    loops = [loop for *_, faces in pieces for loop in faces]
+    return {
+        "number": np.array([number for number, *_ in pieces], dtype=np.int64),
+        "name": np.array([name for _, name, *_ in pieces], dtype=np.str_),
+        "vertices": np.concatenate([np.zeros((0, 3)), *(np.asarray(vertices, dtype=float) for _, _, vertices, _ in pieces)]),
+        "vertex_start": _starts([len(vertices) for _, _, vertices, _ in pieces]),
+        "face_start": _starts([len(faces) for *_, faces in pieces]),
+        "loops": np.fromiter((corner for loop in loops for corner in loop), dtype=np.int64),
+        "loop_start": _starts([len(loop) for loop in loops]),
+        "figures": np.array(figures, dtype=float),
+    }
+
+
+def _starts(counts: Sequence[int]) -> np.ndarray:
+    return np.concatenate([[0], np.cumsum(np.array(counts, dtype=np.int64))])
+
+
+# --- in the caller again --------------------------------------------------------------------------------------------------------------
+
+KINDS = {
+    "number": "i",
+    "name": "U",
+    "vertices": "f",
+    "vertex_start": "i",
+    "face_start": "i",
+    "loops": "i",
+    "loop_start": "i",
+    "figures": "f",
+}
+
+
+def _checked(path: Path) -> dict[str, np.ndarray]:
+    """The arrays of an answer, of the names, kinds, shapes and ranges that :func:`_packed` gives them.
+
+    Raises:
+        ValueError: another name, kind, shape or range.
+        KeyError, EOFError, OSError, MemoryError, BadZipFile: no file of arrays.
+    """
+    with zipfile.ZipFile(path) as whole:
+        if any(entry.compress_type != zipfile.ZIP_STORED for entry in whole.infolist()):
+            raise ValueError("compressed arrays")
+    with np.load(path, allow_pickle=False) as stored:
+        if set(stored.files) != set(KINDS):
+            raise ValueError("arrays of other names")
+        arrays = {name: stored[name] for name in KINDS}
+    for name, kind in KINDS.items():
+        if arrays[name].dtype.kind != kind or arrays[name].shape[1:] != ((3,) if name == "vertices" else ()):
+            raise ValueError(f"{name} is of another kind or shape")
+    count = len(arrays["number"])
+    for name, groups, total in (("vertex_start", count, "vertices"), ("face_start", count, None), ("loop_start", None, "loops")):
+        starts = arrays[name]
+        if not len(starts) or starts[0] != 0 or (np.diff(starts) < 0).any() or (groups is not None and len(starts) != groups + 1):
+            raise ValueError(f"{name} does not delimit its pieces")
+        if total and starts[-1] != len(arrays[total]):
+            raise ValueError(f"{name} does not end with the {total}")
+    if len(arrays["name"]) != count or arrays["face_start"][-1] != len(arrays["loop_start"]) - 1:
+        raise ValueError("pieces, names and faces do not agree")
+    loops_before = arrays["loop_start"][arrays["face_start"]]
+    corners = np.repeat(np.diff(arrays["vertex_start"]), np.diff(loops_before))  # vertices of the piece that each loop entry belongs to
+    if ((arrays["loops"] < 0) | (arrays["loops"] >= corners)).any():
+        raise ValueError("a face names a vertex that there is not")
+    return arrays
+
+
+def _unpacked(arrays: Mapping[str, np.ndarray]) -> Answer:
+    """The pieces and figures of checked arrays."""
+    loops = arrays["loops"].tolist()
+    faces = [tuple(loops[a:b]) for a, b in pairwise(arrays["loop_start"].tolist())]
+    of_vertices, of_faces = (list(pairwise(arrays[name].tolist())) for name in ("vertex_start", "face_start"))
+    names = zip(arrays["number"].tolist(), arrays["name"].tolist(), strict=True)
+    pieces = [
+        (number, name, arrays["vertices"][a:b].copy(), tuple(faces[c:d]))
+        for (number, name), (a, b), (c, d) in zip(names, of_vertices, of_faces, strict=True)
+    ]
+    return pieces, arrays["figures"].tolist()

@@ -1,0 +1,148 @@
+"""The mesh formats that a library reads: STL by trimesh, VTU by meshio, VTM by VTK. Each runs in a child, see
+:mod:`structures.files.foreign`.
+
+Every reader returns the shells of a file with the number and the name of the block that each belongs to; shells of one number are the
+convex parts of one block. This module imports nothing but numpy and, in each reader, its library, so that the child starts at once.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from structures.files.foreign import Answer, Faces, Piece, Refused
+
+CELLS: dict[str, tuple[tuple[int, ...], ...]] = {  # faces of the volume cells of VTK, from outside
+    "tetra": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)),
+    "pyramid": ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)),
+    "wedge": ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
+    "hexahedron": ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+}
+
+
+def read_stl(path: Path) -> Answer:
+    """The shells of an STL; equal corners are one.
+
+    Raises:
+        Refused: no triangles.
+    """
+    import trimesh
+
+    soup: Any = trimesh.load(path, file_type="stl", process=False)
+    if not isinstance(soup, trimesh.Trimesh) or not len(soup.faces):
+        raise Refused(f"{path.name}: no triangles in it")
+    points, index = np.unique(np.asarray(soup.vertices, dtype=float), axis=0, return_inverse=True)
+    faces = index.ravel()[np.asarray(soup.faces)]
+    groups = trimesh.graph.connected_component_labels(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]]), len(points))
+    shell = groups[faces[:, 0]]
+    order = np.argsort(shell, kind="stable")
+    members = np.split(order, np.flatnonzero(np.diff(shell[order])) + 1)  # triangles of each shell, in the order of the file
+    found: list[Piece] = []
+    for own in (faces[member] for member in sorted(members, key=lambda member: int(member[0]))):
+        used, local = np.unique(own, return_inverse=True)
+        loops = tuple(tuple(int(i) for i in row) for row in local.reshape(-1, 3))
+        found.append((len(found), f"b{len(found)}", points[used], loops))
+    return found, ()
+
+
+def read_vtu(path: Path) -> Answer:
+    """The volume cells of a VTU, by their array ``block`` where it has one.
+
+    Raises:
+        Refused: cells that are no volumes, or that name points that there are not.
+    """
+    import meshio
+
+    mesh = meshio.read(path)
+    points = np.asarray(mesh.points, dtype=float)
+    found: list[Piece] = []
+    count = 0
+    for k, cells in enumerate(mesh.cells):
+        numbers = mesh.cell_data["block"][k] if "block" in mesh.cell_data else range(count, count + len(cells.data))
+        for number, cell in zip(numbers, cells.data, strict=True):
+            if cells.type in CELLS:
+                loops: Sequence[Sequence[int]] = [[int(cell[i]) for i in face] for face in CELLS[cells.type]]
+            elif cells.type.startswith("polyhedron"):
+                loops = [[int(i) for i in face] for face in cell]
+            else:
+                raise Refused(f"{path.name}: cells of type {cells.type} are no volumes; a block is a volume cell")
+            used = sorted({i for face in loops for i in face})
+            if used[0] < 0 or used[-1] >= len(points):
+                raise Refused(f'{path.name}: block "b{int(number)}": a cell names a point outside 0 to {len(points) - 1}')
+            number_of = {old: new for new, old in enumerate(used)}
+            faces: Faces = tuple(tuple(number_of[i] for i in face) for face in loops)
+            found.append((int(number), f"b{int(number)}", points[used], faces))
+        count += len(cells.data)
+    return found, ()
+
+
+def read_vtm(path: Path) -> Answer:
+    """The shells of each data set of a multi-block file: a closed surface, or volume cells, which are the block's convex parts.
+
+    Its name is that of the block; data sets within blocks within blocks are found too.
+
+    Raises:
+        Refused: no multi-block data, a file that it refers to is missing, or a data set without a surface or a volume.
+    """
+    import pyvista
+
+    with warnings.catch_warnings(action="ignore"):
+        whole: Any = pyvista.read(path)
+    if not isinstance(whole, pyvista.MultiBlock):
+        raise Refused(f"{path.name}: no multi-block data in it")
+    found: list[Piece] = []
+    for number, (name, data) in enumerate(_leaves(whole, "")):
+        if data is None or data.n_cells == 0:
+            raise Refused(f'{path.name}: block "{name}": empty, or the file that it refers to is missing or damaged')
+        shells = [_surface(data)] if isinstance(data, pyvista.PolyData) else _volumes(data)
+        if not shells:
+            raise Refused(f'{path.name}: block "{name}": neither a closed surface nor volume cells')
+        found += [(number, name, *shell) for shell in shells]
+    return found, ()
+
+
+def _leaves(whole: Any, prefix: str) -> Iterator[tuple[str, Any]]:
+    """Names and data sets, those of inner multi-blocks with the outer name before theirs."""
+    import pyvista
+
+    for number, (name, data) in enumerate(zip(whole.keys(), whole, strict=True)):
+        own = f"{prefix}{name or f'b{number}'}"
+        if isinstance(data, pyvista.MultiBlock):
+            yield from _leaves(data, f"{own}/")
+        else:
+            yield own, data
+
+
+def _surface(data: Any) -> tuple[np.ndarray, Faces]:
+    """The polygons of a PolyData; its strips are triangles."""
+    polygons = data.triangulate() if data.n_strips else data
+    return _shell(np.asarray(data.points, dtype=float), [list(map(int, face)) for face in _split(polygons.faces)])
+
+
+def _volumes(data: Any) -> list[tuple[np.ndarray, Faces]]:
+    """A shell for each volume cell of a grid, turned to face outwards as VTK orders them."""
+    points = np.asarray(data.points, dtype=float)
+    cells = [data.get_cell(k) for k in range(data.n_cells)]
+    return [_shell(points, [list(map(int, face.point_ids)) for face in cell.faces]) for cell in cells if cell.dimension == 3]
+
+
+def _split(stream: np.ndarray) -> Iterator[np.ndarray]:
+    """The loops of VTK's list ``n, i, j, k ..., n, i, j, k ...``."""
+    at = 0
+    while at < len(stream):
+        yield stream[at + 1 : at + 1 + stream[at]]
+        at += 1 + stream[at]
+
+
+def _shell(points: np.ndarray, loops: Sequence[Sequence[int]]) -> tuple[np.ndarray, Faces]:
+    """The points that some loops use, each place once, and the loops counted over them."""
+    corners = [i for loop in loops for i in loop]
+    if min(corners) < 0:
+        raise ValueError("a face names a point below 0")
+    used, index = np.unique(points[corners], axis=0, return_inverse=True)
+    ends = np.cumsum([len(loop) for loop in loops])
+    return used, tuple(tuple(map(int, part)) for part in np.split(index.ravel(), ends[:-1]))

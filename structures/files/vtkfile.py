@@ -1,0 +1,59 @@
+"""Blocks to VTK's own containers: VTM (multi-block: a data set per block) and VTKHDF.
+
+VTKHDF holds one unstructured grid, a polyhedron per convex part, with the arrays ``block``, ``fixed`` and ``group``, as the VTU has them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.model.blocks import Block, Faces, Polyhedron
+
+POLYHEDRON = 42  # VTK's number of this type of cell
+
+
+def write_vtm(path: Path, blocks: Sequence[Block]) -> None:
+    """Write a multi-block file, with a folder of its data sets beside it: a surface for a convex block, a grid for one with parts."""
+    import pyvista
+
+    whole = pyvista.MultiBlock()
+    for block in blocks:
+        if block.parts:
+            whole[block.name] = _grid(block.parts)
+        else:
+            whole[block.name] = pyvista.PolyData(block.vertices, faces=_stream(block.faces))
+    whole.save(path)
+
+
+def write_vtkhdf(path: Path, blocks: Sequence[Block]) -> None:
+    """Write an unstructured grid of polyhedra."""
+    parts = [(number, part) for number, block in enumerate(blocks) for part in block.convex_parts]
+    grid = _grid([part for _, part in parts])
+    groups = list(dict.fromkeys(block.group for block in blocks))
+    grid.cell_data["block"] = np.array([number for number, _ in parts])
+    grid.cell_data["fixed"] = np.array([int(blocks[number].fixed) for number, _ in parts])
+    grid.cell_data["group"] = np.array([groups.index(blocks[number].group) for number, _ in parts])
+    grid.save(path)
+
+
+def _grid(parts: Sequence[Polyhedron]) -> Any:
+    """Polyhedra as an unstructured grid."""
+    import pyvista
+
+    cells, count = [], 0
+    for part in parts:
+        faces = tuple(tuple(i + count for i in face) for face in part.faces)
+        stream = [len(faces), *_stream(faces)]
+        cells.append([len(stream), *stream])
+        count += len(part.vertices)
+    kinds = np.full(len(parts), POLYHEDRON, dtype=np.uint8)
+    return pyvista.UnstructuredGrid(np.concatenate(cells), kinds, np.concatenate([part.vertices for part in parts]))
+
+
+def _stream(faces: Faces) -> np.ndarray:
+    """Loops as VTK lists them: ``n, i, j, k ..., n, i, j, k ...``."""
+    return np.concatenate([[len(face), *face] for face in faces])

@@ -1,0 +1,1 @@
+"""Geometry of blocks: prisms, cuts, convex parts, overlaps, gaps, soundness."""

@@ -1,0 +1,55 @@
+"""Bent blocks: convex parts that lie face on face and act as one stone, such as the stones on the groin of a vault.
+
+The shell of the block is made of the faces of its parts without those that two parts share; contact detection works on the
+parts (``Block.parts``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from masonry_cd.model.blocks import Block, Faces, Polyhedron
+
+GRID = 1e-7  # corners of parts closer than this are one [m]
+
+
+def bent(name: str, parts: Sequence[tuple[np.ndarray, Faces]], density: float, group: str) -> Block:
+    """Join convex parts into one block; a single part makes a plain block.
+
+    Args:
+        parts: vertices (V, 3) [m] and faces of each; parts that touch share whole faces, corner by corner.
+
+    Raises:
+        RuntimeError: two parts do not share a face.
+    """
+    if len(parts) == 1:
+        return Block(name, *parts[0], density, group)
+    vertices, faces = _welded(parts)
+    loops = {frozenset(face): face for face in faces}
+    if len(faces) - len(loops) < len(parts) - 1:
+        raise RuntimeError(f'block "{name}": its parts do not share whole faces')
+    count: dict[frozenset[int], int] = {}
+    for face in faces:
+        count[frozenset(face)] = count.get(frozenset(face), 0) + 1
+    outer = [face for face in faces if count[frozenset(face)] == 1]
+    used = sorted({i for face in outer for i in face})
+    number = {old: new for new, old in enumerate(used)}
+    shell = tuple(tuple(number[i] for i in face) for face in outer)
+    return Block(name, vertices[used], shell, density, group, parts=tuple(Polyhedron(v, f) for v, f in parts))
+
+
+def _welded(parts: Sequence[tuple[np.ndarray, Faces]]) -> tuple[np.ndarray, list[tuple[int, ...]]]:
+    """All corners once, and the faces of all parts counted over them."""
+    points: list[np.ndarray] = []
+    faces: list[tuple[int, ...]] = []
+    for vertices, own in parts:
+        index = []
+        for vertex in vertices:
+            near = next((i for i, point in enumerate(points) if np.abs(point - vertex).max() < GRID), len(points))
+            if near == len(points):
+                points.append(vertex)
+            index.append(near)
+        faces += [tuple(index[i] for i in face) for face in own]
+    return np.array(points), faces

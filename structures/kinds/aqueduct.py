@@ -1,0 +1,270 @@
+"""Aqueducts and arcades: piers, semicircular rings and spandrels in courses, in one to three tiers.
+
+Each tier (:mod:`structures.layout.aqueduct_tier`) is a plane figure cut along its joints (:mod:`structures.geometry.solid`) and drawn
+out along y. Upper tiers stand on the level top of the tier below, by default with the same pitch. The measures are of the order of
+Roman work in large squared blocks: the default is three openings of 5 m on piers of 2 m.
+
+Groups, for friction and for damage by part: ``base``, ``pier1`` ..., ``arch1`` ..., ``spandrel1`` ... over the pier of that
+number, ``top`` for the courses that run over the crowns, and ``channel`` for walls and slabs of the channel on top; from a second
+tier on, ``tier2_pier1`` and so on. The tier starts with its left end at x = 0 and is centred on y = 0; the feet of the lowest piers
+are at z = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from masonry_cd.errors import InputError, parse_table
+from masonry_cd.model.blocks import Block
+from structures.geometry.checks import check
+from structures.geometry.prism import box, polygon_centroid, prism_xz, rectangle
+from structures.geometry.solid import cut
+from structures.layout import wall_plan
+from structures.layout.aqueduct_tier import LEAST_BED, Tier, feet, joints, outline
+
+LEAST_GAP = 0.4  # between two rings at the springing, in courses
+LEAST_CHORD = 0.35  # of a voussoir on the extrados, in courses
+
+
+def _per_tier(unit: str, kind: type) -> Callable[[Any], tuple[Any, ...]]:
+    """A reader of one number above zero, or of a list with one such number per tier."""
+    number = "a whole number" if kind is int else "a number"
+
+    def read(value: Any) -> tuple[Any, ...]:
+        values = tuple(value) if isinstance(value, (list, tuple)) else (value,)
+        allowed = (int,) if kind is int else (int, float)
+        if not values or any(isinstance(v, bool) or not isinstance(v, allowed) or not 0 < v < math.inf for v in values):
+            raise ValueError(f"must be {number} above 0{unit}, or a list with one per tier")
+        return tuple(kind(v) for v in values)
+
+    return read
+
+
+Lengths = Annotated[tuple[float, ...], BeforeValidator(_per_tier(" [m]", float))]
+Counts = Annotated[tuple[int, ...], BeforeValidator(_per_tier("", int))]
+Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
+class AqueductTable(BaseModel):
+    """The [structure] table of an aqueduct. Plural types take one value, or a list with one value per tier."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    tiers: int = Field(1, ge=1, le=3)
+    spans: Counts = (3,)
+    clear_span: Lengths = Field((5.0,), description="between the faces of the piers [m]")
+    pier_width: Lengths = Field((2.0,), description="along the aqueduct [m]")
+    pier_courses: Counts = (8,)
+    pier_blocks: int = Field(2, ge=1, le=2, description="blocks to a course of a pier; 2 stand in alternating bond")
+    course_height: Length = Field(0.5, description="[m]")
+    ring_thickness: Lengths = Field((0.6,), description="of the arches [m]")
+    voussoirs: Counts | None = Field(None, description="to an arch; by default their length is that of 1.2 courses")
+    cover: Lengths | None = Field(None, description="from the crown of the extrados to the level top; by default 1.5 courses [m]")
+    width: Lengths = Field((2.0,), description="across the aqueduct, along y [m]")
+    unit_length: Length | None = Field(None, description="of the blocks in the spandrels; by default 2 courses [m]")
+    ends: Literal["pier", "abutment"] = "pier"
+    channel_width: Length | None = Field(None, description="clear, of a channel on top; by default there is none [m]")
+    channel_height: Length | None = Field(None, description="clear, of the channel; by default its width [m]")
+    base_margin: Length | None = Field(None, description="of the base around the feet; by default half the height [m]")
+
+
+def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
+    """Build an aqueduct on its base, lowest tier first.
+
+    Raises:
+        InputError: a key that is unknown or out of range, or measures that do not fit together.
+    """
+    aqueduct = parse_table(AqueductTable, table, "structure")
+    tiers = _tiers(aqueduct)
+    blocks = _base(aqueduct, tiers, density)
+    if aqueduct.ends == "abutment":
+        blocks += _abutments(tiers, density)
+    for tier, over in zip(tiers, [*tiers[1:], None], strict=True):
+        pieces = cut(outline(tier), joints(tier, feet(over) if over else ()))
+        blocks += _named(tier, pieces, density, prefix=f"tier{tier.number}_" if len(tiers) > 1 else "")
+    blocks += _channel(aqueduct, tiers[-1], density)
+    check(blocks)
+    return blocks
+
+
+def _channel(aqueduct: AqueductTable, tier: Tier, density: float) -> list[Block]:
+    """The channel on the level top: a wall along either side, and slabs across them."""
+    wide = aqueduct.channel_width
+    if wide is None:
+        if aqueduct.channel_height is not None:
+            raise InputError("structure.channel_width: missing; it makes the channel whose height is given")
+        return []
+    most = tier.width - 0.4 * tier.course
+    if wide > most:
+        raise InputError(f"structure.channel_width: must be at most {most:g} m, which leaves two walls, got {wide:g}")
+    low, high = tier.top, tier.top + (aqueduct.channel_height or wide)
+    start, end, half = float(tier.left[0]), float(tier.right[-1]), 0.5 * tier.width
+    walls = [
+        wall_plan.Wall(f"channel_{name}", "channel", 0, start, end, near, far, low, high)
+        for name, near, far in (("front", -half, -0.5 * wide), ("back", 0.5 * wide, half))
+    ]
+    blocks = wall_plan.build(walls, wall_plan.levels(walls, tier.course), tier.unit, density)
+    ends = np.linspace(start, end, max(1, round((end - start) / tier.unit)) + 1)
+    for number, (x0, x1) in enumerate(pairwise(ends), start=1):
+        slab = box((x0, -half, high), (x1, half, high + max(0.5 * tier.course, 0.15 * wide)))
+        blocks.append(Block(f"channel_slab.{number}", *slab, density, "channel"))
+    return blocks
+
+
+def _tiers(aqueduct: AqueductTable) -> list[Tier]:
+    """The measures of each tier, checked against each other."""
+    tiers: list[Tier] = []
+    for i in range(aqueduct.tiers):
+        tier = _tier(aqueduct, i, tiers[-1] if tiers else None)
+        _check_arch(tier)
+        if tiers:
+            _check_on(tier, tiers[-1], aqueduct.ends)
+        tiers.append(tier)
+    return tiers
+
+
+def _tier(aqueduct: AqueductTable, i: int, below: Tier | None) -> Tier:
+    course = aqueduct.course_height
+    pier_width = _of_tier(aqueduct, "pier_width", i)
+    clear_span = _of_tier(aqueduct, "clear_span", i)
+    if below and len(aqueduct.clear_span) == 1:  # the pitch of the tier below
+        clear_span = below.pitch - pier_width
+        if clear_span <= 0:
+            raise InputError(f"structure.pier_width: must be below the pitch, {below.pitch:g} m, in tier {i + 1}, got {pier_width:g}")
+    thickness = _of_tier(aqueduct, "ring_thickness", i)
+    extrados = math.pi * (0.5 * clear_span + thickness)
+    natural = max(5, 2 * round((extrados / (1.2 * course) - 1) / 2) + 1)  # odd: with a keystone
+    spans = _of_tier(aqueduct, "spans", i)
+    length = spans * (clear_span + pier_width) + pier_width
+    return Tier(
+        number=i + 1,
+        foot=below.top if below else 0.0,
+        centre=below.centre if below else 0.5 * length,
+        spans=spans,
+        clear_span=clear_span,
+        pier_width=pier_width,
+        pier_courses=_of_tier(aqueduct, "pier_courses", i),
+        pier_blocks=aqueduct.pier_blocks,
+        course=course,
+        ring_thickness=thickness,
+        voussoirs=_of_tier(aqueduct, "voussoirs", i) or natural,
+        cover=_of_tier(aqueduct, "cover", i) or 1.5 * course,
+        unit=aqueduct.unit_length or 2.0 * course,
+        width=_of_tier(aqueduct, "width", i),
+    )
+
+
+def _of_tier(aqueduct: AqueductTable, key: str, i: int) -> Any:
+    """The value of a key for a tier, None where the key is not given."""
+    values = getattr(aqueduct, key)
+    if values is None:
+        return None
+    if len(values) not in (1, aqueduct.tiers):
+        raise InputError(f"structure.{key}: one value or one per tier, {aqueduct.tiers}, got {len(values)}")
+    return values[0 if len(values) == 1 else i]
+
+
+def _check_arch(tier: Tier) -> None:
+    """Measures of one tier that exclude each other."""
+    where = f" in tier {tier.number}" if tier.number > 1 else ""
+    least = 2.0 * tier.ring_thickness + LEAST_GAP * tier.course
+    if tier.pier_width < least - 1e-9:
+        what = "seats two rings with a course between them"
+        raise InputError(f"structure.pier_width: must be at least {least:g} m{where}, which {what}, got {tier.pier_width:g}")
+    most = math.floor(math.pi / (2.0 * math.asin(min(1.0, 0.5 * LEAST_CHORD * tier.course / tier.outer))))
+    if not 3 <= tier.voussoirs <= most:
+        raise InputError(f"structure.voussoirs: must be 3 to {most} for courses of {tier.course:g} m{where}, got {tier.voussoirs}")
+    if tier.cover < LEAST_BED * tier.course - 1e-9:
+        raise InputError(f"structure.cover: must be at least half a course, {LEAST_BED * tier.course:g} m{where}, got {tier.cover:g}")
+    if tier.unit < 0.5 * tier.course:
+        raise InputError(f"structure.unit_length: must be at least half a course, {0.5 * tier.course:g} m, got {tier.unit:g}")
+
+
+def _check_on(tier: Tier, below: Tier, ends: str) -> None:
+    """A tier must stand on the one below."""
+    if tier.length > below.length * (1.0 + 1e-9):
+        most = math.floor((below.length - tier.pier_width) / tier.pitch + 1e-9)
+        raise InputError(
+            f"structure.spans: tier {tier.number} is {tier.length:g} m long, longer than the {below.length:g} m below; at most {most} spans"
+        )
+    n, wide = tier.number, below.width
+    if tier.width > wide * (1.0 + 1e-9):
+        raise InputError(f"structure.width: tier {n} must be at most as wide as the one below, {wide:g} m, got {tier.width:g}")
+    if ends == "abutment" and tier.length < below.length * (1.0 - 1e-9):
+        raise InputError(f"structure.ends: abutments need tiers of one length, tier {n} has {tier.length:g} of {below.length:g} m")
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a piece belongs: its group, what its name ends with, and its rank in the group."""
+
+    group: str
+    rank: tuple[float, ...]
+
+
+def _named(tier: Tier, pieces: list[np.ndarray], density: float, prefix: str) -> list[Block]:
+    """Draw out the pieces of a tier and name them by their place: ``pier1.3``, ``arch1.v5``, ``spandrel2.7``, ``top.4``."""
+    groups: dict[str, list[tuple[tuple[float, ...], np.ndarray]]] = {}
+    for piece in pieces:
+        place = _place(tier, piece)
+        groups.setdefault(place.group, []).append((place.rank, piece))
+    blocks = []
+    order = {"pier": 0, "arch": 1, "spandrel": 2, "top": 3}
+    for group in sorted(groups, key=lambda g: (order[g.rstrip("0123456789")], len(g), g)):
+        letter = "v" if group.startswith("arch") else ""
+        for number, (_, piece) in enumerate(sorted(groups[group], key=lambda item: item[0]), start=1):
+            name = f"{prefix}{group}.{letter}{number}"
+            vertices, faces = prism_xz(piece, -0.5 * tier.width, 0.5 * tier.width)
+            blocks.append(Block(name, vertices, faces, density, prefix + group))
+    return blocks
+
+
+def _place(tier: Tier, piece: np.ndarray) -> _Place:
+    """Which part of the tier a piece belongs to."""
+    x, z = polygon_centroid(piece)
+    height = z - tier.springing
+    level = (round(float(piece[:, 1].min()), 6), float(x))
+    pier = int(np.argmin(np.abs(0.5 * (tier.left + tier.right) - x))) + 1
+    if height < 0:
+        return _Place(f"pier{pier}", level)
+    if height > tier.beds[tier.first_complete]:
+        return _Place("top", level)
+    arch = int(np.argmin(np.abs(tier.axes - x)))
+    across = x - tier.axes[arch]
+    step = math.pi / tier.voussoirs
+    sector = min(int(math.atan2(height, -across) / step), tier.voussoirs - 1)
+    middle = (sector + 0.5) * step  # the chord of the extrados is normal to the middle of its voussoir
+    if -across * math.cos(middle) + height * math.sin(middle) < tier.outer * math.cos(0.5 * step):
+        return _Place(f"arch{arch + 1}", (float(x),))
+    return _Place(f"spandrel{pier}", level)
+
+
+def _base(aqueduct: AqueductTable, tiers: list[Tier], density: float) -> list[Block]:
+    """A fixed slab under each pier of the lowest tier, from midspan to midspan and on all around."""
+    tier = tiers[0]
+    margin = aqueduct.base_margin or 0.5 * tiers[-1].top
+    ends = [tier.left[0] - margin, *tier.axes, tier.right[-1] + margin]
+    half = 0.5 * tier.width + margin
+    blocks = []
+    for pier in range(tier.spans + 1):
+        vertices, faces = prism_xz(rectangle(ends[pier], ends[pier + 1], -tier.course, 0.0), -half, half)
+        blocks.append(Block(f"base{pier + 1}", vertices, faces, density, "base", fixed=True))
+    return blocks
+
+
+def _abutments(tiers: list[Tier], density: float) -> list[Block]:
+    """Fixed blocks at both ends, from the base to the level top of the highest tier."""
+    tier, top = tiers[0], tiers[-1].top
+    blocks = []
+    for number, (x, outwards) in enumerate(((tier.left[0], -1.0), (tier.right[-1], 1.0)), start=1):
+        vertices, faces = prism_xz(rectangle(x, x + outwards * tier.pier_width, 0.0, top), -0.5 * tier.width, 0.5 * tier.width)
+        blocks.append(Block(f"abutment{number}", vertices, faces, density, "base", fixed=True))
+    return blocks

@@ -1,0 +1,123 @@
+r"""Arches of straight-edged voussoirs on abutments or on buttresses.
+
+The lines of the ring, semicircular, segmental, pointed, three-centred or flat, are those of :mod:`structures.layout.arch_profiles`; each
+voussoir is the quadrilateral between two joints. At the springings lie fixed abutments, or buttresses: piers of whole blocks whose
+topmost one is the skewback, cut to the springing joint. The intrados springs at z = 0, and the feet of buttresses lie below.
+
+Groups: ``arch``, ``buttress1`` (left), ``buttress2`` and ``base``. Voussoirs are numbered from the left springing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BeforeValidator, Field
+
+from masonry_cd.errors import InputError, parse_table
+from masonry_cd.model.blocks import Block
+from structures.geometry.checks import check
+from structures.geometry.prism import prism_xz, rectangle
+from structures.layout.arch_profiles import AGREE, RingTable, joints_of
+from structures.schema import Length
+
+
+def _abutment(value: Any) -> float | None:
+    """true -> nan (the default depth), false -> None, a number -> itself."""
+    if isinstance(value, bool):
+        return math.nan if value else None
+    if isinstance(value, (int, float)) and 0 < value < math.inf:
+        return float(value)
+    raise ValueError("must be true, false or the depth of the abutments above 0 [m]")
+
+
+class ArchTable(RingTable):
+    """The [structure] table of an arch."""
+
+    width: Length = Field(1.0, description="across the arch, along y [m]")
+    abutment: Annotated[float | None, BeforeValidator(_abutment)] = math.nan
+    buttress_width: Length | None = Field(None, description="along x; with it the arch stands on buttresses [m]")
+    buttress_height: Length | None = Field(None, description="below the springing; by default twice the width of the buttress [m]")
+    buttress_courses: int | None = Field(None, ge=1, le=1000, description="by default blocks half as high as wide")
+
+
+def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
+    """Build an arch on its abutments or buttresses: blocks ``v1`` to ``vN`` in the group ``arch``, fixed ones in ``base``.
+
+    Raises:
+        InputError: a key that is missing, unknown, out of range or in contradiction with another.
+    """
+    arch = parse_table(ArchTable, table, "structure")
+    intrados, extrados = joints_of(arch)
+    polygons = voussoirs(intrados, extrados)
+    blocks = [_block(f"v{i + 1}", polygon, arch.width, density, "arch") for i, polygon in enumerate(polygons)]
+    if arch.buttress_width is not None:
+        blocks += _buttresses(arch, intrados[0], extrados[0], density)
+    elif arch.buttress_height is not None or arch.buttress_courses is not None:
+        raise InputError("structure.buttress_width: missing; it makes the buttresses whose height or courses are given")
+    elif arch.abutment is not None:
+        depth = arch.thickness if math.isnan(arch.abutment) else arch.abutment
+        left = seat(intrados[0], extrados[0], intrados[1], depth)
+        right = seat(intrados[-1], extrados[-1], intrados[-2], depth)
+        blocks.append(_block("abutment1", left, 1.5 * arch.width, density, "base", fixed=True))
+        blocks.append(_block("abutment2", right, 1.5 * arch.width, density, "base", fixed=True))
+    check(blocks)
+    return blocks
+
+
+def _block(name: str, polygon: np.ndarray, width: float, density: float, group: str, fixed: bool = False) -> Block:
+    vertices, faces = prism_xz(polygon, -0.5 * width, 0.5 * width)
+    return Block(name, vertices, faces, density, group, fixed)
+
+
+def voussoirs(intrados: np.ndarray, extrados: np.ndarray) -> list[np.ndarray]:
+    """The quadrilaterals (4, 2) between successive joints, given by their ends (N + 1, 2) on intrados and extrados."""
+    return [np.array([intrados[k], intrados[k + 1], extrados[k + 1], extrados[k]]) for k in range(len(intrados) - 1)]
+
+
+def seat(intrados: np.ndarray, extrados: np.ndarray, towards: np.ndarray, depth: float) -> np.ndarray:
+    """An abutment: the springing joint prolonged at both ends and drawn back from the arch by its depth.
+
+    The joint is prolonged so that a voussoir which slides at the springing keeps its seat.
+    """
+    along = extrados - intrados
+    overhang = min(0.5, 0.5 * abs(intrados[0]) / math.hypot(*along)) * along
+    back = np.array([along[1], -along[0]]) / math.hypot(*along)
+    if back @ (towards - intrados) > 0:
+        back = -back
+    inside, outside = intrados - overhang, extrados + overhang
+    return np.array([inside, outside, outside + depth * back, inside + depth * back])
+
+
+def _buttresses(arch: ArchTable, inner: np.ndarray, outer: np.ndarray, density: float) -> list[Block]:
+    """A pier of whole blocks under either springing, on its own fixed slab.
+
+    Args:
+        inner, outer: ends of the left springing joint (2,) [m].
+
+    Raises:
+        InputError: the springing joint is wider than the buttress.
+    """
+    wide = arch.buttress_width or 0.0
+    bed = float(inner[0] - outer[0])
+    if wide < bed * (1.0 - AGREE):
+        raise InputError(f"structure.buttress_width: must be at least the width of the springing, {bed:.4g} m, got {wide:g}")
+    height = arch.buttress_height or 2.0 * wide
+    beds = np.linspace(-height, 0.0, (arch.buttress_courses or max(1, round(2.0 * height / wide))) + 1)
+    near, far = float(inner[0]), float(inner[0]) - max(wide, bed)
+    pieces = [rectangle(near, far, low, high) for low, high in pairwise(beds)]
+    if outer[1] > AGREE * arch.thickness:  # the skewback
+        corners = [(near, beds[-2]), (near, 0.0), (outer[0], outer[1]), (far, outer[1]), (far, beds[-2])]
+        pieces[-1] = np.array(corners if bed < wide * (1.0 - AGREE) else corners[:3] + corners[4:])
+    margin = min(0.5 * height, 0.5 * abs(near))  # the slab reaches farther out than in: the thrust pushes outwards
+    slab = rectangle(far - height, near + margin, -height - 0.5 * wide, -height)
+    blocks = []
+    for number, side in enumerate(([1.0, 1.0], [-1.0, 1.0]), start=1):
+        for k, piece in enumerate(pieces, start=1):
+            blocks.append(_block(f"buttress{number}.{k}", piece * side, arch.width, density, f"buttress{number}"))
+        blocks.append(_block(f"base{number}", slab * side, 1.0 * arch.width + 2.0 * height, density, "base", fixed=True))
+    return blocks

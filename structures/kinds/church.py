@@ -1,0 +1,147 @@
+"""Churches: one nave or three, a facade with its gable, a triumphal arch, an apse with its half dome, a bell tower.
+
+The nave runs along x from the facade at x = 0 to the wall of the triumphal arch, and is centred on y = 0; the ground is
+z = 0. All walls share their beds and are interlocked where they meet (:mod:`structures.layout.wall_plan`), the apse with the wall that it
+leans on by stones that reach into it (:mod:`structures.layout.rings`). ``block_length`` steers the number of blocks: the default church has
+about 2,300 of 1 m by 0.5 m, with 0.64 m about 5,000. Heights are rounded to whole courses.
+
+The measures are those of a middle-sized Italian church with walls of squared blocks: no drawing of a real one is behind them.
+Damage is reported by macro-element, which are the groups: ``facade``, ``nave_walls``, ``triumphal_arch``, ``apse``, ``half_dome``,
+``tower``, ``aisle_walls``, ``arcades``, ``buttresses``, ``roof`` or ``vault``, and ``base``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field
+
+from masonry_cd.errors import InputError, parse_table
+from masonry_cd.model.blocks import Block
+from structures.geometry.checks import check
+from structures.kinds import church_parts
+from structures.layout import wall_plan
+from structures.schema import Height, Length, Table
+
+
+class ChurchTable(Table):
+    """The [structure] table of a church."""
+
+    block_length: Length = Field(1.0, description="of a block, which steers their number [m]")
+    course_height: Length | None = Field(None, description="by default half the length of a block [m]")
+    length: Length = Field(24.0, description="of the nave with facade and triumphal arch, outer [m]")
+    width: Length = Field(9.0, description="of the nave, clear [m]")
+    height: Length = Field(10.0, description="of the nave walls, to the eaves [m]")
+    thickness: Length | None = Field(None, description="of the walls; by default 1 m, under a vault 0.16 of the width [m]")
+    leaves: int = Field(1, ge=1, le=4, description="of all walls")
+    bonded: bool = Field(True, description="false: straight joints where walls meet, from bottom to top")
+    gable: Height | None = Field(None, description="height over the eaves; by default 2.5 m, in front of a vault its own height [m]")
+    door_width: Height = Field(2.0, description="of the facade, 0 for none [m]")
+    door_height: Length = Field(4.0, description="[m]")
+    windows: int = Field(4, ge=0, le=20, description="in each side wall of the nave")
+    window_width: Length = Field(1.0, description="[m]")
+    window_height: Length | None = Field(None, description="by default 2.5 m, or what a lower wall has room for [m]")
+    arch_span: Length | None = Field(None, description="of the triumphal arch; by default what the apse leaves room for [m]")
+    apse: bool = True
+    apse_radius: Length = Field(3.4, description="clear, to the middle of its sides [m]")
+    apse_height: Length = Field(6.0, description="to the springing of the half dome [m]")
+    apse_sides: int = Field(7, ge=3, le=31, description="flat sides of the half circle")
+    tower: bool = True
+    tower_side: Length = Field(4.5, description="outer, beyond the wall it is bonded with [m]")
+    tower_height: Length = Field(20.0, description="[m]")
+    tower_place: Length | None = Field(None, description="x of its axis; by default at 0.7 of the length [m]")
+    aisles: bool = False
+    aisle_width: Length = Field(4.0, description="clear [m]")
+    aisle_height: Length = Field(5.5, description="of the outer walls of the aisles [m]")
+    bays: int = Field(4, ge=2, le=20, description="of the arcades between nave and aisles")
+    buttresses: int | None = Field(None, ge=0, le=20, description="on each side; by default 0, under a vault one between every two windows")
+    buttress_depth: Length | None = Field(
+        None, description="beyond the wall; by default its thickness, under a vault a third of the width [m]"
+    )
+    roof: Literal["timber", "vault", "none"] = "timber"
+    roof_mass: Length = Field(150.0, description="of a timber roof [kg/m2 in plan]")
+    vault_thickness: Length | None = Field(None, description="of a barrel vault; by default 0.07 of the width [m]")
+
+
+def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
+    """Build a church on its ground.
+
+    Raises:
+        InputError: a key that is unknown or out of range, or measures that do not fit together.
+    """
+    keys = with_defaults(parse_table(ChurchTable, table, "structure"))
+    _fits(keys)
+    church = church_parts.Church.of(keys)
+    walls = church_parts.walls(church)
+    beds = beds_of(church, walls)
+    walls, apse = church_parts.with_apse(church, walls, beds, density)
+    blocks = wall_plan.build(walls, beds, church.unit, density, keys.bonded) + apse
+    if keys.aisles:
+        blocks += church_parts.columns(church, density)
+    if keys.roof == "timber":
+        blocks += church_parts.roof_plates(church)
+    elif keys.roof == "vault":
+        blocks += church_parts.nave_vault(church, density)
+    blocks.append(wall_plan.ground(blocks, 0.3 * max(keys.height, keys.tower_height if keys.tower else 0.0), church.course, density))
+    check(blocks)
+    return blocks
+
+
+def with_defaults(keys: ChurchTable) -> ChurchTable:
+    """The keys with those filled in that depend on the roof."""
+    vaulted = keys.roof == "vault"
+    natural = {
+        "thickness": 0.16 * keys.width if vaulted else 1.0,
+        "gable": 0.57 * keys.width if vaulted else 2.5,
+    }
+    return keys.model_copy(update={key: value for key, value in natural.items() if getattr(keys, key) is None})
+
+
+def beds_of(church: church_parts.Church, walls: Sequence[wall_plan.Wall]) -> list[float]:
+    """The beds that all walls of a church share [m]."""
+    return wall_plan.levels(walls, church.course, [(church.apse_top, "structure.apse_height")] if church.keys.apse else [])
+
+
+def _fits(keys: ChurchTable) -> None:
+    """Refuse measures that exclude each other."""
+    t = keys.thickness or 1.0
+    clear = min(keys.height - keys.aisle_height, keys.aisle_height) if keys.aisles else keys.height
+    course = keys.course_height or 0.5 * keys.block_length
+    limits = [
+        ("block_length", keys.block_length, keys.width / 3.0, "a third of the width"),
+        ("course_height", course, keys.height / 8.0, "an eighth of the height"),
+        ("thickness", t, keys.width / 3.0, "a third of the width"),
+        ("window_height", keys.window_height or 0.0, 0.4 * clear, "0.4 of the wall it is in"),
+        ("door_width", keys.door_width, 0.4 * keys.width, "0.4 of the width"),
+        ("door_height", keys.door_height, 0.55 * keys.height, "0.55 of the height"),
+    ]
+    if keys.apse:
+        limits.append(("apse_radius", keys.apse_radius, 0.5 * keys.width, "half the width of the nave"))
+        limits.append(
+            (
+                "apse_height",
+                keys.apse_height,
+                keys.height + 0.5 * (keys.gable or 0.0) - 1.2 * keys.apse_radius,
+                "what the wall behind it hides",
+            )
+        )
+    if keys.aisles:
+        limits.append(("aisle_height", keys.aisle_height, 0.7 * keys.height, "0.7 of the height"))
+    if keys.roof == "vault":
+        limits.append(("vault_thickness", keys.vault_thickness or 0.0, 0.7 * t, "0.7 of the thickness of the walls"))
+    elif keys.vault_thickness is not None:
+        raise InputError(f'structure.vault_thickness: belongs to roof = "vault", this roof is "{keys.roof}"')
+    if keys.tower:
+        limits.append(("tower_side", keys.tower_side, 0.4 * keys.length, "0.4 of the length"))
+    for key, value, most, what in limits:
+        if value > most * (1.0 + 1e-9):
+            raise InputError(f"structure.{key}: must be at most {what}, {most:.4g} m, got {value:g}")
+    bay = keys.window_width * (1.0 + 2.0 * max(0.2, min(0.8 * course / keys.window_width, 0.35))) + 0.4 * keys.block_length
+    if keys.windows * bay > keys.length - 2.0 * t:
+        raise InputError(f"structure.windows: must be at most {int((keys.length - 2.0 * t) / bay)} of this width, got {keys.windows}")
+    if keys.tower and keys.tower_height < 1.2 * keys.height:
+        raise InputError(f"structure.tower_height: must be at least 1.2 of the height, {1.2 * keys.height:g} m, got {keys.tower_height:g}")
+    if keys.tower and keys.tower_side < 2.5 * t:
+        raise InputError(f"structure.tower_side: must be at least 2.5 thicknesses, {2.5 * t:g} m, got {keys.tower_side:g}")

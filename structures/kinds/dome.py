@@ -1,0 +1,83 @@
+"""Domes over a regular polygon: plane voussoirs in level rows, on a drum or on the ground, closed by a key or open in an oculus.
+
+A dome of flat sides is the cloister vault of many sides; with 16 sides its volume is within 1.3 % of the round one's. Stones of odd
+rows turn round the corners (:mod:`structures.layout.rings`), so that no joint runs along a meridian: whether meridians open is
+left to the mechanics.
+
+The default, 6 m clear and 0.5 m thick, stands by itself. The intrados springs at z = 0, or at the top of the drum. Groups:
+``dome``, ``drum``, ``key`` and ``base``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from masonry_cd.errors import InputError, parse_table
+from masonry_cd.model.blocks import Block
+from structures.geometry.checks import check
+from structures.layout import rings, wall_plan
+from structures.schema import Height, Length, Table
+
+
+class DomeTable(Table):
+    """The [structure] table of a dome."""
+
+    span: Length = Field(6.0, description="clear, between opposite sides [m]")
+    thickness: Length = Field(0.5, description="[m]")
+    sides: int = Field(16, ge=4, le=128)
+    rows: int | None = Field(None, ge=2, le=500, description="by default stones as high as the dome is thick")
+    unit_length: Length | None = Field(None, description="of a stone along its row; by default 1.5 thicknesses [m]")
+    oculus: Height = Field(0.0, description="clear width of the opening at the top; 0: closed by a key [m]")
+    drum_height: Height = Field(0.0, description="of the upright wall below [m]")
+    drum_thickness: Length | None = Field(None, description="by default 1.6 thicknesses [m]")
+    base_depth: Length | None = Field(None, description="of the base; by default the thickness [m]")
+
+
+def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
+    """Build a dome on its base.
+
+    Raises:
+        InputError: a key that is unknown or out of range, or measures that do not fit together.
+    """
+    keys = parse_table(DomeTable, table, "structure")
+    inner, unit = 0.5 * keys.span, keys.unit_length or 1.5 * keys.thickness
+    ring = rings.Ring(keys.sides, keys.sides, start=math.pi / keys.sides)
+    rows: list[rings.Row] = []
+    level = 0.0
+    if keys.drum_height:
+        thick = keys.drum_thickness or 1.6 * keys.thickness
+        if thick < keys.thickness:
+            raise InputError(f"structure.drum_thickness: must be at least that of the dome, {keys.thickness:g} m, got {thick:g}")
+        courses = max(1, round(keys.drum_height / keys.thickness))
+        rows = rings.wall_rows("drum", inner, thick, list(np.linspace(0.0, keys.drum_height, courses + 1)))
+        level = keys.drum_height
+    elif keys.drum_thickness is not None:
+        raise InputError("structure.drum_height: missing; it makes the drum whose thickness is given")
+    rows += shell(keys, level)
+    blocks = rings.build(ring, rows, unit, density)
+    if not keys.oculus:
+        blocks.append(rings.key(ring, rows[-1], density, "key", "key"))
+    blocks.append(wall_plan.ground(blocks, 0.5 * keys.span, keys.base_depth or keys.thickness, density))
+    check(blocks)
+    return blocks
+
+
+def shell(keys: DomeTable, level: float) -> list[rings.Row]:
+    """The rows of a dome that springs at a height, up to its oculus or key.
+
+    Raises:
+        InputError: an oculus as wide as the dome.
+    """
+    inner = 0.5 * keys.span
+    if keys.oculus > 0.9 * keys.span:
+        raise InputError(f"structure.oculus: must be at most 0.9 of the span, {0.9 * keys.span:g} m, got {keys.oculus:g}")
+    open_ = 0.5 * keys.oculus or min(0.25 * inner, 0.8 * keys.thickness)
+    top = math.acos(open_ / inner)
+    count = keys.rows or max(2, round(top * (inner + 0.5 * keys.thickness) / keys.thickness))
+    return rings.dome_rows("dome", inner, keys.thickness, level, count, top)

@@ -1,0 +1,129 @@
+"""Towers: a hollow square or rectangle of coursed walls, interlocked at the corners, with a belfry and an inclination.
+
+Four walls in plan (:mod:`structures.layout.wall_plan`) share their beds. The belfry is an arched opening in every wall below the top, the
+door one in the wall towards -y. An inclined tower is turned about y, towards +x, with its base: it has settled as it stands.
+Stairs and floors are left out.
+
+The default is a tower of 5 m by 5 m by 20 m with walls of 0.8 m, a small Italian campanile. Groups: ``south`` (towards -y),
+``east`` (+x), ``north``, ``west``, and ``base``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from masonry_cd.errors import InputError, parse_table
+from masonry_cd.model.blocks import Block
+from structures.geometry.checks import check
+from structures.layout import wall_plan
+from structures.layout.openings import Opening, opening_of
+from structures.schema import Height, Length, OpeningTable, Table
+
+
+class TowerTable(Table):
+    """The [structure] table of a tower."""
+
+    side: Length = Field(5.0, description="outer, along x [m]")
+    side_y: Length | None = Field(None, description="outer, along y; by default the same [m]")
+    height: Length = Field(20.0, description="[m]")
+    thickness: Length = Field(0.8, description="of the walls [m]")
+    course_height: Length = Field(0.5, description="aimed at [m]")
+    unit_length: Length | None = Field(None, description="of a block; by default two courses [m]")
+    leaves: int = Field(1, ge=1, le=4)
+    through: int = Field(3, ge=1, le=100, description="through-stones: one in so many stones of every so many courses")
+    belfry_width: Height = Field(1.4, description="of the openings; 0 for none [m]")
+    belfry_height: Length = Field(2.6, description="of the openings [m]")
+    belfry_sill: Length | None = Field(None, description="by default two courses of masonry remain above the arches [m]")
+    door_width: Height = Field(1.0, description="0 for none [m]")
+    door_height: Length = Field(2.0, description="[m]")
+    inclination: float = Field(0.0, ge=-15.0, le=15.0, description="towards +x [degrees]")
+    bonded: bool = Field(True, description="false: straight joints at the corners from bottom to top")
+    base_depth: Length | None = Field(None, description="of the base; by default a course [m]")
+
+
+def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
+    """Build a tower on its base.
+
+    Raises:
+        InputError: a key that is unknown or out of range, or measures that do not fit together.
+    """
+    keys = parse_table(TowerTable, table, "structure")
+    walls = elevations(keys)
+    unit = keys.unit_length or 2.0 * keys.course_height
+    blocks = wall_plan.build(walls, wall_plan.levels(walls, keys.course_height), unit, density, keys.bonded)
+    blocks.append(wall_plan.ground(blocks, 0.5 * keys.height, keys.base_depth or keys.course_height, density))
+    if keys.inclination:
+        blocks = inclined(blocks, math.radians(keys.inclination))
+    check(blocks)
+    return blocks
+
+
+def elevations(keys: TowerTable) -> list[wall_plan.Wall]:
+    """The four walls of a table, checked.
+
+    Raises:
+        InputError: measures that do not fit together.
+    """
+    across = keys.side_y or keys.side
+    room = min(keys.side, across)
+    if 2.0 * keys.thickness >= room:
+        raise InputError(f"structure.thickness: must be below half the side, {0.5 * room:g} m, got {keys.thickness:g}")
+    if keys.course_height > keys.height:
+        raise InputError(f"structure.course_height: must be at most the height, {keys.height:g} m, got {keys.course_height:g}")
+    belfry = belfry_opening(keys)
+    door: tuple[Opening, ...] = ()
+    if keys.door_width:
+        made = OpeningTable.model_validate({"centre": 0.0, "width": keys.door_width, "height": keys.door_height, "head": "round"})
+        door = (opening_of(made, "structure.door_", keys.course_height, 2.0 * keys.course_height),)
+    return hollow(keys, across, belfry, door)
+
+
+def belfry_opening(keys: TowerTable) -> tuple[Opening, ...]:
+    """The opening of the belfry, centred on 0."""
+    if not keys.belfry_width:
+        return ()
+    made = OpeningTable.model_validate({"centre": 0.0, "width": keys.belfry_width, "height": keys.belfry_height, "head": "round"})
+    opening = opening_of(made, "structure.belfry_", keys.course_height, 2.0 * keys.course_height)
+    course = keys.course_height
+    sill = keys.belfry_sill or course * math.floor((keys.height - opening.height - opening.depth) / course - 2.0 + 1e-9)
+    most = keys.height - opening.height - opening.depth - course
+    if most <= 0:
+        least = keys.height - most
+        raise InputError(
+            f"structure.height: must exceed {least:.4g} m for the belfry, whose arches need a course above them, got {keys.height:g}; "
+            "belfry_width = 0 leaves it out"
+        )
+    if not 0 < sill <= most:
+        raise InputError(f"structure.belfry_sill: must be above 0 and at most {most:.4g} m, got {sill:g}")
+    return (replace(opening, sill=sill),)
+
+
+def hollow(keys: TowerTable, across: float, belfry: Sequence[Opening], door: Sequence[Opening]) -> list[wall_plan.Wall]:
+    """Four walls around the origin."""
+    a, b, t = 0.5 * keys.side, 0.5 * across, keys.thickness
+    top = keys.height
+    opening = tuple(belfry)
+
+    def wall(name: str, axis: int, half: float, near: float, openings: tuple[Opening, ...]) -> wall_plan.Wall:
+        return wall_plan.Wall(name, name, axis, -half, half, near, near + t, 0.0, top, openings, leaves=keys.leaves, through=keys.through)
+
+    return [
+        wall("south", 0, a, -b, (*door, *opening)),
+        wall("north", 0, a, b - t, opening),
+        wall("west", 1, b, -a, opening),
+        wall("east", 1, b, a - t, opening),
+    ]
+
+
+def inclined(blocks: Sequence[Block], angle: float) -> list[Block]:
+    """The blocks turned about the y axis, towards +x [rad]."""
+    c, s = math.cos(angle), math.sin(angle)
+    turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    return [replace(block, vertices=block.vertices @ turn.T) for block in blocks]

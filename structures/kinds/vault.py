@@ -1,0 +1,199 @@
+"""Vaults: a barrel on abutments, and the cross vault where two barrels of one profile meet over a square bay.
+
+Either has the profile of an arch (:mod:`structures.layout.arch_profiles`), whose voussoirs become courses that run along the vault. Head
+joints stand in running bond, so that no ring is separate from the next, unless asked for.
+
+Of a cross vault, the web towards +x fills x >= |y|: its courses end on the groins, the upright planes x = |y|. Seen from either web
+a groin is the same line, so a stone on it has an arm in both webs, a bent block, and the four keystone courses end in one
+cross-shaped boss. It stands on four fixed piers; the end of each web is the arch of the bay.
+
+The intrados springs at z = 0. Groups: ``vault`` (barrel); ``web_east``, ``web_north``, ``web_west``, ``web_south``, ``groin`` (cross);
+``base``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from masonry_cd.errors import InputError, parse_table
+from masonry_cd.model.blocks import Block, Faces
+from structures.geometry.checks import check
+from structures.geometry.compound_block import bent
+from structures.geometry.prism import between, box, prism_xz
+from structures.kinds.arch import seat, voussoirs
+from structures.layout.arch_profiles import RingTable, joints_of
+from structures.schema import Length
+
+LEAST = 0.35  # between a head joint and the groin, in blocks
+
+Part = tuple[np.ndarray, Faces]
+Groins = dict[tuple[int, float, float], list[Part]]  # by course and quadrant
+
+
+class VaultTable(RingTable):
+    """The [structure] table of a vault."""
+
+    form: Literal["barrel", "cross"] = "barrel"
+    span: Length | None = Field(4.0, description="clear, between the springings of the intrados [m]")
+    thickness: Length = Field(0.5, description="[m]")
+    voussoirs: int = Field(15, ge=3, le=500)
+    length: Length | None = Field(None, description="of a barrel, along y; by default its span [m]")
+    unit_length: Length | None = Field(None, description="of a block along the vault; by default 1.2 thicknesses [m]")
+    pier: Length | None = Field(None, description="width of the piers of a cross vault; by default 1.3 thicknesses [m]")
+    bonded: bool = Field(True, description="of a barrel; false: separate rings")
+
+
+def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
+    """Build a vault on its supports.
+
+    Raises:
+        InputError: a key that is unknown or out of range, or measures that do not fit together.
+    """
+    if "radius" in table and "span" not in table:
+        table = {**table, "span": None}
+    keys = parse_table(VaultTable, table, "structure")
+    blocks = _cross(keys, density) if keys.form == "cross" else _barrel(keys, density)
+    check(blocks)
+    return blocks
+
+
+def rows(length: float, unit: float, odd: bool) -> np.ndarray:
+    """Ends of the blocks of one course (n + 1,) from 0 to the length: whole blocks, or starting with a half."""
+    count = max(1, round(length / unit))
+    inner = (np.arange(count) + 0.5 if odd else np.arange(1, count)) / count
+    return np.concatenate([[0.0], length * inner, [length]])
+
+
+def _barrel(keys: VaultTable, density: float) -> list[Block]:
+    if keys.pier is not None:
+        raise InputError("structure.pier: belongs to a cross vault, this one is a barrel")
+    intrados, extrados = joints_of(keys)
+    length = keys.length or float(intrados[-1, 0] - intrados[0, 0])
+    unit = keys.unit_length or 1.2 * keys.thickness
+    blocks = barrel(intrados, extrados, (-0.5 * length, 0.5 * length), unit, density, keys.bonded)
+    margin = 0.25 * keys.thickness
+    for number, end in enumerate((0, -1), start=1):
+        polygon = seat(intrados[end], extrados[end], intrados[1 if end == 0 else -2], keys.thickness)
+        vertices, faces = prism_xz(polygon, -0.5 * length - margin, 0.5 * length + margin)
+        blocks.append(Block(f"abutment{number}", vertices, faces, density, "base", fixed=True))
+    return blocks
+
+
+def barrel(
+    intrados: np.ndarray,
+    extrados: np.ndarray,
+    ends: tuple[float, float],
+    unit: float,
+    density: float,
+    bonded: bool = True,
+    name: str = "v",
+    group: str = "vault",
+) -> list[Block]:
+    """The blocks of a barrel vault, ``vCOURSE.NUMBER``.
+
+    Args:
+        intrados, extrados: ends of the joints (N + 1, 2) x, z [m].
+        ends: where the vault begins and ends along y [m].
+        unit: length of a block along y [m].
+        bonded: False makes separate rings.
+    """
+    blocks = []
+    for k, polygon in enumerate(voussoirs(intrados, extrados)):
+        at = ends[0] + rows(ends[1] - ends[0], unit, odd=bonded and k % 2 == 1)
+        for i in range(len(at) - 1):
+            vertices, faces = prism_xz(polygon, at[i], at[i + 1])
+            blocks.append(Block(f"{name}{k + 1}.{i + 1}", vertices, faces, density, group))
+    return blocks
+
+
+def _cross(keys: VaultTable, density: float) -> list[Block]:
+    if keys.length is not None:
+        raise InputError("structure.length: belongs to a barrel; a cross vault is as long as wide")
+    if not keys.bonded:
+        raise InputError("structure.bonded: belongs to a barrel; the stones of a cross vault are bonded")
+    intrados, extrados = joints_of(keys)
+    if extrados[0, 1] > 1e-9 * keys.thickness:
+        key = "shape" if keys.shape == "flat" else "rise"
+        raise InputError(
+            f"structure.{key}: a cross vault springs from level beds, so take a semicircle, a pointed or a three-centred profile"
+        )
+    half = float(intrados[-1, 0])
+    pier = keys.pier or 1.3 * keys.thickness
+    if pier <= keys.thickness * (1.0 + 1e-6):
+        raise InputError(f"structure.pier: must exceed the thickness of the vault, {keys.thickness:g} m, got {pier:g}")
+    unit = keys.unit_length or 1.2 * keys.thickness
+    blocks = []
+    groins: Groins = {}
+    for k, profile in enumerate(voussoirs(intrados, extrados)):
+        for web in WEBS:
+            blocks += _course(k, keys.voussoirs, profile, web, half + pier, unit, groins, density)
+    for number, parts in enumerate(groins.values(), start=1):
+        blocks.append(bent(f"groin.{number}", parts, density, "groin"))
+    return blocks + _piers(half, pier, keys.thickness, density)
+
+
+@dataclass(frozen=True)
+class _Web:
+    """One of the four barrels of a cross vault: the one towards +x, turned and mirrored."""
+
+    name: str
+    sign: float
+    axis: int
+
+    def place(self, points: np.ndarray) -> np.ndarray:
+        """Points (n, 3) of the web towards +x, put into this web."""
+        along = points * [self.sign, 1.0, 1.0]
+        return along if self.axis == 0 else along[:, [1, 0, 2]]
+
+
+WEBS = (_Web("east", 1.0, 0), _Web("north", 1.0, 1), _Web("west", -1.0, 0), _Web("south", -1.0, 1))
+
+
+def _course(k: int, count: int, profile: np.ndarray, web: _Web, end: float, unit: float, groins: Groins, density: float) -> list[Block]:
+    """Course k of one web; its stone on the groin is entered among the parts of the groins."""
+    reach = float(np.abs(profile[:, 0]).max())
+    shift = 0.5 * (min(k, count - 1 - k) % 2)  # the same on both sides of the crown, so that the arms of a bent stone agree
+    heads = math.floor((end - reach) / unit - LEAST - shift + 1e-9)
+    ends = [end - (i + shift) * unit for i in range(heads, -1, -1) if i + shift > 0] + [end]
+    across = 0.0 if 2 * k + 1 == count else math.copysign(1.0, 2 * k + 1 - count)
+    place = (web.sign, across) if web.axis == 0 else (across, web.sign)
+    groins.setdefault((min(k, count - 1 - k), *(place if across else (0.0, 0.0))), []).append(_part(profile, None, ends[0], web))
+    return [
+        Block(f"{web.name}.{k + 1}.{i + 1}", *_part(profile, low, high, web), density, f"web_{web.name}")
+        for i, (low, high) in enumerate(pairwise(ends))
+    ]
+
+
+def _part(profile: np.ndarray, low: float | None, high: float, web: _Web) -> Part:
+    """A stretch of a course between two upright planes, or from the groin (None).
+
+    Args:
+        profile: (4, 2) y, z of its cross-section: intrados, intrados, extrados, extrados.
+    """
+    far = np.insert(profile, 0, high, axis=1)
+    if low is not None or profile[0, 0] * profile[1, 0] >= 0:
+        near = np.insert(profile, 0, np.abs(profile[:, 0]) if low is None else low, axis=1)
+        return between(web.place(near), web.place(far))
+    (y0, z0), (y1, z1), (y2, z2), (y3, z3) = profile  # a keystone course: its tip is the meeting of both groins
+    lower = np.array([(0.0, 0.0, z0), (-y0, y0, z0), (high, y0, z0), (high, y1, z1), (y1, y1, z1)])
+    upper = np.array([(0.0, 0.0, z3), (-y3, y3, z3), (high, y3, z3), (high, y2, z2), (y2, y2, z2)])
+    return between(web.place(lower), web.place(upper))
+
+
+def _piers(half: float, pier: float, thickness: float, density: float) -> list[Block]:
+    """Fixed blocks under the four corners; they reach outwards, where the thrust pushes."""
+    blocks = []
+    far = half + pier + thickness
+    for number, (x, y) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1)), start=1):
+        low = (min(x * half, x * far), min(y * half, y * far), -thickness)
+        high = (max(x * half, x * far), max(y * half, y * far), 0.0)
+        blocks.append(Block(f"pier{number}", *box(low, high), density, "base", fixed=True))
+    return blocks

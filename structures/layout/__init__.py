@@ -1,0 +1,1 @@
+"""How masonry is laid out: profiles of arches, openings, courses, walls in plan."""
