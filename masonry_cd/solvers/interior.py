@@ -40,7 +40,7 @@ cannot be solved so in 25 steps is tried with softer springs. Where ``newton`` m
 springs' problem is solved, and counts velocities from that of the centre, which spares rounding.
 
 A local problem is solved in the same way in the impulses, u = W p + q, after scaling it so that all d = 1, but without the path by its
-length.
+length: the damped path begins at its distances in turn.
 
 The damped path from near the impulses of the last step is the cheapest; if that fails the other one is followed, from nothing, at one
 distance after the other, and then the first from farther and nearer.
@@ -123,7 +123,9 @@ def _solve_local(problem: LocalProblem, options: Options, start: Solution | None
         return proximal_local(*given, impulse, options.tolerance, allowed, (0,) * m)
 
     begin = np.zeros((problem.contacts, m)) if start is None else start.impulse * root
-    best, iterations, error = _search(_starts(begin, ((interior, TURN), (proximal, TURN))), options)
+    methods = ((interior, TURN), (proximal, TURN))
+    farther: list[Try] = [(np.zeros_like(begin), distance, methods) for distance in FARTHER[1:]]
+    best, iterations, error = _search([*_starts(begin, methods), *farther], options)
     return Solution(best / root, None, iterations, _reason(error, options))
 
 
