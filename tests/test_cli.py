@@ -288,7 +288,9 @@ def test_interrupts_are_taken_between_steps_only(block_on_plate, tmp_path, monke
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
-def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path, monkeypatch, number):
+def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path, monkeypatch, request, number):
+    former = signal.signal(number, signal.SIG_DFL)  # or else a signal that nohup has tests ignore stays ignored, as it should
+    request.addfinalizer(lambda: signal.signal(number, former))
     scene, out = block_on_plate(**SHAKEN), tmp_path / "out"
     signals_in(monkeypatch, "stepping.Stepper.step", 5, number)
     result = masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01")
