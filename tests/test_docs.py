@@ -17,6 +17,7 @@ from models import stepper
 import masonry_cd.solvers
 import structures
 import structures.kinds
+from masonry_cd import __version__
 from masonry_cd.errors import InputError
 from masonry_cd.friction.problem import Problem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
@@ -148,3 +149,19 @@ def test_links_to_a_heading_find_it(page: Path) -> None:
             continue
         headings = re.findall(r"^#+ (.*)$", ((page.parent / target) if target else page).read_text(), re.MULTILINE)
         assert anchor in {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def test_the_citation_names_this_version() -> None:
+    text = (ROOT / "CITATION.cff").read_text()
+    assert re.findall(r"^version: (\S+)$", text, re.MULTILINE) == [__version__]
+
+
+def test_every_validation_test_is_described() -> None:
+    marked = set()
+    for path in (ROOT / "tests").rglob("test_*.py"):
+        text = path.read_text()
+        every = re.search(r"^pytestmark = pytest\.mark\.validation", text, re.MULTILINE)
+        own = r"^def (test_\w+)" if every else r"^@pytest\.mark\.validation\n(?:@.*\n)*(?:async )?def (test_\w+)"
+        marked |= set(re.findall(own, text, re.MULTILINE))
+    described = set(re.findall(r"^\| `(test_\w+)` \|", (DOCS / "validation.md").read_text(), re.MULTILINE))
+    assert marked == described
