@@ -42,13 +42,15 @@ def packages() -> list[str]:
 
 
 def layers() -> list[list[str]]:
-    """The rooms of each layer, from the top, by the contract of import-linter."""
+    """The rooms of each layer, from the top, by the contract of import-linter. The plain modules of several layers are in the lowest."""
     (contract,) = (c for c in _pyproject()["tool"]["importlinter"]["contracts"] if c["type"] == "layers")
     rows: list[list[str]] = []
-    for layer in contract["layers"]:
-        rooms = [_room(tuple(name.strip().split("."))) for name in layer.replace(":", "|").split("|")]
-        rows.append(list(dict.fromkeys(rooms)))
-    return rows
+    for layer in reversed(contract["layers"]):
+        modules = [tuple(name.strip().split(".")) for name in layer.replace(":", "|").split("|")]
+        row = dict.fromkeys(_room(parts) for parts in modules if parts[0] in packages())
+        below = {name for names in rows for name in names}
+        rows.append([name for name in row if name not in below])
+    return [row for row in reversed(rows) if row]
 
 
 def rooms() -> dict[str, Room]:
@@ -159,12 +161,11 @@ def _row(axes, i: int, layer: int, room: Room, width: float) -> None:
     axes.axhspan(TOP + ROW * i, TOP + ROW * (i + 1), color=BANDS[layer % 2], lw=0)
     axes.plot([0.0, width], [TOP + ROW * i] * 2, color="white", lw=1.0)
     axes.text(0.25, _y(i), room.name, size=10.5, weight="bold", color=INK, va="center", family="DejaVu Sans Mono")
-    lines = textwrap.wrap(room.purpose, 62)
-    begin = _y(i) - 0.085 * (len(lines) - 1 + bool(room.inside))
-    for k, line in enumerate(lines):
-        axes.text(2.25, begin + 0.17 * k, line, size=8, color=INK, va="center")
-    if room.inside:
-        axes.text(2.25, begin + 0.17 * len(lines), ", ".join(room.inside), size=7, color=PALE, va="center", family="DejaVu Sans Mono")
+    lines = [(line, {"size": 8, "color": INK}) for line in textwrap.wrap(room.purpose, 62)]
+    small = {"size": 7, "color": PALE, "family": "DejaVu Sans Mono"}
+    lines += [(line, small) for line in textwrap.wrap(", ".join(room.inside), 64)]
+    for k, (line, font) in enumerate(lines):
+        axes.text(2.25, _y(i) + 0.17 * (k - 0.5 * (len(lines) - 1)), line, va="center", **font)
 
 
 def _lane(axes, i: int, room: Room, place: dict[str, int], layer: dict[str, int]) -> None:
