@@ -1,0 +1,167 @@
+"""The documentation speaks of the code as it is: the picture shows the rooms of the tree, and the examples run."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+import scenes
+from models import stepper
+
+import masonry_cd.solvers
+import structures
+import structures.kinds
+from masonry_cd import __version__
+from masonry_cd.errors import InputError
+from masonry_cd.friction.problem import Problem, natural_map_error
+from masonry_cd.solvers import SOLVERS, Options
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PAGES = sorted([*DOCS.glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "benchmarks" / "README.md"])
+EXAMPLES = dict(re.findall(r"The whole file, `([\w/]+\.py)`:\n\n```python\n(.*?)```", (DOCS / "architecture.md").read_text(), re.DOTALL))
+STACK, JACOBI = "structures/kinds/stack.py", "masonry_cd/solvers/jacobi.py"
+NOT_YET = "kinds and solvers have to be listed by hand until registration by file name is merged"
+
+
+def loaded(path: Path, name: str) -> ModuleType:
+    """A module from a file, under a name of its own."""
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def picture() -> ModuleType:
+    """The script that draws the picture of the rooms."""
+    return loaded(DOCS / "draw_architecture.py", "draw_architecture")
+
+
+@pytest.fixture
+def example(tmp_path: Path) -> Iterator[ModuleType]:
+    """The examples of architecture.md as modules, each from a file of its own."""
+    names = []
+    both = ModuleType("examples")
+    for place, code in EXAMPLES.items():
+        path = tmp_path / Path(place).name
+        path.write_text(code)
+        names.append(f"example_{path.stem}")
+        setattr(both, path.stem, loaded(path, names[-1]))
+    yield both
+    for name in names:
+        del sys.modules[name]
+
+
+@pytest.fixture
+def added(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The examples put where the program looks for kinds and solvers."""
+    for place, package in ((STACK, structures.kinds), (JACOBI, masonry_cd.solvers)):
+        folder = tmp_path / package.__name__
+        folder.mkdir()
+        (folder / Path(place).name).write_text(EXAMPLES[place])
+        monkeypatch.setattr(package, "__path__", [*package.__path__, str(folder)])
+    yield
+    for place in (STACK, JACOBI):
+        sys.modules.pop(place.removesuffix(".py").replace("/", "."), None)
+
+
+def test_every_room_of_the_tree_is_drawn(picture: ModuleType) -> None:
+    core = {f"masonry_cd/{path.parent.name}" for path in (ROOT / "masonry_cd").glob("*/__init__.py")}
+    assert set(picture.rooms()) == core | {"masonry_cd/*.py", "structures", "loads", "reports"}
+    assert {name for layer in picture.layers() for name in layer} == set(picture.rooms())
+
+
+def test_the_picture_is_that_of_the_code(picture: ModuleType) -> None:
+    assert picture.drawn() == picture.as_drawn(picture.rooms()), "draw it again: python docs/draw_architecture.py"
+
+
+def test_the_picture_is_drawn_alike_twice(picture: ModuleType, tmp_path: Path) -> None:
+    first, second = tmp_path / "1.png", tmp_path / "2.png"
+    picture.draw(first)
+    picture.draw(second)
+    assert first.read_bytes() == second.read_bytes()
+    assert str(ROOT).encode() not in first.read_bytes()
+
+
+def test_imports_are_read_with_their_place(picture: ModuleType) -> None:
+    found = picture.rooms()
+    assert "masonry_cd/friction" in found["masonry_cd/solvers"].imports
+    assert "structures" in found["masonry_cd/app"].lazy  # imported inside functions: a run without blocks never needs gmsh
+    assert all(name not in room.imports + room.lazy for name, room in found.items())
+
+
+def test_the_example_of_a_structure_builds(example: ModuleType) -> None:
+    plate, *cubes = example.stack.build({"cubes": 4, "side": 0.25}, 2000.0, ROOT)
+    assert plate.fixed
+    assert [cube.name for cube in cubes] == ["cube1", "cube2", "cube3", "cube4"]
+    assert max(float(cube.vertices[:, 2].max()) for cube in cubes) == 1.0
+    with pytest.raises(InputError, match=r"structure\.cubs: unknown key \(did you mean \"cubes\"\?\)"):
+        example.stack.build({"cubs": 4}, 2000.0, ROOT)
+
+
+@pytest.mark.parametrize("problem", [scenes.tower(3), scenes.tower(2).to_local()], ids=["bodies", "local"])
+def test_the_example_of_a_solver_solves(example: ModuleType, problem: Problem) -> None:
+    solution = example.jacobi.solve(problem, Options(tolerance=1e-6))
+    assert 0 < solution.iterations < 2000
+    assert natural_map_error(problem, solution.impulse) < 1e-6
+    again = example.jacobi.solve(problem, Options(tolerance=1e-6))
+    assert np.array_equal(solution.impulse, again.impulse)
+    missed = example.jacobi.solve(problem, Options(tolerance=1e-12, max_iterations=40))
+    assert missed.iterations == 40
+
+
+@pytest.mark.xfail(strict=False, reason=NOT_YET)
+@pytest.mark.usefixtures("added")
+def test_one_file_adds_a_kind_and_one_a_solver() -> None:
+    blocks = structures.build({"kind": "stack", "cubes": 2}, 2000.0, ROOT)
+    assert "jacobi" in SOLVERS
+    machine = stepper(blocks, 5, solver="jacobi", tolerance=1e-6)
+    reports = [machine.step() for _ in range(5)]
+    assert reports[0].iterations > 0
+    assert max(report.error for report in reports) < 1e-6
+    assert np.abs(machine.state.position - machine.assembly.centre).max() < 1e-6
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_files_that_a_page_names_are_there(page: Path) -> None:
+    text = page.read_text()
+    named = {name for name in re.findall(r"`((?:[\w-]+/)+[\w-]+\.\w+)`", text) if name not in EXAMPLES}
+    named = {name for name in named if (ROOT / name.split("/")[0]).is_dir() and not name.startswith("out/")}
+    assert sorted(name for name in named if not (ROOT / name).exists()) == []
+    links = {link.split("#")[0] for link in re.findall(r"\]\(([^)\s]+)\)", text) if "://" not in link}
+    assert sorted(link for link in links if link and not (page.parent / link).exists()) == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_to_a_heading_find_it(page: Path) -> None:
+    for target, anchor in re.findall(r"\]\(([^)\s#]*)#([^)\s]+)\)", page.read_text()):
+        if "://" in target:
+            continue
+        headings = re.findall(r"^#+ (.*)$", ((page.parent / target) if target else page).read_text(), re.MULTILINE)
+        assert anchor in {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def test_the_citation_names_this_version() -> None:
+    text = (ROOT / "CITATION.cff").read_text()
+    assert re.findall(r"^version: (\S+)$", text, re.MULTILINE) == [__version__]
+
+
+def test_every_validation_test_is_described() -> None:
+    marked = set()
+    for path in (ROOT / "tests").rglob("test_*.py"):
+        text = path.read_text()
+        every = re.search(r"^pytestmark = pytest\.mark\.validation", text, re.MULTILINE)
+        own = r"^def (test_\w+)" if every else r"^@pytest\.mark\.validation\n(?:@.*\n)*(?:async )?def (test_\w+)"
+        marked |= set(re.findall(own, text, re.MULTILINE))
+    described = set(re.findall(r"^\| `(test_\w+)` \|", (DOCS / "validation.md").read_text(), re.MULTILINE))
+    assert marked == described
