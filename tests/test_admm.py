@@ -92,14 +92,14 @@ def test_memory_of_another_contact_graph_is_not_believed() -> None:
     assert natural_map_error(fewer, second.impulse) <= 1e-8
 
 
-def in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+def in_subtrees(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have plans of some hundred blocks cut into parts of several levels."""
     monkeypatch.setattr(ordering, "SUBTREE", 60)
 
 
 def test_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
     """The parts of a plan are solved to the same bits by one, two and three threads, cold and from the memory of the step before."""
-    in_parts(monkeypatch)
+    in_subtrees(monkeypatch)
     problem = scenes.softened(scenes.wall(8, 10), 0.3)
     ends = []
     for threads in (1, 2, 3):
@@ -119,9 +119,9 @@ def test_parts_give_the_answer_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> 
     """Cut into parts or not, a wall moves with the same velocities."""
     problem = scenes.wall(7, 9)
     whole = solve(problem, Options(tolerance=1e-12), None)
-    in_parts(monkeypatch)
+    in_subtrees(monkeypatch)
     parts = solve(problem, Options(tolerance=1e-12), None)
-    assert len(parts.memory["admm_part"]) > len(whole.memory["admm_part"]) == 2
+    assert len(parts.memory["admm_subtree"]) > len(whole.memory["admm_subtree"]) == 2
     np.testing.assert_allclose(parts.velocity, whole.velocity, atol=1e-11)
 
 

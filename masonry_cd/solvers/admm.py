@@ -50,7 +50,7 @@ import numpy as np
 
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
 from masonry_cd.linalg.ordering import FIELDS, Pattern
-from masonry_cd.linalg.team import together
+from masonry_cd.linalg.threads import run_by_team
 from masonry_cd.solvers import nlgs
 from masonry_cd.solvers.admm_kernels import admm_bodies
 from masonry_cd.solvers.admm_passes import AdmmWorkspace
@@ -89,7 +89,9 @@ class Memory:
         if tally is None:
             tally = np.array([FIRST_K, 1.0, 0.0, 0.0, 0.0, FIRST_STIFFNESS, 1.0, np.inf])
         tally[1] = 1.0
-        squares, panels = (np.empty(n * n * int(starts[-1]), dtype=np.float32) for starts in (pattern.plan.square, pattern.plan.panel))
+        squares, panels = (
+            np.empty(n * n * int(starts[-1]), dtype=np.float32) for starts in (pattern.symbolic.square, pattern.symbolic.panel)
+        )
         return cls(pattern, bodies, squares, panels, np.empty(len(bodies)), tally)
 
     @classmethod
@@ -132,10 +134,10 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     memory, index, spot = recall(arrays[2], len(velocity), n, start)
     k = _next_k(memory.tally)
     fresh = bool(memory.tally[1]) or k != memory.tally[0]
-    pattern, plan = memory.pattern, memory.pattern.plan
+    pattern, plan = memory.pattern, memory.pattern.symbolic
     turns, desk = partition_contacts(index, spot, plan), _desk(pattern, *arrays[3:])
-    iterations, error, k_end, factorisations, rate = together(
-        admm_bodies, options.threads, plan, *arrays, pattern.order, plan, turns, desk, memory.squares, memory.panels,
+    iterations, error, k_end, factorisations, rate = run_by_team(
+        admm_bodies, min(options.threads, int(plan.level[1])), *arrays, pattern.order, plan, turns, desk, memory.squares, memory.panels,
         memory.rho, impulse, velocity, k, fresh, moving, memory.tally[6], options.tolerance, limit, (0,) * m, (0,) * n,
     )  # fmt: skip
     memory.tally[6] = rate
@@ -145,19 +147,19 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
 
 def _desk(pattern: Pattern, jacobian: np.ndarray, offset: np.ndarray, mu: np.ndarray, compliance: np.ndarray) -> AdmmWorkspace:
     """Room to work in; what is not touched costs nothing. The contacts of a plan of one part stay where they are."""
-    plan, count, (contacts, _, m, n) = pattern.plan, pattern.nodes, jacobian.shape
-    rows = count + 1 + len(plan.copies)
-    if len(plan.part) > 2:
+    plan, count, (contacts, _, m, n) = pattern.symbolic, pattern.nodes, jacobian.shape
+    rows = count + 1 + len(plan.node_ghost)
+    if len(plan.subtree) > 2:
         jacobian, offset, mu, compliance = (np.empty_like(array) for array in (jacobian, offset, mu, compliance))
     bodies, blocks, impulses = (count + 1, n), (count, n, n), (contacts, m)
-    alone = len(plan.first) == len(plan.column) and len(plan.part) == 2  # the other factors are made in single precision
+    alone = len(plan.first) == len(plan.column) and len(plan.subtree) == 2  # the other factors are made in single precision
     panel, square = (n * n * int(starts[-1]) if alone else 0 for starts in (plan.panel, plan.square))
     return AdmmWorkspace(
         inverse=np.empty(blocks), mass=np.empty(blocks), free=np.empty((count, n)), v=np.empty(bodies), trial=np.empty(bodies),
         best_v=np.empty(bodies), push=np.empty((rows, n)), x=np.empty((rows, n), dtype=np.float32), jacobian=jacobian,
         offset=offset, mu=mu, compliance=compliance, even=np.empty(impulses), odd=np.empty(impulses),
         best=np.empty(impulses), carried=np.empty(impulses),
-        d=np.empty(contacts), sums=np.empty((3, len(plan.part) - 1)), diagonal=np.empty((rows, n * n)),
+        d=np.empty(contacts), sums=np.empty((3, len(plan.subtree) - 1)), diagonal=np.empty((rows, n * n)),
         lower=np.empty((len(plan.row), n, n)), squares=np.empty(square), panels=np.empty(panel),
     )  # fmt: skip
 
@@ -217,7 +219,7 @@ def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, l
     blocks, indices, indptr, _ = nlgs.block_arrays(problem)
     pattern = contact_pattern(indices, indptr)
     iterations, error = admm_local(
-        blocks, indices, indptr, problem.q, problem.mu, problem.scales(), pattern.order, pattern.place, pattern.plan, impulse, LOCAL_K,
+        blocks, indices, indptr, problem.q, problem.mu, problem.scales(), pattern.order, pattern.place, pattern.symbolic, impulse, LOCAL_K,
         options.tolerance, limit, (0,) * problem.dimension,
     )  # fmt: skip
     return Solution(impulse, None, iterations, _reason(error, options))
@@ -226,4 +228,4 @@ def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, l
 def contact_pattern(indices: np.ndarray, indptr: np.ndarray) -> Pattern:
     """The pattern of W, contact by contact."""
     count = len(indptr) - 1
-    return Pattern.of(count, np.repeat(np.arange(count), np.diff(indptr)), indices, in_parts=False)
+    return Pattern.of(count, np.repeat(np.arange(count), np.diff(indptr)), indices, in_subtrees=False)

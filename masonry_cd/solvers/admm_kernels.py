@@ -29,8 +29,8 @@ SOFTEST = 1e-3  # k of ADMM at which a factorisation that fails is not tried at 
 
 @entry()
 def admm_bodies(
-    team, inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, turns, desk, squares, panels, rho, p_out, v_out, k,
-    fresh, moving, rate, tolerance, limit, size_m, size_n,
+    team, inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, symbolic, turns, desk, squares, panels, rho, p_out, v_out,
+    k, fresh, moving, rate, tolerance, limit, size_m, size_n,
 ):  # fmt: skip
     """ADMM over a FrictionProblem, see solvers/admm.py, by a team. p_out and v_out hold the start and then the best answer found.
 
@@ -41,11 +41,11 @@ def admm_bodies(
 
     Returns iterations, natural map error, k at the end, the number of factorisations and the rate.
     """
-    count, contacts, top = len(order), len(mu), len(plan.level) - 2
+    count, contacts, top = len(order), len(mu), len(symbolic.level) - 2
     b0, b1 = share_of(team, 0, count)
     c0, c1 = share_of(team, 0, contacts)
-    q0, q1 = share_of(team, plan.level[0], plan.level[1])
-    begin, end = share_of_subtrees(team, plan)
+    q0, q1 = share_of(team, symbolic.level[0], symbolic.level[1])
+    begin, end = share_of_subtrees(team, symbolic)
     patience = PATIENCE if rate != 1.0 else PATIENCE // 2
     problem = (desk.jacobian, turns.place, desk.offset, desk.mu, desk.compliance)
     v, trial, p, new, best, d, sums = desk.v, desk.trial, desk.even, desk.odd, desk.best, desk.d, desk.sums
@@ -61,11 +61,11 @@ def admm_bodies(
         copy_flat(p[first:last], best[first:last])
         measure_scales(desk.inverse, desk.jacobian, turns.place, desk.compliance, first, last, d, size_m, size_n)
         relative_velocity_of(desk.jacobian, turns.place, desk.offset, v, first, last, desk.carried, size_m, size_n)
-        clear_generalised_impulse(plan, q, desk.push)
+        clear_generalised_impulse(symbolic, q, desk.push)
         add_generalised_impulse_of(desk.jacobian, turns, q, p, desk.push, size_m, size_n)
-    velocity_by_team(team, plan, desk.inverse, desk.free, desk.push, v, size_n)
+    velocity_by_team(team, symbolic, desk.inverse, desk.free, desk.push, v, size_n)
     size = size_of(desk.carried, d)
-    error = map_norm_by_team(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size
+    error = map_norm_by_team(team, symbolic, turns, *problem, d, p, v, sums[2], size_m, size_n) / size
     copy_flat(v[b0:b1], desk.best_v[b0:b1])
     if moving and error > 1.0:  # the impulses fit worse than none would
         for b in range(b0, b1):
@@ -77,7 +77,7 @@ def admm_bodies(
     while iterations < limit and smallest > tolerance:
         if fresh:
             factorisations += 1
-            if not prepare_admm(team, plan, turns, k, desk, squares, panels, rho, size_m, size_n):
+            if not prepare_admm(team, symbolic, turns, k, desk, squares, panels, rho, size_m, size_n):
                 k = 0.1 * k  # a matrix closer to that of the masses, which is definite
                 if k < SOFTEST:
                     break
@@ -86,12 +86,12 @@ def admm_bodies(
         changes = sums[iterations % 2]
         if not ahead:
             for q in range(q0, q1):
-                changes[q] = eliminate_subtree(plan, turns, q, -1, desk, rho, panels, p, new, size_m, size_n)
+                changes[q] = eliminate_subtree(symbolic, turns, q, -1, desk, rho, panels, p, new, size_m, size_n)
             wait(team)
         for level in range(1, top + 1):
-            first, last = share_of(team, plan.level[level], plan.level[level + 1])
+            first, last = share_of(team, symbolic.level[level], symbolic.level[level + 1])
             for q in range(first, last):
-                changes[q] = eliminate_subtree(plan, turns, q, -1, desk, rho, panels, p, new, size_m, size_n)
+                changes[q] = eliminate_subtree(symbolic, turns, q, -1, desk, rho, panels, p, new, size_m, size_n)
             wait(team)
         change = np.sqrt(changes.sum()) / size
         iterations += 1
@@ -100,23 +100,23 @@ def admm_bodies(
         ahead = iterations - checked < 2 or (rate * change > tolerance and iterations - checked < patience)
         ahead = ahead and iterations < limit
         for level in range(top, 0, -1):
-            first, last = share_of(team, plan.level[level], plan.level[level + 1])
+            first, last = share_of(team, symbolic.level[level], symbolic.level[level + 1])
             for q in range(first, last):
-                update_subtree(plan, q, desk, squares, panels, size_n)
+                update_subtree(symbolic, q, desk, squares, panels, size_n)
             wait(team)
         for q in range(q0, q1):
-            update_subtree(plan, q, desk, squares, panels, size_n)
+            update_subtree(symbolic, q, desk, squares, panels, size_n)
             if ahead:  # while the factors are in the cache
                 coming = q + 1 if q + 1 < q1 else -1
-                sums[iterations % 2, q] = eliminate_subtree(plan, turns, q, coming, desk, rho, panels, p, new, size_m, size_n)
+                sums[iterations % 2, q] = eliminate_subtree(symbolic, turns, q, coming, desk, rho, panels, p, new, size_m, size_n)
         wait(team)
         if ahead:
             continue
         for q in range(begin, end):
-            clear_generalised_impulse(plan, q, desk.push)
+            clear_generalised_impulse(symbolic, q, desk.push)
             carry_impulses(desk.jacobian, turns, q, rho, new, p, desk.x, desk.carried, desk.push, size_m, size_n)
-        velocity_by_team(team, plan, desk.inverse, desk.free, desk.push, trial, size_n)
-        error = map_norm_by_team(team, plan, turns, *problem, d, desk.carried, trial, sums[2], size_m, size_n) / size
+        velocity_by_team(team, symbolic, desk.inverse, desk.free, desk.push, trial, size_n)
+        error = map_norm_by_team(team, symbolic, turns, *problem, d, desk.carried, trial, sums[2], size_m, size_n) / size
         checked = iterations
         rate = error / change if change > 0.0 else 1.0
         if error < smallest:
@@ -130,7 +130,7 @@ def admm_bodies(
         ends = iterations == limit and smallest > tolerance  # the next step begins with a k that suits this one better
         if ends or iterations - switched >= 40 or (iterations - switched >= 20 and error > before):
             if ends or not error < 0.1 * before:
-                share = map_norm_by_team(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size / error
+                share = map_norm_by_team(team, symbolic, turns, *problem, d, p, v, sums[2], size_m, size_n) / size / error
                 if share > ALL and not ends:
                     k, fresh = min(5.0 * k, 1e6), True
                 elif share < BALANCE:

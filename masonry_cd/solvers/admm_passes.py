@@ -20,21 +20,21 @@ from masonry_cd.linalg.triangular import backward_substitution, forward_substitu
 
 
 @kernel()
-def clear_generalised_impulse(plan, q, push):
+def clear_generalised_impulse(symbolic, q, push):
     """No impulse on the bodies of part q, and none left by it to later ones."""
-    first, last = nodes_of(plan, q)
+    first, last = nodes_of(symbolic, q)
     push[first:last] = 0.0
-    clear_ghosts(plan, q, push)
+    clear_ghosts(symbolic, q, push)
 
 
 @kernel()
-def velocity_by_team(team, plan, inverse, free, push, v, size_n):
+def velocity_by_team(team, symbolic, inverse, free, push, v, size_n):
     """v = v_free + M^-1 of what all parts pushed."""
-    n, (begin, end) = len(size_n), share_of_subtrees(team, plan)
+    n, (begin, end) = len(size_n), share_of_subtrees(team, symbolic)
     wait(team)
     for q in range(begin, end):
-        first, last = nodes_of(plan, q)
-        add_ghosts(plan, q, push)
+        first, last = nodes_of(symbolic, q)
+        add_ghosts(symbolic, q, push)
         for b in range(first, last):
             for i in range(n):
                 total = free[b, i]
@@ -58,9 +58,9 @@ def add_generalised_impulse_of(jacobian, turns, q, p, out, size_m, size_n):
 
 
 @kernel()
-def map_norm_by_team(team, plan, turns, jacobian, index, offset, mu, compliance, d, p, v, sums, size_m, size_n):
+def map_norm_by_team(team, symbolic, turns, jacobian, index, offset, mu, compliance, d, p, v, sums, size_m, size_n):
     """Norm of the natural map residual by a team; sums (K,) is where they put their shares."""
-    begin, end = share_of_subtrees(team, plan)
+    begin, end = share_of_subtrees(team, symbolic)
     for q in range(begin, end):
         first, last = turns.start[q], turns.start[q + 1]
         sums[q] = squared_map_norm_of(jacobian, index, offset, mu, compliance, d, p, v, first, last, size_m, size_n)
@@ -118,11 +118,11 @@ def sort_contacts(turns, jacobian, offset, mu, compliance, p, first, end, desk, 
 
 
 @kernel(fastmath={"contract"})
-def augment(plan, turns, q, mass, jacobian, rho, diagonal, lower, size_m, size_n):
+def augment(symbolic, turns, q, mass, jacobian, rho, diagonal, lower, size_m, size_n):
     """Blocks of M + H^T R H in the columns of part q, and what its contacts add to diagonal blocks (.., n n) of later ones."""
-    m, n, bodies, (first, last) = len(size_m), len(size_n), len(mass), nodes_of(plan, q)
-    lower[plan.column[first] : plan.column[last]] = 0.0
-    clear_ghosts(plan, q, diagonal)
+    m, n, bodies, (first, last) = len(size_m), len(size_n), len(mass), nodes_of(symbolic, q)
+    lower[symbolic.column[first] : symbolic.column[last]] = 0.0
+    clear_ghosts(symbolic, q, diagonal)
     for b in range(first, last):
         for p in range(n):
             for r in range(n):
@@ -159,22 +159,22 @@ def choose_stiffness(k, d, compliance, first, end, rho):
 
 
 @kernel()
-def prepare_admm(team, plan, turns, k, desk, squares, panels, rho, size_m, size_n):
+def prepare_admm(team, symbolic, turns, k, desk, squares, panels, rho, size_m, size_n):
     """Factorise M + H^T R H by a team; the factors are in single precision. False if that is not possible."""
-    n, (begin, end) = len(size_n), share_of_subtrees(team, plan)
+    n, (begin, end) = len(size_n), share_of_subtrees(team, symbolic)
     first, last = share_of(team, 0, len(rho))
     choose_stiffness(k, desk.d, desk.compliance, first, last, rho)
     wait(team)
     for q in range(begin, end):
-        augment(plan, turns, q, desk.mass, desk.jacobian, rho, desk.diagonal, desk.lower, size_m, size_n)
+        augment(symbolic, turns, q, desk.mass, desk.jacobian, rho, desk.diagonal, desk.lower, size_m, size_n)
     wait(team)
     for q in range(begin, end):
-        add_ghosts(plan, q, desk.diagonal)
+        add_ghosts(symbolic, q, desk.diagonal)
     wait(team)
     blocks = desk.diagonal.reshape((len(desk.diagonal), n, n))
-    if not has_single_columns(plan):
-        return factorise_by_team(team, plan, blocks, desk.lower, squares, panels, n)
-    ok = factorise_cholesky(plan, blocks, desk.lower, desk.squares, desk.panels, size_n)  # by one, there is one part
+    if not has_single_columns(symbolic):
+        return factorise_by_team(team, symbolic, blocks, desk.lower, squares, panels, n)
+    ok = factorise_cholesky(symbolic, blocks, desk.lower, desk.squares, desk.panels, size_n)  # by one, there is one part
     copy_flat(desk.squares, squares)
     copy_flat(desk.panels, panels)
     return ok
@@ -251,40 +251,40 @@ def carry_impulses(jacobian, turns, part, rho, last, p, step, out, push, size_m,
 
 
 @kernel()
-def panels_of(plan, q, n):
+def panels_of(symbolic, q, n):
     """First entry and end of the panels of part q, one of several: they are stored from its last run to its first."""
-    s = plan.part[q]
-    end = plan.panel[s] + (plan.first[s + 1] - plan.first[s]) * (plan.start[s + 1] - plan.start[s])
-    return n * n * plan.panel[plan.part[q + 1] - 1], n * n * end
+    s = symbolic.subtree[q]
+    end = symbolic.panel[s] + (symbolic.first[s + 1] - symbolic.first[s]) * (symbolic.start[s + 1] - symbolic.start[s])
+    return n * n * symbolic.panel[symbolic.subtree[q + 1] - 1], n * n * end
 
 
 @kernel()
-def eliminate_subtree(plan, turns, q, coming, desk, rho, panels, p, new, size_m, size_n):
+def eliminate_subtree(symbolic, turns, q, coming, desk, rho, panels, p, new, size_m, size_n):
     """The contacts of part q, and L^-1 of what they ask for; ``coming`` is the part that comes down next, or -1.
 
     Returns the squared scaled change of p.
     """
-    first, last = nodes_of(plan, q)
-    line, end = panels_of(plan, coming, len(size_n)) if coming >= 0 else (0, 0)
+    first, last = nodes_of(symbolic, q)
+    line, end = panels_of(symbolic, coming, len(size_n)) if coming >= 0 else (0, 0)
     push, x = desk.push, desk.x
     missing_momentum_of(desk.mass, desk.free, desk.v, first, last, push, size_n)
-    clear_ghosts(plan, q, push)
-    add_ghosts(plan, q, push)
+    clear_ghosts(symbolic, q, push)
+    add_ghosts(symbolic, q, push)
     change = augmented_pass(
         panels, line, end, turns, q, desk.jacobian, desk.offset, desk.mu, desk.compliance, desk.d, rho, p, desk.v, new, push, size_m, size_n
     )
     copy_flat(push[first:last], x[first:last])
-    clear_ghosts(plan, q, x)
-    add_ghosts(plan, q, x)
-    forward_substitution(plan, plan.part[q], plan.part[q + 1], plan.target, panels, x, size_n)
+    clear_ghosts(symbolic, q, x)
+    add_ghosts(symbolic, q, x)
+    forward_substitution(symbolic, symbolic.subtree[q], symbolic.subtree[q + 1], symbolic.target, panels, x, size_n)
     return change
 
 
 @kernel()
-def update_subtree(plan, q, desk, squares, panels, size_n):
+def update_subtree(symbolic, q, desk, squares, panels, size_n):
     """The velocities of the bodies of part q change by L^-T D^-1 of what :func:`eliminate_subtree` left."""
-    first, last = nodes_of(plan, q)
-    backward_substitution(plan, plan.part[q], plan.part[q + 1], squares, panels, desk.x, size_n)
+    first, last = nodes_of(symbolic, q)
+    backward_substitution(symbolic, symbolic.subtree[q], symbolic.subtree[q + 1], squares, panels, desk.x, size_n)
     size = (last - first) * len(size_n)
     v, x = desk.v[first:last].reshape(size), desk.x[first:last].reshape(size)
     for i in range(size):

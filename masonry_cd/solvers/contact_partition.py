@@ -21,16 +21,16 @@ class ContactPartition(NamedTuple):
 
 
 @entry()
-def partition_contacts(index: np.ndarray, spot: np.ndarray, plan: SymbolicFactor) -> ContactPartition:
-    """Assign contacts, whose bodies are at the places index (C, 2), to the parts of a plan; those that meet no body go to the last."""
-    contacts, count, size = len(index), len(plan.part) - 1, len(plan.column) - 1
+def partition_contacts(index: np.ndarray, spot: np.ndarray, symbolic: SymbolicFactor) -> ContactPartition:
+    """Assign contacts, whose bodies are at the places index (C, 2), to the parts of a symbolic; those that meet no body go to the last."""
+    contacts, count, size = len(index), len(symbolic.subtree) - 1, len(symbolic.column) - 1
     start, order = np.zeros(count + 1, dtype=np.int64), np.arange(contacts)
     start[count] = contacts
     if count == 1:
         return ContactPartition(order, start, index, index, spot)
     own, row = np.empty(size + 1, dtype=np.int64), np.arange(size + 1)
     for q in range(count):
-        own[plan.first[plan.part[q]] : plan.first[plan.part[q + 1]]] = q
+        own[symbolic.first[symbolic.subtree[q]] : symbolic.first[symbolic.subtree[q + 1]]] = q
     own[size] = count - 1
     start[count] = 0
     for c in range(contacts):
@@ -48,9 +48,9 @@ def partition_contacts(index: np.ndarray, spot: np.ndarray, plan: SymbolicFactor
         np.empty_like(spot),
     )
     for q in range(count):
-        for s in range(plan.part[q], plan.part[q + 1]):
-            for t in range(plan.start[s], plan.start[s + 1]):
-                row[plan.below[t]] = plan.target[t]
+        for s in range(symbolic.subtree[q], symbolic.subtree[q + 1]):
+            for t in range(symbolic.start[s], symbolic.start[s + 1]):
+                row[symbolic.below[t]] = symbolic.target[t]
         for k in range(start[q], start[q + 1]):
             sorted_spot[k] = spot[order[k]]
             for side in range(2):
