@@ -100,7 +100,7 @@ def admm_local(problem, order, place, symbolic, p, k, tolerance, limit):
     iterations, checked, switched, fresh = 0, 0, 0, True
     while iterations < limit and smallest > tolerance:
         if fresh:
-            if not factorise_local(problem, order, place, symbolic, k, squares, panels):
+            if not factorise_shifted(problem, order, place, symbolic, k, squares, panels):
                 k = 0.1 * k
                 if k < SOFTEST:
                     break
@@ -132,7 +132,7 @@ def admm_local(problem, order, place, symbolic, p, k, tolerance, limit):
 
 
 @kernel()
-def factorise_local(problem, order, place, symbolic, k, squares, panels):
+def factorise_shifted(problem, order, place, symbolic, k, squares, panels):
     """Factorise W + R^-1, its symmetric part; False if it is not positive definite."""
     data, indices, indptr, d, size_m = problem.data, problem.indices, problem.indptr, problem.d, problem.size_m
     count, m = len(d), len(size_m)
