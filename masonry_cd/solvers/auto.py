@@ -28,7 +28,6 @@ every bit of the result, is then the same on every machine.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isnan, nan
 
@@ -238,34 +237,35 @@ def _entries(problem: Problem) -> int:
     return int(problem.w.nnz)
 
 
-def _turns(problem: Problem, first: int, costs: Costs, cold: bool, slides: bool) -> Iterator[tuple[int, int]]:
-    """Methods with their limits of iterations, the usual ones first; the interior point method first while a structure slides."""
-    limits, other = _limits(costs), 1 - first
-    if not slides:
-        yield first, limits[first]
-    budget, sweep, start = FIRST * BUDGET if cold else BUDGET, SWEEP * _entries(problem), interior.affordable(0.0) * costs[NEWTON]
-    sweeps = min(int((SWEEP_SHARE * start if cold else min(SWEEP_SHARE * start, budget)) / sweep), SWEEPS[1])
+def _turns(problem: Problem, first: int, costs: Costs, cold: bool, slides: bool) -> list[tuple[int, int]]:
+    """Methods with their limits of iterations, the usual ones first; the interior point method first while a structure slides.
+
+    Args:
+        problem: to be solved.
+        first: ADMM or NEWTON, which begins.
+        costs: of the two.
+        cold: whether there is no step before.
+        slides: whether the last steps needed the interior point method.
+    """
+    limits, other, budget = _limits(costs), 1 - first, FIRST * BUDGET if cold else BUDGET
+    one_start = interior.affordable(0.0)  # iterations
+    start_cost, sweep_cost = one_start * costs[NEWTON], SWEEP * max(_entries(problem), 1)
+    sweeps = min(int((SWEEP_SHARE * start_cost if cold else min(SWEEP_SHARE * start_cost, budget)) / sweep_cost), SWEEPS[1])
     packed = sweeps >= SWEEPS[0]
-    usual = [] if packed and other == NEWTON and sweeps * sweep < limits[NEWTON] * costs[NEWTON] else [(other, limits[other])]
-    if not slides:
-        yield from usual
+
+    usual = [(first, limits[first])]
+    if not (packed and other == NEWTON and sweeps * sweep_cost < limits[NEWTON] * costs[NEWTON]):
+        usual.append((other, limits[other]))
+    hard = [(INTERIOR, interior.affordable(budget / costs[NEWTON])), (NEWTON, NEWTON_FINISH)]
     if packed:
-        if start <= FIRST * budget:
-            yield INTERIOR, interior.affordable(0.0)
-        yield NLGS, sweeps
-        yield NEWTON, NEWTON_FINISH
-    yield INTERIOR, interior.affordable(budget / costs[NEWTON])
-    yield NEWTON, NEWTON_FINISH
-    if slides:
-        yield first, limits[first]
-        yield from usual
-    if not isinstance(problem, FrictionProblem):
-        yield from LONG_RUNS
+        hard = [(NLGS, sweeps), (NEWTON, NEWTON_FINISH), *hard]
+        if start_cost <= FIRST * budget:
+            hard = [(INTERIOR, one_start), *hard]
+    last = [] if isinstance(problem, FrictionProblem) else list(LONG_RUNS)
     if cold:
-        yield NLGS, min(int(SWEEP_SHARE * budget / sweep), LONG)
-        yield NEWTON, NEWTON_FINISH
-        yield INTERIOR, interior.affordable(0.0)
-        yield NEWTON, NEWTON_FINISH
+        last += [(NLGS, min(int(SWEEP_SHARE * budget / sweep_cost), LONG)), (NEWTON, NEWTON_FINISH)]
+        last += [(INTERIOR, one_start), (NEWTON, NEWTON_FINISH)]
+    return [*hard, *usual, *last] if slides else [*usual, *hard, *last]
 
 
 def _costs(problem: Problem, tally: Tally, start: Solution | None) -> tuple[Costs, dict[str, np.ndarray]]:
