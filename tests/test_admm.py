@@ -11,6 +11,7 @@ import scenes
 from masonry_cd.friction.problem import Solution, natural_map_error
 from masonry_cd.linalg import ordering
 from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.solvers.admm import PROBE, Tally
 
 solve = SOLVERS["admm"]
 
@@ -76,10 +77,32 @@ def test_knows_from_the_step_before_when_to_look_at_the_error() -> None:
     problem, options = scenes.wall(6, 20), Options()
     last = solve(problem, options, None)
     nearby, forgetful = replace(problem, v_free=1.0001 * problem.v_free), {k: v.copy() for k, v in last.memory.items()}
-    forgetful["admm_tally"][6] = 1.0
+    forgetful["admm_tally"] = replace(Tally.read(last.memory["admm_tally"]), rate=1.0).array()
     known, unknown = (solve(nearby, options, Solution(last.impulse, None, 0, memory=m)) for m in (last.memory, forgetful))
     assert max(natural_map_error(nearby, s.impulse) for s in (known, unknown)) <= options.tolerance
     assert 0 < known.iterations < unknown.iterations
+
+
+@pytest.mark.parametrize(("iterations", "wins"), [(79, True), (80, False)])
+def test_a_neighbouring_k_is_kept_where_it_takes_fewer_iterations(iterations: int, wins: bool) -> None:
+    """It is tried once in PROBE steps, below the best so far and then above it; where it does not win the next step factorises anew."""
+    tally = Tally(k=10.0, stale=False, steps=PROBE - 2, mean_iterations=100.0)
+    assert tally.next_k() == 10.0
+    tally.learn(10.0, 10.0, 100, 0)
+    k = tally.next_k()
+    assert k < 10.0
+    tally.learn(k, k, iterations, 1)
+    assert tally.k == (k if wins else 10.0)
+    assert tally.stale is not wins
+    tally.steps = 2 * PROBE - 1
+    assert tally.next_k() > tally.k
+
+
+def test_what_is_learnt_passes_through_a_checkpoint() -> None:
+    """All fields of a tally, in their types."""
+    tally = Tally(k=30.0, stale=False, fresh_iterations=4.0, steps=7, mean_iterations=5.5, rate=2.0, newton_iterations=-3.0)
+    assert Tally.read(tally.array()) == tally
+    assert Tally.read(Tally().array()) == Tally()
 
 
 def test_memory_of_another_contact_graph_is_not_believed() -> None:
@@ -92,14 +115,14 @@ def test_memory_of_another_contact_graph_is_not_believed() -> None:
     assert natural_map_error(fewer, second.impulse) <= 1e-8
 
 
-def in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have plans of some hundred blocks cut into parts of several levels."""
+def in_subtrees(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cut the elimination trees of some hundred blocks into subtrees of several levels."""
     monkeypatch.setattr(ordering, "SUBTREE", 60)
 
 
 def test_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The parts of a plan are solved to the same bits by one, two and three threads, cold and from the memory of the step before."""
-    in_parts(monkeypatch)
+    """Subtrees are solved to the same bits by one, two and three threads, cold and from the memory of the step before."""
+    in_subtrees(monkeypatch)
     problem = scenes.softened(scenes.wall(8, 10), 0.3)
     ends = []
     for threads in (1, 2, 3):
@@ -115,13 +138,13 @@ def test_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
             np.testing.assert_array_equal(other.velocity, one.velocity)
 
 
-def test_parts_give_the_answer_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Cut into parts or not, a wall moves with the same velocities."""
+def test_subtrees_give_the_answer_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cut into subtrees or not, a wall moves with the same velocities."""
     problem = scenes.wall(7, 9)
     whole = solve(problem, Options(tolerance=1e-12), None)
-    in_parts(monkeypatch)
+    in_subtrees(monkeypatch)
     parts = solve(problem, Options(tolerance=1e-12), None)
-    assert len(parts.memory["admm_part"]) > len(whole.memory["admm_part"]) == 2
+    assert len(parts.memory["admm_subtree"]) > len(whole.memory["admm_subtree"]) == 2
     np.testing.assert_allclose(parts.velocity, whole.velocity, atol=1e-11)
 
 

@@ -33,94 +33,94 @@ def comb(teeth: int, length: int) -> tuple[int, np.ndarray, np.ndarray]:
 
 def test_columns_of_a_thin_structure_stay_alone() -> None:
     nodes, first, second = comb(7, 5)
-    plan = Pattern.of(nodes, first, second).plan
-    np.testing.assert_array_equal(plan.first, np.arange(nodes + 1))
-    assert len(plan.below) > len(plan.row)  # the brace closes a ring, so there is fill-in
+    symbolic = Pattern.of(nodes, first, second).symbolic
+    np.testing.assert_array_equal(symbolic.first, np.arange(nodes + 1))
+    assert len(symbolic.below) > len(symbolic.row)  # the brace closes a ring, so there is fill-in
 
 
-def test_runs_hold_all_columns_in_order_with_the_rows_of_each() -> None:
+def test_supernodes_hold_all_columns_in_order_with_the_rows_of_each() -> None:
     nodes, first, second = grid(13, 11)
     pattern = Pattern.of(nodes, first, second)
-    plan, place = pattern.plan, pattern.place
-    assert plan.first[0] == 0
-    assert plan.first[-1] == nodes
-    assert np.diff(plan.first).min() > 0
-    assert np.diff(plan.first).max() > 1
-    assert len(plan.row) == len(pattern.pairs)
-    run = np.repeat(np.arange(len(plan.first) - 1), np.diff(plan.first))
+    symbolic, place = pattern.symbolic, pattern.place
+    assert symbolic.first[0] == 0
+    assert symbolic.first[-1] == nodes
+    assert np.diff(symbolic.first).min() > 0
+    assert np.diff(symbolic.first).max() > 1
+    assert len(symbolic.row) == len(pattern.pairs)
+    run = np.repeat(np.arange(len(symbolic.first) - 1), np.diff(symbolic.first))
     for low, high in np.sort(place[np.stack([first, second], axis=1)], axis=1):
         s = run[low]
-        assert run[high] == s or high in plan.below[plan.start[s] : plan.start[s + 1]]
+        assert run[high] == s or high in symbolic.below[symbolic.start[s] : symbolic.start[s + 1]]
 
 
 @pytest.mark.parametrize("limit", [30, 100, 10**6])
-def test_parts_of_a_level_do_not_know_of_one_another(limit: int) -> None:
-    """No edge joins two parts of a level, and what a part leaves to later ones has a copy of its own for each of them."""
+def test_subtrees_of_a_level_are_independent(limit: int) -> None:
+    """No edge joins two subtrees of a level, and what a subtree adds to later ones has a ghost row for each of their nodes."""
     nodes, first, second = grid(13, 17)
     place = Pattern.of(nodes, first, second).place
     order, part, level = partition_tree(place[first], place[second], nodes, limit)
     assert sorted(order) == list(range(nodes))
     assert (len(level) > 3) == (limit < 10**6)
     at = np.argsort(order)
-    plan = analyse(at[place[first]], at[place[second]], nodes, part, level)
-    np.testing.assert_array_equal(plan.first[plan.part], part)
+    symbolic = analyse(at[place[first]], at[place[second]], nodes, part, level)
+    np.testing.assert_array_equal(symbolic.first[symbolic.subtree], part)
     own = np.repeat(np.arange(len(part) - 1), np.diff(part))
     its_level = np.repeat(np.arange(len(level) - 1), np.diff(level))[own]
     ends = np.sort(at[place[np.stack([first, second], axis=1)]], axis=1)
     low, high = own[ends[:, 0]], own[ends[:, 1]]
     assert ((low == high) | (its_level[ends[:, 0]] < its_level[ends[:, 1]])).all()
-    # each copy stands for one node, and belongs to one part
-    stands_for = np.repeat(np.arange(nodes), np.diff(plan.spread))[np.argsort(plan.copies)]
-    of_part = np.repeat(np.arange(len(part) - 1), np.diff(plan.border))
-    assert len({*zip(stands_for, of_part, strict=True)}) == len(plan.copies)
-    run = np.repeat(np.arange(len(plan.first) - 1), np.diff(plan.start))
-    mine = np.repeat(np.arange(len(part) - 1), np.diff(plan.part))[run]
-    copied = plan.target > nodes
-    np.testing.assert_array_equal(copied, own[plan.below] != mine)
-    np.testing.assert_array_equal(stands_for[plan.target[copied] - nodes - 1], plan.below[copied])
-    np.testing.assert_array_equal(of_part[plan.target[copied] - nodes - 1], mine[copied])
+    # each ghost stands for one node, and belongs to one subtree
+    stands_for = np.repeat(np.arange(nodes), np.diff(symbolic.node_start))[np.argsort(symbolic.node_ghost)]
+    of_subtree = np.repeat(np.arange(len(part) - 1), np.diff(symbolic.ghost_start))
+    assert len({*zip(stands_for, of_subtree, strict=True)}) == len(symbolic.node_ghost)
+    run = np.repeat(np.arange(len(symbolic.first) - 1), np.diff(symbolic.start))
+    mine = np.repeat(np.arange(len(part) - 1), np.diff(symbolic.subtree))[run]
+    is_ghost = symbolic.target > nodes
+    np.testing.assert_array_equal(is_ghost, own[symbolic.below] != mine)
+    np.testing.assert_array_equal(stands_for[symbolic.target[is_ghost] - nodes - 1], symbolic.below[is_ghost])
+    np.testing.assert_array_equal(of_subtree[symbolic.target[is_ghost] - nodes - 1], mine[is_ghost])
 
 
 @pytest.mark.parametrize("n", [2, 6])
 @pytest.mark.parametrize("symmetric", [True, False])
 @pytest.mark.parametrize("part", [40, SUBTREE])
-@pytest.mark.parametrize("graph", [grid(9, 14), comb(7, 9)], ids=["runs", "columns"])
+@pytest.mark.parametrize("graph", [grid(9, 14), comb(7, 9)], ids=["supernodes", "columns"])
 def test_a_factorised_matrix_solves_as_a_dense_one_does(
     n: int, symmetric: bool, part: int, graph: tuple[int, np.ndarray, np.ndarray], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(ordering, "SUBTREE", part)
     nodes, first, second = graph
-    plan = Pattern.of(nodes, first, second).plan
+    symbolic = Pattern.of(nodes, first, second).symbolic
     random = np.random.default_rng(3)
     dense = np.zeros((nodes, n, nodes, n))
-    diagonal, lower = random.normal(size=(nodes, n, n)), random.normal(size=(len(plan.row), n, n))
+    diagonal, lower = random.normal(size=(nodes, n, n)), random.normal(size=(len(symbolic.row), n, n))
     diagonal = diagonal + diagonal.transpose(0, 2, 1) + 12.0 * n * np.eye(n)
     upper = lower if symmetric else random.normal(size=lower.shape)
     if not symmetric:
         diagonal += random.normal(size=diagonal.shape)
     dense[np.arange(nodes), :, np.arange(nodes), :] = diagonal
-    column = np.repeat(np.arange(nodes), np.diff(plan.column))
-    dense[plan.row, :, column, :] = lower
-    dense[column, :, plan.row, :] = upper.transpose(0, 2, 1)
+    column = np.repeat(np.arange(nodes), np.diff(symbolic.column))
+    dense[symbolic.row, :, column, :] = lower
+    dense[column, :, symbolic.row, :] = upper.transpose(0, 2, 1)
     matrix, right = dense.reshape(nodes * n, nodes * n), random.normal(size=(nodes, n))
     size = (0,) * n
-    squares, panels, others = allocate_factors(plan, size)
+    squares, panels, others = allocate_factors(symbolic, size)
     x = right.copy()
     if symmetric:
-        assert factorise_cholesky(plan, diagonal, lower, squares, panels, size)
-        solve_cholesky(plan, squares, panels, x, size)
+        assert factorise_cholesky(symbolic, diagonal, lower, squares, panels, size)
+        solve_cholesky(symbolic, squares, panels, x, size)
     else:
-        assert factorise_ldu(plan, diagonal, lower, upper, squares, panels, others, size)
-        solve_ldu(plan, squares, panels, others, x, size)
+        assert factorise_ldu(symbolic, diagonal, lower, upper, squares, panels, others, size)
+        solve_ldu(symbolic, squares, panels, others, x, size)
     np.testing.assert_allclose(x.ravel(), np.linalg.solve(matrix, right.ravel()), rtol=0.0, atol=1e-12 * np.abs(x).max())
 
 
-@pytest.mark.parametrize("graph", [grid(5, 5), comb(3, 3)], ids=["runs", "columns"])
+@pytest.mark.parametrize("graph", [grid(5, 5), comb(3, 3)], ids=["supernodes", "columns"])
 def test_a_singular_block_is_reported(graph: tuple[int, np.ndarray, np.ndarray]) -> None:
     nodes, first, second = graph
-    plan, size = Pattern.of(nodes, first, second).plan, (0, 0)
-    diagonal, lower = np.tile(np.eye(2), (nodes, 1, 1)), np.zeros((len(plan.row), 2, 2))
+    symbolic, size = Pattern.of(nodes, first, second).symbolic, (0, 0)
+    diagonal, lower = np.tile(np.eye(2), (nodes, 1, 1)), np.zeros((len(symbolic.row), 2, 2))
     diagonal[4] = 0.0
-    squares, panels, others = allocate_factors(plan, size)
-    assert not factorise_ldu(plan, diagonal, lower, lower, squares, panels, others, size)
-    assert not factorise_cholesky(plan, diagonal, lower, squares, panels, size)
+    squares, panels, others = allocate_factors(symbolic, size)
+    assert not factorise_ldu(symbolic, diagonal, lower, lower, squares, panels, others, size)
+    assert not factorise_cholesky(symbolic, diagonal, lower, squares, panels, size)

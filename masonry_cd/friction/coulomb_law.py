@@ -26,7 +26,7 @@ import numpy as np
 from masonry_cd.jit import kernel
 
 OPEN, STICK, SLIP = 0, 1, 2  # status of a contact
-SCALE, START, MU, Q, P, C = 7, 8, 9, 10, 13, 16
+INVERSE_NN, COUPLING, SCHUR, NN, SCALE, START, MU, Q, P, C = 0, 1, 3, 6, 7, 8, 9, 10, 13, 16  # columns of a table of contacts
 ROW = 19
 
 

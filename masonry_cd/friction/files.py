@@ -340,7 +340,7 @@ def _check_definite(path: Path, problem: LocalProblem) -> None:
         raise InputError(f"{path}: W is indefinite: no entry of its diagonal is positive")
     blocks, indices, indptr, _ = nlgs.block_arrays(problem)
     pattern = admm.contact_pattern(indices, indptr)
-    if not is_definite(blocks, indices, indptr, shift, pattern.place, pattern.plan, (0,) * problem.dimension):
+    if not is_definite(blocks, indices, indptr, shift, pattern.place, pattern.symbolic, (0,) * problem.dimension):
         raise InputError(f"{path}: W is indefinite: it has eigenvalues below -{shift:.1e}")
 
 

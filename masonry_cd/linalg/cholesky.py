@@ -14,9 +14,9 @@ from masonry_cd.linalg.threads import share_of, wait
 
 
 @kernel()
-def load_symmetric(plan, s, where, diagonal, lower, square, panel, n):
-    """Blocks of a symmetric A of the run s into the upper triangle of its square and into its panel."""
-    begin, end = plan.first[s], plan.first[s + 1]
+def load_symmetric(symbolic, s, where, diagonal, lower, square, panel, n):
+    """Copy blocks of a symmetric A in the columns of supernode s into the upper triangle of its square and into its panel."""
+    begin, end = symbolic.first[s], symbolic.first[s + 1]
     square[:] = 0.0
     panel[:] = 0.0
     for j in range(begin, end):
@@ -24,53 +24,62 @@ def load_symmetric(plan, s, where, diagonal, lower, square, panel, n):
         for p in range(n):
             for q in range(n):
                 square[k + p, k + q] = diagonal[j, p, q]
-        for t in range(plan.column[j], plan.column[j + 1]):
-            i = where[plan.row[t]] * n
+        for t in range(symbolic.column[j], symbolic.column[j + 1]):
+            i = where[symbolic.row[t]] * n
             for p in range(n):
                 for q in range(n):
-                    if plan.row[t] < end:
+                    if symbolic.row[t] < end:
                         square[k + q, i + p] = lower[t, p, q]
                     else:
                         panel[k + q, i + p] = lower[t, p, q]
 
 
 @kernel()
-def apply_symmetric_update(plan, d, t0, t1, where, panel, square, own, out, n):
-    """:func:`apply_update` of a symmetric matrix, of the upper triangle of the square."""
-    last, inner, length = plan.start[d + 1], len(panel), panel.shape[1]
+def apply_symmetric_update(symbolic, d, t0, t1, where, panel, square, own, out, n):
+    """Subtract from a supernode, the upper triangle of its ``square`` and its panel ``own``, what the earlier supernode d contributes.
+
+    ``panel`` is that of d, t0 to t1 its rows in the supernode.
+    """
+    last, inner, length = symbolic.start[d + 1], len(panel), panel.shape[1]
     first, rows = length - n * (last - t0), n * (t1 - t0)
     gemm(panel, first, rows, inner, panel, first, length, out)
     for j in range(t1 - t0):
-        row = n * where[plan.below[t0 + j]]
+        row = n * where[symbolic.below[t0 + j]]
         for i in range(j, t1 - t0):
-            column = n * where[plan.below[t0 + i]]
+            column = n * where[symbolic.below[t0 + i]]
             for q in range(n):
                 for p in range(n):
                     square[row + q, column + p] -= out[j * n + q, i * n + p]
-    subtract_product(out, rows, plan.below, t0, t1 - t0, last, where, own, n)
+    subtract_product(out, rows, symbolic.below, t0, t1 - t0, last, where, own, n)
 
 
 @kernel()
-def factorise_supernodes(plan, first, last, diagonal, lower, squares, panels, n):
-    """A = L L^T of a symmetric A for runs first to last, if all that they pull from are done, with blocks of n x n.
+def factorise_supernodes(symbolic, first, last, diagonal, lower, squares, panels, n):
+    """A = L L^T of a symmetric A for supernodes first to last, after all that update them, with blocks of n x n.
 
     Squares: C^-T of the triangles C on the diagonal of L; panels: L^T right of them; in the precision of their arrays. Only the square at
-    work is in double precision whatever they are. Returns False when A is not positive definite.
+    work is always in double precision. Returns False when A is not positive definite.
     """
-    size = len(plan.column) - 1
-    widest, longest = extent(plan, first, last, n)
+    size = len(symbolic.column) - 1
+    widest, longest = extent(symbolic, first, last, n)
     out, where = np.empty((widest, longest), dtype=panels.dtype), np.empty(size, dtype=np.int64)
-    room, other = np.empty(widest * widest), np.empty(widest * widest)
+    square_at_work, root_at_work = np.empty(widest * widest), np.empty(widest * widest)
     for s in range(first, last):
-        number_rows(plan, s, where)
-        width, length = n * (plan.first[s + 1] - plan.first[s]), n * (plan.start[s + 1] - plan.start[s])
-        square, panel = room[: width * width].reshape((width, width)), view_block(panels, plan.panel[s], width, length, n)
-        load_symmetric(plan, s, where, diagonal, lower, square, panel, n)
-        for e in range(plan.pull[s], plan.pull[s + 1]):
-            d, t1 = plan.puller[e], end_inside(plan, e, plan.first[s + 1])
-            its = view_block(panels, plan.panel[d], n * (plan.first[d + 1] - plan.first[d]), n * (plan.start[d + 1] - plan.start[d]), n)
-            apply_symmetric_update(plan, d, plan.entry[e], t1, where, its, square, panel, out, n)
-        root, kept = other[: width * width].reshape((width, width)), view_block(squares, plan.square[s], width, width, n)
+        number_rows(symbolic, s, where)
+        width, length = n * (symbolic.first[s + 1] - symbolic.first[s]), n * (symbolic.start[s + 1] - symbolic.start[s])
+        square, panel = square_at_work[: width * width].reshape((width, width)), view_block(panels, symbolic.panel[s], width, length, n)
+        load_symmetric(symbolic, s, where, diagonal, lower, square, panel, n)
+        for e in range(symbolic.update_start[s], symbolic.update_start[s + 1]):
+            d, t1 = symbolic.updater[e], end_inside(symbolic, e, symbolic.first[s + 1])
+            its = view_block(
+                panels,
+                symbolic.panel[d],
+                n * (symbolic.first[d + 1] - symbolic.first[d]),
+                n * (symbolic.start[d + 1] - symbolic.start[d]),
+                n,
+            )
+            apply_symmetric_update(symbolic, d, symbolic.update_first[e], t1, where, its, square, panel, out, n)
+        root, kept = root_at_work[: width * width].reshape((width, width)), view_block(squares, symbolic.square[s], width, width, n)
         if not inverse_cholesky(square, root):
             return False
         copy_flat(root, kept)
@@ -84,17 +93,17 @@ def factorise_supernodes(plan, first, last, diagonal, lower, squares, panels, n)
 
 
 @kernel()
-def to_unit_diagonal(plan, first, last, squares, panels, n):
+def to_unit_diagonal(symbolic, first, last, squares, panels, n):
     """From the factors of :func:`factorise_supernodes` to A = L D L^T with ones on the diagonal of L: squares of D^-1 and panels of L.
 
     A solve then reads the squares once, not twice.
     """
-    widest, longest = extent(plan, first, last, n)
-    out, room = np.empty((3, longest), dtype=panels.dtype), np.empty(widest * widest, dtype=panels.dtype)
+    widest, longest = extent(symbolic, first, last, n)
+    out, root_at_work = np.empty((3, longest), dtype=panels.dtype), np.empty(widest * widest, dtype=panels.dtype)
     for s in range(first, last):
-        width, length = n * (plan.first[s + 1] - plan.first[s]), n * (plan.start[s + 1] - plan.start[s])
-        square, panel = view_block(squares, plan.square[s], width, width, n), view_block(panels, plan.panel[s], width, length, n)
-        root = room[: width * width].reshape((width, width))  # C^-1
+        width, length = n * (symbolic.first[s + 1] - symbolic.first[s]), n * (symbolic.start[s + 1] - symbolic.start[s])
+        square, panel = view_block(squares, symbolic.square[s], width, width, n), view_block(panels, symbolic.panel[s], width, length, n)
+        root = root_at_work[: width * width].reshape((width, width))  # C^-1
         for j in range(width):
             for i in range(width):
                 root[i, j] = square[j, i]
@@ -108,34 +117,34 @@ def to_unit_diagonal(plan, first, last, squares, panels, n):
 
 
 @entry()
-def factorise_cholesky(plan, diagonal, lower, squares, panels, size_n):
-    """A = L D L^T: squares of D^-1 and panels of L from diagonal blocks A_jj and lower A_ij.
+def factorise_cholesky(symbolic, diagonal, lower, squares, panels, size_n):
+    """A = L D L^T: squares of D^-1 and panels of L from diagonal blocks (N, n, n) A_jj and lower ones (B, n, n) A_ij.
 
-    Returns False when A is not positive definite; if all columns are alone, when a diagonal block cannot be inverted.
+    Returns False when A is not positive definite; if all columns are single, when a diagonal block cannot be inverted.
     """
-    if has_single_columns(plan):
-        return factorise_columns(plan, diagonal, lower, lower, squares, panels, panels, SYMMETRIC, size_n)
-    n, count = len(size_n), len(plan.first) - 1
-    ok = factorise_supernodes(plan, 0, count, diagonal, lower, squares, panels, n)
+    if has_single_columns(symbolic):
+        return factorise_columns(symbolic, diagonal, lower, lower, squares, panels, panels, SYMMETRIC, size_n)
+    n, count = len(size_n), len(symbolic.first) - 1
+    ok = factorise_supernodes(symbolic, 0, count, diagonal, lower, squares, panels, n)
     if ok:
-        to_unit_diagonal(plan, 0, count, squares, panels, n)
+        to_unit_diagonal(symbolic, 0, count, squares, panels, n)
     return ok
 
 
 @kernel()
-def factorise_by_team(team, plan, diagonal, lower, squares, panels, n):
-    """:func:`factorise_cholesky` by a team, where not all columns are alone."""
-    for level in range(len(plan.level) - 1):
-        begin, end = share_of(team, plan.level[level], plan.level[level + 1])
+def factorise_by_team(team, symbolic, diagonal, lower, squares, panels, n):
+    """:func:`factorise_cholesky` by a team, level by level of the subtrees, where not all columns are single."""
+    for level in range(len(symbolic.level) - 1):
+        begin, end = share_of(team, symbolic.level[level], symbolic.level[level + 1])
         for q in range(begin, end):
-            first, last = plan.part[q], plan.part[q + 1]
-            if team.gate[2] == 0 and not factorise_supernodes(plan, first, last, diagonal, lower, squares, panels, n):
-                team.gate[2] = 1
+            first, last = symbolic.subtree[q], symbolic.subtree[q + 1]
+            if team.failed[0] == 0 and not factorise_supernodes(symbolic, first, last, diagonal, lower, squares, panels, n):
+                team.failed[0] = 1
         wait(team)
-    ok = team.gate[2] == 0
-    begin, end = share_of_subtrees(team, plan)
+    ok = team.failed[0] == 0
+    begin, end = share_of_subtrees(team, symbolic)
     if ok:
-        to_unit_diagonal(plan, plan.part[begin], plan.part[end], squares, panels, n)
+        to_unit_diagonal(symbolic, symbolic.subtree[begin], symbolic.subtree[end], squares, panels, n)
     wait(team)
-    team.gate[2] = 0
+    team.failed[0] = 0
     return ok

@@ -1,21 +1,21 @@
 """The fill-in of a sparse factor, its supernodes, and its elimination tree cut into subtrees.
 
 Supernodes are neighbouring columns of L with nearly the same rows below the diagonal, factorised together as in CHOLMOD (Chen, Davis,
-Hager & Rajamanickam, ACM Trans. Math. Softw. 35, 2008). Large trees are cut into subtrees of about SUBTREE blocks, which do not know of one
-another, then into subtrees of what is left, of twice the size, and so on; those of a level can be worked on at the same time.
+Hager & Rajamanickam, ACM Trans. Math. Softw. 35, 2008). Large trees are cut into subtrees of about SUBTREE blocks, which are independent of
+one another, then what remains into subtrees of twice the size, and so on; those of a level can be worked on at the same time.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import entry
+from masonry_cd.jit import entry, kernel
 from masonry_cd.linalg.small_blocks import copy_flat
 
-SHORT = 2  # columns: runs up to this length may be padded much, see runs
+SHORT = 2  # columns: supernodes up to this width may be padded much, see supernodes
 WIDEST = 16  # columns that are factorised together
-THIN = 2.0  # mean number of rows below a column of L up to which columns stay alone
-SUBTREE = 4096  # blocks of L in a part of the first level
+THIN = 2.0  # mean number of rows below a column of L up to which columns stay single
+SUBTREE = 4096  # blocks of L in a subtree of the first level
 
 
 @entry()
@@ -68,11 +68,11 @@ def fill_in(start: np.ndarray, neighbour: np.ndarray) -> tuple[np.ndarray, np.nd
 
 @entry()
 def supernodes(column: np.ndarray, row: np.ndarray, head: np.ndarray) -> np.ndarray:
-    """Starts of the runs of columns of L that are factorised together, with the end appended: columns with the same rows below, nearly.
+    """First columns of the supernodes, with the end appended: neighbouring columns of L with nearly the same rows below the diagonal.
 
-    All columns stay alone where L has few blocks to a column. None reaches across a column of which ``head`` says that it starts a part.
-
-    A run takes in the one before it if few zeros come along: at most these shares of its blocks, more where it is short.
+    column (N + 1,) and row are the pattern of L. All columns stay single where L has few blocks to a column. ``head`` (N + 1,) marks the
+    first columns of subtrees, across which no supernode reaches. A supernode takes in the one before it if that stores few zeros: at most
+    these shares of its blocks, more where it is short.
     """
     size, count = len(column) - 1, 0
     if column[size] <= THIN * size:
@@ -94,26 +94,26 @@ def supernodes(column: np.ndarray, row: np.ndarray, head: np.ndarray) -> np.ndar
     return first[: count + 1]
 
 
-@entry()
-def partition_tree(first: np.ndarray, second: np.ndarray, size: int, limit: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cut the elimination tree of a graph of given edges, numbered in order of elimination, into parts of about ``limit`` blocks of L.
-
-    Returns the nodes part by part, each part in an order of elimination (N,), the starts of the parts among them (K + 1,), and the starts
-    of the levels among the parts. Where L has few blocks to a column there is one part.
-    """
-    start, neighbour = neighbours_below(first, second, size)
-    column, row = fill_in(start, neighbour)
-    if column[size] <= THIN * size:  # columns stay alone, see runs
-        limit = column[size] + size
-    parent, weight = np.full(size, -1), np.empty(size, dtype=np.int64)
-    child, sibling = np.full(size, -1), np.full(size, -1)
-    for j in range(size - 1, -1, -1):
-        weight[j] = 1 + column[j + 1] - column[j]
+@kernel()
+def elimination_tree(column, row):
+    """Parent of each node (N,), -1 for a root: the first row below the diagonal of its column of L."""
+    size = len(column) - 1
+    parent = np.full(size, -1)
+    for j in range(size):
         if column[j + 1] > column[j]:
             parent[j] = row[column[j]]
+    return parent
+
+
+@kernel()
+def postorder(parent):
+    """Nodes of a forest (N,): children before parents, subtrees together."""
+    size = len(parent)
+    child, sibling = np.full(size, -1), np.full(size, -1)
+    for j in range(size - 1, -1, -1):
+        if parent[j] >= 0:
             sibling[j], child[parent[j]] = child[parent[j]], j
-    # the nodes, children before parents and subtrees together
-    post, count, stack = np.empty(size, dtype=np.int64), 0, np.empty(size, dtype=np.int64)
+    order, count, stack = np.empty(size, dtype=np.int64), 0, np.empty(size, dtype=np.int64)
     for root in range(size):
         if parent[root] >= 0:
             continue
@@ -124,37 +124,54 @@ def partition_tree(first: np.ndarray, second: np.ndarray, size: int, limit: int)
                 stack[depth], child[j] = child[j], sibling[child[j]]
                 depth += 1
             else:
-                post[count] = j
+                order[count] = j
                 count, depth = count + 1, depth - 1
-    order, part, level = np.empty(size, dtype=np.int64), np.zeros(size + 1, dtype=np.int64), np.zeros(size + 1, dtype=np.int64)
-    placed, total = np.zeros(size, dtype=np.bool_), np.empty(size, dtype=np.int64)
-    done, parts, levels = 0, 0, 0
+    return order
+
+
+@entry()
+def partition_tree(first: np.ndarray, second: np.ndarray, size: int, limit: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cut the elimination tree of a graph of given edges, numbered in order of elimination, into subtrees of about ``limit`` blocks of L.
+
+    Returns the nodes subtree by subtree, each in an order of elimination (N,), the starts of the subtrees among them (K + 1,), and the
+    starts of the levels among the subtrees (Y + 1,). Where L has few blocks to a column there is one subtree.
+    """
+    start, neighbour = neighbours_below(first, second, size)
+    column, row = fill_in(start, neighbour)
+    if column[size] <= THIN * size:  # columns stay single, see supernodes
+        limit = column[size] + size
+    parent = elimination_tree(column, row)
+    post = postorder(parent)
+    order, subtree, level = np.empty(size, dtype=np.int64), np.zeros(size + 1, dtype=np.int64), np.zeros(size + 1, dtype=np.int64)
+    placed, blocks = np.zeros(size, dtype=np.bool_), np.empty(size, dtype=np.int64)
+    done, subtrees, levels = 0, 0, 0
     while done < size:
-        copy_flat(weight, total)
-        for j in range(size):  # weight of what is left below each node
+        for j in range(size):
+            blocks[j] = 1 + column[j + 1] - column[j]
+        for j in range(size):  # blocks of L in all that remains of the subtree under each node
             if not placed[j] and parent[j] >= 0:
-                total[parent[j]] += total[j]
+                blocks[parent[j]] += blocks[j]
         filled, begun = 0, done
         for i in range(size):
             j = post[i]
-            if placed[j] or total[j] > limit:
+            if placed[j] or blocks[j] > limit:
                 continue
             order[done] = j
             done += 1
-            if parent[j] < 0 or total[parent[j]] > limit:  # the end of a subtree
-                filled += total[j]
+            if parent[j] < 0 or blocks[parent[j]] > limit:  # the root of a subtree; small ones are taken together
+                filled += blocks[j]
                 if filled > limit // 2:
-                    parts, filled = parts + 1, 0
-                    part[parts] = done
+                    subtrees, filled = subtrees + 1, 0
+                    subtree[subtrees] = done
         if filled > 0:
-            parts += 1
-            part[parts] = done
+            subtrees += 1
+            subtree[subtrees] = done
         for i in range(begun, done):
             placed[order[i]] = True
         if done > begun:
             levels += 1
-            level[levels] = parts
+            level[levels] = subtrees
         limit *= 2
-    if size == 0:  # a part all the same
+    if size == 0:  # one subtree all the same
         return order, np.zeros(2, dtype=np.int64), np.arange(2)
-    return order, part[: parts + 1], level[: levels + 1]
+    return order, subtree[: subtrees + 1], level[: levels + 1]

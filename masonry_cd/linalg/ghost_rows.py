@@ -1,4 +1,7 @@
-"""Ghost rows: what a subtree leaves to nodes of later subtrees, see symbolic.py."""
+"""Ghost rows: what a subtree adds to nodes of later subtrees, kept apart until these are reached, see symbolic.py.
+
+Arrays with ghost rows have N + 1 + E rows: the nodes, the supports, and the ghosts.
+"""
 
 from __future__ import annotations
 
@@ -7,29 +10,29 @@ from masonry_cd.linalg.threads import share_of
 
 
 @kernel()
-def nodes_of(plan, q):
-    """First node of a part and the one after its last."""
-    return plan.first[plan.part[q]], plan.first[plan.part[q + 1]]
+def nodes_of(symbolic, q):
+    """First node of subtree q and the one after its last."""
+    return symbolic.first[symbolic.subtree[q]], symbolic.first[symbolic.subtree[q + 1]]
 
 
 @kernel()
-def clear_ghosts(plan, q, values):
-    """Nothing left by part q to later ones; values (N + 1 + E, ...)."""
-    size = len(plan.spread)
-    values[size + plan.border[q] : size + plan.border[q + 1]] = 0.0
+def clear_ghosts(symbolic, q, values):
+    """Set the ghost rows of subtree q to zero in values (N + 1 + E, ...)."""
+    size = len(symbolic.node_start)
+    values[size + symbolic.ghost_start[q] : size + symbolic.ghost_start[q + 1]] = 0.0
 
 
 @kernel()
-def add_ghosts(plan, q, values):
-    """Add to the nodes of part q what earlier parts left to them."""
-    begin, end = nodes_of(plan, q)
+def add_ghosts(symbolic, q, values):
+    """Add the ghost rows of earlier subtrees to the nodes of subtree q, in values (N + 1 + E, k)."""
+    begin, end = nodes_of(symbolic, q)
     for j in range(begin, end):
-        for e in range(plan.spread[j], plan.spread[j + 1]):
+        for e in range(symbolic.node_start[j], symbolic.node_start[j + 1]):
             for i in range(values.shape[1]):
-                values[j, i] += values[plan.copies[e], i]
+                values[j, i] += values[symbolic.node_ghost[e], i]
 
 
 @kernel()
-def share_of_subtrees(team, plan):
-    """The thread's share of all parts."""
-    return share_of(team, 0, len(plan.part) - 1)
+def share_of_subtrees(team, symbolic):
+    """First and end of the thread's share of all subtrees."""
+    return share_of(team, 0, len(symbolic.subtree) - 1)

@@ -67,12 +67,12 @@ def factorise_ldu(plan, diagonal, lower, upper, inverse, low, up, size_n):
         square = view_block(inverse, plan.square[s], width, width, n)
         own_low, own_up = view_block(low, plan.panel[s], width, length, n), view_block(up, plan.panel[s], width, length, n)
         load_blocks(plan, s, where, diagonal, lower, upper, square, own_low, own_up, size_n)
-        for e in range(plan.pull[s], plan.pull[s + 1]):
-            d = plan.puller[e]
+        for e in range(plan.update_start[s], plan.update_start[s + 1]):
+            d = plan.updater[e]
             rows, columns = n * (plan.first[d + 1] - plan.first[d]), n * (plan.start[d + 1] - plan.start[d])
             its_low, its_up = view_block(low, plan.panel[d], rows, columns, n), view_block(up, plan.panel[d], rows, columns, n)
             t1 = end_inside(plan, e, plan.first[s + 1])
-            apply_update(plan, d, plan.entry[e], t1, where, its_low, its_up, square, own_low, own_up, out, size_n)
+            apply_update(plan, d, plan.update_first[e], t1, where, its_low, its_up, square, own_low, own_up, out, size_n)
         if not invert_square(square, column, out, work, size_n):
             return False
         gemm(square, 0, width, width, own_low, 0, length, out)

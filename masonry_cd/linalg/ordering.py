@@ -19,15 +19,15 @@ FIELDS = ("pairs", "order", "place", *SymbolicFactor._fields)  # of a pattern
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
-    """Pattern of a block factorisation of N nodes, see ``coulomb``."""
+    """Pattern of a block factorisation of N nodes."""
 
     pairs: np.ndarray  # (E,) pairs of nodes that are coupled, low * N + high, sorted
     order: np.ndarray  # (N,) node at each place
     place: np.ndarray  # (N,) place of each node
-    plan: SymbolicFactor  # where the blocks are
+    symbolic: SymbolicFactor  # where the blocks are
 
     @classmethod
-    def of(cls, nodes: int, first: np.ndarray, second: np.ndarray, kept: np.ndarray | None = None, in_parts: bool = True) -> Pattern:
+    def of(cls, nodes: int, first: np.ndarray, second: np.ndarray, kept: np.ndarray | None = None, in_subtrees: bool = True) -> Pattern:
         """Analyse a graph.
 
         Args:
@@ -35,7 +35,7 @@ class Pattern:
             first: one end of each edge (E,), may repeat; -1 or equal ends: no edge.
             second: the other end (E,).
             kept: pairs of an earlier pattern to include.
-            in_parts: whether a large one is cut into parts.
+            in_subtrees: whether the elimination tree of a large one is cut into subtrees.
         """
         on = (first >= 0) & (second >= 0) & (first != second)
         pairs = np.unique(np.minimum(first[on], second[on]) * nodes + np.maximum(first[on], second[on]))
@@ -44,10 +44,15 @@ class Pattern:
         low, high = pairs // max(nodes, 1), pairs % max(nodes, 1)
         order = _minimum_degree(nodes, low, high)
         place = _places(order)
-        cut, part, level = partition_tree(place[low], place[high], nodes, SUBTREE if in_parts else 2**62)
-        order = order[cut]
+        regrouped, subtree, level = partition_tree(place[low], place[high], nodes, SUBTREE if in_subtrees else 2**62)
+        order = order[regrouped]
         place = _places(order)
-        return cls(pairs, order, place, analyse(place[low], place[high], nodes, part, level))
+        return cls(pairs, order, place, analyse(place[low], place[high], nodes, subtree, level))
+
+    @property
+    def has_single_columns(self) -> bool:
+        """Whether each supernode is one node, all of them in one subtree: then the factors are made column by column."""
+        return len(self.symbolic.first) == len(self.symbolic.column) and len(self.symbolic.subtree) == 2
 
     @property
     def nodes(self) -> int:
@@ -57,26 +62,26 @@ class Pattern:
     @classmethod
     def read(cls, arrays: tuple[np.ndarray, ...]) -> Pattern:
         """A pattern from what :meth:`arrays` gave."""
-        pairs, order, place, *plan = arrays
-        return cls(pairs, order, place, SymbolicFactor(*plan))
+        pairs, order, place, *symbolic = arrays
+        return cls(pairs, order, place, SymbolicFactor(*symbolic))
 
     def arrays(self) -> tuple[np.ndarray, ...]:
         """The pattern for a checkpoint, in the order of ``FIELDS``."""
-        return (self.pairs, self.order, self.place, *self.plan)
+        return (self.pairs, self.order, self.place, *self.symbolic)
 
     def operations(self, n: int) -> float:
         """Operations of an unsymmetric factorisation, for n unknowns per node."""
-        width, below = n * np.diff(self.plan.first).astype(float), n * np.diff(self.plan.start).astype(float)
+        width, below = n * np.diff(self.symbolic.first).astype(float), n * np.diff(self.symbolic.start).astype(float)
         return float(4.0 * width @ (width * width / 2 + width * below + below * below))
 
     def locate(self, bodies: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool] | None:
         """Places (C, 2) of the bodies of each contact, the block (C,) that couples them, and whether they are those of the last contacts.
 
-        None if a block is missing.
+        None if a pair of bodies has no block in the pattern.
         """
-        index, spot = np.empty((len(bodies), 2), dtype=np.int64), np.empty(len(bodies), dtype=np.int64)
-        found = locate(bodies, last, self.place, self.plan.column, self.plan.row, index, spot)
-        return None if found < 0 else (index, spot, found == 1)
+        index, block = np.empty((len(bodies), 2), dtype=np.int64), np.empty(len(bodies), dtype=np.int64)
+        found = locate(bodies, last, self.place, self.symbolic.column, self.symbolic.row, index, block)
+        return None if found < 0 else (index, block, found == 1)
 
 
 def _places(order: np.ndarray) -> np.ndarray:

@@ -43,7 +43,7 @@ def allocate_factors(plan, size_n):
 @kernel()
 def has_single_columns(plan):
     """Whether each run is one node, all of them in one part."""
-    return len(plan.first) == len(plan.column) and len(plan.part) == 2
+    return len(plan.first) == len(plan.column) and len(plan.subtree) == 2
 
 
 @kernel()
@@ -53,9 +53,12 @@ def extent(plan, first, last, n):
     for s in range(first, last):
         width = plan.first[s + 1] - plan.first[s]
         widest, longest = max(widest, n * width), max(longest, n * max(width, plan.start[s + 1] - plan.start[s]))
-        for e in range(plan.pull[s], plan.pull[s + 1]):
-            d = plan.puller[e]
-            widest, longest = max(widest, n * (plan.first[d + 1] - plan.first[d])), max(longest, n * (plan.start[d + 1] - plan.entry[e]))
+        for e in range(plan.update_start[s], plan.update_start[s + 1]):
+            d = plan.updater[e]
+            widest, longest = (
+                max(widest, n * (plan.first[d + 1] - plan.first[d])),
+                max(longest, n * (plan.start[d + 1] - plan.update_first[e])),
+            )
     return widest, longest
 
 
@@ -71,7 +74,7 @@ def number_rows(plan, s, where):
 @kernel()
 def end_inside(plan, e, end):
     """The end of those rows of the e-th puller that are before node ``end``."""
-    t, last = plan.entry[e], plan.start[plan.puller[e] + 1]
+    t, last = plan.update_first[e], plan.start[plan.updater[e] + 1]
     while t < last and plan.below[t] < end:
         t += 1
     return t

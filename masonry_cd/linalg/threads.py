@@ -1,27 +1,36 @@
 """A team of threads that share a solve.
 
-They all run the same kernel on the same arrays. Each takes its share of the subtrees of a :class:`SymbolicFactor` and waits at a barrier
-where it needs what the others compute; decisions are taken by all of them alike, from the same numbers. Which thread takes what never
-enters a result: a sum over subtrees is taken in their order. So equal inputs give equal bits with any number of threads, and with one the
-same code runs without waiting.
+They all run one kernel on the same arrays. Each takes its share of the subtrees of a :class:`SymbolicFactor` and waits at a barrier where
+it needs what the others compute; decisions are taken by all of them alike, from the same numbers. Which thread takes what never enters a
+result: a sum over subtrees is taken in their order. So equal inputs give equal bits with any number of threads, and with one the same code
+runs without waiting.
+
+The kernels release Python's lock, so Python's own threads run them, and nothing is compiled twice.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from threading import Lock
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from masonry_cd.jit import kernel
 from masonry_cd.linalg.intrinsics import atomic_add, atomic_load, yield_processor
 
+_ONE_TEAM = Lock()  # at a time: two teams, each waiting for threads that the other one has, would wait for ever
+
 
 class ThreadTeam(NamedTuple):
-    """What a thread knows of the others."""
+    """What a thread knows of its team."""
 
-    rank: int
-    size: int
-    gate: np.ndarray  # (3,) of all: how many wait, how often all were through, whether a factorisation failed
+    rank: int  # of this thread, from 0
+    size: int  # number of threads
+    barrier: np.ndarray  # (2,) shared: how many threads wait, how often all have passed
+    failed: np.ndarray  # (1,) shared: 1 if a thread met a matrix that is not positive definite
 
 
 @kernel()
@@ -29,16 +38,35 @@ def wait(team):
     """Go on when all threads of the team are here."""
     if team.size == 1:
         return
-    turn = atomic_load(team.gate, 1)
-    if atomic_add(team.gate, 0, 1) == team.size - 1:
-        team.gate[0] = 0
-        atomic_add(team.gate, 1, 1)
-    while atomic_load(team.gate, 1) == turn:
+    passed = atomic_load(team.barrier, 1)
+    if atomic_add(team.barrier, 0, 1) == team.size - 1:
+        team.barrier[0] = 0
+        atomic_add(team.barrier, 1, 1)
+    while atomic_load(team.barrier, 1) == passed:
         yield_processor()
 
 
 @kernel(inline="always")
 def share_of(team, first, end):
-    """The thread's share of a range."""
+    """First and end of the thread's share of a range."""
     count = end - first
     return first + count * team.rank // team.size, first + count * (team.rank + 1) // team.size
+
+
+def run_by_team(kernel: Callable[..., Any], size: int, *arguments: Any) -> Any:
+    """Call ``kernel(team, *arguments)`` on each of ``size`` threads at once, the calling one among them; what the calling one returns."""
+    barrier, failed = np.zeros(2, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    if size <= 1:
+        return kernel(ThreadTeam(0, 1, barrier, failed), *arguments)
+    with _ONE_TEAM:
+        others = [_pool(size - 1).submit(kernel, ThreadTeam(rank, size, barrier, failed), *arguments) for rank in range(1, size)]
+        out = kernel(ThreadTeam(0, size, barrier, failed), *arguments)
+        for other in others:
+            other.result()
+    return out
+
+
+@cache
+def _pool(threads: int) -> ThreadPoolExecutor:
+    """Threads that wait for work."""
+    return ThreadPoolExecutor(threads, thread_name_prefix="solver")

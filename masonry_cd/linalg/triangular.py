@@ -15,7 +15,7 @@ from masonry_cd.linalg.supernodes import gather_rows, has_single_columns, longes
 
 @kernel(fastmath={"contract", "reassoc"})
 def add_columns(lines, at, length, factors, out, size_n):
-    """out = sum of factors[k] times line k, lines of so many entries one after another from ``at`` on; three at a time, as in the next."""
+    """out = sum of factors[k] times line k; lines of ``length`` entries one after another from ``at`` on, taken three at a time."""
     count, threes = len(factors), len(factors) - len(factors) % 3 if len(size_n) % 3 else len(factors)
     out[:length] = 0.0
     for k in range(0, threes, 3):
@@ -32,7 +32,7 @@ def add_columns(lines, at, length, factors, out, size_n):
 
 @kernel(fastmath={"contract", "reassoc"})
 def add_rows(lines, at, length, factors, sign, out, size_n):
-    """out[k] += sign times line k . factors."""
+    """out[k] += sign times line k . factors; lines as in :func:`add_columns`."""
     factor = lines.dtype.type(sign)
     count, threes = len(out), len(out) - len(out) % 3 if len(size_n) % 3 else len(out)
     for k in range(0, threes, 3):
@@ -55,62 +55,62 @@ def add_rows(lines, at, length, factors, sign, out, size_n):
 
 
 @entry()
-def solve_ldu(plan, inverse, low, up, x, size_n):
+def solve_ldu(symbolic, inverse, low, up, x, size_n):
     """Solve L D U x = x in place, x (N or more, n)."""
-    if has_single_columns(plan):
-        forward_columns(plan, low, x, size_n)
-        backward_columns(plan, inverse, up, x, size_n)
+    if has_single_columns(symbolic):
+        forward_columns(symbolic, low, x, size_n)
+        backward_columns(symbolic, inverse, up, x, size_n)
         return
-    n, count = len(size_n), len(plan.first) - 1
-    longest, blocks, flat = longest_line(plan, 0, count, n), n * n, x.reshape(x.size)
+    n, count = len(size_n), len(symbolic.first) - 1
+    longest, blocks, flat = longest_line(symbolic, 0, count, n), n * n, x.reshape(x.size)
     y, z = np.empty(longest), np.empty(longest)
     for s in range(count):
-        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
-        add_columns(low, plan.panel[s] * blocks, length, own, y, size_n)
-        subtract_rows(plan, s, plan.below, y, x, n)
+        own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
+        add_columns(low, symbolic.panel[s] * blocks, length, own, y, size_n)
+        subtract_rows(symbolic, s, symbolic.below, y, x, n)
     for s in range(count - 1, -1, -1):
-        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
-        gather_rows(plan, s, x, y, n)
-        add_rows(up, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
+        own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
+        gather_rows(symbolic, s, x, y, n)
+        add_rows(up, symbolic.panel[s] * blocks, length, y, -1.0, own, size_n)
         copy_flat(own, z)
         own[:] = 0.0
-        add_rows(inverse, plan.square[s] * blocks, len(own), z, 1.0, own, size_n)
+        add_rows(inverse, symbolic.square[s] * blocks, len(own), z, 1.0, own, size_n)
 
 
 @kernel()
-def forward_substitution(plan, first, last, row, panels, x, size_n):
-    """x <- L^-1 x of a symmetric matrix for runs first to last; ``row`` as in :func:`subtract_rows`."""
-    if has_single_columns(plan):
-        forward_columns(plan, panels, x, size_n)
+def forward_substitution(symbolic, first, last, row, panels, x, size_n):
+    """x <- L^-1 x of a symmetric matrix for supernodes first to last; ``row`` (R,) as in :func:`subtract_rows`."""
+    if has_single_columns(symbolic):
+        forward_columns(symbolic, panels, x, size_n)
         return
     n, blocks, flat = len(size_n), len(size_n) * len(size_n), x.reshape(x.size)
-    y = np.empty(longest_line(plan, first, last, n), dtype=panels.dtype)
+    y = np.empty(longest_line(symbolic, first, last, n), dtype=panels.dtype)
     for s in range(first, last):
-        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
-        add_columns(panels, plan.panel[s] * blocks, length, own, y, size_n)
-        subtract_rows(plan, s, row, y, x, n)
+        own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
+        add_columns(panels, symbolic.panel[s] * blocks, length, own, y, size_n)
+        subtract_rows(symbolic, s, row, y, x, n)
 
 
 @kernel()
-def backward_substitution(plan, first, last, squares, panels, x, size_n):
-    """x <- L^-T D^-1 x of a symmetric matrix for runs first to last, if the later ones are done."""
-    if has_single_columns(plan):
-        backward_columns(plan, squares, panels, x, size_n)
+def backward_substitution(symbolic, first, last, squares, panels, x, size_n):
+    """x <- L^-T D^-1 x of a symmetric matrix for supernodes first to last, after all later ones."""
+    if has_single_columns(symbolic):
+        backward_columns(symbolic, squares, panels, x, size_n)
         return
     n, blocks, flat = len(size_n), len(size_n) * len(size_n), x.reshape(x.size)
-    y = np.empty(longest_line(plan, first, last, n), dtype=panels.dtype)
+    y = np.empty(longest_line(symbolic, first, last, n), dtype=panels.dtype)
     for s in range(last - 1, first - 1, -1):
-        own, length = flat[n * plan.first[s] : n * plan.first[s + 1]], n * (plan.start[s + 1] - plan.start[s])
+        own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
         copy_flat(own, y[: len(own)])
         own[:] = 0.0
-        add_rows(squares, plan.square[s] * blocks, len(own), y, 1.0, own, size_n)
-        gather_rows(plan, s, x, y, n)
-        add_rows(panels, plan.panel[s] * blocks, length, y, -1.0, own, size_n)
+        add_rows(squares, symbolic.square[s] * blocks, len(own), y, 1.0, own, size_n)
+        gather_rows(symbolic, s, x, y, n)
+        add_rows(panels, symbolic.panel[s] * blocks, length, y, -1.0, own, size_n)
 
 
 @entry()
-def solve_cholesky(plan, squares, panels, x, size_n):
+def solve_cholesky(symbolic, squares, panels, x, size_n):
     """Solve A x = x in place for the factors of a symmetric A, x (N or more, n)."""
-    count = len(plan.first) - 1
-    forward_substitution(plan, 0, count, plan.below, panels, x, size_n)
-    backward_substitution(plan, 0, count, squares, panels, x, size_n)
+    count = len(symbolic.first) - 1
+    forward_substitution(symbolic, 0, count, symbolic.below, panels, x, size_n)
+    backward_substitution(symbolic, 0, count, squares, panels, x, size_n)

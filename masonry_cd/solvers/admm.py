@@ -1,4 +1,4 @@
-r"""Alternating directions: one sparse solve carries news through the whole structure in every iteration.
+r"""Alternating directions: with one sparse solve an iteration propagates the error through the whole structure.
 
 With De Saxce's shift s = mu |u_t| n the problem reads: u + s in K*, p in K, orthogonal. The augmented Lagrangian of the convex
 problem with s held (Cadoux, Ph.D. thesis, Grenoble 2009; Boyd et al., Found. Trends Mach. Learn. 3, 2011), split at z = H v + b + s,
@@ -28,32 +28,33 @@ They are a little outside the cones, and their map error is 5 to 20 times less: 
 much. It starts from the impulses of the last step and their velocities, so that the pair fits. Where contacts rattle, these impulses may
 fit worse than none would (map error above 1); then it starts from them and the velocities before the step, in a third of the iterations.
 
-**Choice of k.** A large k holds closed joints together at once, but a contact that has to open or to slip then has to be told many
-times. Measured from rest, k = 1e4 takes 16 iterations for towers of 50 and 33 for walls of 100 courses, at k = 1e3 twice to five times
+**Choice of k.** A large k holds closed joints together at once, but a contact that has to open or to slip then takes many iterations to do
+so. Measured from rest, k = 1e4 takes 16 iterations for towers of 50 and 33 for walls of 100 courses, at k = 1e3 twice to five times
 as many; on walls and arcades that are shaken without much damage 1e3 to 1e5 differ by less than a factor 2; smaller values pay where
 much slides: a church of 5,000 blocks that rattles takes k = 1 to 10 to errors of 5e-3. So: start at 1e4; where an iteration has not won a
 factor of 10 in 40 iterations, or is worse off after 20, look at the map error of the pair (p+, v+), which is what R is to make small, as
 a share of that of p^. If it is nearly all, k grows by 5; if little, k falls with its square root. It also falls where the limit of
-iterations ends a step before its time. And over a run a neighbouring k is tried now and then and kept if it took fewer iterations.
+iterations ends a step too early. And over a run a neighbouring k is tried now and then and kept if it took fewer iterations.
 
 **Cost.** The factorisation costs as much as ten to fifty iterations and is kept from step to step while it pays. To measure the error costs
-as much as one or two iterations; the change of p, which costs nothing, tells when, by the ratio of the two when they were last measured,
-be it in the step before.
+as much as one or two iterations; the change of p, which costs nothing, tells when to, by the ratio of the two as measured last, if need be
+in the step before.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+from math import inf
 from operator import itemgetter
 
 import numpy as np
 
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
 from masonry_cd.linalg.ordering import FIELDS, Pattern
-from masonry_cd.linalg.team import together
+from masonry_cd.linalg.threads import run_by_team
 from masonry_cd.solvers import nlgs
 from masonry_cd.solvers.admm_kernels import admm_bodies
-from masonry_cd.solvers.admm_passes import AdmmWorkspace
+from masonry_cd.solvers.admm_workspace import AdmmSettings, allocate_workspace
 from masonry_cd.solvers.contact_partition import partition_contacts
 from masonry_cd.solvers.local_kernels import admm_local
 from masonry_cd.solvers.options import Options
@@ -63,8 +64,57 @@ FIRST_K = 1e4
 FIRST_STIFFNESS = 1e3  # K of Newton, see newton.py
 LOCAL_K = 1e3  # of local problems, which are solved once
 PROBE = 40  # steps between two trials of a neighbouring k
+BESIDE = 3.0  # factor between neighbouring k
+BETTER = 0.8  # share of the mean iterations below which a trial wins
+SLOWER, MORE = 1.3, 3.0  # times the iterations with new factors, and so many more: then factors are out of date
 NAMES = tuple(f"admm_{name}" for name in (*FIELDS, "bodies", "squares", "panels", "rho", "tally"))  # in the memory of a solution
 _look_up = itemgetter(*NAMES)
+
+
+@dataclass(slots=True)
+class Tally:
+    """What is learnt from step to step about the stiffness of ADMM and of Newton."""
+
+    k: float = FIRST_K  # that did best
+    stale: bool = True  # whether the next step is to factorise anew
+    fresh_iterations: float = 0.0  # of the last step with new factors
+    steps: int = 0
+    mean_iterations: float = 0.0  # of a step at this k
+    newton_stiffness: float = FIRST_STIFFNESS  # K with which Newton begins
+    rate: float = 1.0  # error over the change of p in the last iteration that was measured; 1: none was
+    newton_iterations: float = inf  # of Newton's last solve, with a minus while its K falls
+
+    @classmethod
+    def read(cls, array: np.ndarray) -> Tally:
+        """A tally from what :meth:`array` gave."""
+        k, stale, fresh_iterations, steps, *others = array.tolist()
+        return cls(k, bool(stale), fresh_iterations, int(steps), *others)
+
+    def array(self) -> np.ndarray:
+        """The numbers (8,) for a checkpoint."""
+        return np.array(astuple(self), dtype=float)
+
+    def next_k(self) -> float:
+        """The k of the next step: the best so far, and now and then one beside it."""
+        if self.steps % PROBE == PROBE - 1:
+            return self.k * (BESIDE if self.steps // PROBE % 2 else 1.0 / BESIDE)
+        return self.k
+
+    def learn(self, k: float, k_end: float, iterations: int, factorisations: int) -> None:
+        """Take a step into account that began with k and ended with k_end."""
+        self.steps += 1
+        if k_end != k:  # it had to change on the way
+            self.k, self.stale, self.mean_iterations = k_end, True, 0.0
+            return
+        if k != self.k:  # a trial
+            if iterations >= BETTER * self.mean_iterations:
+                self.stale = True
+                return
+            self.k, self.mean_iterations = k, float(iterations)
+        if factorisations:
+            self.fresh_iterations = float(iterations)
+        self.mean_iterations = 0.8 * self.mean_iterations + 0.2 * iterations if self.mean_iterations else float(iterations)
+        self.stale = iterations > SLOWER * self.fresh_iterations + MORE
 
 
 @dataclass(eq=False)
@@ -79,17 +129,16 @@ class Memory:
     bodies: np.ndarray  # (C, 2) of the contacts of the factors
     squares: np.ndarray  # of D^-1, flat, in single precision
     panels: np.ndarray  # of L, flat, in single precision
-    rho: np.ndarray  # (C,) in the order of the parts
-    tally: np.ndarray  # (8,) k; 1: factorise anew; iterations after the last new factors; steps; mean iterations at this k; Newton's K;
-    # error over change of p in the last iteration of the last step; iterations of Newton, with a minus while K falls
+    rho: np.ndarray  # (C,) R, subtree by subtree
+    tally: Tally
 
     @classmethod
-    def empty(cls, pattern: Pattern, bodies: np.ndarray, n: int, tally: np.ndarray | None = None) -> Memory:
-        """Room for the factors of a pattern; nothing factorised."""
-        if tally is None:
-            tally = np.array([FIRST_K, 1.0, 0.0, 0.0, 0.0, FIRST_STIFFNESS, 1.0, np.inf])
-        tally[1] = 1.0
-        squares, panels = (np.empty(n * n * int(starts[-1]), dtype=np.float32) for starts in (pattern.plan.square, pattern.plan.panel))
+    def empty(cls, pattern: Pattern, bodies: np.ndarray, n: int, tally: Tally) -> Memory:
+        """Memory for the factors of a pattern; nothing is factorised yet."""
+        tally.stale = True
+        squares, panels = (
+            np.empty(n * n * int(starts[-1]), dtype=np.float32) for starts in (pattern.symbolic.square, pattern.symbolic.panel)
+        )
         return cls(pattern, bodies, squares, panels, np.empty(len(bodies)), tally)
 
     @classmethod
@@ -99,11 +148,11 @@ class Memory:
             return None
         values = _look_up(arrays)
         bodies, squares, panels, rho, tally = values[len(FIELDS) :]
-        return cls(Pattern.read(values[: len(FIELDS)]), bodies, squares, panels, rho, tally.copy())
+        return cls(Pattern.read(values[: len(FIELDS)]), bodies, squares, panels, rho, Tally.read(tally))
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The memory for a solution."""
-        own = (self.bodies, self.squares, self.panels, self.rho, self.tally)
+        own = (self.bodies, self.squares, self.panels, self.rho, self.tally.array())
         return dict(zip(NAMES, self.pattern.arrays() + own, strict=True))
 
 
@@ -126,85 +175,39 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
 def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarray, limit: int, start: Solution | None) -> Solution:
     """ADMM in the body velocities."""
-    arrays, m, n = problem.arrays(), problem.dimension, problem.v_free.shape[1]
+    given, n = problem.arrays(), problem.v_free.shape[1]
     moving = start is not None and start.velocity is not None
     velocity = start.velocity.copy() if start is not None and start.velocity is not None else np.empty(problem.v_free.shape)
-    memory, index, spot = recall(arrays[2], len(velocity), n, start)
-    k = _next_k(memory.tally)
-    fresh = bool(memory.tally[1]) or k != memory.tally[0]
-    pattern, plan = memory.pattern, memory.pattern.plan
-    turns, desk = partition_contacts(index, spot, plan), _desk(pattern, *arrays[3:])
-    iterations, error, k_end, factorisations, rate = together(
-        admm_bodies, options.threads, plan, *arrays, pattern.order, plan, turns, desk, memory.squares, memory.panels,
-        memory.rho, impulse, velocity, k, fresh, moving, memory.tally[6], options.tolerance, limit, (0,) * m, (0,) * n,
-    )  # fmt: skip
-    memory.tally[6] = rate
-    _learn(memory.tally, k, k_end, iterations, factorisations)
+    memory, index, block = recall(given[2], len(velocity), n, start)
+    pattern, tally, k = memory.pattern, memory.tally, memory.tally.next_k()
+    settings = AdmmSettings(k, tally.stale or k != tally.k, moving, tally.rate, options.tolerance, limit)
+    partition = partition_contacts(index, block, pattern.symbolic)
+    work = allocate_workspace(given, pattern, partition, (memory.squares, memory.panels, memory.rho))
+    threads = min(options.threads, int(pattern.symbolic.level[1]))  # as many as there are subtrees at first, at most
+    iterations, error, k_end, factorisations, tally.rate = run_by_team(
+        admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity
+    )
+    tally.learn(k, k_end, iterations, factorisations)
     return Solution(impulse, velocity, iterations, _reason(error, options), memory.arrays())
-
-
-def _desk(pattern: Pattern, jacobian: np.ndarray, offset: np.ndarray, mu: np.ndarray, compliance: np.ndarray) -> AdmmWorkspace:
-    """Room to work in; what is not touched costs nothing. The contacts of a plan of one part stay where they are."""
-    plan, count, (contacts, _, m, n) = pattern.plan, pattern.nodes, jacobian.shape
-    rows = count + 1 + len(plan.copies)
-    if len(plan.part) > 2:
-        jacobian, offset, mu, compliance = (np.empty_like(array) for array in (jacobian, offset, mu, compliance))
-    bodies, blocks, impulses = (count + 1, n), (count, n, n), (contacts, m)
-    alone = len(plan.first) == len(plan.column) and len(plan.part) == 2  # the other factors are made in single precision
-    panel, square = (n * n * int(starts[-1]) if alone else 0 for starts in (plan.panel, plan.square))
-    return AdmmWorkspace(
-        inverse=np.empty(blocks), mass=np.empty(blocks), free=np.empty((count, n)), v=np.empty(bodies), trial=np.empty(bodies),
-        best_v=np.empty(bodies), push=np.empty((rows, n)), x=np.empty((rows, n), dtype=np.float32), jacobian=jacobian,
-        offset=offset, mu=mu, compliance=compliance, even=np.empty(impulses), odd=np.empty(impulses),
-        best=np.empty(impulses), carried=np.empty(impulses),
-        d=np.empty(contacts), sums=np.empty((3, len(plan.part) - 1)), diagonal=np.empty((rows, n * n)),
-        lower=np.empty((len(plan.row), n, n)), squares=np.empty(square), panels=np.empty(panel),
-    )  # fmt: skip
 
 
 def recall(bodies: np.ndarray, count: int, n: int, start: Solution | None) -> tuple[Memory, np.ndarray, np.ndarray]:
     """The memory of the last step as far as it still fits, and the places (C, 2) and coupling blocks (C,) of the contacts."""
     memory = Memory.read(start.memory) if start is not None else None
-    if memory is None or memory.pattern.nodes != count:  # other bodies; what was learnt about k may be left
+    if memory is None or memory.pattern.nodes != count:  # other bodies; the tally may outlive them
         learnt = start.memory.get("admm_tally") if start is not None else None
-        memory = Memory.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1]), bodies, n, None if learnt is None else learnt.copy())
+        memory = Memory.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1]), bodies, n, Tally() if learnt is None else Tally.read(learnt))
     found = memory.pattern.locate(bodies, memory.bodies)
     if found is None:  # a new pair of bodies: those that were in touch may be again
         pattern = Pattern.of(count, bodies[:, 0], bodies[:, 1], memory.pattern.pairs)
         memory = Memory.empty(pattern, bodies, n, memory.tally)
         found = pattern.locate(bodies, bodies)
         assert found is not None
-    index, spot, same = found
+    index, block, same = found
     if not same:
         memory.bodies, memory.rho = bodies.copy(), np.empty(len(bodies))
-        memory.tally[1] = 1.0
-    return memory, index, spot
-
-
-def _next_k(tally: np.ndarray) -> float:
-    """The k of this step: the best so far, and now and then one beside it."""
-    steps = int(tally[3])
-    if steps % PROBE == PROBE - 1:
-        return float(tally[0]) * (3.0 if steps // PROBE % 2 else 1.0 / 3.0)
-    return float(tally[0])
-
-
-def _learn(tally: np.ndarray, k: float, k_end: float, iterations: int, factorisations: int) -> None:
-    """Take the cost of a step into account."""
-    tally[3] += 1.0
-    if k_end != k:  # it had to change on the way
-        tally[0], tally[1], tally[4] = k_end, 1.0, 0.0
-        return
-    if k != tally[0]:  # a trial
-        if iterations < 0.8 * tally[4]:
-            tally[0], tally[4] = k, iterations
-        else:
-            tally[1] = 1.0
-            return
-    if factorisations:
-        tally[2] = iterations
-    tally[4] = 0.8 * tally[4] + 0.2 * iterations if tally[4] else iterations
-    tally[1] = float(iterations > 1.3 * tally[2] + 3)
+        memory.tally.stale = True
+    return memory, index, block
 
 
 def _reason(error: float, options: Options) -> str:
@@ -214,16 +217,13 @@ def _reason(error: float, options: Options) -> str:
 
 def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
     """ADMM in the impulses: the same iteration by Woodbury's identity, with (W + R^-1) in place of (M + H^T R H)."""
-    blocks, indices, indptr, _ = nlgs.block_arrays(problem)
-    pattern = contact_pattern(indices, indptr)
-    iterations, error = admm_local(
-        blocks, indices, indptr, problem.q, problem.mu, problem.scales(), pattern.order, pattern.place, pattern.plan, impulse, LOCAL_K,
-        options.tolerance, limit, (0,) * problem.dimension,
-    )  # fmt: skip
+    given, _ = nlgs.local_arrays(problem)
+    pattern = contact_pattern(given.indices, given.indptr)
+    iterations, error = admm_local(given, pattern.order, pattern.place, pattern.symbolic, impulse, LOCAL_K, options.tolerance, limit)
     return Solution(impulse, None, iterations, _reason(error, options))
 
 
 def contact_pattern(indices: np.ndarray, indptr: np.ndarray) -> Pattern:
     """The pattern of W, contact by contact."""
     count = len(indptr) - 1
-    return Pattern.of(count, np.repeat(np.arange(count), np.diff(indptr)), indices, in_parts=False)
+    return Pattern.of(count, np.repeat(np.arange(count), np.diff(indptr)), indices, in_subtrees=False)

@@ -1,146 +1,258 @@
-"""ADMM over bodies by a team of threads; see admm.py for the method."""
+"""ADMM over bodies by a team of threads; see admm.py for the method.
+
+Each thread runs all of this, on its share of the contacts, the bodies or the subtrees, and they wait for one another where one needs what
+the others compute. What they decide they all decide alike, from the same numbers.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from masonry_cd.friction.natural_map import size_of
-from masonry_cd.friction.operators import measure_scales, put_in_order, relative_velocity_of
-from masonry_cd.jit import entry
-from masonry_cd.linalg.ghost_rows import share_of_subtrees
+from masonry_cd.friction.operators import measure_scales, put_in_order, relative_velocity_of, squared_map_norm_of
+from masonry_cd.jit import entry, kernel
+from masonry_cd.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.threads import share_of, wait
-from masonry_cd.solvers.admm_passes import (
-    add_generalised_impulse_of,
-    carry_impulses,
-    clear_generalised_impulse,
-    eliminate_subtree,
-    map_norm_by_team,
-    prepare_admm,
-    sort_contacts,
-    update_subtree,
-    velocity_by_team,
-)
+from masonry_cd.solvers.admm_factor import factorise_augmented
+from masonry_cd.solvers.admm_passes import add_momentum, carry_impulses, clear_momentum, eliminate_subtree, update_subtree
 
-PATIENCE = 20  # iterations of ADMM without a look at the error, half as many where its ratio to the change of p is a guess
-BALANCE, ALL = 0.6, 0.95  # shares of ADMM's error that lie in the law: its stiffness falls below the one, grows above the other
-SOFTEST = 1e-3  # k of ADMM at which a factorisation that fails is not tried at a tenth of it again
+PATIENCE = 20  # iterations without a measurement of the error, half as many where its ratio to the change of p is a guess
+SWITCH, WORSE = 40, 20  # iterations at one k after which it is reviewed, and where the error has grown
+WON = 0.1  # share of the error that may be left after as many iterations, or k changes
+BALANCE, ALL = 0.6, 0.95  # shares of the error that lie in the law: k falls below the one, grows above the other
+GROWTH, FALL = 5.0, 0.01  # factor by which k grows, and the least by which it falls, at a time
+SOFT, STIFF = 1.0, 1e6  # bounds of k
+SOFTEST = 1e-3  # k at which a factorisation that fails is not tried at a tenth of it again
 
 
 @entry()
-def admm_bodies(
-    team, inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, turns, desk, squares, panels, rho, p_out, v_out, k,
-    fresh, moving, rate, tolerance, limit, size_m, size_n,
-):  # fmt: skip
-    """ADMM over a FrictionProblem, see solvers/admm.py, by a team. p_out and v_out hold the start and then the best answer found.
+def admm_bodies(team, given, order, work, settings, p_out, v_out):
+    """ADMM over the arrays of a FrictionProblem, with its bodies in the given order of elimination (N,), by a team.
 
-    squares, panels and rho (in the order of the parts) hold a factorisation of M + H^T R H, used as it is unless ``fresh`` is set. It is in
-    single precision: what it is asked for are corrections, which become small, of velocities and impulses in double precision. The
-    velocities to start from are those of the impulses; if ``moving`` is set, those of v_out where the impulses fit worse than none would.
-    ``rate`` is the error over the change of p in the last iteration, as measured last, or 1.
+    p_out (C, m) and v_out (N, n) hold the start and then the best answer found. The factor of the workspace is used as it is unless
+    ``settings.fresh`` is set. It is in single precision: it yields corrections, which become small, of velocities and impulses in double
+    precision. The velocities to start from are those of the impulses; if ``settings.moving`` is set, those of v_out where the impulses fit
+    worse than none would.
 
-    Returns iterations, natural map error, k at the end, the number of factorisations and the rate.
+    Returns iterations, natural map error, k at the end, the number of factorisations, and the error over the change of p.
     """
-    count, contacts, top = len(order), len(mu), len(plan.level) - 2
-    b0, b1 = share_of(team, 0, count)
-    c0, c1 = share_of(team, 0, contacts)
-    q0, q1 = share_of(team, plan.level[0], plan.level[1])
-    begin, end = share_of_subtrees(team, plan)
+    k, fresh, rate, tolerance, limit = settings.k, settings.fresh, settings.rate, settings.tolerance, settings.limit
     patience = PATIENCE if rate != 1.0 else PATIENCE // 2
-    problem = (desk.jacobian, turns.place, desk.offset, desk.mu, desk.compliance)
-    v, trial, p, new, best, d, sums = desk.v, desk.trial, desk.even, desk.odd, desk.best, desk.d, desk.sums
-    put_in_order(inverse_mass, v_free, order, b0, b1, desk.inverse, desk.mass, desk.free, size_n)
-    copy_flat(desk.free[b0:b1], v[b0:b1])
-    v[count] = 0.0
-    trial[count] = 0.0
-    desk.x[count] = 0.0
-    wait(team)
-    for q in range(begin, end):  # all of a part while it is in the cache
-        first, last = turns.start[q], turns.start[q + 1]
-        sort_contacts(turns, jacobian, offset, mu, compliance, p_out, first, last, desk, size_m, size_n)
-        copy_flat(p[first:last], best[first:last])
-        measure_scales(desk.inverse, desk.jacobian, turns.place, desk.compliance, first, last, d, size_m, size_n)
-        relative_velocity_of(desk.jacobian, turns.place, desk.offset, v, first, last, desk.carried, size_m, size_n)
-        clear_generalised_impulse(plan, q, desk.push)
-        add_generalised_impulse_of(desk.jacobian, turns, q, p, desk.push, size_m, size_n)
-    velocity_by_team(team, plan, desk.inverse, desk.free, desk.push, v, size_n)
-    size = size_of(desk.carried, d)
-    error = map_norm_by_team(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size
-    copy_flat(v[b0:b1], desk.best_v[b0:b1])
-    if moving and error > 1.0:  # the impulses fit worse than none would
-        for b in range(b0, b1):
-            for i in range(len(size_n)):
-                v[b, i] = v_out[order[b], i]
-        wait(team)
+    size, error = start_iterates(team, given, order, work, settings, p_out, v_out)
+    p, new = work.iterates.even, work.iterates.odd
     smallest = before = error
     iterations, checked, switched, factorisations, ahead = 0, 0, 0, 0, False
     while iterations < limit and smallest > tolerance:
         if fresh:
             factorisations += 1
-            if not prepare_admm(team, plan, turns, k, desk, squares, panels, rho, size_m, size_n):
+            if not factorise_augmented(team, work, k):
                 k = 0.1 * k  # a matrix closer to that of the masses, which is definite
                 if k < SOFTEST:
                     break
                 continue
             fresh = False
-        changes = sums[iterations % 2]
-        if not ahead:
-            for q in range(q0, q1):
-                changes[q] = eliminate_subtree(plan, turns, q, -1, desk, rho, panels, p, new, size_m, size_n)
-            wait(team)
-        for level in range(1, top + 1):
-            first, last = share_of(team, plan.level[level], plan.level[level + 1])
-            for q in range(first, last):
-                changes[q] = eliminate_subtree(plan, turns, q, -1, desk, rho, panels, p, new, size_m, size_n)
-            wait(team)
-        change = np.sqrt(changes.sum()) / size
+        change = eliminate(team, work, iterations, ahead, p, new) / size
         iterations += 1
         p, new = new, p
-        # the change of p tells when to look at the error itself
+        # the change of p tells when to measure the error itself
         ahead = iterations - checked < 2 or (rate * change > tolerance and iterations - checked < patience)
         ahead = ahead and iterations < limit
-        for level in range(top, 0, -1):
-            first, last = share_of(team, plan.level[level], plan.level[level + 1])
-            for q in range(first, last):
-                update_subtree(plan, q, desk, squares, panels, size_n)
-            wait(team)
-        for q in range(q0, q1):
-            update_subtree(plan, q, desk, squares, panels, size_n)
-            if ahead:  # while the factors are in the cache
-                coming = q + 1 if q + 1 < q1 else -1
-                sums[iterations % 2, q] = eliminate_subtree(plan, turns, q, coming, desk, rho, panels, p, new, size_m, size_n)
-        wait(team)
+        update(team, work, iterations, ahead, p, new)
         if ahead:
             continue
-        for q in range(begin, end):
-            clear_generalised_impulse(plan, q, desk.push)
-            carry_impulses(desk.jacobian, turns, q, rho, new, p, desk.x, desk.carried, desk.push, size_m, size_n)
-        velocity_by_team(team, plan, desk.inverse, desk.free, desk.push, trial, size_n)
-        error = map_norm_by_team(team, plan, turns, *problem, d, desk.carried, trial, sums[2], size_m, size_n) / size
-        checked = iterations
+        error, checked = measure_carried(team, work, new, p) / size, iterations
         rate = error / change if change > 0.0 else 1.0
-        if error < smallest:
-            smallest = error
-            copy_flat(desk.carried[c0:c1], best[c0:c1])
-            copy_flat(trial[b0:b1], desk.best_v[b0:b1])
-        if not error < np.inf:
-            copy_flat(best[c0:c1], p[c0:c1])
-            copy_flat(desk.best_v[b0:b1], v[b0:b1])
-        wait(team)
+        keep_best(team, work, error, smallest, p)
+        smallest = error if error < smallest else smallest
         ends = iterations == limit and smallest > tolerance  # the next step begins with a k that suits this one better
-        if ends or iterations - switched >= 40 or (iterations - switched >= 20 and error > before):
-            if ends or not error < 0.1 * before:
-                share = map_norm_by_team(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size / error
-                if share > ALL and not ends:
-                    k, fresh = min(5.0 * k, 1e6), True
-                elif share < BALANCE:
-                    k, fresh = max(k * max(np.sqrt(share / BALANCE), 0.01), 1.0), True
+        if ends or iterations - switched >= SWITCH or (iterations - switched >= WORSE and error > before):
+            if ends or not error < WON * before:
+                share = map_norm(team, work, p, work.iterates.v) / size / error
+                k, fresh = adapt_stiffness(k, share, ends)
             switched, before = iterations, error
-    for c in range(c0, c1):
-        old = turns.contact[c]
-        for i in range(len(size_m)):
-            p_out[old, i] = best[c, i]
-    for b in range(b0, b1):
-        for i in range(len(size_n)):
-            v_out[order[b], i] = desk.best_v[b, i]
+    write_answer(team, order, work, p_out, v_out)
     return iterations, smallest, k, factorisations, rate
+
+
+@kernel()
+def start_iterates(team, given, order, work, settings, p_out, v_out):
+    """Put the problem in order and start from the impulses p_out and their velocities, or from v_out, see :func:`admm_bodies`.
+
+    Returns |q / sqrt(d)|, by which errors are divided, and the natural map error of the start.
+    """
+    problem, iterates, d, place = work.problem, work.iterates, work.problem.d, work.problem.partition.place
+    b0, b1 = share_of(team, 0, len(order))
+    begin, end = share_of_subtrees(team, work.factor.symbolic)
+    put_in_order(given[0], given[1], order, b0, b1, problem.inverse, problem.mass, problem.free, problem.size_n)
+    copy_flat(problem.free[b0:b1], iterates.v[b0:b1])
+    iterates.v[len(order)] = 0.0
+    iterates.trial[len(order)] = 0.0
+    iterates.correction[len(order)] = 0.0
+    wait(team)
+    for q in range(begin, end):  # all of a subtree while it is in the cache
+        first, last = problem.partition.start[q], problem.partition.start[q + 1]
+        sort_contacts(given, work, p_out, first, last)
+        copy_flat(iterates.even[first:last], iterates.best[first:last])
+        measure_scales(problem.inverse, problem.jacobian, place, problem.compliance, first, last, d, problem.size_m, problem.size_n)
+        relative_velocity_of(
+            problem.jacobian, place, problem.offset, iterates.v, first, last, iterates.carried, problem.size_m, problem.size_n
+        )
+        clear_momentum(work, q)
+        add_momentum(work, q, iterates.even)
+    velocity_of_momentum(team, work, iterates.v)
+    size = size_of(iterates.carried, d)
+    error = map_norm(team, work, iterates.even, iterates.v) / size
+    copy_flat(iterates.v[b0:b1], iterates.best_v[b0:b1])
+    if settings.moving and error > 1.0:  # the impulses fit worse than none would
+        for b in range(b0, b1):
+            for i in range(len(problem.size_n)):
+                iterates.v[b, i] = v_out[order[b], i]
+        wait(team)
+    return size, error
+
+
+@kernel()
+def sort_contacts(given, work, p, first, end):
+    """Copy contacts first to end, in the order of the subtrees, from the arrays of the problem and from p (C, m).
+
+    Where there is one subtree the workspace has the arrays of the problem, and only p is copied.
+    """
+    jacobian, offset, mu, compliance = given[3:]
+    problem, partition = work.problem, work.problem.partition
+    m, n, moved = len(problem.size_m), len(problem.size_n), len(partition.start) > 2
+    for c in range(first, end):
+        old = partition.contact[c]
+        for i in range(m):
+            work.iterates.even[c, i] = p[old, i]
+        if not moved:
+            continue
+        problem.mu[c] = mu[old]
+        for i in range(m):
+            problem.offset[c, i] = offset[old, i]
+            if len(compliance):
+                problem.compliance[c, i] = compliance[old, i]
+            for k in range(n):
+                problem.jacobian[c, 0, i, k] = jacobian[old, 0, i, k]
+                problem.jacobian[c, 1, i, k] = jacobian[old, 1, i, k]
+
+
+@kernel()
+def eliminate(team, work, iterations, ahead, p, new):
+    """The first step of ADMM, p to new, and forward substitution, level by level; returns the norm of the scaled change of p.
+
+    If ``ahead``, the first level is done: :func:`update` did it while the factors were in the cache.
+    """
+    level, changes = work.factor.symbolic.level, work.sums[iterations % 2]
+    for y in range(1 if ahead else 0, len(level) - 1):
+        first, last = share_of(team, level[y], level[y + 1])
+        for q in range(first, last):
+            changes[q] = eliminate_subtree(work, q, -1, p, new)
+        wait(team)
+    return np.sqrt(changes.sum())
+
+
+@kernel()
+def update(team, work, iterations, ahead, p, new):
+    """Backward substitution, level by level, and the second step of ADMM: v <- v+.
+
+    If ``ahead``, the first step of the next iteration, p to new, follows in each subtree of the first level while its factors are in the
+    cache.
+    """
+    level, changes = work.factor.symbolic.level, work.sums[iterations % 2]
+    for y in range(len(level) - 2, 0, -1):
+        first, last = share_of(team, level[y], level[y + 1])
+        for q in range(first, last):
+            update_subtree(work, q)
+        wait(team)
+    first, last = share_of(team, level[0], level[1])
+    for q in range(first, last):
+        update_subtree(work, q)
+        if ahead:
+            changes[q] = eliminate_subtree(work, q, q + 1 if q + 1 < last else -1, p, new)
+    wait(team)
+
+
+@kernel()
+def measure_carried(team, work, last, p):
+    """The impulses that belong to the velocities of an iteration from ``last`` to p, (C, m); returns the norm of their natural map."""
+    begin, end = share_of_subtrees(team, work.factor.symbolic)
+    for q in range(begin, end):
+        clear_momentum(work, q)
+        carry_impulses(work, q, last, p)
+    velocity_of_momentum(team, work, work.iterates.trial)
+    return map_norm(team, work, work.iterates.carried, work.iterates.trial)
+
+
+@kernel()
+def velocity_of_momentum(team, work, v):
+    """v = v_free + M^-1 (generalised impulses of all subtrees), into v (N + 1, n)."""
+    inverse, free, momentum, symbolic = work.problem.inverse, work.problem.free, work.iterates.momentum, work.factor.symbolic
+    n, (begin, end) = len(work.problem.size_n), share_of_subtrees(team, symbolic)
+    wait(team)
+    for q in range(begin, end):
+        first, last = nodes_of(symbolic, q)
+        add_ghosts(symbolic, q, momentum)
+        for b in range(first, last):
+            for i in range(n):
+                total = free[b, i]
+                for k in range(n):
+                    total += inverse[b, i, k] * momentum[b, k]
+                v[b, i] = total
+    wait(team)
+
+
+@kernel()
+def map_norm(team, work, p, v):
+    """Norm of the natural map residual of impulses p (C, m) and velocities v (N + 1, n)."""
+    jacobian, offset, mu, compliance, d, partition, size_m, size_n = work.problem[3:]
+    sums, place, (begin, end) = work.sums[2], partition.place, share_of_subtrees(team, work.factor.symbolic)
+    for q in range(begin, end):
+        first, last = partition.start[q], partition.start[q + 1]
+        sums[q] = squared_map_norm_of(jacobian, place, offset, mu, compliance, d, p, v, first, last, size_m, size_n)
+    wait(team)
+    total = np.sqrt(sums.sum())
+    wait(team)
+    return total
+
+
+@kernel()
+def keep_best(team, work, error, smallest, p):
+    """Keep the impulses and velocities just measured if their error is the smallest; go back to the best if it is not finite."""
+    iterates = work.iterates
+    c0, c1 = share_of(team, 0, len(p))
+    b0, b1 = share_of(team, 0, len(work.problem.free))
+    if error < smallest:
+        copy_flat(iterates.carried[c0:c1], iterates.best[c0:c1])
+        copy_flat(iterates.trial[b0:b1], iterates.best_v[b0:b1])
+    if not error < np.inf:
+        copy_flat(iterates.best[c0:c1], p[c0:c1])
+        copy_flat(iterates.best_v[b0:b1], iterates.v[b0:b1])
+    wait(team)
+
+
+@kernel()
+def adapt_stiffness(k, share, ends):
+    """The next k, and whether it needs new factors, by the share of the error that lies in the law; see "Choice of k" in admm.py.
+
+    ``ends`` says that the limit of iterations is reached: k does not grow then.
+    """
+    if share > ALL and not ends:
+        return min(GROWTH * k, STIFF), True
+    if share < BALANCE:
+        return max(k * max(np.sqrt(share / BALANCE), FALL), SOFT), True
+    return k, False
+
+
+@kernel()
+def write_answer(team, order, work, p_out, v_out):
+    """Copy the best impulses and velocities, in the order of the problem, into p_out (C, m) and v_out (N, n)."""
+    c0, c1 = share_of(team, 0, len(p_out))
+    b0, b1 = share_of(team, 0, len(order))
+    for c in range(c0, c1):
+        old = work.problem.partition.contact[c]
+        for i in range(len(work.problem.size_m)):
+            p_out[old, i] = work.iterates.best[c, i]
+    for b in range(b0, b1):
+        for i in range(len(work.problem.size_n)):
+            v_out[order[b], i] = work.iterates.best_v[b, i]

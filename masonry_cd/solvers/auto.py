@@ -1,34 +1,33 @@
-"""Picks the solver, by what the last steps cost, and hands over when one gets stuck.
+"""Picks the solver by what the last steps cost, and goes on with another one where it gets stuck.
 
-ADMM carries news through the structure in every iteration and is cheap by the iteration; Newton is dear by the iteration but needs few,
-also where much slides or lifts off, if it starts close. So a step begins with the one that did better in the steps before (ADMM at first,
-the other one is tried again now and then), within a limit at which the other would surely have been cheaper, and goes on with the other.
-Before that the impulses of the last step are tried as they are: at rest they may do again, and then nothing else is done. What they leave
-undone adds up from step to step, so a step that is begun close to the solution (NEARLY) is solved DEEPER than asked: ten iterations more,
-for thousands of steps that then need none. So is the step after it, since the impulses of the first one also had to stop the motion that
-was left.
+**Order.** An ADMM iteration propagates the error through the whole structure and is cheap; a Newton iteration is expensive but few are
+needed, also where much slides or lifts off, if it starts close. So a step begins with the one that did better in the steps before (ADMM at
+first; the other one is tried again now and then), within a limit at which the other would surely have been cheaper, and goes on with the
+other. What neither solves (a structure that slides or rocks as a whole) goes to the interior point method, which starts near the impulses
+of the last step, not where the others got stuck, and from there to Newton again; a local problem then to long runs of ADMM and Newton.
+While a structure slides or rocks this happens in step after step; then the interior point method comes first, and only every LOOK-th step
+begins as usual, to see whether it is over.
 
-What neither solves (a structure that slides or rocks as a whole) goes to the interior point method, which starts near the impulses of the
-last step, not where the others got stuck, and from there to Newton again; a local problem then to long runs of ADMM and Newton. While a
-structure slides or rocks this happens in step after step; then the interior point method comes first, and only every LOOK-th step begins
-as usual, to see whether it is over.
+**At rest.** First the impulses of the last step are tried as they are: at rest they may do again, and then nothing else is done. The error
+that they leave adds up from step to step, so a step that begins close to the solution (NEARLY) is solved DEEPER than asked: ten iterations
+more, for thousands of steps that then need none. So is the step after it, since the impulses of the first one also had to stop the motion
+that was left.
 
-Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that sweeps of Gauss-Seidel get far: where
-thousands of them cost less than half of the interior point method's first start, they and Newton come after it, and then it goes on from
-there; before it if it is far dearer than a step may be, and in place of Newton's first turn if that is dearer than they are. A settled
+**Packed grains** have neighbours on all sides, which fills the factors, but few contacts each, so that sweeps of Gauss-Seidel get far.
+Where thousands of them cost less than half of the interior point method's first start, they and Newton come after it, and then it goes on
+from there; before it if it costs far more than a step may, and in place of Newton's first turn if that costs more than they do. A settled
 packing of 945 spheres with 2,046 contacts: 450 iterations of the interior point method end at 5e-4 after 6 s, 3,000 sweeps at 5e-5 after
 0.2 s. A problem without a step before, which is solved once, gets LONG sweeps at the end.
 
-A method that has not run for a while warms up in a few steps: Newton finds out how stiff it may begin, ADMM's factors and k are out of
-date. So a trial goes on, for up to WARM steps, as long as each is cheaper than the one before, and its last one counts.
+**Trials.** A method that has not run for a while warms up in a few steps: Newton finds out how stiff it may begin, ADMM's factors and k are
+out of date. So a trial goes on, for up to WARM steps, as long as each is cheaper than the one before, and its last one counts.
 
-Costs are counted, not timed: contacts, and operations by the pattern of the factorisation, each with a weight. The choice, and with it
+**Costs** are counted, not timed: contacts, and operations by the pattern of the factorisation, each with a weight. The choice, and with it
 every bit of the result, is then the same on every machine.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isnan, nan
 
@@ -39,38 +38,50 @@ from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.solvers import admm, interior, newton, nlgs
 from masonry_cd.solvers.options import Options
 
-NEARLY = 10.0  # times the tolerance: an error at the start below which a step is solved deeper
-DEEPER = 1e-4  # times the tolerance
-ROUNDING = 1e-13  # natural map error not worth trying for
-DEEP_LIMIT = 60  # iterations
-FAR = 1e3  # times the tolerance: if the last start was farther off, only every LOOK-th one is measured
-LOOK = 8
-STUCK = 0.5  # share of the last steps begun as usual that needed the interior point method, above which it comes first
-TRIAL = 100  # steps between two trials of the solver that is not preferred, times how much dearer it was
-EARLY = 5  # steps before the first trial
-WARM = 3  # steps of a trial
-HOPELESS = 4.0  # times as dear as the preferred one: a first step that ends a trial
-WARMER = 0.8  # times as dear as the one before: a step that lets a trial go on
 ADMM, NEWTON, INTERIOR, NLGS = 0, 1, 2, 3
 METHODS = (admm, newton, interior, nlgs)
 NAMES = ("admm", "newton", "interior", "nlgs")
-LONG_RUNS: tuple[tuple[int, int], ...] = (
-    (ADMM, 600),
-    (NEWTON, 40),
-    (ADMM, 1200),
-    (NEWTON, 40),
-)  # of local problems, with limits of iterations
-# Costs of a call of ADMM and of Newton, and of an iteration, by what :func:`work` counts: about microseconds on the machine of the fit, by
-# ``benchmarks.costs``, to 14 shaken scenes of 1 to 5,008 blocks in a plane and in space. It meets most of what was measured to 15 %. New
-# factors and measurements of the error are in the iterations.
+
+# At rest. Errors are natural map errors, as multiples of the tolerance.
+NEARLY = 10.0  # error at the start below which a step is solved deeper than asked
+DEEPER = 1e-4  # error down to which it is solved
+AGAIN = 10.0  # times that error: at which the impulses of a step solved deeper do for the next one; from farther it is solved deeper too
+ROUNDING = 1e-13  # natural map error, not a multiple, that is not worth reaching for
+DEEP_LIMIT = 60  # iterations of a step solved deeper; most need ten more than usual
+FAR = 1e3  # error at the last start looked at, above which only every LOOK-th start is measured: a measurement costs an iteration or two
+LOOK = 8  # steps
+
+# While a structure slides.
+STUCK = 0.5  # share of the last steps begun as usual that needed the interior point method, above which it comes first
+STUCK_MEMORY = 0.5  # weight of the steps before in that share
+
+# Which of ADMM and Newton comes first.
+MEMORY = (0.8, 0.2)  # weights of the steps before and of this one in the mean cost of a step
+TRIAL = 100  # steps between two trials of the other one, times the ratio of their costs: trials then cost about 1 % whatever it is
+EARLY = 5  # steps before the first trial
+WARM = 3  # steps of a trial
+HOPELESS = 4.0  # times the cost of the preferred one: a first step that ends a trial
+WARMER = 0.8  # times the cost of the step before: a step that lets a trial go on
+
+# Limits of a turn, in iterations.
+ADMM_LIMIT = (50, 200)  # least and most of a first turn
+WORTH = 10.0  # iterations of Newton; what costs more of ADMM's is given up: Newton would surely have been cheaper
+NEWTON_LIMIT = 16
+NEWTON_FINISH = 40  # after sweeps or the interior point method, from which it starts close
+LONG_RUNS: tuple[tuple[int, int], ...] = ((ADMM, 600), (NEWTON, 40), (ADMM, 1200), (NEWTON, 40))  # of local problems, at the end
+SWEEPS = (2000, 20000)  # sweeps: fewer lead nowhere, more are not made
+LONG = 100_000  # sweeps at the end, for a problem without a step before
+
+# Costs, in microseconds on the machine of the fit: of a call of ADMM and of Newton, and of an iteration, by what :func:`work` counts, by
+# ``benchmarks.costs`` fitted to 14 shaken scenes of 1 to 5,008 blocks in a plane and in space. They meet most of what was measured to 15 %.
+# New factors and measurements of the error are in the iterations.
 CALL = ((35.0, 0.02, 0.01, 0.0), (22.0, 0.0, 0.0074, 0.0))
 ITERATION = ((3.3, 0.014, 0.001, 0.0), (0.2, 0.049, 0.019, 1.3e-4))
 Costs = tuple[float, float, float, float]  # of an iteration of ADMM and of Newton, and of a call
-SWEEP = 0.002  # cost of a sweep of Gauss-Seidel for an entry of H on one side, or of W
-SWEEPS = (2000, 20000)  # fewer lead nowhere, more are not taken
-LONG = 100_000  # sweeps at the end, for a problem without a step before
-BUDGET = 1e6  # cost that the interior point method may spend on a step, but for its first start, and sweeps: about a second
-FIRST = 10.0  # times as much for a problem without a step before; so many times the budget is far too much
+SWEEP = 0.002  # of a sweep of Gauss-Seidel for an entry of H on one side, or of W
+BUDGET = 1e6  # that the interior point method may spend on a step, but for its first start, and sweeps: about a second
+FIRST = 10.0  # times as much for a problem without a step before; beyond so many times the budget it does not come before sweeps
+SWEEP_SHARE = 0.5  # of the interior point method's first start, or of the budget, that sweeps may cost
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -87,7 +98,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     error = np.inf
     if start is not None and (tally.error <= FAR * options.tolerance or tally.steps % LOOK == 0):
         error = tally.error = natural_map_error(problem, start.impulse)
-        if error <= (10.0 * deeper if tally.deeper else options.tolerance):
+        if error <= (AGAIN * deeper if tally.deeper else options.tolerance):
             tally.deeper = False
             velocity = problem.body_velocity(start.impulse) if isinstance(problem, FrictionProblem) else None
             return Solution(start.impulse.copy(), velocity, 0, "as in the last step: converged", tally.beside(start.memory), error)
@@ -103,7 +114,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
             break
         search.turn(method, limit)
     if not slides:
-        tally.stuck = 0.5 * tally.stuck + 0.5 * float(search.iterations[INTERIOR] + search.iterations[NLGS] > 0)
+        tally.stuck = STUCK_MEMORY * tally.stuck + (1.0 - STUCK_MEMORY) * float(search.iterations[INTERIOR] + search.iterations[NLGS] > 0)
     _learn(tally, first, [_spent(costs, method, search.iterations[method]) for method in (ADMM, NEWTON)])
     return search.solution(tally)
 
@@ -179,7 +190,7 @@ class _Search:
 
 
 def _prefer(tally: Tally, costs: Costs) -> int:
-    """The method to begin with; now and then the other one, unless a single iteration of it is dearer than the steps of the first."""
+    """The method to begin with; now and then the other one, unless a single iteration of it costs more than the steps of the first."""
     cheaper = NEWTON if tally.mean[NEWTON] < tally.mean[ADMM] else ADMM
     other = 1 - cheaper
     tally.until_trial -= 1.0
@@ -195,7 +206,7 @@ def _learn(tally: Tally, first: int, spent: list[float]) -> None:
     if cost == 0.0:  # nothing happened, nothing learnt
         return
     cold = tally.steps == 2  # the step before was the first
-    mean[first] = cost if tally.trial or cold or isnan(before) else 0.8 * before + 0.2 * cost
+    mean[first] = cost if tally.trial or cold or isnan(before) else MEMORY[0] * before + MEMORY[1] * cost
     if spent[other] > 0.0 and not spent[other] > mean[other]:
         mean[other] = spent[other]
     if not tally.trial:
@@ -213,8 +224,8 @@ def _spent(costs: Costs, method: int, iterations: int) -> float:
 
 
 def work(problem: Problem, pattern: Pattern) -> np.ndarray:
-    """What a call or an iteration has to do, (4,): itself; contacts; entries of H on one side, or a third of those of W, with which less is
-    done; operations of a factorisation by unknowns per body, or contact."""
+    """Work of a call or an iteration, (4,): one; contacts; entries of H on one side, or a third of those of W, with which less is done;
+    operations of a factorisation divided by the unknowns per body, or contact."""
     n, share = (problem.v_free.shape[1], 1.0) if isinstance(problem, FrictionProblem) else (problem.dimension, 1.0 / 3.0)
     return np.array([1.0, problem.contacts, share * _entries(problem), pattern.operations(n) / n])
 
@@ -226,31 +237,35 @@ def _entries(problem: Problem) -> int:
     return int(problem.w.nnz)
 
 
-def _turns(problem: Problem, first: int, costs: Costs, cold: bool, slides: bool) -> Iterator[tuple[int, int]]:
-    """Methods with their limits of iterations, the usual ones first; the last resort first while a structure slides."""
-    limits, other = _limits(costs), 1 - first
-    if not slides:
-        yield first, limits[first]
-    budget, sweep, start = FIRST * BUDGET if cold else BUDGET, SWEEP * _entries(problem), interior.affordable(0.0) * costs[NEWTON]
-    sweeps = min(int((0.5 * start if cold else min(0.5 * start, budget)) / sweep), SWEEPS[1])
+def _turns(problem: Problem, first: int, costs: Costs, cold: bool, slides: bool) -> list[tuple[int, int]]:
+    """Methods with their limits of iterations, the usual ones first; the interior point method first while a structure slides.
+
+    Args:
+        problem: to be solved.
+        first: ADMM or NEWTON, which begins.
+        costs: of the two.
+        cold: whether there is no step before.
+        slides: whether the last steps needed the interior point method.
+    """
+    limits, other, budget = _limits(costs), 1 - first, FIRST * BUDGET if cold else BUDGET
+    one_start = interior.affordable(0.0)  # iterations
+    start_cost, sweep_cost = one_start * costs[NEWTON], SWEEP * max(_entries(problem), 1)
+    sweeps = min(int((SWEEP_SHARE * start_cost if cold else min(SWEEP_SHARE * start_cost, budget)) / sweep_cost), SWEEPS[1])
     packed = sweeps >= SWEEPS[0]
-    usual = [] if packed and other == NEWTON and sweeps * sweep < limits[NEWTON] * costs[NEWTON] else [(other, limits[other])]
-    if not slides:
-        yield from usual
+
+    usual = [(first, limits[first])]
+    if not (packed and other == NEWTON and sweeps * sweep_cost < limits[NEWTON] * costs[NEWTON]):
+        usual.append((other, limits[other]))
+    hard = [(INTERIOR, interior.affordable(budget / costs[NEWTON])), (NEWTON, NEWTON_FINISH)]
     if packed:
-        if start <= FIRST * budget:
-            yield INTERIOR, interior.affordable(0.0)
-        yield NLGS, sweeps
-        yield NEWTON, 40
-    yield INTERIOR, interior.affordable(budget / costs[NEWTON])
-    yield NEWTON, 40
-    if slides:
-        yield first, limits[first]
-        yield from usual
-    if not isinstance(problem, FrictionProblem):
-        yield from LONG_RUNS
+        hard = [(NLGS, sweeps), (NEWTON, NEWTON_FINISH), *hard]
+        if start_cost <= FIRST * budget:
+            hard = [(INTERIOR, one_start), *hard]
+    last = [] if isinstance(problem, FrictionProblem) else list(LONG_RUNS)
     if cold:
-        yield from ((NLGS, min(int(0.5 * budget / sweep), LONG)), (NEWTON, 40), (INTERIOR, interior.affordable(0.0)), (NEWTON, 40))
+        last += [(NLGS, min(int(SWEEP_SHARE * budget / sweep_cost), LONG)), (NEWTON, NEWTON_FINISH)]
+        last += [(INTERIOR, one_start), (NEWTON, NEWTON_FINISH)]
+    return [*hard, *usual, *last] if slides else [*usual, *hard, *last]
 
 
 def _costs(problem: Problem, tally: Tally, start: Solution | None) -> tuple[Costs, dict[str, np.ndarray]]:
@@ -271,5 +286,6 @@ def _costs(problem: Problem, tally: Tally, start: Solution | None) -> tuple[Cost
 
 
 def _limits(costs: Costs) -> tuple[int, int]:
-    """Iterations of ADMM after which Newton would have been cheaper, and of Newton."""
-    return min(max(int(10.0 * costs[NEWTON] / costs[ADMM]), 50), 200), 16
+    """Iterations of a first turn of ADMM, after which Newton would have been cheaper, and of Newton."""
+    least, most = ADMM_LIMIT
+    return min(max(int(WORTH * costs[NEWTON] / costs[ADMM]), least), most), NEWTON_LIMIT

@@ -6,55 +6,66 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import entry
+from masonry_cd.jit import entry, kernel
+from masonry_cd.linalg.ghost_rows import nodes_of
 from masonry_cd.linalg.symbolic import SymbolicFactor
 
 
 class ContactPartition(NamedTuple):
-    """The contacts part by part: each belongs to the part of the one of its two bodies that is eliminated first."""
+    """The contacts subtree by subtree: each belongs to that of the one of its two bodies that is eliminated first."""
 
-    contact: np.ndarray  # (C,)
-    start: np.ndarray  # (K + 1,) starts of the parts
-    place: np.ndarray  # (C, 2) places of the bodies, in this order
-    landing: np.ndarray  # (C, 2) rows that stand for them: themselves, or their copies in the part
-    spot: np.ndarray  # (C,) blocks that couple them
+    contact: np.ndarray  # (C,) number of each contact in the problem
+    start: np.ndarray  # (K + 1,) first contact of each subtree
+    place: np.ndarray  # (C, 2) places of the bodies in the order of elimination; supports: N
+    target: np.ndarray  # (C, 2) rows that stand for them: the bodies themselves, or their ghosts in the subtree
+    block: np.ndarray  # (C,) blocks of the matrix that couple them, or -1
 
 
 @entry()
-def partition_contacts(index: np.ndarray, spot: np.ndarray, plan: SymbolicFactor) -> ContactPartition:
-    """Assign contacts, whose bodies are at the places index (C, 2), to the parts of a plan; those that meet no body go to the last."""
-    contacts, count, size = len(index), len(plan.part) - 1, len(plan.column) - 1
-    start, order = np.zeros(count + 1, dtype=np.int64), np.arange(contacts)
-    start[count] = contacts
+def partition_contacts(index: np.ndarray, block: np.ndarray, symbolic: SymbolicFactor) -> ContactPartition:
+    """Assign contacts to subtrees; those between supports go to the last one.
+
+    Args:
+        index: (C, 2) places of their bodies.
+        block: (C,) blocks that couple them.
+        symbolic: of the matrix.
+    """
+    contacts, count, size = len(index), len(symbolic.subtree) - 1, len(symbolic.column) - 1
     if count == 1:
-        return ContactPartition(order, start, index, index, spot)
-    own, row = np.empty(size + 1, dtype=np.int64), np.arange(size + 1)
+        start = np.zeros(2, dtype=np.int64)
+        start[1] = contacts
+        return ContactPartition(np.arange(contacts), start, index, index, block)
+    subtree_of = np.empty(size + 1, dtype=np.int64)
     for q in range(count):
-        own[plan.first[plan.part[q]] : plan.first[plan.part[q + 1]]] = q
-    own[size] = count - 1
-    start[count] = 0
+        first, end = nodes_of(symbolic, q)
+        subtree_of[first:end] = q
+    subtree_of[size] = count - 1
+    contact, start = sort_by_subtree(index, subtree_of, count)
+    place, target, own_block = np.empty((contacts, 2), dtype=np.int64), np.empty((contacts, 2), dtype=np.int64), np.empty_like(block)
+    row = np.arange(size + 1)  # that stands for each place, seen from subtree q
+    for q in range(count):
+        for t in range(symbolic.start[symbolic.subtree[q]], symbolic.start[symbolic.subtree[q + 1]]):
+            row[symbolic.below[t]] = symbolic.target[t]
+        for c in range(start[q], start[q + 1]):
+            own_block[c] = block[contact[c]]
+            for side in range(2):
+                b = index[contact[c], side]
+                place[c, side] = b
+                target[c, side] = row[b] if subtree_of[b] > q else b
+    return ContactPartition(contact, start, place, target, own_block)
+
+
+@kernel()
+def sort_by_subtree(index, subtree_of, count):
+    """Contacts (C,) sorted by the subtree of their first body, in order within each, and the starts (K + 1,) of the subtrees."""
+    contacts, start = len(index), np.zeros(count + 1, dtype=np.int64)
     for c in range(contacts):
-        start[own[min(index[c, 0], index[c, 1])] + 1] += 1
+        start[subtree_of[min(index[c, 0], index[c, 1])] + 1] += 1
     for q in range(count):
         start[q + 1] += start[q]
-    at = start[:-1].copy()
+    at, contact = start[:-1].copy(), np.empty(contacts, dtype=np.int64)
     for c in range(contacts):
-        q = own[min(index[c, 0], index[c, 1])]
-        order[at[q]] = c
+        q = subtree_of[min(index[c, 0], index[c, 1])]
+        contact[at[q]] = c
         at[q] += 1
-    sorted_index, landing, sorted_spot = (
-        np.empty((contacts, 2), dtype=np.int64),
-        np.empty((contacts, 2), dtype=np.int64),
-        np.empty_like(spot),
-    )
-    for q in range(count):
-        for s in range(plan.part[q], plan.part[q + 1]):
-            for t in range(plan.start[s], plan.start[s + 1]):
-                row[plan.below[t]] = plan.target[t]
-        for k in range(start[q], start[q + 1]):
-            sorted_spot[k] = spot[order[k]]
-            for side in range(2):
-                b = index[order[k], side]
-                sorted_index[k, side] = b
-                landing[k, side] = row[b] if own[b] > q else b
-    return ContactPartition(order, start, sorted_index, landing, sorted_spot)
+    return contact, start

@@ -86,7 +86,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     arrays, n, m = problem.arrays(), problem.v_free.shape[1], problem.dimension
     memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
     pattern = memory.pattern
-    given = (*arrays, pattern.order, pattern.plan, index, spot)
+    given = (*arrays, pattern.order, pattern.symbolic, index, spot)
     sizes, velocity = ((0,) * m, (0,) * n, (0,) * (m + 1)), np.empty(problem.v_free.shape)
 
     def method(kind: int, stiffness: float, tolerance: float) -> Method:
@@ -113,7 +113,7 @@ def _solve_local(problem: LocalProblem, options: Options, start: Solution | None
     m, root, row = problem.dimension, np.sqrt(problem.scales())[:, None], np.repeat(np.arange(problem.contacts), np.diff(indptr))
     pattern = admm.contact_pattern(indices, indptr)
     scaled = blocks / (root[row] * root[indices])[:, :, None]
-    given = (scaled, indices, indptr, problem.q / root, problem.mu, pattern.place, pattern.plan)
+    given = (scaled, indices, indptr, problem.q / root, problem.mu, pattern.place, pattern.symbolic)
 
     def interior(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
         tail = (distance, STIFFNESS, options.tolerance, allowed, (0,) * m, (0,) * (m + 1))

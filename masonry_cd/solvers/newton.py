@@ -71,11 +71,17 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     arrays, n = problem.arrays(), problem.v_free.shape[1]
     memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
     impulse, velocity, pattern = start.impulse.copy(), np.empty(problem.v_free.shape), memory.pattern
-    m, settings = problem.dimension, (0.0, memory.tally[5], 0.0, options.tolerance, limit)  # of them all, see there
+    m, tally, settings = (
+        problem.dimension,
+        memory.tally,
+        (0.0, memory.tally.newton_stiffness, 0.0, options.tolerance, limit),
+    )  # of them all, see there
     iterations, error, begin, stiffness = linearised_bodies(
-        NEWTON, *arrays, pattern.order, pattern.plan, index, spot, impulse, velocity, *settings, (0,) * m, (0,) * n, (0,) * (m + 1)
+        NEWTON, *arrays, pattern.order, pattern.symbolic, index, spot, impulse, velocity, *settings, (0,) * m, (0,) * n, (0,) * (m + 1)
     )
-    memory.tally[5], memory.tally[7] = _next_stiffness(memory.tally[5], stiffness, memory.tally[7], iterations, error <= options.tolerance)
+    tally.newton_stiffness, tally.newton_iterations = _next_stiffness(
+        tally.newton_stiffness, stiffness, tally.newton_iterations, iterations, error <= options.tolerance
+    )
     return Solution(impulse, velocity, iterations, _reason(error, begin, options), memory.arrays())
 
 
@@ -104,8 +110,8 @@ def _solve_local(problem: LocalProblem, options: Options, start: Solution, limit
     blocks, indices, indptr, own = nlgs.block_arrays(problem)
     pattern, impulse = admm.contact_pattern(indices, indptr), start.impulse.copy()
     iterations, error, begin = newton_local(
-        blocks, indices, indptr, own, problem.q, problem.mu, problem.scales(), pattern.place, pattern.plan, impulse, admm.FIRST_STIFFNESS,
-        options.tolerance, limit, (0,) * problem.dimension,
+        blocks, indices, indptr, own, problem.q, problem.mu, problem.scales(), pattern.place, pattern.symbolic, impulse,
+        admm.FIRST_STIFFNESS, options.tolerance, limit, (0,) * problem.dimension,
     )  # fmt: skip
     return Solution(impulse, None, iterations, _reason(error, begin, options))
 

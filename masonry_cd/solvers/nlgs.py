@@ -1,12 +1,12 @@
 r"""Non-linear Gauss-Seidel: the method of the contact dynamics literature.
 
-Contact after contact, the impulse is replaced by the exact answer to the velocity that all the others leave it (Jean, Comput.
+Contact after contact, the impulse is replaced by the exact solution of its law with all others held (Jean, Comput.
 Methods Appl. Mech. Engrg. 177, 1999; Jourdan, Alart & Jean, ibid. 155, 1998), without W ever being formed: with M^-1 = L L^T and
 G = H L,
 
     w_c = q_c + G_c y + C_c p_c,     p_c <- law(w_c - (W + C)_cc p_c),     y <- y + G_c^T (new p_c - old p_c).
 
-One sweep carries news by about one joint, so tall stacks need many. The order is drawn anew each sweep, joint by joint (the
+In one sweep the error propagates by about one joint, so tall stacks need many. The order is drawn anew each sweep, joint by joint (the
 contacts of a joint stay together), from a seed: equal seeds give equal bits.
 
 From ``COLOURED`` contacts on, the joints are coloured so that no two of a colour share a moving block; a sweep takes the colours in random
@@ -18,10 +18,17 @@ from __future__ import annotations
 import numpy as np
 from numba import config, set_num_threads
 
-from masonry_cd.friction.coulomb_law import P
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
-from masonry_cd.solvers.local_kernels import nlgs_local
-from masonry_cd.solvers.nlgs_kernels import collect_and_measure, colour_joints, nlgs_bodies, prepare_sweeps, sweep_coloured, velocities
+from masonry_cd.solvers.local_kernels import LocalArrays, nlgs_local
+from masonry_cd.solvers.nlgs_kernels import (
+    NlgsSettings,
+    begin_sweeps,
+    colour_joints,
+    end_sweeps,
+    error_after_sweeps,
+    nlgs_bodies,
+    sweep_coloured,
+)
 from masonry_cd.solvers.options import Options
 
 LIMIT = 10_000  # sweeps
@@ -44,30 +51,29 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     limit = LIMIT if options.max_iterations is None else options.max_iterations
     if isinstance(problem, FrictionProblem) and problem.contacts >= COLOURED:
         return _solve_coloured(problem, options, impulse, limit)
+    settings = NlgsSettings(options.tolerance, limit, options.seed, EVERY)
     if isinstance(problem, FrictionProblem):
         velocity = np.empty(problem.v_free.shape)
-        sweeps, error = nlgs_bodies(*problem.arrays(), impulse, velocity, options.tolerance, limit, options.seed, EVERY)
+        sweeps, error = nlgs_bodies(problem.arrays(), impulse, velocity, settings)
         return Solution(impulse, velocity, sweeps, _reason(error, options))
-    sweeps, error = nlgs_local(*block_arrays(problem), problem.q, problem.mu, impulse, options.tolerance, limit, options.seed, EVERY)
+    given, own = local_arrays(problem)
+    sweeps, error = nlgs_local(given, own, impulse, settings)
     return Solution(impulse, None, sweeps, _reason(error, options))
 
 
 def _solve_coloured(problem: FrictionProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
-    """Sweep colour by colour, on as many threads as asked for."""
-    factor, g, index, law = prepare_sweeps(*problem.arrays(), impulse)
-    bodies, n = problem.v_free.shape
-    start, order, ends = colour_joints(index, bodies)
-    colours = np.flatnonzero(np.diff(ends))
-    y, velocity, random = np.empty((bodies + 1, n)), np.empty((bodies, n)), np.random.default_rng(options.seed)
+    """Sweep colour by colour, on ``options.threads`` threads."""
+    given, velocity, random = problem.arrays(), np.empty(problem.v_free.shape), np.random.default_rng(options.seed)
+    scaled, error = begin_sweeps(given, impulse)
+    joints = colour_joints(scaled.bodies, len(velocity))
+    colours, sweeps = np.flatnonzero(np.diff(joints.colour)), 0
     set_num_threads(max(1, min(options.threads, config.NUMBA_NUM_THREADS)))
-    error, sweeps = collect_and_measure(g, y, index, law), 0
     while error > options.tolerance and sweeps < limit:
         for _ in range(min(EVERY, limit - sweeps)):
-            sweep_coloured(g, y, index, law, start, order, random.permutation(colours), ends[:-1], ends[1:], CHUNK)
+            sweep_coloured(scaled, joints, random.permutation(colours), CHUNK)
             sweeps += 1
-        error = collect_and_measure(g, y, index, law)
-    impulse[:] = law[:, P : P + problem.dimension]
-    velocities(factor, problem.v_free, y, velocity)
+        error = error_after_sweeps(scaled)
+    end_sweeps(scaled, given[1], impulse, velocity)
     return Solution(impulse, velocity, sweeps, _reason(error, options))
 
 
@@ -86,6 +92,12 @@ def block_arrays(problem: LocalProblem) -> tuple[np.ndarray, np.ndarray, np.ndar
         blocks.indptr.astype(np.int64),
         own,
     )
+
+
+def local_arrays(problem: LocalProblem) -> tuple[LocalArrays, np.ndarray]:
+    """A local problem as the kernels take it, and its diagonal blocks (C, m, m) as of :func:`block_arrays`."""
+    blocks, indices, indptr, own = block_arrays(problem)
+    return LocalArrays(blocks, indices, indptr, problem.q, problem.mu, problem.scales(), (0,) * problem.dimension), own
 
 
 def _reason(error: float, options: Options) -> str:

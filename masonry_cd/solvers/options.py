@@ -1,4 +1,4 @@
-"""What every solver is told."""
+"""Options of a solve, the same for every solver."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Options:
         tolerance: natural map error (scaled, see ``masonry_cd.friction.problem``) at which to stop.
         max_iterations: None takes the solver's own limit.
         seed: of the random sweep order.
-        threads: for the solvers that can use more than one.
+        threads: at most, of the solvers that can use more than one.
     """
 
     tolerance: float = 1e-8
