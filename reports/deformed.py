@@ -19,10 +19,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from masonry_cd.contact.joints import Joints
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block, mass_properties
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import mass_properties
+from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import rotation_matrices
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.contact.joints import Joints
+from masonry_cd.model.joints import Joints
 from reports.deformed import Pose, Solids, joint_corners
 from reports.drawing.render import Surface
 

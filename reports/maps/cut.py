@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.contact.joints import Joints
 from masonry_cd.errors import InputError
+from masonry_cd.model.joints import Joints
 from reports.deformed import Solids
 from reports.drawing.render import Lines, Surface, View
 from reports.maps.bands import Bands
