@@ -15,6 +15,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from masonry_cd.contact.broad_phase import overlapping_boxes
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.polygon import clip, loop_area, loop_planes
 from structures.geometry.checks import Unsound
@@ -81,15 +82,10 @@ def _facing(blocks: Sequence[Block], planes: Planes, tolerance: float) -> Iterat
     low = np.array([block.vertices.min(axis=0) for block in blocks]) - tolerance
     high = np.array([block.vertices.max(axis=0) for block in blocks]) + tolerance
     start = np.cumsum([0, *(len(block.faces) for block in blocks)])
-    order = np.argsort(low[:, 0], kind="stable")
-    for k, a in enumerate(order):
-        last = np.searchsorted(low[order, 0], high[a, 0], side="right")
-        for b in order[k + 1 : last]:
-            if (low[a] > high[b]).any() or (low[b] > high[a]).any():
-                continue
-            opposed = planes.normal[start[a] : start[a + 1]] @ planes.normal[start[b] : start[b + 1]].T < -np.cos(ANGLE)
-            for i, j in np.argwhere(opposed):
-                yield int(start[a] + i), int(start[b] + j)
+    for a, b in overlapping_boxes(np.hstack([low, high]), np.arange(len(blocks)), np.zeros(len(blocks), dtype=bool)):
+        opposed = planes.normal[start[a] : start[a + 1]] @ planes.normal[start[b] : start[b + 1]].T < -np.cos(ANGLE)
+        for i, j in np.argwhere(opposed):
+            yield int(start[a] + i), int(start[b] + j)
 
 
 def _near(planes: Planes, i: int, j: int, tolerance: float) -> bool:
