@@ -24,19 +24,20 @@ from benchmarks.ours import stepper, warm_up
 from benchmarks.peers import head, numbers_of
 from benchmarks.scenes import BenchScene, scene
 from masonry_cd.app import run_loop
-from masonry_cd.contact import detector, joints
-from masonry_cd.contact.joints import find_joints
+from masonry_cd.contact import detector
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics import impacts, islands, moreau_jean, step_kernels
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.friction import problem
 from masonry_cd.io import checkpoint
 from masonry_cd.io.results import ResultWriter
 from masonry_cd.linalg.ordering import Pattern
+from masonry_cd.model.joints import JointPeaks
 from masonry_cd.solvers import admm, interior, newton, nlgs
 
 PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: owner and attribute
-    "broad phase": ((detector, "_list_holds"), (detector.Detector, "_rebuild")),
-    "narrow phase": ((detector, "_look"), (detector, "_write_down")),
+    "broad phase": ((detector, "list_holds"), (detector.Detector, "_rebuild")),
+    "narrow phase": ((detector, "update_pairs"), (detector, "write_contacts")),
     "motion": (
         (moreau_jean, "rotation_matrices"), (step_kernels, "drift"), (step_kernels, "free_motion"), (step_kernels, "new_velocity"),
         (step_kernels, "finish"), (step_kernels, "position_correction"),
@@ -48,7 +49,7 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
     "error measure": ((problem, "error_bodies"),),
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
     "energy": ((Stepper, "_balance"),),
-    "joints": ((run_loop, "measure_joints"), (joints.JointPeaks, "update")),
+    "joints": ((run_loop, "measure_joints"), (JointPeaks, "update")),
     "output": ((run_loop.Recorder, "step"), (run_loop.Recorder, "frame"), (run_loop.Recorder, "close")),
     "step, rest": ((Stepper, "step"),),
 }  # fmt: skip

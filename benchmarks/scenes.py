@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.app.scene import JointLaw
-from masonry_cd.model.blocks import Assembly, Block, Faces
+from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.geometry import Faces
 from structures.geometry.prism import box, prism_xz
 from structures.kinds import church as churches
 

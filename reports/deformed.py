@@ -19,10 +19,12 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from masonry_cd.contact.joints import Joints
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block, mass_properties
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Polyhedra, Polyhedron, area_vectors, mass_properties
+from masonry_cd.model.joints import Joints
+from masonry_cd.model.polygon import next_in_loop
 from masonry_cd.model.state import rotation_matrices
 
 
@@ -40,18 +42,16 @@ class Solids:
 
     @classmethod
     def from_blocks(cls, blocks: Sequence[Block]) -> Solids:
-        """Flatten blocks."""
-        start = np.cumsum([0, *(len(b.vertices) for b in blocks)])
-        loops = [np.asarray(face) + start[i] for i, b in enumerate(blocks) for face in b.faces]
-        return cls(
-            vertices=np.concatenate([b.vertices for b in blocks]).astype(float),
-            vertex_block=np.repeat(np.arange(len(blocks)), np.diff(start)),
-            loops=np.concatenate(loops),
-            loop_start=np.cumsum([0, *map(len, loops)]),
-            face_block=np.repeat(np.arange(len(blocks)), [len(b.faces) for b in blocks]),
-            centre=np.array([mass_properties(b.vertices, b.faces).centre for b in blocks]),
-            fixed=np.array([b.fixed for b in blocks]),
-        )
+        """Flatten sound blocks."""
+        centre = np.array([mass_properties(b.vertices, b.faces).centre for b in blocks])
+        return cls.of([Polyhedron(b.vertices, b.faces) for b in blocks], centre, np.array([b.fixed for b in blocks]))
+
+    @classmethod
+    def of(cls, shells: Sequence[Polyhedron], centre: np.ndarray, fixed: np.ndarray) -> Solids:
+        """Flatten the shells of B blocks, sound or not, with their centres (B, 3) [m]; ``fixed`` (B,) are supports."""
+        flat = Polyhedra.of(shells)
+        vertex_block = np.repeat(np.arange(len(shells)), np.diff(flat.vertex_start))
+        return cls(flat.vertices, vertex_block, flat.loops, flat.loop_start, flat.owner_of_face(), centre, fixed)
 
     @cached_property
     def sizes(self) -> np.ndarray:
@@ -64,18 +64,13 @@ class Solids:
     @cached_property
     def face_normals(self) -> np.ndarray:
         """(F, 3) outward unit normals at rest, by Newell's sum."""
-        corner = self.vertices[self.loops]
-        following = np.arange(1, len(self.loops) + 1)
-        following[self.loop_start[1:] - 1] = self.loop_start[:-1]
-        anchor = np.repeat(corner[self.loop_start[:-1]], np.diff(self.loop_start), axis=0)
-        area = np.add.reduceat(np.cross(corner - anchor, corner[following] - anchor), self.loop_start[:-1])
+        area = area_vectors(self.vertices, self.loops, self.loop_start)
         length = np.linalg.norm(area, axis=1, keepdims=True)
         return area / np.where(length > 0, length, 1.0)
 
     def edges(self, smallest_angle: float = 10.0) -> np.ndarray:
         """(E, 2) vertex pairs of the edges where faces meet at more than an angle [degrees]; the seams of flat faces are left out."""
-        following = np.arange(1, len(self.loops) + 1)
-        following[self.loop_start[1:] - 1] = self.loop_start[:-1]
+        following = next_in_loop(self.loop_start)
         a, b = self.loops, self.loops[following]
         face = np.repeat(np.arange(len(self.face_block)), np.diff(self.loop_start))
         order = np.lexsort((np.maximum(a, b), np.minimum(a, b)))

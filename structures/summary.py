@@ -18,9 +18,10 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.contact.detector import ContactSet, Detector
-from masonry_cd.contact.joints import Joints, find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State, rotation_matrices
 
 UPRIGHT = 1e-4  # sine of the slope of a joint: less is upright

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from masonry_cd.contact.joints import JointPeaks, find_joints, measure_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.io.results import JOINT_PEAKS, ResultWriter
 from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.joints import JointPeaks, measure_joints
 from masonry_cd.model.state import State
 
 BOX_FACES = ((3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))

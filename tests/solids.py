@@ -9,9 +9,10 @@ import numpy as np
 from models import stepper
 
 import structures
-from masonry_cd.contact.joints import Joints
 from masonry_cd.model.blocks import Assembly, Block
-from structures.geometry import gaps, prism, solid
+from masonry_cd.model.joints import Joints
+from masonry_cd.model.polygon import polygon_area
+from structures.geometry import gaps, solid
 from structures.layout import wall_plan
 from structures.layout.openings import Closing, close
 
@@ -97,7 +98,7 @@ def touching_area(blocks: Sequence[Block]) -> float:
         if a != b and not (one.fixed and other.fixed) and gaps._near(planes, i, j, 1e-6):
             axes = np.linalg.svd(planes.normal[i][None])[2][1:]
             common = gaps._overlap(*(gaps._hull(planes.polygon[k] @ axes.T) for k in (i, j)))
-            total += abs(prism.polygon_area(common))
+            total += abs(polygon_area(common))
     return total
 
 

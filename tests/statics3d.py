@@ -13,8 +13,9 @@ from scipy.optimize import linprog
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.contact.joints import Joints, find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.joints import Joints
 
 
 def assembled(blocks: Sequence[Block]) -> tuple[Assembly, Joints]:

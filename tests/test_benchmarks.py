@@ -16,7 +16,7 @@ from benchmarks.ours import measure, stepper
 from benchmarks.scenes import GRAVITY, arcade, arch, scene, tower, wall
 from masonry_cd.dynamics import islands
 from masonry_cd.friction.problem import natural_map_error
-from masonry_cd.model.blocks import mass_properties
+from masonry_cd.model.geometry import mass_properties
 from masonry_cd.model.state import rotation_matrices
 from masonry_cd.solvers import SOLVERS, Options
 

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from models import ground
 
-from masonry_cd.contact.joints import find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.model.blocks import Assembly, mass_properties
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.geometry import mass_properties
 from structures.geometry.checks import check
 from structures.geometry.compound_block import bent
 from structures.geometry.prism import box

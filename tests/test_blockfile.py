@@ -13,7 +13,8 @@ import pytest
 
 import structures
 from masonry_cd.errors import InputError
-from masonry_cd.model.blocks import Block, mass_properties
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import mass_properties
 from structures.files import blockfile
 from structures.geometry.merge_coplanar import tidy
 from structures.geometry.prism import prism_xz, rectangle

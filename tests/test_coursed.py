@@ -9,7 +9,7 @@ import pytest
 from solids import bonded_share, exposed, free_volume, moved_at_rest
 
 import structures
-from masonry_cd.contact.joints import find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from structures.geometry import solid

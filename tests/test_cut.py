@@ -10,10 +10,10 @@ import pytest
 from made_run import at_rest, box, turned, write_run
 from test_crack_map import model_area, opening_scale, pixels, shares
 
-from masonry_cd.contact.joints import polygon_area
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
+from masonry_cd.model.polygon import loop_area
 from reports.deformed import Pose, Solids
 from reports.drawing.render import Lines, Surface, view_named
 from reports.maps.bands import band_corners
@@ -26,7 +26,7 @@ FRONT, SIDE, ISOMETRIC = (view_named(name) for name in ("front", "side", "isomet
 
 
 def areas(points: np.ndarray, loops: np.ndarray, start: np.ndarray) -> list[float]:
-    return [polygon_area(points[loops[a:b]]) for a, b in pairwise(start)]
+    return [loop_area(points[loops[a:b]]) for a, b in pairwise(start)]
 
 
 def test_a_cut_keeps_what_lies_behind_it_and_closes_the_blocks() -> None:

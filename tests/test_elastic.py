@@ -8,7 +8,7 @@ from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned,
 
 from masonry_cd.app.scene import JointLaw
 from masonry_cd.contact.detector import ContactSet, Detector
-from masonry_cd.contact.joints import find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from masonry_cd.app.run_loop import run
 from masonry_cd.cli.commands import app
-from masonry_cd.contact.joints import find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results, ResultWriter
 from reports import energy as picture

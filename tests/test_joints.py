@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from models import box, ground, tower, turned, wall
 
-from masonry_cd.contact.joints import JointPeaks, find_joints, measure_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.joints import JointPeaks, measure_joints
 from masonry_cd.model.state import State
 
 

@@ -10,9 +10,10 @@ from models import box, tower
 from solids import build
 
 import structures
-from masonry_cd.contact.joints import find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block, mass_properties
+from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.geometry import mass_properties
 from structures.files import meshfile
 from structures.geometry.prism import prism_xz
 

@@ -13,7 +13,7 @@ from loads.kinds.sequence import Pause, Shock
 from masonry_cd.app import run_loop
 from masonry_cd.app.scene import Run
 from masonry_cd.app.time_step_checks import restless
-from masonry_cd.contact.joints import find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.pauses import Rests
 from masonry_cd.io import checkpoint

@@ -14,7 +14,7 @@ import pytest
 from models import stepper, tower
 
 from masonry_cd.app.run_loop import run
-from masonry_cd.contact.joints import find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
 from masonry_cd.io import results
 from masonry_cd.io.results import Results, ResultWriter

@@ -15,7 +15,7 @@ from models import gravity, stepper, still, tower, wall
 from masonry_cd.app import run_loop
 from masonry_cd.app.run_loop import RunReport, run
 from masonry_cd.app.scene import JointLaw
-from masonry_cd.contact.joints import find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import ENERGIES, StepReport
 from masonry_cd.errors import InputError
 from masonry_cd.io import checkpoint, results

@@ -27,7 +27,7 @@ from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.scene import Report, Run, Scene
 from masonry_cd.app.warmup import compile_kernels, keeps
 from masonry_cd.atomic import part_of, replacing
-from masonry_cd.contact.joints import Joints, find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.pauses import Rests
@@ -38,6 +38,7 @@ from masonry_cd.io.lock import locked
 from masonry_cd.io.results import Results, ResultWriter
 from masonry_cd.jit import why_nothing_is_kept
 from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State
 from masonry_cd.solvers import cores
 

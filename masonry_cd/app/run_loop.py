@@ -18,13 +18,14 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.app.progress import Interrupted
-from masonry_cd.contact.joints import JointMeasures, JointPeaks, Joints, joint_parts, measure_joints
+from masonry_cd.contact.find_joints import joint_parts
 from masonry_cd.dynamics.moreau_jean import ENERGIES, RunStopped, Stepper, StepReport
 from masonry_cd.dynamics.pauses import Aftermath, Rests, Shock
 from masonry_cd.errors import InputError
 from masonry_cd.friction.infeasibility import find_jam, named
 from masonry_cd.io import checkpoint
 from masonry_cd.io.results import BONDED, JOINT_PEAKS, ResultWriter
+from masonry_cd.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
 
 DEEP = 0.01  # overlap from which on its blocks are named, as a share of the smallest width
 FASTER = 1.5  # times the closing speed that was last looked into: one that is looked into anew
@@ -222,7 +223,7 @@ def run(
 
     Args:
         stepper: at the start of the run.
-        joints: of the stepper's assembly at rest, see :func:`masonry_cd.contact.joints.find_joints`.
+        joints: of the stepper's assembly at rest, see :func:`masonry_cd.contact.find_joints.find_joints`.
         writer: of the result file.
         steps: of the loads, how many in all, those before a resumption included.
         frame_every: steps between two frames; the first and the last state are always written.

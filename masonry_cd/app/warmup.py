@@ -24,7 +24,7 @@ import numpy as np
 
 from masonry_cd.app.run_loop import run
 from masonry_cd.app.scene import JointLaw, Run, SolverName
-from masonry_cd.contact.joints import find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics import islands
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.friction.problem import FrictionProblem

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.contact.detector import ContactSet
-from masonry_cd.contact.joints import Joints
 from masonry_cd.dynamics import joint_law
 from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.joints import Joints
 
 CREEP = 1e-6  # slip and opening below this share of g h count as none when bonds are judged
 

@@ -30,7 +30,6 @@ import numpy as np
 
 from masonry_cd.app.scene import Run
 from masonry_cd.contact.detector import ContactSet, Detector
-from masonry_cd.contact.joints import Joints
 from masonry_cd.dynamics import step_kernels
 from masonry_cd.dynamics.block_forces import BlockForces
 from masonry_cd.dynamics.impacts import open_contacts, solve_apart
@@ -41,6 +40,7 @@ from masonry_cd.friction.infeasibility import Closing
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.io.checkpoint import part, prefixed
 from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State, rotation_matrices
 from masonry_cd.solvers import SOLVERS, Options, cores
 

@@ -65,7 +65,7 @@ def _middle(assembly: Assembly, axis: int) -> float | None:
     """The common middle plane of prisms along ``axis``, or None."""
     shapes = assembly.shapes
     tolerance = FLAT * float(np.ptp(np.concatenate([block.vertices for block in assembly.blocks]), axis=0).max())
-    slanted = np.abs(shapes.face_normals[:, axis])
+    slanted = np.abs(shapes.solids.normals[:, axis])
     if np.any((slanted > FLAT) & (slanted < 1.0 - FLAT)):
         return None
     middles = []

@@ -40,10 +40,10 @@ import h5py
 import numpy as np
 
 from masonry_cd.atomic import part_of
-from masonry_cd.contact.joints import Joints
 from masonry_cd.dynamics.pauses import Aftermath
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.joints import Joints
 
 FRAME_FIELDS = ("time", "position", "orientation", "velocity")
 JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_force", "shear_force", "force_point")

@@ -1,9 +1,6 @@
 """Blocks and their assembly: all that stays constant during a run.
 
-A block is a closed polyhedron of uniform density. Volume, centre of mass and inertia are exact: the solid is the signed
-sum of the tetrahedra spanned by an inner point and the triangles of the faces, and the second moments of a tetrahedron
-(0, a, b, c) are polynomials of its corners (Tonon, J. Math. Stat. 1(1), 2005).
-
+A block is a closed polyhedron of uniform density; its mass properties are exact (:mod:`masonry_cd.model.geometry`).
 The body frame of a block has its origin at the centre of mass and is parallel to the world axes at the start of the run,
 so every orientation starts as the unit quaternion (1, 0, 0, 0).
 """
@@ -12,23 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from masonry_cd.app.scene import JointLaw
 from masonry_cd.errors import InputError
+from masonry_cd.model.geometry import Faces, Polyhedra, Polyhedron, mass_properties
 from masonry_cd.model.materials import JointLaws, friction_table, joint_table
-
-Faces = tuple[tuple[int, ...], ...]
-NEXT, LAST = [1, 2, 0], [2, 0, 1]  # axes in cyclic order after x, y, z
-
-
-@dataclass(frozen=True, eq=False)
-class Polyhedron:
-    """A closed polyhedron: vertices (V, 3) [m] and faces as loops of vertex indices, counter-clockwise from outside."""
-
-    vertices: np.ndarray
-    faces: Faces
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,59 +47,27 @@ class Block:
         return self.parts or (Polyhedron(self.vertices, self.faces),)
 
 
-@dataclass(frozen=True)
-class MassProperties:
-    """Volume [m3], centre of mass (3,) [m], and second moments about it: inertia per density (3, 3) [m5]."""
+class Shapes(NamedTuple):
+    """The P convex parts of all blocks, in the body frames, as the detection kernels read them."""
 
-    volume: float
-    centre: np.ndarray
-    unit_inertia: np.ndarray
-
-
-def triangles(faces: Faces) -> np.ndarray:
-    """Fan-triangulate convex face loops into an (n, 3) array of vertex indices."""
-    fans = [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
-    return np.array(fans, dtype=np.int64).reshape(-1, 3)
-
-
-def mass_properties(vertices: np.ndarray, faces: Faces) -> MassProperties:
-    """Integrate a closed polyhedron exactly.
-
-    Args:
-        vertices: (V, 3) [m].
-        faces: convex loops, counter-clockwise from outside. A reversed shell gives a negative volume.
-    """
-    inner = vertices.mean(axis=0)  # integrate near the block: far from the origin the moments would cancel
-    corners = (vertices - inner)[triangles(faces)]  # (n, 3 corners, 3)
-    sixfold = np.linalg.det(corners)  # six times the signed volume of each tetrahedron
-    volume = sixfold.sum() / 6.0
-    total = corners.sum(axis=1)
-    first = np.einsum("n,ni->i", sixfold, total) / 24.0
-    second = (np.einsum("n,nki,nkj->ij", sixfold, corners, corners) + np.einsum("n,ni,nj->ij", sixfold, total, total)) / 120.0
-    centre = first / volume
-    second -= volume * np.outer(centre, centre)
-    inertia = np.trace(second) * np.eye(3) - second
-    return MassProperties(float(volume), inner + centre, inertia)
-
-
-@dataclass(frozen=True, eq=False)
-class Shapes:
-    """The convex parts of all blocks in flat arrays, in the body frames, as the detection kernels read them.
-
-    P parts, V vertices, F faces, L loop entries, E edges; ``*_start`` arrays delimit the entries of a part or face.
-    """
-
+    solids: Polyhedra
     part_block: np.ndarray  # (P,) block of each part
-    vertex_start: np.ndarray  # (P + 1,)
-    vertices: np.ndarray  # (V, 3) in the body frame [m]
-    face_start: np.ndarray  # (P + 1,)
-    face_normals: np.ndarray  # (F, 3) outward unit normals in the body frame
-    loop_start: np.ndarray  # (F + 1,)
-    loops: np.ndarray  # (L,) vertex indices, counted over all parts
-    edge_start: np.ndarray  # (P + 1,)
-    edges: np.ndarray  # (E, 4): its two vertices and its two faces, left face first
     radius: np.ndarray  # (P,) largest distance of a vertex from the block's centre of mass [m]
     size: np.ndarray  # (P,) smallest width of the part over its face normals [m]
+
+    @classmethod
+    def of(cls, blocks: Sequence[Block], centre: np.ndarray) -> Shapes:
+        """The convex parts of blocks with the centres of mass ``centre`` (B, 3) [m]."""
+        parts = [(index, part) for index, block in enumerate(blocks) for part in block.convex_parts]
+        local = [part.vertices - centre[index] for index, part in parts]
+        solids = Polyhedra.of([Polyhedron(own, part.faces) for own, (_, part) in zip(local, parts, strict=True)]).with_edges()
+        normals = np.split(solids.normals, solids.face_start[1:-1])
+        return cls(
+            solids=solids,
+            part_block=np.array([index for index, _ in parts]),
+            radius=np.array([np.linalg.norm(own, axis=1).max() for own in local]),
+            size=np.array([np.ptp(own @ n.T, axis=0).min() for own, n in zip(local, normals, strict=True)]),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,60 +140,5 @@ class Assembly:
             volume=volume,
             friction=coefficients,
             laws=joint_table(joints or {}, groups, coefficients),
-            shapes=_shapes(blocks, centre),
+            shapes=Shapes.of(blocks, centre),
         )
-
-
-def _shapes(blocks: Sequence[Block], centre: np.ndarray) -> Shapes:
-    """Flatten the convex parts of all blocks into the arrays of :class:`Shapes`."""
-    part_block, radius, size = [], [], []
-    vertices, normals = [], []
-    loops: list[int] = []
-    edges: list[tuple[int, int, int, int]] = []
-    starts: dict[str, list[int]] = {"vertex": [0], "face": [0], "loop": [0], "edge": [0]}
-    for index, block in enumerate(blocks):
-        for part in block.convex_parts:
-            local = part.vertices - centre[index]
-            base, face_base = starts["vertex"][-1], starts["face"][-1]
-            part_normals = np.array([loop_normal(local[list(face)]) for face in part.faces])
-            part_block.append(index)
-            radius.append(np.linalg.norm(local, axis=1).max())
-            size.append(np.ptp(local @ part_normals.T, axis=0).min())
-            vertices.append(local)
-            normals.append(part_normals)
-            for face in part.faces:
-                loops.extend(base + i for i in face)
-                starts["loop"].append(len(loops))
-            edges.extend(_edges(part.faces, base, face_base))
-            starts["vertex"].append(base + len(local))
-            starts["face"].append(face_base + len(part.faces))
-            starts["edge"].append(len(edges))
-    return Shapes(
-        part_block=np.array(part_block),
-        vertex_start=np.array(starts["vertex"]),
-        vertices=np.concatenate(vertices),
-        face_start=np.array(starts["face"]),
-        face_normals=np.concatenate(normals),
-        loop_start=np.array(starts["loop"]),
-        loops=np.array(loops),
-        edge_start=np.array(starts["edge"]),
-        edges=np.array(edges),
-        radius=np.array(radius),
-        size=np.array(size),
-    )
-
-
-def loop_normal(loop: np.ndarray) -> np.ndarray:
-    """Unit normal of a planar loop (n, 3) by Newell's sum, which holds for any convex or non-convex polygon."""
-    spoke = loop - loop[0]
-    rest = np.concatenate([spoke[1:], spoke[:1]])
-    ahead, back = spoke.take(NEXT, axis=1), spoke.take(LAST, axis=1)
-    cross = ahead * rest.take(LAST, axis=1) - back * rest.take(NEXT, axis=1)  # numpy's own takes several times as long on a few rows
-    area = 0.5 * cross.sum(axis=0)
-    return area / np.sqrt(area @ area)
-
-
-def _edges(faces: Faces, vertex_base: int, face_base: int) -> list[tuple[int, int, int, int]]:
-    """List each edge once as (vertex, vertex, face to its left, face to its right), indices counted over all parts."""
-    left = {(a, b): f for f, face in enumerate(faces) for a, b in zip(face, face[1:] + face[:1], strict=True)}
-    return [(vertex_base + a, vertex_base + b, face_base + f, face_base + left[b, a]) for (a, b), f in left.items() if a < b]

@@ -24,7 +24,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.app.scene import Run, Scene, read_scene
-from masonry_cd.contact.joints import find_joints
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError, parse_table

@@ -1,6 +1,6 @@
 r"""Joint damage: what each joint suffered over the run and what is left of it at the end.
 
-The measures are those of :mod:`masonry_cd.contact.joints`: opening (the widest corner gap), sliding (of the corners that touch), relative
+The measures are those of :mod:`masonry_cd.model.joints`: opening (the widest corner gap), sliding (of the corners that touch), relative
 rotation, contact area. ``max_*`` is the largest value over all time steps, ``residual_*`` that of the last frame. The time of the
 first opening is that of a step where the threshold is the run's own (0.1 mm), else that of a frame.
 
@@ -27,11 +27,11 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.atomic import replacing
-from masonry_cd.contact.joints import OPENED as OPENING_IN_RUN
-from masonry_cd.contact.joints import Joints
 from masonry_cd.dynamics.pauses import DROP, TILT
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import BONDED, Results
+from masonry_cd.model.joints import OPENED as OPENING_IN_RUN
+from masonry_cd.model.joints import Joints
 from reports.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap, solids_of
 
 STATES = ("intact", "opened", "slid", "separated")

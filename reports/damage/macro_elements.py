@@ -22,10 +22,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.contact.joints import Joints
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block, mass_properties
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import mass_properties
+from masonry_cd.model.joints import Joints
 from reports.damage.joint_damage import Thresholds, fallen_in, parted
 from reports.deformed import Pose, Solids, corner_gaps, frame_index, joint_frame, solids_of
 

@@ -32,8 +32,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.transform import Rotation
 
-from masonry_cd.contact.joints import Joints
 from masonry_cd.errors import InputError
+from masonry_cd.model.joints import Joints
 from reports.damage.macro_elements import Moment, Parts
 from reports.deformed import Solids
 

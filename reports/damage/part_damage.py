@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.contact.joints import Joints
 from masonry_cd.io.results import Results
+from masonry_cd.model.joints import Joints
 from reports.damage.grades import Grades, grade_of
 from reports.damage.joint_damage import JointDamage, Thresholds, joint_damage
 from reports.damage.macro_elements import Levels, Moment, Parts, Profile, hinge_places, parts_of, side_names

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Polyhedron
+from masonry_cd.model.polygon import next_in_loop
 from reports.deformed import Solids
 from reports.drawing.figure import INK, Sheet, layout
 from reports.drawing.render import Layer, Lines, Surface, View, Window, render, view_named
@@ -65,18 +67,9 @@ def _can_be_drawn(block: Block) -> bool:
 
 def _solids(blocks: Sequence[Block]) -> Solids:
     """The flat arrays of blocks that may enclose no volume: the mean of their corners stands for the centre of mass."""
-    start = np.cumsum([0, *(len(block.vertices) for block in blocks)])
-    faces = [[face for face in block.faces if len(face) >= 3] for block in blocks]
-    loops = [np.asarray(face) + start[k] for k, own in enumerate(faces) for face in own]
-    return Solids(
-        vertices=np.concatenate([block.vertices for block in blocks]).astype(float),
-        vertex_block=np.repeat(np.arange(len(blocks)), np.diff(start)),
-        loops=np.concatenate(loops),
-        loop_start=np.cumsum([0, *map(len, loops)]),
-        face_block=np.repeat(np.arange(len(blocks)), [len(own) for own in faces]),
-        centre=np.array([block.vertices.mean(axis=0) for block in blocks]),
-        fixed=np.array([block.fixed for block in blocks]),
-    )
+    shells = [Polyhedron(block.vertices, tuple(face for face in block.faces if len(face) >= 3)) for block in blocks]
+    centre = np.array([block.vertices.mean(axis=0) for block in blocks])
+    return Solids.of(shells, centre, np.array([block.fixed for block in blocks]))
 
 
 def _layers(solids: Solids, at_fault: np.ndarray, view: View, window: Window) -> list[Layer]:
@@ -94,8 +87,7 @@ def _layers(solids: Solids, at_fault: np.ndarray, view: View, window: Window) ->
 
 def _sides(solids: Solids) -> np.ndarray:
     """(E, 2) all sides of all faces, each once; an open shell has sides of one face only."""
-    following = np.arange(1, len(solids.loops) + 1)
-    following[solids.loop_start[1:] - 1] = solids.loop_start[:-1]
+    following = next_in_loop(solids.loop_start)
     pairs = np.stack([solids.loops, solids.loops[following]], axis=1)
     return np.unique(np.sort(pairs, axis=1), axis=0)
 

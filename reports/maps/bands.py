@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.contact.joints import Joints
+from masonry_cd.model.joints import Joints
+from masonry_cd.model.polygon import next_in_loop
 from reports.deformed import Pose, Solids, joint_corners
 from reports.drawing.render import Surface
 
@@ -88,8 +89,7 @@ def _grown(corners: np.ndarray, joints: Joints, corner_joint: np.ndarray, by: fl
 
 def _sides(on_a: np.ndarray, on_b: np.ndarray, joints: Joints, corner_joint: np.ndarray, drawn: np.ndarray) -> Bands:
     """The sides of the prisms between two sets of corners (N, 3), of the joints drawn."""
-    following = np.arange(1, len(on_a) + 1)
-    following[joints.polygon_start[1:] - 1] = joints.polygon_start[:-1]
+    following = next_in_loop(joints.polygon_start)
     keep = drawn[corner_joint]
     corners = np.stack([on_a, on_a[following], on_b[following], on_b], axis=1)
     return Bands(corners[keep], corner_joint[keep])

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.contact.joints import Joints
+from masonry_cd.model.joints import Joints
 from reports.damage.joint_damage import Thresholds
 from reports.damage.macro_elements import Moment
 from reports.drawing.figure import FAINT, INK, Box, Paint, Sheet, classes

@@ -18,9 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
-from masonry_cd.contact.joints import Joints
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.model.joints import Joints
 from reports.damage.joint_damage import Thresholds, fallen
 from reports.damage.macro_elements import Moment
 from reports.deformed import Pose, Solids, frame_index, solids_of

@@ -2,9 +2,7 @@ r"""Cuts a drawn structure by a plane, so that a crack map shows what goes on in
 
 The plane is x, y or z = value. What lies on the viewer's side of it is taken away and the blocks it runs through are closed by a cap.
 
-Every polygon is clipped at once (Sutherland & Hodgman, Reentrant polygon clipping, Comm. ACM 17(1), 1974): with d_k the signed
-distance of corner k from the plane, a corner stays where d_k > 0, and an edge from k to l that changes sign yields the point
-X_k + d_k/(d_k - d_l) (X_l - X_k).
+Polygons are clipped by :mod:`masonry_cd.model.polygon`: a corner stays where its signed distance from the plane is above 0.
 A face that is cut leaves one edge in the plane; on a closed block these edges join into loops, which are the caps. Corners in
 the plane are taken to lie a little behind it, so no case is left over.
 """
@@ -16,8 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.contact.joints import Joints
 from masonry_cd.errors import InputError
+from masonry_cd.model.joints import Joints
+from masonry_cd.model.polygon import clip_loops, next_in_loop
 from reports.deformed import Solids
 from reports.drawing.render import Lines, Surface, View
 from reports.maps.bands import Bands
@@ -89,10 +88,8 @@ def _parse(text: str) -> tuple[str, float | None]:
 
 def clipped(surface: Surface, cut: Cut) -> Surface:
     """What the plane leaves of a surface; caps are extra."""
-    source, weight, owner = _clip_loops(surface.loops, surface.loop_start, cut.distance(surface.points))
-    points = _between(surface.points, source, weight)
-    kept, start = np.unique(owner, return_index=True)
-    return Surface(points, np.arange(len(points)), np.append(start, len(points)), surface.colours[kept], surface.lit)
+    points, start, kept = clip_loops(surface.points[surface.loops], surface.loop_start, cut.distance(surface.points)[surface.loops])
+    return Surface(points, np.arange(len(points)), start, surface.colours[kept], surface.lit)
 
 
 def clipped_lines(lines: Lines, cut: Cut) -> Lines:
@@ -120,8 +117,7 @@ class Caps:
 
     def outline(self, colour: str, width: float) -> Lines:
         """Their edges."""
-        following = np.arange(1, len(self.loops) + 1)
-        following[self.loop_start[1:] - 1] = self.loop_start[:-1]
+        following = next_in_loop(self.loop_start)
         return Lines(self.points, np.stack([self.loops, self.loops[following]], axis=1), colour, width)
 
 
@@ -130,8 +126,7 @@ def caps_of(solids: Solids, points: np.ndarray, cut: Cut) -> Caps:
     d = cut.distance(points)
     face = np.repeat(np.arange(len(solids.face_block)), np.diff(solids.loop_start))
     a = solids.loops
-    following = np.arange(1, len(a) + 1)
-    following[solids.loop_start[1:] - 1] = solids.loop_start[:-1]
+    following = next_in_loop(solids.loop_start)
     b = a[following]
     leaves, enters = (d[a] > 0) & (d[b] < 0), (d[a] < 0) & (d[b] > 0)
     place = points[a] + (d[a] / np.where(leaves | enters, d[a] - d[b], 1.0))[:, None] * (points[b] - points[a])
@@ -159,8 +154,7 @@ def traces(joints: Joints, on_a: np.ndarray, on_b: np.ndarray, drawn: np.ndarray
     """Where the plane runs through the joints drawn (J,): a quadrilateral each, from the cut of the polygon on a to that on b (N, 3)."""
     middle = (on_a + on_b) / 2.0
     d = cut.distance(middle)
-    following = np.arange(1, len(middle) + 1)
-    following[joints.polygon_start[1:] - 1] = joints.polygon_start[:-1]
+    following = next_in_loop(joints.polygon_start)
     joint = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
     crossed = drawn[joint] & (d * d[following] < 0)
     k = np.flatnonzero(crossed)
@@ -171,21 +165,3 @@ def traces(joints: Joints, on_a: np.ndarray, on_b: np.ndarray, drawn: np.ndarray
     corners = np.stack([a[0::2], a[1::2], b[1::2], b[0::2]], axis=1)
     corners[..., AXES.index(cut.axis)] = cut.value
     return Bands(corners, joint[k[0::2]])
-
-
-def _clip_loops(loops: np.ndarray, loop_start: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Corners of clipped loops: each between two points (n, 2) with a weight (n,), and the loop (n,) that it belongs to."""
-    owner = np.repeat(np.arange(len(loop_start) - 1), np.diff(loop_start))
-    following = np.arange(1, len(loops) + 1)
-    following[loop_start[1:] - 1] = loop_start[:-1]
-    a, b = loops, loops[following]
-    crossed = d[a] * d[b] < 0
-    emitted = np.stack([d[a] > 0, crossed], axis=1).ravel()  # the corner itself, then the crossing behind it
-    share = np.stack([np.zeros(len(a)), d[a] / np.where(crossed, d[a] - d[b], 1.0)], axis=1).ravel()
-    source = np.repeat(np.stack([a, b], axis=1), 2, axis=0)
-    return source[emitted], share[emitted], np.repeat(owner, 2)[emitted]
-
-
-def _between(points: np.ndarray, source: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Points between pairs of points."""
-    return points[source[:, 0]] + weight[:, None] * (points[source[:, 1]] - points[source[:, 0]])

@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.errors import InputError, suggest
-from masonry_cd.model.blocks import Block, mass_properties
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import mass_properties
 from reports.modal.shapes import Shapes
 
 METHODS = ("continuum", "joints")

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.errors import InputError
-from masonry_cd.model.blocks import Block, mass_properties
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import mass_properties
 
 CLUSTER = 48  # blocks united at a time
 MERGE = 24  # united clusters united at a time

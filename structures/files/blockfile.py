@@ -21,7 +21,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.errors import InputError, parse_table, suggest
-from masonry_cd.model.blocks import Block, Faces, Polyhedron
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Faces, Polyhedron
 from structures.files import meshfile
 from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.convex import split

@@ -26,7 +26,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block, mass_properties
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import mass_properties
 from structures.files import foreign
 from structures.files.blockfile import METRES, sound
 from structures.files.meshfile import mended, placed

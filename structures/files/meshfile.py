@@ -20,7 +20,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from masonry_cd.errors import InputError
-from masonry_cd.model.blocks import Block, Faces, triangles
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Faces, triangles
 from structures.files import foreign, vtkfile
 from structures.geometry.compound_block import bent
 

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block, Faces, Polyhedron
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Faces, Polyhedron
 
 POLYHEDRON = 42  # VTK's number of this type of cell
 

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import numpy as np
 
 from masonry_cd.errors import InputError
-from masonry_cd.model.blocks import Block, Polyhedron, mass_properties
-from structures.geometry.overlap import Shells, overlapping_pairs
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Polyhedra, Polyhedron, area_vectors, mass_properties
+from masonry_cd.model.polygon import next_in_loop
+from structures.geometry.overlap import overlapping_pairs
 
 FLATNESS = 1e-5  # of faces and of convexity, relative to the size of the block
 OVERLAP = 1e-6  # depth, relative to the size of the smaller block
@@ -30,6 +33,23 @@ class Unsound(InputError):
         self.faulty, self.blocks = tuple(faulty), tuple(blocks)
 
 
+@dataclass(frozen=True, eq=False)
+class Shells:
+    """S polyhedra, the block of each (S,), and the diagonals of their bounding boxes (S,) [m]."""
+
+    flat: Polyhedra
+    owner: np.ndarray
+    size: np.ndarray
+
+    @classmethod
+    def of(cls, items: Sequence[tuple[int, Polyhedron]]) -> Shells:
+        """From pairs of a block's number and a polyhedron."""
+        flat = Polyhedra.of([shell for _, shell in items])
+        first = flat.vertex_start[:-1]
+        low, high = np.minimum.reduceat(flat.vertices, first), np.maximum.reduceat(flat.vertices, first)
+        return cls(flat, np.array([i for i, _ in items]), np.linalg.norm(high - low, axis=1))
+
+
 def check(blocks: Sequence[Block], source: str = "") -> None:
     """Check a structure.
 
@@ -40,7 +60,7 @@ def check(blocks: Sequence[Block], source: str = "") -> None:
     Raises:
         Unsound: one line that names the block, or the two blocks that overlap.
     """
-    with _told(blocks, source):
+    with _located(blocks, source):
         _check(blocks)
 
 
@@ -50,12 +70,12 @@ def check_shells(blocks: Sequence[Block], source: str = "") -> None:
     Raises:
         Unsound: one line that names the block.
     """
-    with _told(blocks, source):
+    with _located(blocks, source):
         _check_shells(blocks)
 
 
 @contextmanager
-def _told(blocks: Sequence[Block], source: str) -> Iterator[None]:
+def _located(blocks: Sequence[Block], source: str) -> Iterator[None]:
     """Put the source before the message of a fault, and the structure beside it."""
     try:
         yield
@@ -63,30 +83,28 @@ def _told(blocks: Sequence[Block], source: str) -> Iterator[None]:
         raise Unsound(f"{source}: {failure}" if source else str(failure), failure.faulty, blocks) from None
 
 
-def _check_shells(blocks: Sequence[Block]) -> tuple[Shells, np.ndarray, list[tuple[int, Polyhedron]]]:
-    """The shells of all blocks and, after these, of their parts: flat, with the owner of each, and as they are."""
+def _check_shells(blocks: Sequence[Block]) -> tuple[Shells, list[tuple[int, Polyhedron]]]:
+    """The shells of all blocks and, after these, of their parts: flat, and as they are with the block of each."""
     if not blocks:
         raise Unsound("structure: no blocks")
     _check_names(blocks)
     whole = [(i, _checked(Polyhedron(block.vertices, block.faces), block)) for i, block in enumerate(blocks)]
     parts = [(i, _checked(part, block)) for i, block in enumerate(blocks) for part in block.parts]
-    shells, owner = flatten(whole + parts)
-    _check_closed(blocks, shells, owner)
-    _check_faces(blocks, shells, owner)
-    _check_volume(blocks, shells, owner)
-    return shells, owner, whole + parts
+    shells = Shells.of(whole + parts)
+    _check_closed(blocks, shells)
+    _check_faces(blocks, shells)
+    _check_volume(blocks, shells)
+    return shells, whole + parts
 
 
 def _check(blocks: Sequence[Block]) -> None:
-    shells, owner, items = _check_shells(blocks)
-    whole, parts = items[: len(blocks)], items[len(blocks) :]
-    convex = np.array([not blocks[i].parts for i in owner[: len(whole)]] + [True] * len(parts))
-    _check_convex(blocks, shells, owner, convex)
-    if parts:
+    shells, items = _check_shells(blocks)
+    convex = np.array([not block.parts for block in blocks] + [True] * (len(items) - len(blocks)))
+    _check_convex(blocks, shells, convex)
+    if len(items) > len(blocks):
         _check_filled(blocks)
-        kept = [item for item, keep in zip(whole + parts, convex, strict=True) if keep]
-        shells, owner = flatten(kept)
-    _check_overlap(blocks, shells, owner)
+        shells = Shells.of([item for item, keep in zip(items, convex, strict=True) if keep])
+    _check_overlap(blocks, shells)
 
 
 def _check_names(blocks: Sequence[Block]) -> None:
@@ -123,58 +141,23 @@ def _checked(shell: Polyhedron, block: Block) -> Polyhedron:
     return shell
 
 
-def flatten(items: Sequence[tuple[int, Polyhedron]]) -> tuple[Shells, np.ndarray]:
-    """Put polyhedra into flat arrays; returns them and the owner (S,) of each."""
-    vertex_start = np.concatenate([[0], np.cumsum([len(shell.vertices) for _, shell in items])])
-    face_start = np.concatenate([[0], np.cumsum([len(shell.faces) for _, shell in items])])
-    loop_start = np.concatenate([[0], np.cumsum([len(face) for _, shell in items for face in shell.faces])])
-    local = np.array([i for _, shell in items for face in shell.faces for i in face], dtype=np.int64)
-    per_shell = np.diff(loop_start[face_start])
-    loops = local + np.repeat(vertex_start[:-1], per_shell)
-    vertices = np.concatenate([shell.vertices for _, shell in items]).astype(float)
-    low, high = np.minimum.reduceat(vertices, vertex_start[:-1]), np.maximum.reduceat(vertices, vertex_start[:-1])
-    size = np.linalg.norm(high - low, axis=1)
-    areas = _area_vectors(vertices, loops, loop_start)
-    length = np.linalg.norm(areas, axis=1, keepdims=True)
-    normals = np.divide(areas, length, out=np.zeros_like(areas), where=length > 0)
-    shells = Shells(vertices, vertex_start, loops, loop_start, face_start, normals, size)
-    return shells, np.array([i for i, _ in items])
-
-
-def _next(loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
-    """The successor of each loop entry within its face, (L,)."""
-    after = np.roll(loops, -1)
-    after[loop_start[1:] - 1] = loops[loop_start[:-1]]
-    return after
-
-
-def _area_vectors(vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
-    """Area times normal of each face, (F, 3) [m2], by Newell's sum about its first vertex."""
-    first = np.repeat(vertices[loops[loop_start[:-1]]], np.diff(loop_start), axis=0)
-    sweep = np.cross(vertices[loops] - first, vertices[_next(loops, loop_start)] - first)
-    return 0.5 * np.add.reduceat(sweep, loop_start[:-1])
-
-
-def _shell_of_face(shells: Shells) -> np.ndarray:
-    return np.repeat(np.arange(len(shells.size)), np.diff(shells.face_start))
-
-
-def _check_closed(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) -> None:
+def _check_closed(blocks: Sequence[Block], shells: Shells) -> None:
     """Each directed edge once, and its reverse once."""
-    after = _next(shells.loops, shells.loop_start)
-    total = len(shells.vertices)
-    edge, reverse = shells.loops * total + after, after * total + shells.loops
-    face_of = np.repeat(np.arange(len(shells.normals)), np.diff(shells.loop_start))
+    flat, owner = shells.flat, shells.owner
+    after = flat.loops[next_in_loop(flat.loop_start)]
+    total = len(flat.vertices)
+    edge, reverse = flat.loops * total + after, after * total + flat.loops
+    face_of = flat.face_of_entry()
     _, first, counts = np.unique(edge, return_index=True, return_counts=True)
     bad = np.concatenate([first[counts > 1], np.flatnonzero(~np.isin(edge, reverse))])
     if not len(bad):
         return
     entry = int(bad[0])
-    shell_of = _shell_of_face(shells)[face_of]
+    shell_of = flat.owner_of_face()[face_of]
     shell, faulty = int(shell_of[entry]), _names(blocks, owner[shell_of[bad]])
-    name, face = blocks[owner[shell]].name, int(face_of[entry] - shells.face_start[shell])
-    start = shells.vertex_start[shell]
-    ends = f"{shells.loops[entry] - start}-{after[entry] - start}"
+    name, face = blocks[owner[shell]].name, int(face_of[entry] - flat.face_start[shell])
+    start = flat.vertex_start[shell]
+    ends = f"{flat.loops[entry] - start}-{after[entry] - start}"
     if (counts > 1).any():
         raise Unsound(
             f'block "{name}": two faces run the same way along edge {ends}; one of them, such as face {face}, is reversed', faulty
@@ -182,41 +165,40 @@ def _check_closed(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) ->
     raise Unsound(f'block "{name}": open shell, edge {ends} of face {face} has no face on its other side', faulty)
 
 
-def _check_faces(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) -> None:
+def _check_faces(blocks: Sequence[Block], shells: Shells) -> None:
     """No face without area, none that is bent."""
-    shell = _shell_of_face(shells)
-    counts = np.diff(shells.loop_start)
-    points = shells.vertices[shells.loops]
-    first = np.repeat(points[shells.loop_start[:-1]], counts, axis=0)
-    area = np.linalg.norm(_area_vectors(shells.vertices, shells.loops, shells.loop_start), axis=1)
-    extent = np.maximum.reduceat(np.linalg.norm(points - first, axis=1), shells.loop_start[:-1])
+    flat, owner, shell = shells.flat, shells.owner, shells.flat.owner_of_face()
+    counts, points = np.diff(flat.loop_start), flat.vertices[flat.loops]
+    first = np.repeat(points[flat.loop_start[:-1]], counts, axis=0)
+    area = np.linalg.norm(area_vectors(flat.vertices, flat.loops, flat.loop_start), axis=1)
+    extent = np.maximum.reduceat(np.linalg.norm(points - first, axis=1), flat.loop_start[:-1])
     thin = area <= 0.5 * THIN * shells.size[shell] * extent
     if thin.any():
         face = int(np.flatnonzero(thin)[0])
-        number = face - shells.face_start[shell[face]]
+        number = face - flat.face_start[shell[face]]
         raise Unsound(
             f'block "{blocks[owner[shell[face]]].name}": face {number} is degenerate, its area is {area[face]:.3g} m2',
             _names(blocks, owner[shell[thin]]),
         )
-    off = np.abs(np.einsum("li,li->l", points - first, np.repeat(shells.normals, counts, axis=0)))
-    bent = np.maximum.reduceat(off, shells.loop_start[:-1])
+    off = np.abs(np.einsum("li,li->l", points - first, np.repeat(flat.normals, counts, axis=0)))
+    bent = np.maximum.reduceat(off, flat.loop_start[:-1])
     not_flat = bent > FLATNESS * shells.size[shell]
     if not_flat.any():
         face = int(np.argmax(bent / shells.size[shell]))
-        number = face - shells.face_start[shell[face]]
+        number = face - flat.face_start[shell[face]]
         raise Unsound(
             f'block "{blocks[owner[shell[face]]].name}": face {number} is not planar, a corner is {1e3 * bent[face]:.3g} mm off',
             _names(blocks, owner[shell[not_flat]]),
         )
 
 
-def _check_volume(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) -> None:
+def _check_volume(blocks: Sequence[Block], shells: Shells) -> None:
     """Positive volume: the faces point outwards."""
-    shell = _shell_of_face(shells)
-    areas = _area_vectors(shells.vertices, shells.loops, shells.loop_start)
-    inner = np.add.reduceat(shells.vertices, shells.vertex_start[:-1]) / np.diff(shells.vertex_start)[:, None]
-    reach = shells.vertices[shells.loops[shells.loop_start[:-1]]] - inner[shell]
-    volume = np.add.reduceat(np.einsum("fi,fi->f", areas, reach), shells.face_start[:-1]) / 3.0
+    flat, owner = shells.flat, shells.owner
+    areas = area_vectors(flat.vertices, flat.loops, flat.loop_start)
+    inner = np.add.reduceat(flat.vertices, flat.vertex_start[:-1]) / np.diff(flat.vertex_start)[:, None]
+    reach = flat.vertices[flat.loops[flat.loop_start[:-1]]] - inner[flat.owner_of_face()]
+    volume = np.add.reduceat(np.einsum("fi,fi->f", areas, reach), flat.face_start[:-1]) / 3.0
     if (volume <= 0).any():
         worst = int(np.flatnonzero(volume <= 0)[0])
         what = "its faces are reversed, they must run counter-clockwise seen from outside" if volume[worst] < 0 else "it has no volume"
@@ -233,30 +215,31 @@ def _check_filled(blocks: Sequence[Block]) -> None:
                 raise Unsound(f'block "{block.name}": its parts have {filled:.6g} m3, the block has {whole:.6g} m3', [block.name])
 
 
-def _check_convex(blocks: Sequence[Block], shells: Shells, owner: np.ndarray, wanted: np.ndarray) -> None:
+def _check_convex(blocks: Sequence[Block], shells: Shells, wanted: np.ndarray) -> None:
     """No vertex of a shell outside the plane of any of its faces."""
-    shell = _shell_of_face(shells)
+    flat, owner, shell = shells.flat, shells.owner, shells.flat.owner_of_face()
     faces = np.flatnonzero(wanted[shell])
-    counts = np.diff(shells.vertex_start)[shell[faces]]
+    counts = np.diff(flat.vertex_start)[shell[faces]]
     face = np.repeat(faces, counts)
     ends = np.cumsum(counts)
-    vertex = np.arange(ends[-1]) - np.repeat(ends - counts, counts) + shells.vertex_start[shell[face]]
-    on_face = shells.vertices[shells.loops[shells.loop_start[face]]]
-    above = np.einsum("ni,ni->n", shells.vertices[vertex] - on_face, shells.normals[face]) / shells.size[shell[face]]
+    vertex = np.arange(ends[-1]) - np.repeat(ends - counts, counts) + flat.vertex_start[shell[face]]
+    on_face = flat.vertices[flat.loops[flat.loop_start[face]]]
+    above = np.einsum("ni,ni->n", flat.vertices[vertex] - on_face, flat.normals[face]) / shells.size[shell[face]]
     worst = int(np.argmax(above))
     if above[worst] > FLATNESS:
         s = int(shell[face[worst]])
-        number, corner = face[worst] - shells.face_start[s], vertex[worst] - shells.vertex_start[s]
+        number, corner = face[worst] - flat.face_start[s], vertex[worst] - flat.vertex_start[s]
         raise Unsound(
             f'block "{blocks[owner[s]].name}": not convex, vertex {corner} lies outside face {number}; split it into convex blocks',
             _names(blocks, owner[shell[face[above > FLATNESS]]]),
         )
 
 
-def _check_overlap(blocks: Sequence[Block], shells: Shells, owner: np.ndarray) -> None:
+def _check_overlap(blocks: Sequence[Block], shells: Shells) -> None:
     """No two blocks in the same place."""
+    owner = shells.owner
     fixed = np.array([blocks[i].fixed for i in owner])
-    pairs, depths = overlapping_pairs(shells, owner, fixed, OVERLAP)
+    pairs, depths = overlapping_pairs(shells.flat, owner, fixed, OVERLAP * shells.size)
     if not len(depths):
         return
     deepest = int(np.argmax(depths))

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block, Faces, Polyhedron
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Faces, Polyhedron
 
 GRID = 1e-7  # corners of parts closer than this are one [m]
 

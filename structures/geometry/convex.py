@@ -16,7 +16,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block, Faces, Polyhedron, loop_normal, triangles
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Faces, Polyhedron, triangles
+from masonry_cd.model.polygon import clip, loop_normal, loop_planes
 from structures.geometry.checks import FLATNESS
 from structures.geometry.merge_coplanar import tidy
 from structures.geometry.prism import box
@@ -54,18 +56,12 @@ def split(block: Block) -> Block:
 
 def is_convex(block: Block) -> bool:
     """Whether no vertex lies outside the plane of any face, to the tolerance of :mod:`structures.geometry.checks`."""
-    normals, offsets = _planes([block.vertices[list(face)] for face in block.faces])
+    normals, offsets = loop_planes([block.vertices[list(face)] for face in block.faces])
     return bool((block.vertices @ normals.T - offsets).max() <= FLATNESS * _size(block))
 
 
 def _size(block: Block) -> float:
     return float(np.linalg.norm(np.ptp(block.vertices, axis=0)))
-
-
-def _planes(polygons: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Unit normals (n, 3) and offsets (n,) of the planes of polygons."""
-    normals = np.array([loop_normal(polygon) for polygon in polygons])
-    return normals, np.array([normal @ polygon.mean(axis=0) for normal, polygon in zip(normals, polygons, strict=True)])
 
 
 def _cells(block: Block, on: float) -> list[Cell]:
@@ -88,7 +84,7 @@ def _cells(block: Block, on: float) -> list[Cell]:
 
 def _best_plane(pieces: list[np.ndarray], on: float) -> tuple[np.ndarray, float]:
     """The plane of the piece that splits the fewest others; of equals, the one that leaves the halves most alike."""
-    normals, offsets = _planes(pieces)
+    normals, offsets = loop_planes(pieces)
     start = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
     heights = np.concatenate(pieces) @ normals.T - offsets  # (points, planes)
     above = np.maximum.reduceat(heights, start) > on
@@ -119,18 +115,8 @@ def _below(cell: Cell, normal: np.ndarray, offset: float, on: float) -> Cell | N
 
 
 def _polygon_below(polygon: np.ndarray, heights: np.ndarray, on: float) -> np.ndarray | None:
-    """What of a polygon (n, 3) lies below a plane (Sutherland & Hodgman); None where nothing does, or it lies in the plane."""
-    if heights.min() >= -on:
-        return None
-    if heights.max() <= on:
-        return polygon
-    kept = []
-    for p, q, a, b in zip(polygon, np.roll(polygon, -1, axis=0), heights, np.roll(heights, -1), strict=True):
-        if a <= on:
-            kept.append(p)
-        if (a < -on and b > on) or (a > on and b < -on):
-            kept.append(p + a / (a - b) * (q - p))
-    return np.array(kept)
+    """What of a polygon (n, 3) lies below a plane; None where nothing does, or it lies in the plane."""
+    return None if heights.min() >= -on else clip(polygon, -heights, on)
 
 
 def _numbered(points: np.ndarray, on: float) -> tuple[np.ndarray, np.ndarray]:

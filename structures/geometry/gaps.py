@@ -15,7 +15,9 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.model.blocks import Block, loop_normal
+from masonry_cd.contact.broad_phase import overlapping_boxes
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.polygon import clip, loop_area, loop_planes
 from structures.geometry.checks import Unsound
 
 ANGLE = 0.02  # [rad] faces at more than this to each other do not face each other
@@ -70,14 +72,9 @@ def close_gaps(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], 
 def _planes(blocks: Sequence[Block]) -> Planes:
     """The planes of all faces."""
     polygon = [block.vertices[list(face)].astype(float) for block in blocks for face in block.faces]
-    normal = np.array([loop_normal(corners) for corners in polygon])
-    offset = np.array([n @ corners.mean(axis=0) for n, corners in zip(normal, polygon, strict=True)])
-    area = np.array([_area(corners) for corners in polygon])
+    normal, offset = loop_planes(polygon)
+    area = np.array([loop_area(corners) for corners in polygon])
     return Planes(normal, offset, area, np.repeat(np.arange(len(blocks)), [len(block.faces) for block in blocks]), polygon)
-
-
-def _area(corners: np.ndarray) -> float:
-    return 0.5 * float(np.linalg.norm(np.cross(corners[1:-1] - corners[0], corners[2:] - corners[0]).sum(axis=0)))
 
 
 def _facing(blocks: Sequence[Block], planes: Planes, tolerance: float) -> Iterator[tuple[int, int]]:
@@ -85,15 +82,10 @@ def _facing(blocks: Sequence[Block], planes: Planes, tolerance: float) -> Iterat
     low = np.array([block.vertices.min(axis=0) for block in blocks]) - tolerance
     high = np.array([block.vertices.max(axis=0) for block in blocks]) + tolerance
     start = np.cumsum([0, *(len(block.faces) for block in blocks)])
-    order = np.argsort(low[:, 0], kind="stable")
-    for k, a in enumerate(order):
-        last = np.searchsorted(low[order, 0], high[a, 0], side="right")
-        for b in order[k + 1 : last]:
-            if (low[a] > high[b]).any() or (low[b] > high[a]).any():
-                continue
-            opposed = planes.normal[start[a] : start[a + 1]] @ planes.normal[start[b] : start[b + 1]].T < -np.cos(ANGLE)
-            for i, j in np.argwhere(opposed):
-                yield int(start[a] + i), int(start[b] + j)
+    for a, b in overlapping_boxes(np.hstack([low, high]), np.arange(len(blocks)), np.zeros(len(blocks), dtype=bool)):
+        opposed = planes.normal[start[a] : start[a + 1]] @ planes.normal[start[b] : start[b + 1]].T < -np.cos(ANGLE)
+        for i, j in np.argwhere(opposed):
+            yield int(start[a] + i), int(start[b] + j)
 
 
 def _near(planes: Planes, i: int, j: int, tolerance: float) -> bool:
@@ -120,20 +112,14 @@ def _hull(points: np.ndarray) -> np.ndarray:
 
 
 def _overlap(polygon: np.ndarray, window: np.ndarray) -> np.ndarray:
-    """A convex polygon (n, 2) cut by another (Sutherland & Hodgman); empty where they share no area."""
+    """What of a polygon (n, 2) lies in a convex one; empty where they share no area."""
     size = float(np.ptp(polygon, axis=0).max())
     for a, b in zip(window, np.roll(window, -1, axis=0), strict=True):
         inward = np.array([a[1] - b[1], b[0] - a[0]]) / max(float(np.linalg.norm(b - a)), 1e-300)
         depth = (polygon - a) @ inward
         if depth.max() <= 1e-6 * size:
             return np.zeros((0, 2))
-        kept = []
-        for p, q, f, g in zip(polygon, np.roll(polygon, -1, axis=0), depth, np.roll(depth, -1), strict=True):
-            if f >= 0.0:
-                kept.append(p)
-            if f * g < 0.0:
-                kept.append(p + f / (f - g) * (q - p))
-        polygon = np.array(kept)
+        polygon = clip(polygon, depth)
     return polygon
 
 

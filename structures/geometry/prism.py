@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.model.blocks import Faces
+from masonry_cd.model.geometry import Faces
+from masonry_cd.model.polygon import polygon_area
 
 
 def prism_xz(polygon: np.ndarray, y0: float, y1: float) -> tuple[np.ndarray, Faces]:
@@ -32,20 +33,6 @@ def prism_xz(polygon: np.ndarray, y0: float, y1: float) -> tuple[np.ndarray, Fac
 def rectangle(x0: float, x1: float, z0: float, z1: float) -> np.ndarray:
     """The corners (4, 2) of an upright rectangle [m]."""
     return np.array([[x0, z0], [x1, z0], [x1, z1], [x0, z1]])
-
-
-def polygon_area(polygon: np.ndarray) -> float:
-    """Signed area of a polygon (n, 2) [m2], positive when it runs counter-clockwise."""
-    x, z = (polygon - polygon[0]).T
-    return 0.5 * float(x @ np.roll(z, -1) - z @ np.roll(x, -1))
-
-
-def polygon_centroid(polygon: np.ndarray) -> np.ndarray:
-    """Centre of area (2,) of a polygon (n, 2) [m]."""
-    local = polygon - polygon[0]
-    after = np.roll(local, -1, axis=0)
-    weight = local[:, 0] * after[:, 1] - after[:, 0] * local[:, 1]
-    return polygon[0] + ((local + after) * weight[:, None]).sum(axis=0) / (3.0 * weight.sum())
 
 
 def prism(polygon: np.ndarray, axis: int, near: float, far: float) -> tuple[np.ndarray, Faces]:

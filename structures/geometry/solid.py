@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
+from masonry_cd.model.polygon import polygon_area
 from structures.geometry.gmsh_kernel import kernel
-from structures.geometry.prism import polygon_area
 
 Segment = tuple[tuple[float, float], tuple[float, float]]  # the two ends x, z of a joint [m]
 

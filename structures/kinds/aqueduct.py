@@ -24,8 +24,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
+from masonry_cd.model.polygon import polygon_centroid
 from structures.geometry.checks import check
-from structures.geometry.prism import box, polygon_centroid, prism_xz, rectangle
+from structures.geometry.prism import box, prism_xz, rectangle
 from structures.geometry.solid import cut
 from structures.layout import wall_plan
 from structures.layout.aqueduct_tier import LEAST_BED, Tier, feet, joints, outline

@@ -19,7 +19,8 @@ import numpy as np
 from pydantic import Field
 
 from masonry_cd.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block, Faces
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Faces
 from structures.geometry.checks import check
 from structures.geometry.prism import between, box
 from structures.layout import wall_plan

@@ -24,7 +24,8 @@ import numpy as np
 from pydantic import Field
 
 from masonry_cd.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block, Faces
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Faces
 from structures.geometry.checks import check
 from structures.geometry.compound_block import bent
 from structures.geometry.prism import between, box, prism_xz

@@ -18,7 +18,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block, Faces
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Faces
 from structures.geometry.compound_block import bent
 from structures.geometry.prism import between
 

@@ -1,0 +1,42 @@
+"""Finds the joints of an assembly: the contact points at rest of each pair of parts, where they span an area."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.joints import Joints
+from masonry_cd.model.polygon import loop_area
+from masonry_cd.model.state import State, rotation_matrices
+
+
+def find_joints(assembly: Assembly) -> Joints:
+    """The joints of an assembly as built: every pair of parts whose contact points at rest span an area."""
+    contacts, pieces, _ = _touching(assembly)
+    corners = [contacts.point[piece] for piece in pieces]
+    first = np.array([piece[0] for piece in pieces], dtype=np.int64)
+    return Joints(
+        block_a=contacts.bodies[first, 1].copy(),  # the normal points from the antagonist to the candidate
+        block_b=contacts.bodies[first, 0].copy(),
+        area=np.array([loop_area(loop) for loop in corners]),
+        normal=contacts.normal[first].copy(),
+        polygon_start=np.cumsum([0, *(len(piece) for piece in pieces)]),
+        polygon=np.concatenate(corners) if corners else np.zeros((0, 3)),
+    )
+
+
+def joint_parts(assembly: Assembly) -> np.ndarray:
+    """The two convex parts (J, 2) of each joint, in the order of :func:`find_joints`: compound blocks share several joints."""
+    contacts, pieces, pairs = _touching(assembly)
+    return pairs[contacts.pair[[piece[0] for piece in pieces]]].reshape(-1, 2)
+
+
+def _touching(assembly: Assembly) -> tuple[ContactSet, list[np.ndarray], np.ndarray]:
+    """The contacts at rest, the contacts of each pair of parts that spans an area, and the pairs of parts (P, 2)."""
+    state, detector = State.at_rest(assembly), Detector(assembly, corners_only=True)
+    still = np.zeros((assembly.count, 6))
+    contacts = detector.detect(state.position, rotation_matrices(state.orientation), still, 0.0, 0.0, np.zeros(3))
+    starts = np.flatnonzero(np.diff(contacts.pair, prepend=-1))
+    pieces = np.split(np.arange(contacts.count), starts[1:]) if contacts.count else []
+    return contacts, [piece for piece in pieces if len(piece) >= 3], detector.pairs
