@@ -26,7 +26,7 @@ from benchmarks.scenes import BenchScene, scene
 from masonry_cd.app import run_loop
 from masonry_cd.contact import detector, joints
 from masonry_cd.contact.joints import find_joints
-from masonry_cd.dynamics import impacts, islands, moreau_jean, step_kernels
+from masonry_cd.dynamics import impacts, islands, moreau_jean
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.friction import problem
 from masonry_cd.io import checkpoint
@@ -37,17 +37,14 @@ from masonry_cd.solvers import admm, interior, newton, nlgs
 PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: owner and attribute
     "broad phase": ((detector, "_list_holds"), (detector.Detector, "_rebuild")),
     "narrow phase": ((detector, "_look"), (detector, "_write_down")),
-    "motion": (
-        (moreau_jean, "rotation_matrices"), (step_kernels, "drift"), (step_kernels, "free_motion"), (step_kernels, "new_velocity"),
-        (step_kernels, "finish"), (step_kernels, "position_correction"),
-    ),
-    "contact rows": ((step_kernels, "contact_rows"),),
-    "impacts found": ((impacts, "_impacts"), (impacts, "_hand_over")),
+    "motion": ((moreau_jean, "predict"), (moreau_jean, "update")),
+    "contact rows": ((moreau_jean, "assemble"),),
+    "impacts found": ((impacts, "find_impacts"), (impacts, "carried_impulse")),
     "analysis": ((Pattern, "of"), (Pattern, "locate")),
     "iterations": ((nlgs, "nlgs_bodies"), (admm, "admm_bodies"), (newton, "linearised_bodies"), (interior, "linearised_bodies")),
     "error measure": ((problem, "error_bodies"),),
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
-    "energy": ((Stepper, "_balance"),),
+    "energy": ((moreau_jean, "account"),),
     "joints": ((run_loop, "measure_joints"), (joints.JointPeaks, "update")),
     "output": ((run_loop.Recorder, "step"), (run_loop.Recorder, "frame"), (run_loop.Recorder, "close")),
     "step, rest": ((Stepper, "step"),),

@@ -36,8 +36,8 @@ def pressed(speed_left: float, speed_right: float, stones: int = 1) -> Stepper:
 def test_the_least_closing_speed_is_half_of_what_the_jaws_close_by(left, right, jam):
     """Whatever the stone does, one of the jaws goes on closing at half of the sum of their speeds; a stone that can give way is no jam."""
     machine = pressed(left, right)
-    problem, _ = machine.friction_problem()
-    blocks = machine.contacts.bodies[machine.chosen]
+    made = machine.friction_problem()
+    problem, blocks = made.problem, made.rows.blocks
     found = find_jam(Closing(problem, blocks, int(np.argmin(problem.offset[:, 0])), max(abs(left), abs(right))))
     assert (found is not None) == (jam > 0.0)
     if found is not None:

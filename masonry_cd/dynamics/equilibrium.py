@@ -48,7 +48,7 @@ def _trial(stepper: Stepper) -> Stepper:
     """A stepper of the same blocks and plane that settles."""
     a, settings = stepper.assembly, stepper.settings
     own = {"dt": _step(stepper), "theta": 1.0, "tolerance": 1e-12, "max_iterations": None, "solver": "auto", "planar": False}
-    still, pull = stepper.resting_loads()
+    still, pull = stepper.system.loads.at_rest()
     damped = replace(a, laws=replace(a.laws, theta=np.ones_like(a.laws.theta)))
     return Stepper(damped, still, pull, settings.model_copy(update=own), stepper.state, plane=stepper.plane)
 
