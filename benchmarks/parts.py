@@ -23,7 +23,7 @@ from typing import Any
 from benchmarks.ours import stepper, warm_up
 from benchmarks.peers import head, numbers_of
 from benchmarks.scenes import BenchScene, scene
-from masonry_cd.app import run_loop
+from masonry_cd.app import recorder, run_loop
 from masonry_cd.contact import detector, joints
 from masonry_cd.contact.joints import find_joints
 from masonry_cd.dynamics import impacts, islands, moreau_jean
@@ -45,8 +45,8 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
     "error measure": ((problem, "error_bodies"),),
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
     "energy": ((moreau_jean, "account"),),
-    "joints": ((run_loop, "measure_joints"), (joints.JointPeaks, "update")),
-    "output": ((run_loop.Recorder, "step"), (run_loop.Recorder, "frame"), (run_loop.Recorder, "close")),
+    "joints": ((recorder, "measure_joints"), (joints.JointPeaks, "update")),
+    "output": ((recorder.Recorder, "step"), (recorder.Recorder, "frame"), (recorder.Recorder, "close")),
     "step, rest": ((Stepper, "step"),),
 }  # fmt: skip
 IMPACTS = " of impacts"  # added to the parts of the second solve of a step with impacts

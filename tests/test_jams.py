@@ -7,7 +7,8 @@ import pytest
 import scenes
 from models import box, gravity, ground, still
 
-from masonry_cd.app.run_loop import RunReport, run
+from masonry_cd.app.run_loop import run
+from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Run
 from masonry_cd.contact.joints import find_joints
 from masonry_cd.dynamics.moreau_jean import Stepper
