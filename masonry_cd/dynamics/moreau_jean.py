@@ -96,11 +96,16 @@ def solve(system: System, made: StepProblem, islands: Islands, number: int, watc
     bond = made.springs.bond
     if not bond.any():
         return _solve_cones(system, made, islands, number, watch)
-    shift = np.zeros_like(made.start.impulse)
-    shift[:, 0] = bond
-    start = replace(made.start, impulse=made.start.impulse + shift)
+    start = replace(made.start, impulse=_shifted(made.start.impulse, bond))
     solved = _solve_cones(system, replace(made, problem=pretensioned(made.problem, bond), start=start), islands, number, watch)
-    return replace(solved, solution=replace(solved.solution, impulse=solved.solution.impulse - shift))
+    return replace(solved, solution=replace(solved.solution, impulse=_shifted(solved.solution.impulse, -bond)))
+
+
+def _shifted(impulse: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Impulses (C, m) with other ones (C,) added on the normals."""
+    out = impulse.copy()
+    out[:, 0] += normal
+    return out
 
 
 def _solve_cones(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None) -> Solved:
