@@ -19,7 +19,8 @@ from pathlib import Path
 from benchmarks.ours import stepper
 from benchmarks.peers import head
 from benchmarks.scenes import BenchScene, scene
-from masonry_cd.app.run_loop import ROWS_AT_ONCE, run
+from masonry_cd.app.recorder import ROWS_AT_ONCE
+from masonry_cd.app.run_loop import run
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.io.results import ResultWriter
 

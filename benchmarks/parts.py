@@ -23,10 +23,10 @@ from typing import Any
 from benchmarks.ours import stepper, warm_up
 from benchmarks.peers import head, numbers_of
 from benchmarks.scenes import BenchScene, scene
-from masonry_cd.app import run_loop
+from masonry_cd.app import recorder, run_loop
 from masonry_cd.contact import detector
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics import impacts, islands, moreau_jean, step_kernels
+from masonry_cd.dynamics import impacts, islands, moreau_jean
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.friction import problem
 from masonry_cd.io import checkpoint
@@ -38,19 +38,16 @@ from masonry_cd.solvers import admm, interior, newton, nlgs
 PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: owner and attribute
     "broad phase": ((detector, "list_holds"), (detector.Detector, "_rebuild")),
     "narrow phase": ((detector, "update_pairs"), (detector, "write_contacts")),
-    "motion": (
-        (moreau_jean, "rotation_matrices"), (step_kernels, "drift"), (step_kernels, "free_motion"), (step_kernels, "new_velocity"),
-        (step_kernels, "finish"), (step_kernels, "position_correction"),
-    ),
-    "contact rows": ((step_kernels, "contact_rows"),),
-    "impacts found": ((impacts, "_impacts"), (impacts, "_hand_over")),
+    "motion": ((moreau_jean, "predict"), (moreau_jean, "update")),
+    "contact rows": ((moreau_jean, "assemble"),),
+    "impacts found": ((impacts, "find_impacts"), (impacts, "carried_impulse")),
     "analysis": ((Pattern, "of"), (Pattern, "locate")),
     "iterations": ((nlgs, "nlgs_bodies"), (admm, "admm_bodies"), (newton, "linearised_bodies"), (interior, "linearised_bodies")),
     "error measure": ((problem, "error_bodies"),),
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
-    "energy": ((Stepper, "_balance"),),
-    "joints": ((run_loop, "measure_joints"), (JointPeaks, "update")),
-    "output": ((run_loop.Recorder, "step"), (run_loop.Recorder, "frame"), (run_loop.Recorder, "close")),
+    "energy": ((moreau_jean, "account"),),
+    "joints": ((recorder, "measure_joints"), (JointPeaks, "update")),
+    "output": ((recorder.Recorder, "step"), (recorder.Recorder, "frame"), (recorder.Recorder, "close")),
     "step, rest": ((Stepper, "step"),),
 }  # fmt: skip
 IMPACTS = " of impacts"  # added to the parts of the second solve of a step with impacts

@@ -14,7 +14,6 @@ from scipy import sparse
 from benchmarks.ours import stepper
 from benchmarks.peers import environment, head, sitting
 from benchmarks.scenes import scene
-from masonry_cd.dynamics import step_kernels
 from masonry_cd.friction.problem import LocalProblem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 
@@ -44,9 +43,7 @@ def of_step(name: str, step: int) -> LocalProblem:
     machine = stepper(scene(name), step, planar=False)
     for _ in range(step - 1):
         machine.step()
-    state, settings = machine.state, machine.settings
-    step_kernels.drift(state.position, state.orientation, state.velocity, settings.dt * (1.0 - settings.theta))
-    return machine.friction_problem()[0].to_local()
+    return machine.friction_problem().problem.to_local()
 
 
 def save(problem: LocalProblem, path: Path) -> None:

@@ -100,11 +100,11 @@ def as_lmgc90(made, steps: int, tolerance: float) -> tuple[dict[str, np.ndarray]
         errors.append(machine.step().error)
         position.append(machine.state.position.copy())
         axes.append(rotation_matrices(machine.state.orientation).transpose(0, 2, 1))  # one axis per row
-        found, impulse = machine.contacts, machine.solution.impulse
+        found, impulse = machine.last.found, machine.solution.impulse
         frame = np.stack([found.normal, *tangents(found.normal)], axis=1)
         force = impulse_in(frame, found, impulse, machine) / made.dt
         out[f"icdbdy_{k}"], out[f"ianbdy_{k}"] = (found.bodies + 1).T
-        gap = np.where(found.gap > machine.closed_gap, found.gap, np.minimum(found.gap, 0.0))  # as the contact law saw it
+        gap = np.where(found.gap > machine.system.constants.closed, found.gap, np.minimum(found.gap, 0.0))  # as the contact law saw it
         out[f"coor_{k}"], out[f"gap_{k}"] = found.point.copy(), gap[:, None]
         out[f"uc_{k}"] = frame[:, [1, 0, 2]].reshape(-1, 9)
         out[f"rloc_{k}"], out[f"vloc_{k}"] = force[:, [1, 0, 2]], np.zeros((found.count, 3))
@@ -120,27 +120,12 @@ def tangents(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def impulse_in(frame: np.ndarray, found, impulse: np.ndarray, machine) -> np.ndarray:
     """Impulses in other axes: those of the solver are read off the Jacobian, whose rows are its axes on the candidate body."""
-    problem = machine.last_problem
+    problem = machine.last.problem
     side = (problem.bodies[:, 0] < 0).astype(int)
     own = problem.jacobian[np.arange(len(side)), side, :, :3] * np.where(side == 0, 1.0, -1.0)[:, None, None]
     return np.einsum("cij,ckj,ck->ci", frame, own, impulse)
 
 
-@pytest.fixture
-def remember_problems(monkeypatch):
-    """Let a stepper keep the friction problem of its last step."""
-    from masonry_cd.dynamics.moreau_jean import Stepper
-
-    build = Stepper.friction_problem
-
-    def kept(self):
-        self.last_problem, start = build(self)
-        return self.last_problem, start
-
-    monkeypatch.setattr(Stepper, "friction_problem", kept)
-
-
-@pytest.mark.usefixtures("remember_problems")
 def test_positions_and_forces_alone_give_back_the_error_of_each_step():
     made = tower(4)
     result, errors = as_lmgc90(made, 6, 1e-4)

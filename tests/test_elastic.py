@@ -335,7 +335,7 @@ def test_a_bond_holds_a_pull_up_to_its_strength_and_breaks_for_good(stiffness, t
             machine.step()
             highest = max(highest, machine.state.position[1, 2] - machine.assembly.centre[1, 2])
         heights.append(highest)
-        assert machine.springs.bonded.any() == (share < 1.0)
+        assert machine.motion.joints.bonded.any() == (share < 1.0)
     assert heights[0] <= 1.1 * strength / (stiffness or np.inf) + 1e-9
     assert heights[1] > 1e-4
 
@@ -355,8 +355,8 @@ def test_a_joint_bends_up_to_the_tensile_strength_at_its_edge(planar):
         settle(machine)
         for _ in range(steps):
             machine.step()
-        bonded.append(int(machine.springs.bonded.sum()))
-    assert bonded == [len(machine.chosen), 0]
+        bonded.append(int(machine.motion.joints.bonded.sum()))
+    assert bonded == [len(machine.last.active), 0]
 
 
 def test_a_joint_that_broke_rests_dry():
@@ -367,7 +367,7 @@ def test_a_joint_that_broke_rests_dry():
     pull[300:, 0] = 0.6 * GRAVITY
     machine = stepper(block(), steps, friction=0.5, joints={"default": JointLaw(normal_stiffness=1e9, cohesion=1e3)}, acceleration=pull)
     speed = history(machine, steps, 0)
-    assert not machine.springs.bonded.any()
+    assert not machine.motion.joints.bonded.any()
     assert speed[-1] - speed[-101] == pytest.approx(0.1 * (0.6 - 0.5) * GRAVITY, rel=0.01)
 
 
@@ -386,7 +386,7 @@ def test_a_mortar_wall_stays_bonded_through_a_shake_that_moves_a_dry_one():
             machine.step()
     moved = [np.abs((m.state.position - m.state.position[0]) - (m.assembly.centre - m.assembly.centre[0])).max() for m in (dry, mortar)]
     assert moved[0] > 1e-3 > 20 * moved[1]
-    assert mortar.springs.bonded.sum() == len(mortar.chosen)
+    assert mortar.motion.joints.bonded.sum() == len(mortar.last.active)
     for machine in (dry, mortar):
         assert abs(machine.energy["balance"]) < 1e-9 * (machine.energy["base_work"] + machine.energy["elastic"])
 
@@ -400,7 +400,7 @@ def test_a_resumed_stepper_goes_on_with_the_same_bits():
     settle(first)
     for _ in range(60):
         first.step()
-    assert 0 < first.springs.bonded.sum() < len(first.chosen)  # amid the breaking
+    assert 0 < first.motion.joints.bonded.sum() < len(first.last.active)  # amid the breaking
     saved = {name: array.copy() for name, array in first.snapshot().items()}
     second = stepper(wall(2, 3), steps, **make)
     second.restore(saved)

@@ -67,7 +67,7 @@ def test_solves_an_aqueduct_that_slides_as_a_whole() -> None:
     """The first step of the demo, at 0.24 g: neither ADMM nor Newton comes near."""
     case = prepare(read_scene(EXAMPLES / "aqueduct_sinusoidal.toml"))
     loading = case.loading
-    problem, _ = Stepper(case.assembly, loading.support_velocity, loading.acceleration, case.scene.run).friction_problem()
+    problem = Stepper(case.assembly, loading.support_velocity, loading.acceleration, case.scene.run).friction_problem().problem
     for other in ("admm", "newton"):
         assert natural_map_error(problem, SOLVERS[other](problem, Options(max_iterations=300), None).impulse) > 1e-5
     solution = solve(problem, Options(tolerance=1e-8), None)

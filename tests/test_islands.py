@@ -100,7 +100,8 @@ def test_hard_islands_are_solved_alone_until_they_meet_and_keep_what_was_learnt(
         return Solution(start.impulse, None, EASY + 1, memory=memory)
 
     machine = towers("broad", "slender", steps=1)  # blocks 0 to 2 and 3 to 5
-    apart, start = machine.friction_problem()
+    made = machine.friction_problem()
+    apart, start = made.problem, made.start
     bodies = apart.bodies.copy()
     bodies[np.flatnonzero((bodies == 3).any(axis=1) & (bodies == -1).any(axis=1))[0]] = [3, 2]
     touching = replace(apart, bodies=bodies)

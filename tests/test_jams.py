@@ -7,7 +7,8 @@ import pytest
 import scenes
 from models import box, gravity, ground, still
 
-from masonry_cd.app.run_loop import RunReport, run
+from masonry_cd.app.run_loop import run
+from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Run
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import Stepper
@@ -36,8 +37,8 @@ def pressed(speed_left: float, speed_right: float, stones: int = 1) -> Stepper:
 def test_the_least_closing_speed_is_half_of_what_the_jaws_close_by(left, right, jam):
     """Whatever the stone does, one of the jaws goes on closing at half of the sum of their speeds; a stone that can give way is no jam."""
     machine = pressed(left, right)
-    problem, _ = machine.friction_problem()
-    blocks = machine.contacts.bodies[machine.chosen]
+    made = machine.friction_problem()
+    problem, blocks = made.problem, made.rows.blocks
     found = find_jam(Closing(problem, blocks, int(np.argmin(problem.offset[:, 0])), max(abs(left), abs(right))))
     assert (found is not None) == (jam > 0.0)
     if found is not None:

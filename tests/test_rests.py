@@ -11,11 +11,12 @@ from test_runner import contents
 
 from loads.kinds.sequence import Pause, Shock
 from masonry_cd.app import run_loop
+from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Run
 from masonry_cd.app.time_step_checks import restless
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.pauses import Rests
+from masonry_cd.dynamics.pauses import Pauses
 from masonry_cd.io import checkpoint
 from masonry_cd.io.results import Results, ResultWriter
 from masonry_cd.model.blocks import Assembly
@@ -38,11 +39,11 @@ def shaken() -> Stepper:
     return Stepper(assembly, velocity, gravity(STEPS), Run(dt=DT, duration=STEPS * DT, solver="nlgs", tolerance=1e-9, checkpoint_every=0.0))
 
 
-def write(path: Path, machine: Stepper, pauses: tuple[Pause, ...] = PAUSES) -> run_loop.RunReport:
+def write(path: Path, machine: Stepper, pauses: tuple[Pause, ...] = PAUSES) -> RunReport:
     joints = find_joints(machine.assembly)
-    rests = Rests(machine.assembly, pauses, SHOCKS, STEPS)
+    rests = Pauses(machine.assembly, pauses, SHOCKS, STEPS)
     with ResultWriter(path, machine.assembly, joints) as writer:
-        return run_loop.run(machine, joints, writer, STEPS, 7, rests=rests)
+        return run_loop.run(machine, joints, writer, STEPS, 7, pauses=rests)
 
 
 def test_rests_end_when_all_is_still_and_nothing_else_changes(tmp_path: Path) -> None:
@@ -102,20 +103,20 @@ def test_a_sequence_resumes_to_the_same_bits(tmp_path: Path) -> None:
             raise Killed
 
     writer = ResultWriter(tmp_path / "run.h5", machine.assembly, joints)
-    rests = Rests(machine.assembly, PAUSES, SHOCKS, STEPS)
+    rests = Pauses(machine.assembly, PAUSES, SHOCKS, STEPS)
     with pytest.raises(Killed):
-        run_loop.run(machine, joints, writer, STEPS, 7, kill, saved, rests=rests)
+        run_loop.run(machine, joints, writer, STEPS, 7, kill, saved, pauses=rests)
     assert rests.quiet > 0
     writer.close()
-    machine, rests = shaken(), Rests(machine.assembly, PAUSES, SHOCKS, STEPS)
+    machine, rests = shaken(), Pauses(machine.assembly, PAUSES, SHOCKS, STEPS)
     with ResultWriter.resumed(tmp_path / "run.h5", checkpoint.load(saved)[1]["rows"]) as writer:
-        run_loop.run(machine, joints, writer, STEPS, 7, None, saved, resume=True, rests=rests)
+        run_loop.run(machine, joints, writer, STEPS, 7, None, saved, resume=True, pauses=rests)
     assert contents(tmp_path / "run.h5") == contents(tmp_path / "unbroken.h5")
 
 
 def test_what_has_fallen_may_roll_while_the_rest_is_still() -> None:
     assembly = Assembly.from_blocks([ground(), box("b", (0, 0, 0), (1, 1, 0.4)), box("c", (2, 0, 0), (3, 1, 0.4))], MU)
-    rests = Rests(assembly, (Pause(0, 100, 1e-3, 1, "s"),), (Shock("s", 0, 0),), 100)
+    rests = Pauses(assembly, (Pause(0, 100, 1e-3, 1, "s"),), (Shock("s", 0, 0),), 100)
     machine = Stepper(assembly, still(1), gravity(1), Run(dt=DT, duration=1.0))
     state = machine.state
     state.velocity[2] = [0.0, 0.0, 0.0, 0.1, 0.0, 0.0]

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from models import gravity, stepper, still, tower, wall
 
-from masonry_cd.app import run_loop
-from masonry_cd.app.run_loop import RunReport, run
+from masonry_cd.app import recorder, run_loop
+from masonry_cd.app.run_loop import run
+from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import JointLaw
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import ENERGIES, StepReport
@@ -105,7 +106,7 @@ def lines_until(limit: int, files: tuple[str, ...], reached: Callable[[int], Non
 
 def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path) -> int:
     """Run a body in a forked process, killed before so many lines of the files that write; return how many of them ran."""
-    files = (results.__file__, checkpoint.__file__, run_loop.__file__)
+    files = (results.__file__, checkpoint.__file__, recorder.__file__, run_loop.__file__)
     if (pid := os.fork()) == 0:
         number = counter.open("w")
 

@@ -8,7 +8,8 @@ from typing import get_args
 
 import pytest
 
-from masonry_cd.app.scene import Run, SolverName, dump_toml, read_scene
+from masonry_cd.app.scene import dump_toml, read_scene
+from masonry_cd.dynamics.settings import Run, SolverName
 from masonry_cd.errors import InputError
 from masonry_cd.solvers import SOLVERS
 

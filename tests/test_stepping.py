@@ -8,7 +8,7 @@ from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned,
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_loop import run
-from masonry_cd.app.scene import read_scene
+from masonry_cd.app.scene import JointLaw, read_scene
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper
 from masonry_cd.io.results import Results, ResultWriter
@@ -202,6 +202,32 @@ def test_the_same_seed_gives_the_same_bits():
         advance(machine, 60)
         ends.append(machine.state.position.tobytes() + machine.state.velocity.tobytes())
     assert ends[0] == ends[1] != ends[2]
+
+
+@pytest.mark.parametrize("law", [None, JointLaw(normal_stiffness=1e10, cohesion=2e4)], ids=["rigid", "mortar"])
+def test_asking_for_the_friction_problem_changes_nothing_and_a_step_keeps_what_was_before(law):
+    """A stepper that is asked before each step solves what it answered, and goes on to the bits of one that is not."""
+    joints = None if law is None else {"default": law}
+    asked, alone = (shaken_wall(30, joints=joints) for _ in range(2))
+    for _ in range(30):
+        before, held = snapshot(asked), asked.state
+        kept = held.copy()
+        answer = asked.friction_problem().problem
+        assert snapshot(asked) == before
+        asked.step()
+        alone.step()
+        for array in ("inverse_mass", "v_free", "bodies", "jacobian", "offset", "mu", "compliance"):
+            assert getattr(answer, array).tobytes() == getattr(asked.last.problem, array).tobytes()
+        assert (held.position == kept.position).all()
+        assert (held.velocity == kept.velocity).all()
+    assert answer.contacts > 0
+    assert answer.compliance.any() == (law is not None)
+    assert np.abs(asked.state.velocity[1:]).max() > 0.01
+    assert snapshot(asked) == snapshot(alone)
+
+
+def snapshot(machine: Stepper) -> dict[str, bytes]:
+    return {name: array.tobytes() for name, array in machine.snapshot().items()}
 
 
 def test_a_missed_tolerance_is_counted(tmp_path):

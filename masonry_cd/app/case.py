@@ -22,15 +22,15 @@ from masonry_cd.app.dump import FILES, Dump
 from masonry_cd.app.explain import left_out
 from masonry_cd.app.load_factor import joints_in_words, outcome, outcome_lines
 from masonry_cd.app.progress import Interrupt, Progress, in_words, length, said_if_slow
-from masonry_cd.app.run_loop import RunReport
 from masonry_cd.app.run_loop import run as run_steps
+from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Report, Run, Scene
 from masonry_cd.app.warmup import compile_kernels, keeps
 from masonry_cd.atomic import part_of, replacing
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.pauses import Rests
+from masonry_cd.dynamics.pauses import Pauses
 from masonry_cd.dynamics.planar import find_plane
 from masonry_cd.errors import InputError
 from masonry_cd.io import checkpoint
@@ -188,7 +188,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
 def _steps(case: Case, stepper: Stepper, folder: Path, interrupt: Interrupt, quiet: bool, resume: bool) -> RunReport:
     """Make the steps of a run and write result.h5."""
     settings, loading, saved = case.scene.run, case.loading, folder / checkpoint.NAME
-    rests = Rests(case.assembly, loading.pauses, loading.shocks, settings.steps) if loading.shocks else None
+    pauses = Pauses(case.assembly, loading.pauses, loading.shocks, settings.steps) if loading.shocks else None
     show = Progress(settings.steps, quiet)
 
     def progress(done: int) -> None:
@@ -196,7 +196,7 @@ def _steps(case: Case, stepper: Stepper, folder: Path, interrupt: Interrupt, qui
         interrupt.check()
 
     with _writer(case, folder / RESULTS, saved, resume) as writer, show:
-        return run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, rests)
+        return run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, pauses)
 
 
 def _write_rest(case: Case, folder: Path, report: RunReport, summary: dict[str, Any], since: float) -> dict[str, Any]:

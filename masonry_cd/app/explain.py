@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from masonry_cd.app.run_loop import RunReport
+from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Report, Scene
 from masonry_cd.dynamics.moreau_jean import Stepper
 

@@ -14,7 +14,6 @@ All quantities are in SI units.
 from __future__ import annotations
 
 import json
-import math
 import re
 import sys
 import tomllib
@@ -24,22 +23,11 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError, parse_table
-
-Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
-Count = Annotated[int, Strict()]
-Flag = Annotated[bool, Strict()]
-MOST_STEPS = 1e8  # of a run: more than years of computing, and gigabytes of loads
-SolverName = Literal["auto", "nlgs", "admm", "newton", "interior"]
-
-
-def _three_numbers(value: object) -> object:
-    """Say what is expected of a vector before pydantic speaks of tuples."""
-    if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 3:
-        return tuple(value)
-    raise ValueError("should be three numbers [x, y, z]")
+from masonry_cd.fields import Flag, Number, Table
 
 
 def _list_of_numbers(value: object) -> object:
@@ -49,11 +37,7 @@ def _list_of_numbers(value: object) -> object:
     raise ValueError("should be a list of numbers, [1.0, 2.5]")
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class JointLaw(_Table):
+class JointLaw(Table):
     """The law of a joint, a table ``[material.joints]`` or ``[material.joints.arch-base]``."""
 
     normal_stiffness: Annotated[Number, Field(gt=0)] | None = None
@@ -84,14 +68,14 @@ class JointLaw(_Table):
         return normal, self.tangential_stiffness or normal / 2.4
 
 
-class Material(_Table):
+class Material(Table):
     """The table ``[material]``."""
 
     density: Number
     """Of every block that brings none of its own [kg/m3]."""
     friction: Number | dict[str, Number]
     """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
-    joints: dict[str, JointLaw] = {}
+    joints: dict[str, JointLaw] = Field(default_factory=dict)
     """Laws of the joints by pair of groups, ``[material.joints.arch-base]``, and ``default``, which plain keys stand for. A joint
     without a law is rigid and dry."""
 
@@ -130,60 +114,7 @@ class Material(_Table):
         return {pair: float(mu) for pair, mu in pairs.items()} if isinstance(value, Mapping) else float(pairs[""])
 
 
-class Run(_Table):
-    """The table ``[run]``: time, solver and output."""
-
-    dt: Annotated[Number, Field(gt=0, le=0.1)]
-    """Time step [s]."""
-    duration: Annotated[Number, Field(gt=0)]
-    """How long to compute [s]."""
-    theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.5
-    """Of the Moreau-Jean step: 0.5 keeps the energy of a free motion, 1 damps it."""
-    solver: SolverName = "auto"
-    """Of the friction problem of each step."""
-    tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-8
-    """Natural map error that each step has to reach."""
-    max_iterations: Annotated[Count, Field(ge=1)] | None = None
-    """Iterations of each island after which a step counts as missed; the solver's own limit when not given."""
-    seed: Annotated[Count, Field(ge=0)] = 0
-    """Of the order in which contacts are swept."""
-    threads: Annotated[Count, Field(ge=1)] = 1
-    """Cores to use."""
-    frames_per_second: Annotated[Number, Field(gt=0)] = 50.0
-    """Frames written per second of the simulated time [1/s]."""
-    checkpoint_every: Annotated[Number, Field(ge=0)] = 10.0
-    """Time of the clock between two checkpoints [s]."""
-    planar: Flag = True
-    """Solve a scene that moves in its plane with half the contacts and three unknowns per block; the answer is the same."""
-    islands: Flag = True
-    """Solve by itself what touches the rest only through supports, and let it sleep while it rests; the answer is the same."""
-    settle: Flag = True
-    """Let elastic joints take up the weight before the run begins; else it comes upon them at once, and they swing."""
-    gravity: Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)] = (0.0, 0.0, -9.81)
-    """[m/s2]."""
-
-    @model_validator(mode="after")
-    def _at_least_a_step(self) -> Run:
-        if self.duration < self.dt:
-            raise ValueError(f"duration {self.duration:g} s is shorter than one step dt {self.dt:g} s")
-        if self.duration > MOST_STEPS * self.dt:
-            raise ValueError(
-                f"duration {self.duration:g} s takes {self.duration / self.dt:.2g} steps of dt {self.dt:g} s; at most {MOST_STEPS:g}"
-            )
-        return self
-
-    @property
-    def steps(self) -> int:
-        """Steps N that cover the duration."""
-        return math.ceil(self.duration / self.dt - 1e-6)
-
-    @property
-    def frame_every(self) -> int:
-        """Steps between two frames."""
-        return max(1, round(1.0 / (self.frames_per_second * self.dt)))
-
-
-class Report(_Table):
+class Report(Table):
     """The table ``[report]``: what is drawn after the run."""
 
     crack_map: Flag = False
@@ -198,7 +129,7 @@ class Report(_Table):
     """Smallest sliding of a joint that counts as slid [m]."""
     damage: Flag = False
     """Write the damage by part: damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json."""
-    grades: dict[str, Any] = {}
+    grades: dict[str, Any] = Field(default_factory=dict)
     """Thresholds and labels of the grades D0 to D5; checked by the room reports."""
     largest: Annotated[Number, Field(gt=0)] = 0.05
     """Where the last class of the crack map's colours begins [m]."""
@@ -219,15 +150,15 @@ class Report(_Table):
         return self.damage or self.crack_map or bool(self.times) or self.animation or self.html
 
 
-class _Tables(_Table):
+class _Tables(Table):
     """The top level of the file."""
 
     title: str | None = None
     structure: dict[str, Any]
     material: dict[str, Any]
-    loads: list[dict[str, Any]] = []
+    loads: list[dict[str, Any]] = Field(default_factory=list)
     run: dict[str, Any]
-    report: dict[str, Any] = {}
+    report: dict[str, Any] = Field(default_factory=dict)
 
     @field_validator("title")
     @classmethod

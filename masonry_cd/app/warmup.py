@@ -23,10 +23,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from masonry_cd.app.run_loop import run
-from masonry_cd.app.scene import JointLaw, Run, SolverName
+from masonry_cd.app.scene import JointLaw
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics import islands
 from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.dynamics.settings import Run, SolverName
 from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.io.results import ResultWriter
 from masonry_cd.jit import has_cache, kept

@@ -1,4 +1,4 @@
-"""Settling: elastic joints take up the weight before a run.
+"""Equilibrium: elastic joints take up the weight before a run.
 
 Implicit steps (theta = 1), long for the swing of a block on its joint, each from rest, with the supports held and the gravity of the first
 instant; ties and forces come with the run.
@@ -28,16 +28,16 @@ def settle(stepper: Stepper) -> int:
     if not assembly.laws.normal_stiffness.any():
         return 0
     trial = _trial(stepper)
-    begin, steps, sunk, moved, rests = trial.state.position.copy(), 0, 0.0, np.inf, False
-    while not rests and steps < STEPS and sunk <= SUNK * stepper.width:
+    begin, steps, sunk, moved, still = trial.state.position.copy(), 0, 0.0, np.inf, False
+    while not still and steps < STEPS and sunk <= SUNK * stepper.width:
         before, last = trial.state.position.copy(), moved
         trial.step()
         trial.halt()
         sunk = float(np.abs(trial.state.position - begin).max())
         moved = float(np.abs(trial.state.position - before).max())
-        rests = moved <= SETTLED * sunk or (moved <= ROUNDED * sunk and moved > 0.99 * last)
+        still = moved <= SETTLED * sunk or (moved <= ROUNDED * sunk and moved > 0.99 * last)
         steps += 1
-    if not rests:
+    if not still:
         block = assembly.names[int(np.abs(trial.state.position - begin).max(axis=1).argmax())]
         raise InputError(f'run.settle: block "{block}" does not come to rest under its weight; settle = false starts the run without')
     stepper.begin_from(trial, stepper.settings.dt / trial.settings.dt)
@@ -48,9 +48,9 @@ def _trial(stepper: Stepper) -> Stepper:
     """A stepper of the same blocks and plane that settles."""
     a, settings = stepper.assembly, stepper.settings
     own = {"dt": _step(stepper), "theta": 1.0, "tolerance": 1e-12, "max_iterations": None, "solver": "auto", "planar": False}
-    still, pull = stepper.resting_loads()
+    held, pull = stepper.system.loads.at_rest()
     damped = replace(a, laws=replace(a.laws, theta=np.ones_like(a.laws.theta)))
-    return Stepper(damped, still, pull, settings.model_copy(update=own), stepper.state, plane=stepper.plane)
+    return Stepper(damped, held, pull, settings.model_copy(update=own), stepper.state, plane=stepper.plane)
 
 
 def _step(stepper: Stepper) -> float:

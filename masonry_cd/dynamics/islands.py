@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,6 +38,15 @@ FULL = 400  # contacts
 FORCES, IMPACTS = "forces", "impacts"
 HARD = 2  # kind of an island; of others whether they are at rest
 LEARNT = "_tally"  # ends the names of what a solver learnt about its parameters; it outlives a change of the island
+
+
+class _Groups(NamedTuple):
+    """The G groups of a friction problem with C contacts."""
+
+    of_contact: np.ndarray  # (C,) group of each contact
+    first: np.ndarray  # (G,) first block of each
+    awake: np.ndarray  # those that are to be solved
+    tolerance: np.ndarray  # (G,) natural map error to which
 
 
 class Islands:
@@ -104,10 +114,11 @@ class Islands:
             return self._solve_whole(problem, options, start, kind)
         group, first = _groups(problem.bodies, self._root)
         residual, allowed, size = _measure(problem, start.impulse, options.tolerance, group, len(first))
-        tolerance, rests = allowed / np.where(size > 0.0, size, 1.0), residual <= allowed
+        at_rest = residual <= allowed
         if kind == FORCES:
-            rests &= self._asleep[first]
-        out = self._solve_awake(problem, options, start, kind, group, first, np.flatnonzero(~rests), tolerance)
+            at_rest &= self._asleep[first]
+        groups = _Groups(group, first, np.flatnonzero(~at_rest), allowed / np.where(size > 0.0, size, 1.0))
+        out = self._solve_awake(problem, options, start, kind, groups)
         blocks = np.bincount(self._root)
         self.sleeping = float(blocks[first[self._asleep[first]]].sum()) / len(self._root)
         return out
@@ -123,24 +134,21 @@ class Islands:
             self.sleeping = float(self._asleep[0])
         return out
 
-    def _solve_awake(
-        self, problem: FrictionProblem, options: Options, start: Solution, kind: str, group: np.ndarray, first: np.ndarray,
-        awake: np.ndarray, tolerance: np.ndarray,
-    ) -> Solution:  # fmt: skip
-        """Solve some groups, each to a tolerance of its own; the others keep the impulses of the start."""
-        number = np.full(len(self._root), -1)
+    def _solve_awake(self, problem: FrictionProblem, options: Options, start: Solution, kind: str, groups: _Groups) -> Solution:
+        """Solve the groups that are awake, each to a tolerance of its own; the others keep the impulses of the start."""
+        number, first = np.full(len(self._root), -1), groups.first
         number[first] = np.arange(len(first))
-        contacts, contact_start = _sorted(group, len(first))
+        contacts, contact_start = _sorted(groups.of_contact, len(first))
         blocks, block_start = _sorted(number[self._root], len(first))
         place, impulse, memory = np.empty(len(self._root), dtype=np.int64), start.impulse.copy(), self._memory[kind]
         hardest = Solution(impulse, None, 0, "as in the last step: converged")
-        for i in awake.tolist():
+        for i in groups.awake.tolist():
             own, members = contacts[contact_start[i] : contact_start[i + 1]], blocks[block_start[i] : block_start[i + 1]]
             place[members] = np.arange(len(members))
             name = int(first[i])
             velocity = None if start.velocity is None else start.velocity[members]
             begin = Solution(impulse[own], velocity, 0, memory=memory.get(name, {}))
-            solved = self.solver(problem.part(own, members, place), replace(options, tolerance=float(tolerance[i])), begin)
+            solved = self.solver(problem.part(own, members, place), replace(options, tolerance=float(groups.tolerance[i])), begin)
             impulse[own], memory[name] = solved.impulse, solved.memory
             self._hard[name] |= solved.iterations > EASY
             if kind == FORCES:

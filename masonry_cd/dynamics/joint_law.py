@@ -1,191 +1,250 @@
 r"""Elastic and bonded joints: springs that are implicit in the step, and bonds that break for good.
 
-**Springs.** A contact with a share A of its joint's area carries p_n = h k_n A (-g_w)+ and p_t = -h k_t A s_w, cut by Coulomb's cone.
-The gap g and the elastic slip s are taken at the place of the generalised midpoint rule, theta in [1/2, 1]. With states g^, s^ between
+**Springs.** A contact with a share A of its joint's area carries
+
+    p_n = h k_n A (-g_w)+,        p_t = -h k_t A s_w,        |p_t| <= mu p_n,
+
+with the gap g and the elastic slip s taken at the place of the generalised midpoint rule, theta in [1/2, 1]. With the states g^, s^ between
 two q_m,
 
     g^1 = g^0 + h (theta u+ + (1 - theta) u),        g_w = theta g^1 + (1 - theta) g^0,
 
-and s^ alike, less the plastic slip theta h w_t. Solved for the velocities u+ at the end of the step this is the contact law of the rigid
-joint about w = u + b + C p instead of u, with a = theta^2,
+and s^ alike, less the plastic slip theta h w_t (plasticity by this rule: Simo & Taylor, Int. J. Numer. Methods Eng. 22, 1986). Solved for
+the velocities u+ at the end of the step this is the contact law of the rigid joint about w = u + b + C p instead of u, with
 
-    C = 1 / (a h^2 k A),        b_n = (g^0 + theta (1 - theta) h u_n) / (a h),        b_t = (s^0 + theta (1 - theta) h u_t) / (a h),
+    C   = 1 / (theta^2 h^2 k A),
+    b_n = (g^0 + theta (1 - theta) h u_n) / (theta^2 h),
+    b_t = (s^0 + theta (1 - theta) h u_t) / (theta^2 h),
 
 so a stiffness limits no time step: for k -> infinity C vanishes. g^0 = g - (1 - theta) h u_n follows from the gap at q_m with its sign;
-s^0 is remembered, as a vector that turns with the antagonist (for plasticity by this rule: Simo & Taylor, Int. J. Numer. Methods Eng. 22,
-1986). theta = 1/2 is of second order and keeps the energy; above, a mode of circular frequency omega is damped by
-(2 theta - 1) omega h / 2, and one too stiff for the step dies out by (1 - theta) / theta per step.
+s^0 is remembered, as a vector that turns with the antagonist. theta = 1/2 is of second order and keeps the energy; above, a mode of
+circular frequency omega is damped by (2 theta - 1) omega h / 2, and one too stiff for the step decays by (1 - theta) / theta per step.
 
 A spring that is only just closing, g^0 > 0, takes theta = 1 on the normal: the average of an open and a closed state would give it energy
 that nobody put in. A stiff spring so lands without a bounce, like a rigid contact, and no spring bounces higher than it fell.
 
-**Bonds.** An intact contact of cohesion c carries |p_t| <= mu p_n + h c A: Coulomb's cone about the impulse p + h tau A n, tau = c / mu,
-and a pretension -h tau A n among the free forces. An interface with a contact whose tension has passed the tensile strength, or that
-slipped or parted, is broken from the next step on, all of it: a crack in brittle mortar is not stopped by the less area that is left. So a
-joint bends up to the tensile strength at its edge, and is dry then. Bonds are made at the start of a run where blocks touch, and never
-again: a contact that appears later takes the bond and the slip of the nearest contact of its interface, and where there is none it is dry.
+**Bonds.** An intact contact of cohesion c carries
+
+    |p_t| <= mu p_n + h c A:
+
+Coulomb's cone about the impulse p + h tau A n, tau = c / mu, and a pretension -h tau A n among the free forces. An interface with a contact
+whose tension has passed the tensile strength, or that slipped or parted, is broken from the next step on, all of it: a crack in brittle
+mortar is not stopped by the smaller area that is left. So a joint bends up to the tensile strength at its edge, and is dry then. Bonds are
+made at the start of a run where blocks touch, and never again: a contact that appears later takes the bond and the slip of the nearest
+contact of its interface, and where there is none it is dry.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from masonry_cd.dynamics.relative_velocity import of_bodies, of_both, of_supports
+from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.jit import entry, kernel
 from masonry_cd.model.materials import JointLaws
 
 AT_LIMIT = 1e-6  # an impulse this close to the cone, as a share of it, is on it
 
 
-def law_arrays(laws: JointLaws) -> np.ndarray:
-    """The tables of the laws, (6, G, G), for the kernels: k_n, k_t, tau, tensile strength, theta, and whether the law goes by area."""
-    tables = (laws.normal_stiffness, laws.tangential_stiffness, laws.apex, laws.tension, laws.theta, laws.by_area.astype(float))
-    return np.stack(tables)
+class JointLawArrays(NamedTuple):
+    """The joint laws between G groups, (G, G) each."""
+
+    normal_stiffness: np.ndarray  # k_n [N/m3]; 0: rigid
+    tangential_stiffness: np.ndarray  # k_t [N/m3]
+    apex: np.ndarray  # tau, tension at the tip of the cone [Pa]; 0: no bond
+    tension: np.ndarray  # tensile strength [Pa]
+    theta: np.ndarray  # of the spring over the step
+
+
+class JointMemory(NamedTuple):
+    """What the joints hand from step to step, by contact of the last set; one entry at least."""
+
+    slip: np.ndarray  # (K, 3) elastic slip in the frame of the antagonist [m]
+    bonded: np.ndarray  # (K,) bool: intact
+
+    @classmethod
+    def empty(cls, contacts: int) -> JointMemory:
+        """Contacts that are dry and have not slipped."""
+        return cls(np.zeros((max(1, contacts), 3)), np.zeros(max(1, contacts), dtype=np.bool_))
+
+
+class Springs(NamedTuple):
+    """The contacts of a friction problem whose law goes by area; C contacts with m rows each."""
+
+    area: np.ndarray  # (C,) [m2], that of mirror images in a plane included
+    elastic: np.ndarray  # (C,) bool
+    bonded: np.ndarray  # (C,) bool: intact in this step
+    bond: np.ndarray  # (C,) h tau A of intact contacts, else 0 [N s]
+    slip: np.ndarray  # (C, m - 1) elastic slip s^0 in the contact frame [m]
+    before: np.ndarray  # (C, m) relative velocity u at the beginning of the step [m/s]
+    compliance: np.ndarray  # (C, m) diagonal of C; 0: rigid
+    offset: np.ndarray  # (C, m) b [m/s]
+
+    @classmethod
+    def none(cls, problem: FrictionProblem) -> Springs:
+        """Contacts that are all rigid and dry."""
+        c, m = problem.contacts, problem.dimension
+        off = np.zeros(c, dtype=np.bool_)
+        return cls(np.zeros(c), off, off.copy(), np.zeros(c), np.zeros((c, m - 1)), np.zeros((c, m)), problem.compliance, problem.offset)
+
+    @property
+    def whole(self) -> np.ndarray:
+        """(C,) bool: the law holds for the impulse of the whole step, that of an impact included."""
+        return self.elastic | self.bonded
+
+
+def law_arrays(laws: JointLaws) -> JointLawArrays:
+    """The tables of the laws for the kernels."""
+    return JointLawArrays(laws.normal_stiffness, laws.tangential_stiffness, laws.apex, laws.tension, laws.theta)
 
 
 @entry()
-def spring_rows(
-    laws, chosen, blocks, group_of, point, gap, share, previous, frame, plane_axis, plane_at, closed, bonding, last_slip, last_bonded,
-    rotation, bodies, jacobian, v, support_old, support_new, support_of, step,
-    compliance, offset, area, elastic, bonded, bond, slip, before,
-):  # fmt: skip
-    """Fill C and b of the elastic contacts, and the arrays of ``springs.Springs``, see the head of this file.
+def load_springs(laws, found, rows, constants, rotation, before, support_after, memory, bonding, springs):
+    """Fill ``springs`` for the contacts whose law goes by area, see the head of this file.
 
-    ``bonding`` [m]: gaps up to which new contacts are bonded; negative after the start. ``v`` (B, n): velocities of the last step.
+    ``found``, ``rows``: FoundArrays and ContactRows of the step; rotations (B, 3, 3) at q_m; ``before``: Velocities at the beginning of
+    the step; velocities of the supports (S, 3) at its end; ``memory``: JointMemory of the last set; ``bonding``: gaps up to which new
+    contacts are bonded [m], negative after the first step.
     """
-    m, n = jacobian.shape[2], jacobian.shape[3]
+    bodies, supports, jacobian, frame, groups = rows.bodies, rows.supports, rows.jacobian, rows.frame, rows.groups
+    h, m = constants.step, rows.jacobian.shape[2]
     base = np.empty(m)
-    for c in range(chosen.shape[0]):
-        k, first, second = chosen[c], group_of[blocks[chosen[c], 0]], group_of[blocks[chosen[c], 1]]
-        if share[k] == 0.0:
+    for c in range(rows.active.shape[0]):
+        k, first, second = rows.active[c], groups[c, 0], groups[c, 1]
+        if found.area[k] == 0.0:
             continue
-        mirrored = plane_axis >= 0 and abs(point[k, plane_axis] - plane_at) > closed
-        area[c] = 2.0 * share[k] if mirrored else share[k]
-        if laws[2, first, second] > 0.0:
-            bonded[c] = last_bonded[previous[k]] if previous[k] >= 0 else gap[k] <= bonding
-        if bonded[c]:
-            bond[c] = step * laws[2, first, second] * area[c]
+        area = springs.area[c] = _whole_area(found.area, found.point, k, constants)
+        apex, k_n, k_t = laws.apex[first, second], laws.normal_stiffness[first, second], laws.tangential_stiffness[first, second]
+        old, gap = found.previous[k], found.gap[k]
+        if apex > 0.0:
+            springs.bonded[c] = memory.bonded[old] if old >= 0 else gap <= bonding
+        if springs.bonded[c]:
+            springs.bond[c] = h * apex * area
         for i in range(m):
-            before[c, i], base[i] = 0.0, 0.0
-            for side in range(2):
-                b, sign = bodies[c, side], 1.0 - 2.0 * side
-                if b >= 0:
-                    for j in range(n):
-                        before[c, i] += jacobian[c, side, i, j] * v[b, j]
-                else:
-                    s = support_of[blocks[k, side]]
-                    for d in range(3):
-                        before[c, i] += sign * frame[c, i, d] * support_old[s, d]
-                        base[i] += sign * frame[c, i, d] * support_new[s, d]
-        if laws[0, first, second] == 0.0:
+            springs.before[c, i] = of_both(bodies, supports, jacobian, frame, c, i, before.free, before.support, 0.0)
+            base[i] = of_supports(supports, frame, c, i, support_after, 0.0)
+        if k_n == 0.0:
             continue
-        elastic[c] = True
-        theta = laws[4, first, second]
-        start = gap[k] - (1.0 - theta) * step * before[c, 0]
-        if start > 0.0 and not bonded[c]:
-            compliance[c, 0] = 1.0 / (step * step * laws[0, first, second] * area[c])
-            offset[c, 0] = base[0] + gap[k] / step
+        springs.elastic[c] = True
+        theta, u = laws.theta[first, second], springs.before[c]
+        start = gap - (1.0 - theta) * h * u[0]
+        if start > 0.0 and not springs.bonded[c]:
+            springs.compliance[c, 0] = 1.0 / (h * h * k_n * area)
+            springs.offset[c, 0] = base[0] + gap / h
         else:
-            compliance[c, 0] = 1.0 / (theta * theta * step * step * laws[0, first, second] * area[c])
-            offset[c, 0] = base[0] + (start + theta * (1.0 - theta) * step * before[c, 0]) / (theta * theta * step)
+            springs.compliance[c, 0] = 1.0 / (theta * theta * h * h * k_n * area)
+            springs.offset[c, 0] = base[0] + (start + theta * (1.0 - theta) * h * u[0]) / (theta * theta * h)
         for i in range(1, m):
-            slip[c, i - 1] = 0.0
-            if previous[k] >= 0:
-                turn = rotation[blocks[k, 1]]
-                for d in range(3):
-                    held = (
-                        turn[d, 0] * last_slip[previous[k], 0]
-                        + turn[d, 1] * last_slip[previous[k], 1]
-                        + turn[d, 2] * last_slip[previous[k], 2]
-                    )
-                    slip[c, i - 1] += frame[c, i, d] * held
-            compliance[c, i] = 1.0 / (theta * theta * step * step * laws[1, first, second] * area[c])
-            offset[c, i] = base[i] + (slip[c, i - 1] + theta * (1.0 - theta) * step * before[c, i]) / (theta * theta * step)
+            slip = _remembered(memory.slip, old, rotation, rows.blocks[c, 1], frame, c, i) if old >= 0 else 0.0
+            springs.slip[c, i - 1] = slip
+            springs.compliance[c, i] = 1.0 / (theta * theta * h * h * k_t * area)
+            springs.offset[c, i] = base[i] + (slip + theta * (1.0 - theta) * h * u[i]) / (theta * theta * h)
+
+
+@kernel()
+def _whole_area(share, point, k, constants):
+    """Area that contact k of those found stands for [m2]: in a plane also that of its mirror image, where it is not its own."""
+    axis = constants.plane_axis
+    mirrored = axis >= 0 and abs(point[k, axis] - constants.plane_at) > constants.closed
+    return 2.0 * share[k] if mirrored else share[k]
+
+
+@kernel()
+def _remembered(last_slip, old, rotation, antagonist, frame, c, i):
+    """Slip of contact ``old`` of the last set along row i of contact c [m]: its vector has turned with the antagonist."""
+    slip = 0.0
+    for d in range(3):
+        held = (
+            rotation[antagonist, d, 0] * last_slip[old, 0]
+            + rotation[antagonist, d, 1] * last_slip[old, 1]
+            + rotation[antagonist, d, 2] * last_slip[old, 2]
+        )
+        slip += frame[c, i, d] * held
+    return slip
 
 
 @entry()
-def spring_update(
-    laws, chosen, blocks, group_of, pair, gap, frame, rotation, bodies, jacobian, v, offset, compliance, mu, impulse, support_new,
-    support_of, step, still, area, elastic, bonded, bond, slip, before,
-    new_slip, new_bonded, work,
-):  # fmt: skip
-    """Carry slips and bonds over the step: fill ``new_slip`` and ``new_bonded`` of all contacts.
+def unload_springs(laws, found, rows, constants, springs, rotation, after, impulse, still, memory):
+    """Carry slips and bonds over the step: fill ``memory``, a JointMemory of all contacts found.
 
-    Adds to ``work`` [J] what elastic contacts took from the blocks, what of that friction used up, and the energy of all springs after
-    and before the step. ``still`` [m/s] is the slip that counts as none when bonds are judged.
+    ``springs`` are those of the step, ``after`` the Velocities at its end, impulses (C, m) [N s]; ``still`` is the slip that counts as
+    none when bonds are judged [m/s].
+
+    Returns:
+        (4,) what elastic contacts took from the blocks, what of that friction used up, and the energy of all springs after and before the
+        step [J].
     """
-    contacts, m = chosen.shape[0], jacobian.shape[2]
-    u, w, slips = np.zeros((contacts, m)), np.zeros((contacts, m)), np.zeros(contacts, dtype=np.bool_)
+    bodies, supports, jacobian, frame, groups = rows.bodies, rows.supports, rows.jacobian, rows.frame, rows.groups
+    contacts, m = rows.active.shape[0], rows.jacobian.shape[2]
+    u, w, slips, work = np.zeros((contacts, m)), np.zeros((contacts, m)), np.zeros(contacts, dtype=np.bool_), np.zeros(4)
+    for c in range(contacts):
+        if springs.area[c] > 0.0:
+            for i in range(m):
+                u[c, i] = of_both(bodies, supports, jacobian, frame, c, i, after.free, after.support, 0.0)
+                w[c, i] = of_bodies(bodies, jacobian, c, i, after.free, springs.offset[c, i] + springs.compliance[c, i] * impulse[c, i])
+            reach = rows.mu[c] * (impulse[c, 0] + springs.bond[c])
+            slips[c] = _size(w[c, 1:]) > still and _size(impulse[c, 1:]) >= (1.0 - AT_LIMIT) * reach
     first = 0
     while first < contacts:  # interface by interface, whose contacts follow each other: they break together
         last, holds = first, True
-        while last < contacts and pair[chosen[last]] == pair[chosen[first]]:
-            if area[last] > 0.0:
-                side = blocks[chosen[last]]
-                _velocities(last, side, frame, bodies, jacobian, v, offset, compliance, impulse, support_new, support_of, u[last], w[last])
-                reach = mu[last] * (impulse[last, 0] + bond[last])
-                slips[last] = _size(w[last, 1:]) > still and _size(impulse[last, 1:]) >= (1.0 - AT_LIMIT) * reach
-                parts = w[last, 0] > still and impulse[last, 0] + bond[last] <= AT_LIMIT * bond[last]
-                strength = step * laws[3, group_of[side[0]], group_of[side[1]]] * area[last]
-                torn = -impulse[last, 0] > (1.0 + AT_LIMIT) * strength
-                if bonded[last] and (slips[last] or parts or torn):
-                    holds = False
+        while last < contacts and found.pair[rows.active[last]] == found.pair[rows.active[first]]:
+            if springs.bonded[last]:
+                strength = constants.step * laws.tension[groups[last, 0], groups[last, 1]] * springs.area[last]
+                holds = holds and not slips[last] and _holds(impulse[last, 0], springs.bond[last], strength, w[last, 0] > still)
             last += 1
         for c in range(first, last):
-            new_bonded[chosen[c]] = bonded[c] and holds
+            memory.bonded[rows.active[c]] = springs.bonded[c] and holds
         first = last
+    slip = np.empty(m - 1)
     for c in range(contacts):
-        if elastic[c]:
-            k = chosen[c]
-            law = laws[:, group_of[blocks[k, 0]], group_of[blocks[k, 1]]]
-            turn = rotation[blocks[k, 1]]
-            _spring(law, gap[k], area[c], mu[c], bond[c], bonded[c], new_bonded[k], slips[c], step, frame[c], turn, impulse[c], before[c],
-                    u[c], w[c], slip[c], new_slip[k], work)  # fmt: skip
+        if not springs.elastic[c]:
+            continue
+        k, area, theta = rows.active[c], springs.area[c], laws.theta[groups[c, 0], groups[c, 1]]
+        bonded, before, p = memory.bonded[k], springs.before[c], impulse[c]
+        k_n, k_t = laws.normal_stiffness[groups[c, 0], groups[c, 1]] * area, laws.tangential_stiffness[groups[c, 0], groups[c, 1]] * area
+        work[3] += _stored(k_n, found.gap[k] - (1.0 - theta) * constants.step * before[0], springs.bonded[c])
+        work[2] += _stored(k_n, found.gap[k] + theta * constants.step * u[c, 0], bonded)
+        work[0] -= 0.5 * p[0] * (before[0] + u[c, 0])
+        held, taken = _size(springs.slip[c]), 0.0
+        for i in range(1, m):
+            slip[i - 1] = springs.slip[c, i - 1] + constants.step * (theta * u[c, i] + (1.0 - theta) * before[i] - theta * w[c, i])
+            taken -= 0.5 * p[i] * (before[i] + u[c, i])
+        size, keeps = _size(slip), 1.0
+        if p[0] <= 0.0 and not bonded:
+            keeps = 0.0
+        elif slips[c] and size > 0.0:  # the state at the end of a slipping step is brought back to the cone
+            keeps = min(1.0, rows.mu[c] * (p[0] + springs.bond[c]) / (constants.step * k_t * size))
+        _remember(keeps, slip, rotation[rows.blocks[c, 1]], frame[c], memory.slip[k])
+        work[0] += taken
+        work[2] += 0.5 * k_t * (keeps * size) ** 2
+        work[3] += 0.5 * k_t * held**2
+        if slips[c]:
+            work[1] += taken - 0.5 * k_t * ((keeps * size) ** 2 - held**2)
+    return work
 
 
 @kernel()
-def _velocities(c, blocks, frame, bodies, jacobian, v, offset, compliance, impulse, support_new, support_of, u, w):
-    """Relative velocity u of a contact at the end of the step, and w = H v + b + C p."""
-    for i in range(u.shape[0]):
-        w[i] = offset[c, i] + compliance[c, i] * impulse[c, i]
-        for side in range(2):
-            b, sign = bodies[c, side], 1.0 - 2.0 * side
-            if b >= 0:
-                for j in range(v.shape[1]):
-                    u[i] += jacobian[c, side, i, j] * v[b, j]
-                    w[i] += jacobian[c, side, i, j] * v[b, j]
-            else:
-                for d in range(3):
-                    u[i] += sign * frame[c, i, d] * support_new[support_of[blocks[side]], d]
+def _holds(impulse, bond, strength, opens):
+    """Whether a bonded contact neither parts nor passes its tensile strength [N s] under a normal impulse."""
+    parts = opens and impulse + bond <= AT_LIMIT * bond
+    return not (parts or -impulse > (1.0 + AT_LIMIT) * strength)
 
 
 @kernel()
-def _spring(law, gap, area, mu, bond, was_bonded, is_bonded, slips, step, frame, turn, impulse, before, u, w, slip, new_slip, work):
-    """Slip and energy of one elastic contact at the end of the step; ``turn`` is the rotation of its antagonist."""
-    m, theta = u.shape[0], law[4]
-    start, stretch = gap - (1.0 - theta) * step * before[0], gap + theta * step * u[0]
-    if start < 0.0 or was_bonded:
-        work[3] += 0.5 * law[0] * area * start * start
-    if stretch < 0.0 or is_bonded:
-        work[2] += 0.5 * law[0] * area * stretch * stretch
-    work[0] -= 0.5 * impulse[0] * (before[0] + u[0])
-    held, taken = _size(slip), 0.0
-    for i in range(1, m):
-        slip[i - 1] += step * (theta * u[i] + (1.0 - theta) * before[i] - theta * w[i])
-        taken -= 0.5 * impulse[i] * (before[i] + u[i])
-    stiffness, size, keeps = law[1] * area, _size(slip), 1.0
-    if impulse[0] <= 0.0 and not is_bonded:
-        keeps = 0.0
-    elif slips and size > 0.0:  # the state at the end of a slipping step is brought back to the cone
-        keeps = min(1.0, mu * (impulse[0] + bond) / (step * stiffness * size))
-    for i in range(1, m):
-        for d in range(3):  # R^T of the antagonist
+def _stored(stiffness, stretch, bonded):
+    """Energy [J] of a spring of a stiffness [N/m]: one that is not bonded has none when it is open, stretch > 0 [m]."""
+    return 0.5 * stiffness * stretch * stretch if stretch < 0.0 or bonded else 0.0
+
+
+@kernel()
+def _remember(keeps, slip, turn, frame, out):
+    """Add to out (3,), in the frame of the antagonist with rotation ``turn`` (3, 3), a share of a slip along rows 1 and on of ``frame``."""
+    for i in range(slip.shape[0]):
+        for d in range(3):
             for e in range(3):
-                new_slip[d] += turn[e, d] * keeps * slip[i - 1] * frame[i, e]
-    work[0] += taken
-    work[2] += 0.5 * stiffness * (keeps * size) ** 2
-    work[3] += 0.5 * stiffness * held**2
-    if slips:
-        work[1] += taken - 0.5 * stiffness * ((keeps * size) ** 2 - held**2)
+                out[d] += turn[e, d] * keeps * slip[i] * frame[i + 1, e]
 
 
 @kernel()
@@ -198,9 +257,9 @@ def _size(x):
 
 
 @entry()
-def bonded_area(chosen, pair, pair_joint, area, bonded, total):
+def bonded_area(active, pair, pair_joint, area, bonded, total):
     """Add the area of intact contacts to ``total`` (J,) of their joints [m2]; ``bonded`` by contact of the set."""
-    for c in range(chosen.shape[0]):
-        joint = pair_joint[pair[chosen[c]]]
-        if joint >= 0 and bonded[chosen[c]]:
+    for c in range(active.shape[0]):
+        joint = pair_joint[pair[active[c]]]
+        if joint >= 0 and bonded[active[c]]:
             total[joint] += area[c]

@@ -101,17 +101,6 @@ def require(path: Path) -> None:
         raise InputError(f"{path}: {NOTHING}")
 
 
-def prefixed(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The same arrays under ``prefix/name``."""
-    return {f"{prefix}/{name}": array for name, array in arrays.items()}
-
-
-def part(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The arrays under ``prefix/``, without it."""
-    head = prefix + "/"
-    return {name.removeprefix(head): array for name, array in arrays.items() if name.startswith(head)}
-
-
 def _checksum(arrays: Mapping[str, np.ndarray], text: str) -> str:
     """SHA-256 of names, types, shapes and bytes of all arrays, and of the numbers as text."""
     digest = hashlib.sha256(text.encode())

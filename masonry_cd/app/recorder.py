@@ -1,0 +1,103 @@
+"""What a run writes down: scalars of every step, frames now and then, peaks of the joints, shocks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.contact.find_joints import joint_parts
+from masonry_cd.dynamics.energy import ENERGIES
+from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
+from masonry_cd.dynamics.pauses import Aftermath
+from masonry_cd.io.results import BONDED, JOINT_PEAKS, ResultWriter
+from masonry_cd.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
+
+ROWS_AT_ONCE = 256  # steps whose numbers are handed to the writer together
+STEP_FIELDS = (
+    "step_time", "load_step", "penetration", "solver/iterations", "solver/error", "solver/seconds", "solver/contacts",
+    *(f"energy/{name}" for name in ENERGIES),
+)  # fmt: skip
+NAME_BYTES = 160  # of a shock, in UTF-8: 40 letters of any script
+
+
+class Recorder:
+    """Writes what the run yields: scalars of every step, frames at the chosen rate, peaks of the joints."""
+
+    def __init__(self, writer: ResultWriter, stepper: Stepper, joints: Joints, shocks: bool = False) -> None:
+        self._writer, self._stepper, self._joints = writer, stepper, joints
+        self.frames = 0
+        self.peaks = JointPeaks(joints)
+        self._rows: list[tuple[float, ...]] = []  # of steps, not yet with the writer
+        self._tensions: list[np.ndarray] = []  # likewise
+        self._joint_of = {(a, b): j for j, (a, b) in enumerate(joint_parts(stepper.assembly).tolist())}
+        self._pairs: np.ndarray | None = None
+        self._pair_joint = np.empty(0, dtype=np.int64)
+        writer.extend({name: np.empty(0) for name in STEP_FIELDS})  # every dataset exists before the first flush
+        if len(stepper.tensions):
+            writer.extend({"ties/tension": np.empty((0, len(stepper.tensions)))})
+        if shocks:
+            writer.extend({f"shocks/{name}": rows[:0] for name, rows in self._aftermath(Aftermath("", 0.0, 0.0, 0)).items()})
+
+    def step(self, report: StepReport, load_step: int) -> JointMeasures:
+        """Record a step, which applied a step of the loads; return the measures of the joints after it."""
+        stepper = self._stepper
+        solver = (report.iterations, report.error, report.seconds, report.contacts)
+        self._rows.append((stepper.state.time, load_step, report.penetration, *solver, *(stepper.energy[name] for name in ENERGIES)))
+        self._tensions.append(stepper.tensions)
+        if len(self._rows) == ROWS_AT_ONCE:
+            self._to_writer()
+        now = measure_joints(self._joints, stepper.assembly, stepper.state)
+        self.peaks.update(now, stepper.state.time)
+        return now
+
+    def frame(self, now: JointMeasures) -> None:
+        """Write the state and the joints."""
+        state, writer = self._stepper.state, self._writer
+        writer.append({"time": state.time, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
+        writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
+        force, point = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
+        writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1], "joints/force_point": point})
+        if self._stepper.assembly.laws.apex.any():
+            writer.append({f"joints/{BONDED}": self._stepper.joint_bonds(self._joint_of_pairs(), self._joints)})
+        self.frames += 1
+
+    def shock(self, shock: Aftermath) -> None:
+        """Write when a shock acted, the frame at the end of its rest, and the peaks of the joints so far."""
+        self._writer.extend({f"shocks/{name}": rows for name, rows in self._aftermath(shock).items()})
+
+    def _aftermath(self, shock: Aftermath) -> dict[str, np.ndarray]:
+        """A row of each dataset of /shocks."""
+        row: dict[str, Any] = {"start": shock.start, "end": shock.end, "frame": shock.frame}
+        row |= {name: getattr(self.peaks, name) for name in JOINT_PEAKS}
+        name = np.array([shock.name.encode()], dtype=f"S{NAME_BYTES}")
+        return {"name": name} | {key: np.asarray(value)[None] for key, value in row.items()}
+
+    def flushed_rows(self) -> tuple[dict[str, int], str]:
+        """Write all that waits, and the peaks, to the disc; return how many rows each dataset now has, and their mark."""
+        self.close()
+        self._writer.sync()
+        return self._writer.rows(), self._writer.mark()
+
+    def close(self) -> None:
+        """Write the peaks and what waits in the buffers."""
+        self._to_writer()
+        self._writer.flush()
+        self._writer.write_peaks({name: getattr(self.peaks, name) for name in JOINT_PEAKS})
+
+    def _to_writer(self) -> None:
+        """Give the numbers of the last steps to the writer."""
+        if self._rows:
+            self._writer.extend(dict(zip(STEP_FIELDS, np.array(self._rows).T, strict=True)))
+            if len(self._tensions[0]):
+                self._writer.extend({"ties/tension": np.array(self._tensions)})
+            self._rows.clear()
+            self._tensions.clear()
+
+    def _joint_of_pairs(self) -> np.ndarray:
+        """The joint of each pair of the detector, -1 for pairs that are none; made anew when the list of pairs is."""
+        pairs = self._stepper.detector.pairs
+        if pairs is not self._pairs:
+            self._pair_joint = np.array([self._joint_of.get((a, b), -1) for a, b in pairs.tolist()], dtype=np.int64)
+            self._pairs = pairs
+        return self._pair_joint

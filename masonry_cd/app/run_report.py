@@ -1,0 +1,97 @@
+"""What a run did, step after step: for its closing lines and summary.json."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from masonry_cd.dynamics.energy import WORKS
+from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
+from masonry_cd.friction.infeasibility import find_jam, named
+
+DEEP = 0.01  # overlap from which on its blocks are named, as a share of the smallest width
+FASTER = 1.5  # times the closing speed that was last looked into: one that is looked into anew
+NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
+
+
+@dataclass
+class RunReport:
+    """What a run did, for its closing lines and summary.json."""
+
+    steps: int = 0
+    stepping_seconds: float = 0.0
+    contacts_mean: float = 0.0
+    contacts_max: int = 0
+    iterations_mean: float = 0.0
+    iterations_max: int = 0
+    error_mean: float = 0.0
+    error_max: float = 0.0
+    steps_as_before: int = 0  # steps that the impulses of the step before solved: no iteration
+    steps_missed: int = 0  # steps whose natural map error is above the tolerance
+    steps_apart: int = 0  # steps that solved impacts apart from forces
+    islands_mean: float = 0.0  # see dynamics/islands.py
+    islands_max: int = 0
+    sleeping_mean: float = 0.0  # share of the blocks that slept
+    penetration_max: float = 0.0  # [m]
+    penetration_where: str = ""  # in words, of one that is DEEP
+    steps_closing: int = 0  # steps missed that left a contact closing, so that overlaps grow
+    closing_max: float = 0.0  # fastest of them [m/s]
+    closing_seen: float = 0.0  # and of those that were looked into [m/s]
+    jam: str = ""  # in words, what leaves them no solution; empty where nothing is known to
+    energy: dict[str, float] = field(default_factory=dict)  # totals at the end [J]
+    balance_max: float = 0.0  # largest |balance| so far [J]
+    planar: bool = False
+    solver_reasons: dict[str, int] = field(default_factory=dict)  # how often each reason was given, # for its numbers
+    left_out: dict[str, int] = field(default_factory=dict)  # of the detection, see there
+    stopped: str = ""  # why the run ended early; empty when it did not
+    signal: int = 0  # the number of the one that stopped it
+
+    work_max: float = 0.0  # largest work of the base, gravity or forces, or kinetic energy, so far [J]
+
+    @property
+    def balance_error(self) -> float:
+        """Largest |balance| over the largest work done, or kinetic energy reached."""
+        return self.balance_max / self.work_max if self.work_max > 0 else 0.0
+
+    @property
+    def lift_share(self) -> float:
+        """Work of lifting blocks out of overlaps over the same: energy that the correction of positions puts in, beside the balance."""
+        return abs(self.energy.get("correction", 0.0)) / self.work_max if self.work_max > 0 else 0.0
+
+    def look(self, step: StepReport, stepper: Stepper) -> None:
+        """Name the blocks of a step that overlap most, and what leaves them no solution."""
+        assembly, time, closing = stepper.assembly, stepper.state.time, step.closing
+        if step.penetration > max(self.penetration_max, DEEP * stepper.width):
+            self.penetration_where = f"{named([assembly.names[b] for b in step.overlapping])} at {time:.4g} s"
+        if closing is not None and closing.speed > FASTER * self.closing_seen:
+            jam, self.closing_seen = find_jam(closing), closing.speed
+            self.jam = self.jam if jam is None else f"{jam.in_words(assembly)} at {time:.4g} s"
+
+    def add(self, step: StepReport, tolerance: float, energy: Mapping[str, float]) -> None:
+        """Take in one step and the energies after it."""
+        n = self.steps
+        self.steps += 1
+        self.stepping_seconds += step.seconds
+        self.contacts_mean += (step.contacts - self.contacts_mean) / (n + 1)
+        self.iterations_mean += (step.iterations - self.iterations_mean) / (n + 1)
+        self.error_mean += (step.error - self.error_mean) / (n + 1)
+        self.contacts_max = max(self.contacts_max, step.contacts)
+        self.iterations_max = max(self.iterations_max, step.iterations)
+        self.error_max = max(self.error_max, step.error)
+        self.penetration_max = max(self.penetration_max, step.penetration)
+        if step.closing is not None:
+            self.steps_closing += 1
+            self.closing_max = max(self.closing_max, step.closing.speed)
+        self.steps_as_before += step.iterations == 0 and step.contacts > 0
+        self.steps_missed += not step.error <= tolerance
+        self.steps_apart += step.apart
+        self.islands_mean += (step.islands - self.islands_mean) / (n + 1)
+        self.islands_max = max(self.islands_max, step.islands)
+        self.sleeping_mean += (step.sleeping - self.sleeping_mean) / (n + 1)
+        kind = NUMBER.sub("#", step.reason)  # like counts with like, and the dict stays small
+        self.solver_reasons[kind] = self.solver_reasons.get(kind, 0) + 1
+        self.energy = dict(energy)
+        works = (abs(energy[name]) for name in WORKS)
+        self.work_max = max(self.work_max, *works, energy["kinetic"])
+        self.balance_max = max(self.balance_max, abs(energy["balance"]))

@@ -1,0 +1,112 @@
+r"""Assemble: the friction problem of the contacts at q_m.
+
+Each contact has a frame of unit vectors n, t1, t2 and a row of H along each. On a block whose centre is at x, the row of a contact at X
+along t is
+
+    sign (t, (X - x) x t),        sign = +1 on the candidate, -1 on the antagonist,
+
+and the offset b holds the velocity of the supports and, on the normal, the gap over the step, max(g, 0) / h. In a plane a contact has the
+rows n and t1 only, and t1 lies in the plane. Elastic and bonded joints then put their law in, see ``joint_law.py``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.contact.detector import ContactSet
+from masonry_cd.dynamics.contact_arrays import ContactRows, FoundArrays
+from masonry_cd.dynamics.free_motion import Prediction
+from masonry_cd.dynamics.joint_history import with_springs
+from masonry_cd.dynamics.joint_law import Springs
+from masonry_cd.dynamics.step_problem import StepProblem
+from masonry_cd.dynamics.system import Motion, System
+from masonry_cd.friction.problem import FrictionProblem, Solution
+from masonry_cd.jit import entry, kernel
+
+
+def assemble(system: System, last: Motion, predicted: Prediction, found: ContactSet) -> StepProblem:
+    """The friction problem of the contacts found, and the impulses and velocities of the last step to start from."""
+    m, n = system.rows, len(system.blocks.columns)
+    room = ContactRows.room(found.count, m, n)
+    count = fill_rows(
+        FoundArrays.of(found), system.blocks, system.constants, predicted.state.position, predicted.loads.support_after,
+        system.assembly.friction, last.impulse, room,
+    )  # fmt: skip
+    rows = room.first(count)
+    rigid = FrictionProblem(
+        predicted.inverse_mass, predicted.v_free, rows.bodies, rows.jacobian, rows.offset, rows.mu, compliance=np.zeros((count, m))
+    )
+    start = Solution(rows.start, last.v, 0)
+    return with_springs(system, last, StepProblem(predicted, found, rows, Springs.none(rigid), rigid, start))
+
+
+@entry()
+def fill_rows(found, blocks, constants, position, support_velocity, friction, last_impulse, rows):
+    """Fill ``rows``, a ContactRows with room for all contacts found, as of rigid contacts; return how many the friction problem has.
+
+    Positions (B, 3) at q_m [m], velocities of the supports (S, 3) at the end of the step [m/s], coefficients of friction (G, G) by group,
+    impulses of all contacts of the last set (., m) [N s].
+
+    Gaps up to ``closed`` [m] count as closed: positions at rest carry rounding, and gaps of that size only keep contacts undecided.
+
+    In a plane only the contacts on one side of the middle plane count, moved into it: the others are their mirror images. The centroid of
+    a joint with an area lies in that plane and is its own image.
+    """
+    point, gap, area, previous = found.point, found.gap, found.area, found.previous
+    free_index, support_of, group_of, columns = blocks.free_index, blocks.support_of, blocks.group_of, blocks.columns
+    step, plane_axis, plane_at, closed = constants.step, constants.plane_axis, constants.plane_at, constants.closed
+    frames, jacobian, offset = rows.frame, rows.jacobian, rows.offset
+    m, n = jacobian.shape[2], jacobian.shape[3]
+    arm, row = np.empty(3), np.empty(6)
+    count = 0
+    for c in range(gap.shape[0]):
+        if plane_axis >= 0 and point[c, plane_axis] > plane_at + (closed if area[c] > 0.0 else 0.0):
+            continue
+        rows.active[count] = c
+        _frame(found.normal, c, plane_axis, frames, count)
+        for i in range(m):
+            offset[count, i] = 0.0
+            rows.start[count, i] = last_impulse[previous[c], i] if previous[c] >= 0 else 0.0
+        offset[count, 0] = gap[c] / step if gap[c] > closed else 0.0
+        for side in range(2):
+            block, sign = found.blocks[c, side], 1.0 - 2.0 * side
+            rows.blocks[count, side], rows.groups[count, side] = block, group_of[block]
+            rows.bodies[count, side], rows.supports[count, side] = free_index[block], support_of[block]
+            for d in range(3):
+                arm[d] = point[c, d] - position[block, d]
+            if plane_axis >= 0:
+                arm[plane_axis] = 0.0
+            x, y, z = arm[0], arm[1], arm[2]
+            for i in range(m):
+                tx, ty, tz = frames[count, i, 0], frames[count, i, 1], frames[count, i, 2]
+                row[0], row[1], row[2] = sign * tx, sign * ty, sign * tz
+                row[3], row[4], row[5] = sign * (y * tz - z * ty), sign * (z * tx - x * tz), sign * (x * ty - y * tx)
+                for j in range(n):
+                    jacobian[count, side, i, j] = row[columns[j]]
+                if free_index[block] < 0:
+                    s = support_of[block]
+                    offset[count, i] += sign * (tx * support_velocity[s, 0] + ty * support_velocity[s, 1] + tz * support_velocity[s, 2])
+        rows.mu[count] = friction[rows.groups[count, 0], rows.groups[count, 1]]
+        count += 1
+    return count
+
+
+@kernel()
+def _frame(normal, c, plane_axis, frames, at):
+    """Fill frames[at] with the rows n, t1, t2 of contact c.
+
+    In a plane t1 lies in it, t1 = e x n with e along ``plane_axis``. In space (-1) e is y, or x where n is nearly along y.
+    """
+    nx, ny, nz = normal[c, 0], normal[c, 1], normal[c, 2]
+    axis = plane_axis if plane_axis >= 0 else 1 if abs(ny) < 0.9 else 0
+    if axis == 0:
+        x, y, z = 0.0, -nz, ny
+    elif axis == 1:
+        x, y, z = nz, 0.0, -nx
+    else:
+        x, y, z = -ny, nx, 0.0
+    scale = 1.0 / np.sqrt(x * x + y * y + z * z)
+    x, y, z = scale * x, scale * y, scale * z
+    frames[at, 0, 0], frames[at, 0, 1], frames[at, 0, 2] = nx, ny, nz
+    frames[at, 1, 0], frames[at, 1, 1], frames[at, 1, 2] = x, y, z
+    frames[at, 2, 0], frames[at, 2, 1], frames[at, 2, 2] = ny * z - nz * y, nz * x - nx * z, nx * y - ny * x

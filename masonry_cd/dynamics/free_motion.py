@@ -1,0 +1,185 @@
+r"""Predict: the blocks at q_m, and the velocities that they would have at the end of the step without contact.
+
+    q_m    = q + h (1 - theta) v
+    v_free = v + h M^-1 f(q_m, v)
+
+with gravity, forces on single blocks and ties in f, and what an impact of the last step has left over. The free rotation keeps the angular
+momentum L and takes the inertia of the middle of the motion from q_m to the next q_m,
+
+    w = I(exp(h w / 2) q_m)^-1 L,
+
+the implicit midpoint rule, which is reversible, so that a tumbling block does not gain energy (Simo & Wong, Int. J. Numer. Methods Eng. 31,
+1991).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from masonry_cd.dynamics.system import Motion, StepLoads, System
+from masonry_cd.jit import entry, kernel
+from masonry_cd.model.state import State, rotation_matrices
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """The blocks at q_m, and their motion without contact."""
+
+    loads: StepLoads
+    state: State  # at q_m, with the velocities of the beginning of the step
+    rotation: np.ndarray  # (B, 3, 3) body to world, at q_m
+    inverse_mass: np.ndarray  # (F, n, n)
+    v_free: np.ndarray  # (F, n) [m/s, rad/s]
+    angular_momentum: np.ndarray  # (B, 3) with what forces and the carried impulse add [kg m2/s]
+    pull: float  # largest acceleration of a block by gravity and forces [m/s2]
+    tensions: np.ndarray  # (T,) of the ties [N]
+    force_impulse: np.ndarray | None = None  # (F, n) generalised impulse of the forces on single blocks
+    carried_impulse: np.ndarray | None = None  # (F, n) of the last step, as far as it is taken
+
+
+def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:
+    """Move the blocks to q_m, and find their free velocities."""
+    h, blocks, state = system.constants.step, system.blocks, last.state.copy()
+    drift(state.position, state.orientation, state.velocity, h * (1.0 - system.settings.theta))
+    rotation = rotation_matrices(state.orientation)
+    bodies, n = len(system.reach), len(blocks.columns)
+    inverse_mass, v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
+    free_velocity(blocks, rotation, state.velocity, last.angular_momentum, loads.acceleration, h, inverse_mass, v_free)
+    momentum = last.angular_momentum.copy()
+    free = Prediction(loads, state, rotation, inverse_mass, v_free, momentum, system.gravity, last.tensions)
+    return _with_carried_impulse(system, _with_forces(system, free), last.carried_impulse)
+
+
+def _with_forces(system: System, free: Prediction) -> Prediction:
+    """Add the impulses of the forces on single blocks."""
+    forces = system.loads.forces
+    if forces is None:
+        return free
+    now = (free.state.position, free.rotation, free.state.velocity)
+    wrench = forces.wrench(*now, free.loads.number)[system.free]
+    pull = system.gravity + float((np.linalg.norm(wrench[:, :3], axis=1) / system.assembly.mass[system.free]).max())
+    impulse = system.constants.step * wrench[:, system.blocks.columns]
+    pushed = _pushed(system, free, impulse, np.einsum("bij,bj->bi", free.inverse_mass, impulse))
+    return replace(pushed, pull=pull, tensions=forces.tensions(*now), force_impulse=impulse)
+
+
+def _with_carried_impulse(system: System, free: Prediction, carried: np.ndarray | None) -> Prediction:
+    """Add what an impact of the last step left over.
+
+    It is the weight of half a step at most. Where the impulses of the last step were those of a jam, self-balanced and of any size, the
+    part of them that is carried over must not become motion: no block gets more than gravity gives it in a step.
+    """
+    if carried is None:
+        return free
+    gain = np.einsum("bij,bj->bi", free.inverse_mass, carried)
+    turning = system.turning
+    speed = np.linalg.norm(gain[:, ~turning], axis=1) + np.linalg.norm(gain[:, turning], axis=1) * system.reach
+    share = np.minimum(1.0, free.pull * system.constants.step / np.maximum(speed, 1e-300))[:, None]
+    return replace(_pushed(system, free, share * carried, share * gain), carried_impulse=share * carried)
+
+
+def _pushed(system: System, free: Prediction, impulse: np.ndarray, gain: np.ndarray) -> Prediction:
+    """Add a generalised impulse (F, n) and the velocities that it gives (F, n)."""
+    momentum = free.angular_momentum.copy()
+    momentum[system.turning_axes] += impulse[:, system.turning]
+    return replace(free, v_free=free.v_free + gain, angular_momentum=momentum)
+
+
+# --- kernels ---------------------------------------------------------------------------------------------------------------
+
+
+@entry()
+def drift(position, orientation, velocity, time):
+    """Move positions (B, 3) and orientations (B, 4) in place with constant velocity (B, 6) for a time [s]; q <- exp(w t / 2) q."""
+    for b in range(position.shape[0]):
+        for d in range(3):
+            position[b, d] += time * velocity[b, d]
+        wx, wy, wz = velocity[b, 3], velocity[b, 4], velocity[b, 5]
+        speed = np.sqrt(wx * wx + wy * wy + wz * wz)
+        if speed == 0.0:
+            continue
+        half = 0.5 * time * speed
+        c, s = np.cos(half), np.sin(half) / speed
+        x, y, z = s * wx, s * wy, s * wz
+        qw, qx, qy, qz = orientation[b]
+        pw = c * qw - x * qx - y * qy - z * qz
+        px = c * qx + x * qw + y * qz - z * qy
+        py = c * qy + y * qw + z * qx - x * qz
+        pz = c * qz + z * qw + x * qy - y * qx
+        scale = 1.0 / np.sqrt(pw * pw + px * px + py * py + pz * pz)
+        orientation[b, 0], orientation[b, 1], orientation[b, 2], orientation[b, 3] = pw * scale, px * scale, py * scale, pz * scale
+
+
+@entry()
+def free_velocity(blocks, rotation, velocity, momentum, acceleration, step, inverse_mass, v_free):
+    """Fill M^-1 (F, n, n) and the velocities without contact (F, n) of the free blocks, see the head of this file.
+
+    Rotations (B, 3, 3) at q_m, velocities (B, 6), angular momenta (B, 3), one body acceleration (3,) [m/s2].
+    """
+    mass, inverse_inertia, free_index, columns = blocks.mass, blocks.inverse_inertia, blocks.free_index, blocks.columns
+    full = np.zeros((6, 6))
+    free = np.empty(6)
+    for b in range(rotation.shape[0]):
+        i = free_index[b]
+        if i < 0:
+            continue
+        for d in range(3):
+            full[d, d] = 1.0 / mass[b]
+            free[d] = velocity[b, d] + step * acceleration[d]
+        turned_tensor(rotation[b], inverse_inertia[b], full[3:, 3:])
+        _midpoint_rotation(full[3:, 3:], momentum[b], step, columns.shape[0] == 3, free[3:])
+        for j in range(columns.shape[0]):
+            v_free[i, j] = free[columns[j]]
+            for k in range(columns.shape[0]):
+                inverse_mass[i, j, k] = full[columns[j], columns[k]]
+
+
+@kernel()
+def _midpoint_rotation(inverse_inertia, momentum, step, planar, w):
+    """Solve w = I(exp(h w / 2) q_m)^-1 L for w (3,) by fixed point; about a fixed axis, as in a plane, I does not change.
+
+    ``inverse_inertia`` (3, 3) is that of the orientation q_m in the world frame, ``momentum`` (3,) is L.
+    """
+    for d in range(3):
+        w[d] = inverse_inertia[d, 0] * momentum[0] + inverse_inertia[d, 1] * momentum[1] + inverse_inertia[d, 2] * momentum[2]
+    if planar:
+        return
+    for _ in range(50):
+        speed = np.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+        if step * speed < 1e-14:
+            return
+        ax, ay, az = w[0] / speed, w[1] / speed, w[2] / speed
+        c, s = np.cos(0.5 * step * speed), np.sin(0.5 * step * speed)
+        lx, ly, lz = _turn(momentum[0], momentum[1], momentum[2], ax, ay, az, c, -s)  # L seen by the body as it is at q_m
+        bx = inverse_inertia[0, 0] * lx + inverse_inertia[0, 1] * ly + inverse_inertia[0, 2] * lz
+        by = inverse_inertia[1, 0] * lx + inverse_inertia[1, 1] * ly + inverse_inertia[1, 2] * lz
+        bz = inverse_inertia[2, 0] * lx + inverse_inertia[2, 1] * ly + inverse_inertia[2, 2] * lz
+        x, y, z = _turn(bx, by, bz, ax, ay, az, c, s)
+        change = abs(x - w[0]) + abs(y - w[1]) + abs(z - w[2])
+        w[0], w[1], w[2] = x, y, z
+        if change <= 1e-14 * speed:
+            return
+
+
+@kernel()
+def _turn(x, y, z, ax, ay, az, c, s):
+    """Rodrigues' rotation of (x, y, z) about the unit axis a by the angle with cosine c and sine s; three numbers."""
+    along = (1.0 - c) * (ax * x + ay * y + az * z)
+    return (
+        c * x + s * (ay * z - az * y) + along * ax,
+        c * y + s * (az * x - ax * z) + along * ay,
+        c * z + s * (ax * y - ay * x) + along * az,
+    )
+
+
+@kernel()
+def turned_tensor(r, tensor, out):
+    """Fill out (3, 3) with R T R^T."""
+    for i in range(3):
+        a0 = r[i, 0] * tensor[0, 0] + r[i, 1] * tensor[1, 0] + r[i, 2] * tensor[2, 0]
+        a1 = r[i, 0] * tensor[0, 1] + r[i, 1] * tensor[1, 1] + r[i, 2] * tensor[2, 1]
+        a2 = r[i, 0] * tensor[0, 2] + r[i, 1] * tensor[1, 2] + r[i, 2] * tensor[2, 2]
+        for j in range(3):
+            out[i, j] = a0 * r[j, 0] + a1 * r[j, 1] + a2 * r[j, 2]

@@ -1,0 +1,97 @@
+"""Overlaps of rigid contacts: a share of them is taken away in each step by moving the blocks, and what is left is reported.
+
+A penetration g < 0 is not pushed out through the velocity: that would feed energy. Each step moves the blocks by the least displacement dq
+in the norm of M that leaves
+
+    g + H_n dq >= -allowed,     or the gap with a share of its overlap taken off, where that is deeper,
+
+found by projected Gauss-Seidel on the normals alone. Velocities are not touched; what the blocks are lifted is booked as correction.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.dynamics.free_motion import drift
+from masonry_cd.dynamics.relative_velocity import of_bodies
+from masonry_cd.dynamics.step_problem import StepProblem
+from masonry_cd.dynamics.system import System
+from masonry_cd.friction.infeasibility import Closing
+from masonry_cd.jit import entry
+from masonry_cd.model.state import State
+
+OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone
+CORRECTED = 0.2  # share of what is beyond that which one step takes away
+SWEEPS = 20  # of Gauss-Seidel
+
+
+def correct_overlaps(system: System, made: StepProblem, state: State) -> np.ndarray | None:
+    """Take a share of the overlaps away by moving the blocks of a state, in place; return the shifts (B, 3) [m], None for none."""
+    rigid, allowed = made.rigid, OVERLAP * system.width
+    gap, problem = made.gap[rigid], made.problem
+    if gap.min(initial=0.0) > -allowed:
+        return None
+    if len(rigid) < problem.contacts:
+        problem = problem.subset(rigid)
+    shift = np.empty_like(problem.v_free)
+    lift(gap, problem.bodies, problem.jacobian, problem.inverse_mass, allowed, shift)
+    velocity = np.zeros_like(state.velocity)
+    velocity[np.ix_(system.free, system.blocks.columns)] = shift
+    before = state.position.copy()
+    drift(state.position, state.orientation, velocity, 1.0)
+    return state.position - before
+
+
+def deepest_overlap(made: StepProblem) -> tuple[float, tuple[int, int]]:
+    """The largest overlap of rigid contacts at q_m, at least 0 [m], and the two blocks; -1 where there are none."""
+    rigid = made.rigid
+    if not len(rigid):
+        return 0.0, (-1, -1)
+    gap = made.gap[rigid]
+    at = int(np.argmin(gap))
+    first, second = made.rows.blocks[rigid[at]].tolist()
+    return max(0.0, -float(gap[at])), (first, second)
+
+
+def still_closing(system: System, made: StepProblem, v: np.ndarray) -> Closing | None:
+    """The rigid contact that closes fastest at the end of a step, velocities (F, n), if the next ones do not take that away again."""
+    rigid = made.rigid
+    speed = -made.problem.relative_velocity(v)[rigid, 0]
+    if not speed.max(initial=0.0) * system.constants.step > OVERLAP * system.width:
+        return None
+    fastest = int(speed.argmax())
+    return Closing(made.problem.subset(rigid), made.rows.blocks[rigid], fastest, float(speed[fastest]))
+
+
+@entry()
+def lift(gap, bodies, jacobian, inverse_mass, allowed, shift):
+    """Fill the displacements ``shift`` (F, n) that take a share of the overlaps away, see the head of this file.
+
+    Gaps (C,) [m], bodies (C, 2), H (C, 2, m, n), M^-1 (F, n, n), and the overlap that is left alone [m].
+    """
+    contacts, n = gap.shape[0], inverse_mass.shape[1]
+    multiplier, compliance = np.zeros(contacts), np.zeros(contacts)
+    row = np.empty((contacts, 2, n))  # M^-1 H_n^T
+    for c in range(contacts):
+        for side in range(2):
+            b = bodies[c, side]
+            if b < 0:
+                continue
+            for j in range(n):
+                value = 0.0
+                for k in range(n):
+                    value += inverse_mass[b, j, k] * jacobian[c, side, 0, k]
+                row[c, side, j] = value
+                compliance[c] += jacobian[c, side, 0, j] * value
+    shift[:] = 0.0
+    for _ in range(SWEEPS):
+        for c in range(contacts):
+            wanted = gap[c] + CORRECTED * (-allowed - gap[c]) if gap[c] < -allowed else -allowed
+            moved = of_bodies(bodies, jacobian, c, 0, shift, gap[c])
+            step = max(-multiplier[c], (wanted - moved) / compliance[c])
+            multiplier[c] += step
+            for side in range(2):
+                b = bodies[c, side]
+                if b >= 0:
+                    for j in range(n):
+                        shift[b, j] += row[c, side, j] * step

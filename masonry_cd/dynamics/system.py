@@ -1,0 +1,158 @@
+"""What the phases of a step share: what is constant in a run, the loads of one step, and what one step hands to the next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.dynamics.block_forces import BlockForces
+from masonry_cd.dynamics.joint_law import JointLawArrays, JointMemory, law_arrays
+from masonry_cd.dynamics.planar import Plane, find_plane
+from masonry_cd.dynamics.settings import Run
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.state import State
+
+TOUCHING = 1e-8  # gaps up to this share of the smallest width count as closed
+
+
+class BlockArrays(NamedTuple):
+    """The blocks as the kernels read them: B blocks, F of them free, with n unknowns each."""
+
+    mass: np.ndarray  # (B,) [kg]
+    inertia: np.ndarray  # (B, 3, 3) body frame [kg m2]
+    inverse_inertia: np.ndarray  # (B, 3, 3)
+    free_index: np.ndarray  # (B,) place among the free blocks; -1: a support
+    support_of: np.ndarray  # (B,) prescribed motion of a support; -1: a free block
+    group_of: np.ndarray  # (B,)
+    columns: np.ndarray  # (n,) unknowns of a block among (vx, vy, vz, wx, wy, wz): all six in space, three in a plane
+
+
+class StepConstants(NamedTuple):
+    """Numbers that the kernels of every step need."""
+
+    step: float  # h [s]
+    plane_axis: int  # axis normal to the plane of a planar scene; -1: a scene in space
+    plane_at: float  # coordinate of the plane on that axis [m]
+    closed: float  # gaps up to this one count as closed [m]
+
+
+class StepLoads(NamedTuple):
+    """The loads of one step, from t_k to t_k+1, with S prescribed motions."""
+
+    number: int  # k + 1
+    support_before: np.ndarray  # (S, 3) velocities of the supports at t_k [m/s]
+    support_after: np.ndarray  # (S, 3) at t_k+1
+    acceleration: np.ndarray  # (3,) body acceleration, gravity included [m/s2]
+
+
+@dataclass(frozen=True, eq=False)
+class Loads:
+    """What acts in a run of N steps."""
+
+    support_velocity: np.ndarray  # (N + 1, S, 3) velocity of support motion s at t_k = k h [m/s]
+    acceleration: np.ndarray  # (N + 1, 3) body acceleration at t_k, gravity included [m/s2]
+    forces: BlockForces | None  # on single blocks
+
+    def of_step(self, k: int) -> StepLoads:
+        """The loads of the step from t_k on."""
+        before, after = self.support_velocity[k : k + 2]
+        return StepLoads(k + 1, before, after, self.acceleration[k + 1])
+
+    def at_rest(self) -> tuple[np.ndarray, np.ndarray]:
+        """Support velocities (N + 1, S, 3) of none, and body accelerations (N + 1, 3) whose first two are the first of the run."""
+        acceleration = self.acceleration.copy()
+        acceleration[1] = acceleration[0]
+        return np.zeros_like(self.support_velocity), acceleration
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """What is constant in a run. Build it with :meth:`of`."""
+
+    assembly: Assembly
+    settings: Run
+    loads: Loads
+    plane: Plane | None  # in which the scene moves; None: in space
+    free: np.ndarray  # (B,) bool
+    blocks: BlockArrays
+    constants: StepConstants
+    laws: JointLawArrays | None  # of elastic and bonded joints; None: all joints are rigid and dry
+    reach: np.ndarray  # (F,) farthest corner of each free block from its centre [m]
+    width: float  # of the thinnest free block [m]
+    gravity: float  # largest body acceleration of the run [m/s2]
+
+    @classmethod
+    def of(cls, assembly: Assembly, settings: Run, loads: Loads, plane: Plane | None) -> System:
+        """Collect what follows from the blocks and the settings."""
+        free = ~assembly.fixed
+        width = float(assembly.shapes.size[free[assembly.shapes.part_block]].min())
+        axis, at = (-1, 0.0) if plane is None else (plane.axis, float(plane.at))
+        blocks = BlockArrays(
+            mass=assembly.mass,
+            inertia=assembly.inertia,
+            inverse_inertia=np.linalg.inv(assembly.inertia),
+            free_index=np.where(assembly.fixed, -1, np.cumsum(free) - 1),
+            support_of=assembly.support_of,
+            group_of=assembly.group_of,
+            columns=np.arange(6) if plane is None else plane.columns,
+        )
+        return cls(
+            assembly=assembly,
+            settings=settings,
+            loads=loads,
+            plane=plane,
+            free=free,
+            blocks=blocks,
+            constants=StepConstants(float(settings.dt), axis, at, TOUCHING * width),
+            laws=law_arrays(assembly.laws) if assembly.laws.by_area.any() else None,
+            reach=assembly.reach[free],
+            width=width,
+            gravity=float(np.linalg.norm(loads.acceleration, axis=1).max()),
+        )
+
+    @property
+    def rows(self) -> int:
+        """Rows of a contact, m: 3 in space (normal, two tangents), 2 in a plane."""
+        return 3 if self.plane is None else 2
+
+    @property
+    def turning(self) -> np.ndarray:
+        """(n,) bool: which unknowns of a block are angular velocities."""
+        return self.blocks.columns >= 3
+
+    @property
+    def turning_axes(self) -> tuple[np.ndarray, ...]:
+        """Index of the components of the angular momenta (B, 3) that the unknowns of the free blocks change."""
+        return np.ix_(self.free, self.blocks.columns[self.turning] - 3)
+
+
+def plane_of(assembly: Assembly, state: State, settings: Run, loads: Loads) -> Plane | None:
+    """The plane in which a scene moves, where there is one and the settings want it looked for."""
+    if not settings.planar:
+        return None
+    return find_plane(assembly, state, loads.support_velocity, loads.acceleration, loads.forces)
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyBalance:
+    """The energies of a run so far, see ``energy.py``."""
+
+    totals: dict[str, float]  # by the names of ENERGIES [J]
+    begun: float  # energy at the start of the run, that of springs included from the first step on [J]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What one step hands to the next, beside what the detector and the solver remember."""
+
+    state: State
+    angular_momentum: np.ndarray  # (B, 3) of the free blocks [kg m2/s]
+    v: np.ndarray  # (F, n) velocities of the free blocks
+    impulse: np.ndarray  # (C, m) of all contacts of the last step, one row at least [N s]
+    carried_impulse: np.ndarray | None  # (F, n) generalised impulse that an impact leaves to the next step, see impacts.py
+    joints: JointMemory  # of elastic and bonded joints
+    tensions: np.ndarray  # (T,) of the ties, as applied in the last step [N]
+    energy: EnergyBalance
+    steps: int  # done so far
