@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from masonry_cd.app.scene import JointLaw
 from masonry_cd.model.blocks import Assembly, Block, Faces
+from masonry_cd.model.materials import JointLaw
 from structures.geometry.prism import box, prism_xz
 from structures.kinds import church as churches
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.app.scene import Report
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.damage.grades import read_grades
@@ -15,6 +14,7 @@ from reports.damage.joint_damage import Thresholds
 from reports.damage.part_damage import PartDamage, Settings, part_damage
 from reports.damage.part_files import BY_SHOCK, NAMES_OF_FILES, in_short, write_part_damage
 from reports.maps.crack_map import Look, framing, sheet_of
+from reports.settings import Report
 
 ANIMATION = "crack_map.gif"
 ENERGY = "energy.png"

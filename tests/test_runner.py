@@ -14,12 +14,12 @@ from models import gravity, stepper, still, tower, wall
 
 from masonry_cd.app import run_loop
 from masonry_cd.app.run_loop import RunReport, run
-from masonry_cd.app.scene import JointLaw
 from masonry_cd.contact.joints import find_joints
 from masonry_cd.dynamics.moreau_jean import ENERGIES, StepReport
 from masonry_cd.errors import InputError
 from masonry_cd.io import checkpoint, results
 from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.model.materials import JointLaw
 from reports.damage.joint_damage import bonds, joint_damage, write_joints_csv
 
 STEPS = 60

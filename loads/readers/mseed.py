@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from loads.readers.source import RawRecord, Request, Source
+from loads.readers.source import RawRecord, Reader, Request, Source
 from masonry_cd.errors import suggest
 
 
@@ -83,3 +83,6 @@ def _channel(source: Source, traces: list[Any], column: str | int | None) -> lis
         why = f'several channels are called "{column}"' if fitting else f'no channel "{column}"{suggest(word, names)}'
         raise source.error(f"{why}; {listed}")
     return [trace for trace in traces if trace.id == fitting[0]]
+
+
+FORMATS = {"mseed": Reader(recognises, read)}

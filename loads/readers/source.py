@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -98,6 +99,14 @@ class RawRecord:
     unit: str | None  # as written in the file
     name: str = ""  # of the column or component
     column: int | None = None  # its place in a table, counted from 0
+
+
+class Reader(NamedTuple):
+    """A format of record files."""
+
+    recognises: Callable[[Source], bool]
+    read: Callable[[Source, Request], RawRecord]
+    loose: bool = False  # recognises much, so that it is asked last
 
 
 def check_count(source: Source, values: np.ndarray, announced: int, index: int) -> None:

@@ -21,10 +21,10 @@ from masonry_cd.app import time_step_checks
 from masonry_cd.app.dump import FILES, Dump
 from masonry_cd.app.explain import left_out
 from masonry_cd.app.load_factor import joints_in_words, outcome, outcome_lines
-from masonry_cd.app.progress import Interrupt, Progress, in_words, length, said_if_slow
+from masonry_cd.app.progress import Interrupt, Progress, said_if_slow
 from masonry_cd.app.run_loop import RunReport
 from masonry_cd.app.run_loop import run as run_steps
-from masonry_cd.app.scene import Report, Run, Scene
+from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import compile_kernels, keeps
 from masonry_cd.atomic import part_of, replacing
 from masonry_cd.contact.joints import Joints, find_joints
@@ -32,6 +32,7 @@ from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.pauses import Rests
 from masonry_cd.dynamics.planar import find_plane
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.lock import locked
@@ -39,7 +40,9 @@ from masonry_cd.io.results import Results, ResultWriter
 from masonry_cd.jit import why_nothing_is_kept
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.state import State
+from masonry_cd.quantities import in_words, length
 from masonry_cd.solvers import cores
+from reports.settings import Report
 
 if TYPE_CHECKING:
     from loads import Loading

@@ -255,8 +255,8 @@ def report(
       masonry-cd report out/aqueduct --html --no-crack-map
     """
     with told():
-        from masonry_cd.app.scene import report_of
         from masonry_cd.io.results import Results
+        from reports.settings import report_of
 
         with Results.open(folder / "result.h5") as results:
             from masonry_cd.app import case
@@ -311,8 +311,8 @@ def export(
       masonry-cd export out/aqueduct --format pvd -o out/view
     """
     with told():
-        from masonry_cd.app.scene import report_of
         from masonry_cd.io.results import Results
+        from reports.settings import report_of
 
         with Results.open(folder / "result.h5") as results:
             from reports import outputs, paraview
@@ -364,7 +364,7 @@ def record(
     """
     with told():
         from loads.picture import file_picture
-        from masonry_cd.app.scene import parse_change
+        from masonry_cd.app.scene_text import parse_change
         from masonry_cd.errors import InputError
 
         if not file.exists():

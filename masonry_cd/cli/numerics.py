@@ -92,7 +92,7 @@ def solve(
       masonry-cd solve problem.hdf5 --solver admm --tolerance 1e-10 --json -o solution.npz
     """
     with told():
-        from masonry_cd.friction.files import solve_file
+        from masonry_cd.app.solve_file import solve_file
 
         found = solve_file(file, solver, tolerance, max_iterations, seed, output)
         if json_:

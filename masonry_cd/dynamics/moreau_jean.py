@@ -28,7 +28,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.app.scene import Run
 from masonry_cd.contact.detector import ContactSet, Detector
 from masonry_cd.contact.joints import Joints
 from masonry_cd.dynamics import step_kernels
@@ -37,6 +36,7 @@ from masonry_cd.dynamics.impacts import open_contacts, solve_apart
 from masonry_cd.dynamics.islands import Islands
 from masonry_cd.dynamics.joint_history import CREEP, JointSprings, Touching, pretensioned
 from masonry_cd.dynamics.planar import Plane, find_plane
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.friction.infeasibility import Closing
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.io.checkpoint import part, prefixed

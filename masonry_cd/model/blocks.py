@@ -15,9 +15,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from masonry_cd.app.scene import JointLaw
 from masonry_cd.errors import InputError
-from masonry_cd.model.materials import JointLaws, friction_table, joint_table
+from masonry_cd.model.materials import JointLaw, JointLaws, friction_table, joint_table
 
 Faces = tuple[tuple[int, ...], ...]
 NEXT, LAST = [1, 2, 0], [2, 0, 1]  # axes in cyclic order after x, y, z

@@ -48,6 +48,7 @@ from operator import itemgetter
 
 import numpy as np
 
+from masonry_cd.friction.local_blocks import contact_pattern
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
 from masonry_cd.linalg.ordering import FIELDS, Pattern
 from masonry_cd.linalg.team import together
@@ -221,9 +222,3 @@ def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, l
         options.tolerance, limit, (0,) * problem.dimension,
     )  # fmt: skip
     return Solution(impulse, None, iterations, _reason(error, options))
-
-
-def contact_pattern(indices: np.ndarray, indptr: np.ndarray) -> Pattern:
-    """The pattern of W, contact by contact."""
-    count = len(indptr) - 1
-    return Pattern.of(count, np.repeat(np.arange(count), np.diff(indptr)), indices, in_parts=False)

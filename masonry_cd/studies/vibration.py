@@ -23,10 +23,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from masonry_cd.app.scene import Run, Scene, read_scene
+from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.contact.joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Assembly
 from reports.modal.elastic_joints import joint_modes

@@ -22,13 +22,13 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.app.scene import Report, report_of
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.damage.joint_damage import displacement_max
 from reports.damage.macro_elements import WHOLE
 from reports.damage.part_damage import PartDamage
 from reports.deformed import base_shift, solids_of
+from reports.settings import Report, report_of
 
 MISSING = "–"
 

@@ -1,0 +1,74 @@
+"""The table ``[run]`` of a scene: time, solver and output."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from masonry_cd.fields import Count, Flag, Number, Table
+from masonry_cd.solvers import SolverName
+
+MOST_STEPS = 1e8  # of a run: more than years of computing, and gigabytes of loads
+
+
+def _three_numbers(value: object) -> object:
+    """Say what is expected of a vector before pydantic speaks of tuples."""
+    if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 3:
+        return tuple(value)
+    raise ValueError("should be three numbers [x, y, z]")
+
+
+class Run(Table):
+    """The table ``[run]``: time, solver and output."""
+
+    dt: Annotated[Number, Field(gt=0, le=0.1)]
+    """Time step [s]."""
+    duration: Annotated[Number, Field(gt=0)]
+    """How long to compute [s]."""
+    theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.5
+    """Of the Moreau-Jean step: 0.5 keeps the energy of a free motion, 1 damps it."""
+    solver: SolverName = "auto"
+    """Of the friction problem of each step."""
+    tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-8
+    """Natural map error that each step has to reach."""
+    max_iterations: Annotated[Count, Field(ge=1)] | None = None
+    """Iterations of each island after which a step counts as missed; the solver's own limit when not given."""
+    seed: Annotated[Count, Field(ge=0)] = 0
+    """Of the order in which contacts are swept."""
+    threads: Annotated[Count, Field(ge=1)] = 1
+    """Cores to use."""
+    frames_per_second: Annotated[Number, Field(gt=0)] = 50.0
+    """Frames written per second of the simulated time [1/s]."""
+    checkpoint_every: Annotated[Number, Field(ge=0)] = 10.0
+    """Time of the clock between two checkpoints [s]."""
+    planar: Flag = True
+    """Solve a scene that moves in its plane with half the contacts and three unknowns per block; the answer is the same."""
+    islands: Flag = True
+    """Solve by itself what touches the rest only through supports, and let it sleep while it rests; the answer is the same."""
+    settle: Flag = True
+    """Let elastic joints take up the weight before the run begins; else it comes upon them at once, and they swing."""
+    gravity: Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)] = (0.0, 0.0, -9.81)
+    """[m/s2]."""
+
+    @model_validator(mode="after")
+    def _at_least_a_step(self) -> Run:
+        if self.duration < self.dt:
+            raise ValueError(f"duration {self.duration:g} s is shorter than one step dt {self.dt:g} s")
+        if self.duration > MOST_STEPS * self.dt:
+            raise ValueError(
+                f"duration {self.duration:g} s takes {self.duration / self.dt:.2g} steps of dt {self.dt:g} s; at most {MOST_STEPS:g}"
+            )
+        return self
+
+    @property
+    def steps(self) -> int:
+        """Steps N that cover the duration."""
+        return math.ceil(self.duration / self.dt - 1e-6)
+
+    @property
+    def frame_every(self) -> int:
+        """Steps between two frames."""
+        return max(1, round(1.0 / (self.frames_per_second * self.dt)))
