@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field
 
 from masonry_cd.errors import parse_table
 from masonry_cd.fields import Flag, Number, Table
+from reports.extra import EXTRA
 
 
 def _list_of_numbers(value: object) -> object:
@@ -16,6 +17,15 @@ def _list_of_numbers(value: object) -> object:
     if isinstance(value, list):
         return tuple(value)
     raise ValueError("should be a list of numbers, [1.0, 2.5]")
+
+
+def _names_of_extra(value: object) -> object:
+    """Names of further reports, as a tuple."""
+    names = tuple(value) if isinstance(value, list) else ("",)
+    unknown = next((name for name in names if name not in EXTRA), None)
+    if unknown is not None:
+        raise ValueError(f"should be a list of names of {', '.join(EXTRA)}" + (f', "{unknown}" is none' if unknown else ""))
+    return names
 
 
 class Report(Table):
@@ -48,10 +58,13 @@ class Report(Table):
     html: Flag = False
     """Write report.html, a page that shows the run."""
 
+    extra: Annotated[tuple[str, ...], BeforeValidator(_names_of_extra)] = ()
+    """Further reports by name: "energy" draws energy.png, what was put in, where it went, the balance."""
+
     @property
     def asks(self) -> bool:
         """Whether anything is to be written beside joints.csv."""
-        return self.damage or self.crack_map or bool(self.times) or self.animation or self.html
+        return self.damage or self.crack_map or bool(self.times) or self.animation or self.html or bool(self.extra)
 
 
 def report_of(text: str, **changes: object) -> Report:

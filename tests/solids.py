@@ -10,6 +10,7 @@ from models import stepper
 
 import structures
 from masonry_cd.contact.joints import Joints
+from masonry_cd.gmsh_session import gmsh_session
 from masonry_cd.model.blocks import Assembly, Block
 from structures.geometry import gaps, prism
 from structures.layout import wall_plan

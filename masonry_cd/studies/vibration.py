@@ -84,7 +84,8 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
     Raises:
         InputError: a wrong option or scene, or a joint that is rigid.
     """
-    from masonry_cd.app.case import build_blocks, write_json
+    from masonry_cd.app.case import build_blocks
+    from masonry_cd.app.summary import write_json
 
     asked = parse_table(VibrationOptions, options, "modal")
     scene = read_scene(scene_path, changes)
