@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from benchmarks.ours import stepper
-from benchmarks.peers import head
 from benchmarks.scenes import BenchScene, scene
+from benchmarks.sitting import head
 from masonry_cd.app.run_loop import ROWS_AT_ONCE, run
 from masonry_cd.contact.joints import find_joints
 from masonry_cd.io.results import ResultWriter

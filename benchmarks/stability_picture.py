@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.stability import Outcome
+from benchmarks.stability_outcome import Outcome
 from reports.drawing.figure import COLOURS, FAINT, INK
 
 MEASURES = {"drift": "o", "penetration": "s", "balance": "^", "dissipation": "D"}

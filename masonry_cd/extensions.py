@@ -40,6 +40,9 @@ class Extensions(Mapping[str, Value], Generic[Value]):
         found: Value = getattr(import_module(f"{self._package}.{name}"), self._function)
         return found
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._modules()  # without importing it
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._modules())
 
