@@ -1,17 +1,28 @@
-"""Types of the values in a scene's tables, and the form that all these tables share. All quantities are in SI units."""
+"""Types of the keys of a scene file that several tables share, and the table that all of them build on."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Count = Annotated[int, Strict()]
 Flag = Annotated[bool, Strict()]
 
 
+def _three_numbers(value: object) -> object:
+    """Say what is expected of a vector before pydantic speaks of tuples."""
+    if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 3:
+        return tuple(value)
+    raise ValueError("should be three numbers [x, y, z]")
+
+
+Vector = Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)]
+
+
 class Table(BaseModel):
-    """A table of the scene file: unknown keys are refused, and nothing changes after reading."""
+    """A table of a scene file: it refuses keys that it does not know, and does not change."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)

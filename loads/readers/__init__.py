@@ -31,6 +31,8 @@ def read(source: Source, name: str, request: Request) -> tuple[str, RawRecord]:
     if name == "auto":
         strict_first = sorted(READERS.items(), key=lambda item: item[1].loose)
         found = next((key for key, reader in strict_first if reader.recognises(source)), None)
+        if found is None and not source.lines:
+            raise source.error("not a text file, nor a binary one of a format that is read")
         if found is None:
             raise source.error(f"not recognised as one of {', '.join(READERS)}; name the format by the key format")
         name = found

@@ -1,24 +1,16 @@
-"""The table ``[run]`` of a scene: time, solver and output."""
+"""The table ``[run]`` of a scene file: time, solver and output."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Annotated
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
-from masonry_cd.fields import Count, Flag, Number, Table
+from masonry_cd.fields import Count, Flag, Number, Table, Vector
 from masonry_cd.solvers import SolverName
 
 MOST_STEPS = 1e8  # of a run: more than years of computing, and gigabytes of loads
-
-
-def _three_numbers(value: object) -> object:
-    """Say what is expected of a vector before pydantic speaks of tuples."""
-    if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 3:
-        return tuple(value)
-    raise ValueError("should be three numbers [x, y, z]")
 
 
 class Run(Table):
@@ -50,7 +42,7 @@ class Run(Table):
     """Solve by itself what touches the rest only through supports, and let it sleep while it rests; the answer is the same."""
     settle: Flag = True
     """Let elastic joints take up the weight before the run begins; else it comes upon them at once, and they swing."""
-    gravity: Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)] = (0.0, 0.0, -9.81)
+    gravity: Vector = (0.0, 0.0, -9.81)
     """[m/s2]."""
 
     @model_validator(mode="after")

@@ -24,7 +24,7 @@ from masonry_cd.errors import InputError, parse_table, suggest
 from masonry_cd.model.blocks import Block, Faces, Polyhedron
 from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.convex import split
-from structures.geometry.merge_coplanar import tidy
+from structures.geometry.merge_coplanar import merge_coplanar
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -69,7 +69,7 @@ def sound(blocks: Sequence[Block], source: str) -> list[Block]:
     except RuntimeError as failure:
         raise Unsound(f"{source}: {failure}", [str(failure).split('"')[1]], blocks) from None
     check(parted, source)
-    return tidy(parted)
+    return merge_coplanar(parted)
 
 
 def read(path: Path, density: float) -> list[Block]:
@@ -84,7 +84,7 @@ def read(path: Path, density: float) -> list[Block]:
     """
     blocks = read_unchecked(path, density)
     check(blocks, path.name)
-    return tidy(blocks)
+    return merge_coplanar(blocks)
 
 
 def read_unchecked(path: Path, density: float) -> list[Block]:

@@ -14,7 +14,7 @@ from structures.files import blockfile, meshfile
 from structures.files.blockfile import METRES, sound
 from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.gaps import close_gaps
-from structures.geometry.merge_coplanar import tidy
+from structures.geometry.merge_coplanar import merge_coplanar
 from structures.schema import Length, is_file
 
 
@@ -53,7 +53,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
     if is_mesh:
         return sound(blocks, path.name), []
     check(blocks, path.name)
-    return tidy(blocks), []
+    return merge_coplanar(blocks), []
 
 
 def _from_mesh(keys: FileTable, path: Path, density: float) -> list[Block]:
