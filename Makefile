@@ -1,6 +1,7 @@
 # make setup   everything that the program needs, into .venv (and the system libraries of gmsh and VTK)
 # make demo    set-up, then the main job: an aqueduct under a sinusoidal load, to out/demo/crack_map.png
 # make test    set-up, then the tests
+# make check   set-up, then lint, format, types, and which room imports which
 # make test-portable   set-up, then the numerical tests with kernels compiled for other processors than this one: rounding differs there
 # make clean   drops what numba has compiled; old versions of kernels would stay else
 # A second run skips what is done. Another Python: make setup PYTHON=python3.13
@@ -9,7 +10,7 @@ PYTHON ?= python3
 VENV   := .venv
 STAMP  := $(VENV)/.installed
 DEMO   := out/demo/crack_map.png
-CODE   := $(wildcard masonry_cd/*.py masonry_cd/*/*.py structures/*.py loads/*.py loads/*/*.py reports/*.py reports/page/*)
+CODE   := $(wildcard masonry_cd/*.py masonry_cd/*/*.py structures/*.py loads/*.py loads/*/*.py reports/*.py reports/*/*.py structures/*/*.py reports/page/*)
 
 # Tests whose outcome could depend on rounding, and so on whether kernels multiply and add in one instruction
 NUMERICAL := $(patsubst %,tests/test_%.py,friction problem interior newton admm nlgs auto extreme_problems elastic_contacts stepping detection)
@@ -20,7 +21,7 @@ as         = NUMBA_CPU_NAME=$(1) NUMBA_CPU_FEATURES=$(2) NUMBA_CACHE_DIR=$(CURDI
 LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.so.1 libxft2:libXft.so.2 \
              libxinerama1:libXinerama.so.1 libgomp1:libgomp.so.1 libegl1:libEGL.so.1
 
-.PHONY: setup demo test test-portable clean libraries
+.PHONY: setup demo test check test-portable clean libraries
 .DELETE_ON_ERROR:
 
 setup: libraries $(STAMP)
@@ -32,6 +33,12 @@ demo: setup
 
 test: setup
 	$(VENV)/bin/python -m pytest
+
+check: setup
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+	$(VENV)/bin/mypy
+	$(VENV)/bin/lint-imports --no-logo
 
 # What is compiled is kept in .cache, so that a second run is quick.
 test-portable: setup

@@ -19,8 +19,8 @@ import numpy as np
 from scipy.optimize import nnls
 
 from benchmarks.ours import stepper, warm_up
-from benchmarks.peers import head
 from benchmarks.scenes import BenchScene, scene
+from benchmarks.sitting import head
 from masonry_cd.friction.problem import FrictionProblem, Solution
 from masonry_cd.solvers import Options, auto
 from masonry_cd.solvers.admm import Memory

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from benchmarks.ours import stepper
-from benchmarks.peers import head
 from benchmarks.scenes import BenchScene, scene
+from benchmarks.sitting import head
 from masonry_cd.app.recorder import ROWS_AT_ONCE
 from masonry_cd.app.run_loop import run
 from masonry_cd.contact.find_joints import find_joints

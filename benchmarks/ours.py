@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.scenes import GRAVITY, BenchScene, scene, tower
-from masonry_cd.app.scene import Run
 from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.solvers import SOLVERS
 
 

@@ -21,8 +21,8 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.ours import stepper, warm_up
-from benchmarks.peers import head, numbers_of
 from benchmarks.scenes import BenchScene, scene
+from benchmarks.sitting import head, numbers_of
 from masonry_cd.app import recorder, run_loop
 from masonry_cd.contact import detector
 from masonry_cd.contact.find_joints import find_joints

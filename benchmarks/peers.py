@@ -16,12 +16,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import platform
-import subprocess
-import sys
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -29,9 +24,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks.lmgc90_error import judge
-from benchmarks.scenes import BenchScene, scene
+from benchmarks.problem_files import files_command
+from benchmarks.scenes import scene
+from benchmarks.sitting import head, run_lmgc90, run_ours, sitting
 
-HERE = Path(__file__).parent
 DEFAULT = ("arch27", "tower50", "wall10x10", "arcade3", "arcade50", "wall40x25")
 
 
@@ -55,46 +51,6 @@ class Rows:
     def ms(self) -> np.ndarray:
         """Medians over the runs: of the first step, of the median and of the mean step, (3,) [ms]."""
         return np.array([np.median(self.first), np.median(self.median), np.median(self.mean)])
-
-
-def environment(threads: int) -> dict[str, str]:
-    """The environment of every process: so many threads for whatever it calls."""
-    return os.environ | {name: str(threads) for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")}
-
-
-def run_lmgc90(python: str, made: BenchScene, steps: int, seconds: float, folder: Path) -> dict[str, np.ndarray]:
-    """Step a scene with LMGC90 in its own Python.
-
-    Raises:
-        RuntimeError: it failed; the last line that it wrote.
-    """
-    made.write(folder / "scene.json", steps)
-    command = [python, str(HERE / "lmgc90.py"), str(folder / "scene.json"), str(folder / "lmgc90.npz"), "--seconds", str(seconds)]
-    _call(command, "LMGC90", folder)
-    with np.load(folder / "lmgc90.npz") as file:
-        return dict(file)
-
-
-def run_ours(name: str, steps: int, solver: str, tolerance: float, extra: Sequence[str] = ()) -> dict[str, Any]:
-    """Step a scene with masonry_cd in a process of its own; the fields of ``ours.Measured``."""
-    return numbers_of("benchmarks.ours", [name, "--steps", str(steps), "--solver", solver, "--tolerance", str(tolerance), *extra])
-
-
-def numbers_of(module: str, arguments: Sequence[str]) -> dict[str, Any]:
-    """What a benchmark of ours prints with ``--json``, run in a process of its own.
-
-    Raises:
-        RuntimeError: it failed; the last line that it wrote.
-    """
-    out = _call([sys.executable, "-m", module, *arguments, "--json"], "masonry_cd", HERE.parent)
-    return dict(json.loads(out.splitlines()[-1]))
-
-
-def _call(command: list[str], who: str, folder: Path) -> str:
-    done = subprocess.run(command, cwd=folder, env=environment(1), capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise RuntimeError(f"{who}: {(done.stderr.strip() or 'failed without a word').splitlines()[-1]}")
-    return done.stdout
 
 
 def compare(name: str, given: argparse.Namespace) -> dict[str, Rows]:
@@ -129,11 +85,6 @@ def compare(name: str, given: argparse.Namespace) -> dict[str, Rows]:
     return rows
 
 
-def head(*cells: str) -> str:
-    """The first two lines of a Markdown table."""
-    return f"| {' | '.join(cells)} |\n|{'---|' * len(cells)}"
-
-
 HEAD = head(
     *("scene", "blocks", "steps", "program", "contacts", "iterations", "ms: first step", "median", "mean"),
     *("ratio: first", "median", "mean", "error: median", "largest", "missed"),
@@ -152,12 +103,6 @@ def table_lines(name: str, rows: dict[str, Rows]) -> list[str]:
         cells += [f"{x['error_median']:.1e}", f"{x['error_max']:.1e}", x.get("missed", "")]
         lines.append("| " + " | ".join(map(str, cells)) + " |")
     return lines
-
-
-def sitting() -> str:
-    """The machine and its load, for the record."""
-    load = ", ".join(f"{x:.1f}" for x in os.getloadavg())
-    return f"{os.cpu_count()} cores, load {load}; Python {platform.python_version()}; one thread each"
 
 
 def scenes_command(given: argparse.Namespace) -> None:
@@ -183,8 +128,6 @@ def scenes_command(given: argparse.Namespace) -> None:
 
 def main() -> None:
     """The command line, see the head of this file."""
-    from benchmarks.problem_files import files_command
-
     parser = argparse.ArgumentParser(description="masonry_cd beside its peers, in one sitting.")
     commands = parser.add_subparsers(required=True)
     part = commands.add_parser("scenes", help="whole steps, beside LMGC90")

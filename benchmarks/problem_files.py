@@ -12,8 +12,8 @@ import numpy as np
 from scipy import sparse
 
 from benchmarks.ours import stepper
-from benchmarks.peers import environment, head, sitting
 from benchmarks.scenes import scene
+from benchmarks.sitting import environment, head, sitting
 from masonry_cd.friction.problem import LocalProblem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 

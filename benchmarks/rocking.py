@@ -23,8 +23,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from benchmarks.ours import stepper
-from benchmarks.peers import head, run_lmgc90, sitting
 from benchmarks.scenes import GRAVITY, BenchScene, cuboid, ground
+from benchmarks.sitting import head, run_lmgc90, sitting
 
 HALF_WIDTH, HALF_HEIGHT = 0.1, 0.4  # b, h [m]
 PULSE, FREQUENCY = 2.0, 4.0  # A / (g tan alpha), f [Hz]

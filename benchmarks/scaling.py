@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.parts import run_parts, table
-from benchmarks.peers import head, run_ours, sitting
+from benchmarks.sitting import head, run_ours, sitting
 
 HEAD = head(
     *("scene", "blocks", "contacts", "first step [ms]", "its iterations", "ms: median", "mean", "iterations"),

@@ -31,13 +31,11 @@ import numpy as np
 
 from benchmarks.ours import stepper
 from benchmarks.scenes import GRAVITY, BenchScene, arcade, arch, tower, wall
+from benchmarks.stability_outcome import BALANCE, DRIFT, GAINED, OVERLAP, REST_OVERLAP, Outcome
+from benchmarks.stability_picture import draw
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import RunStopped
 
-DRIFT = 1e-6
-REST_OVERLAP, OVERLAP = 1e-6, 1e-2
-BALANCE = 1e-6
-GAINED = 1e-4
 TOLERANCE = 1e-8
 
 
@@ -54,38 +52,6 @@ class StabilityCase:
     def at_rest(self) -> bool:
         """Whether it has to stand still."""
         return self.scene.amplitude == 0.0
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What a case did. Lengths are shares of the smallest block's width, energies shares of the largest work done."""
-
-    group: str
-    name: str
-    at_rest: bool
-    blocks: int
-    steps: int
-    drift: float
-    travel: float  # of a block relative to the base in one step, the largest
-    penetration: float
-    balance: float
-    gained: float  # energy that friction and impacts have given back
-    missed: int
-    error_max: float
-    stopped: str
-
-    @property
-    def limits(self) -> dict[str, tuple[float, float]]:
-        """Each measure with its limit."""
-        found = {"penetration": (self.penetration, REST_OVERLAP if self.at_rest else OVERLAP), "balance": (self.balance, BALANCE)}
-        found["dissipation"] = (self.gained, GAINED)
-        return found | ({"drift": (self.drift, DRIFT)} if self.at_rest else {})
-
-    @property
-    def failures(self) -> list[str]:
-        """What it failed in; empty if it passed."""
-        wrong = [name for name, (value, limit) in self.limits.items() if not value <= limit]
-        return wrong + (["finite"] if self.stopped else [])
 
 
 def cases() -> Iterator[StabilityCase]:
@@ -232,8 +198,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.output:
         given.output.write_text(sheet(outcomes), encoding="utf-8")
     if given.picture:
-        from benchmarks.stability_picture import draw
-
         draw(outcomes, given.picture)
     return int(any(found.failures for found in outcomes))
 

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.stability import Outcome
-from reports.compare.comparison_picture import COLOURS
-from reports.drawing.figure import FAINT, INK
+from benchmarks.stability_outcome import Outcome
+from reports.drawing.figure import COLOURS, FAINT, INK
 
 MEASURES = {"drift": "o", "penetration": "s", "balance": "^", "dissipation": "D"}
 LEAST, MOST = 1e-13, 1e4  # shares of a limit beyond these are drawn there

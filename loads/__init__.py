@@ -1,12 +1,12 @@
 """The shaking and the forces: every [[loads]] table of a scene, summed into arrays over the time steps.
 
-A kind of load is a pydantic model of its keys and a function ``(table, grid, where) -> Part``, listed by name in ``KINDS``. Gravity
-acts in full from the start unless a table of kind "gravity" ramps it.
+A kind of load is a :class:`loads.motion.LoadKind`, listed by name in the ``KINDS`` of a module in :mod:`loads.kinds`. Gravity acts in
+full from the start unless a table of kind "gravity" ramps it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,33 +14,18 @@ from typing import Any
 import numpy as np
 
 from loads.combine import support_motions
-from loads.kinds.artificial import ArtificialTable, artificial
-from loads.kinds.forces import Forces, PointTable, TieTable, collect, point, tie
-from loads.kinds.gravity import GravityTable, gravity
-from loads.kinds.record import RecordTable, record
-from loads.kinds.sequence import Pause, SequenceTable, Shock, sequence
-from loads.kinds.settlement import SettlementTable, SpreadingTable, settlement, spreading
-from loads.kinds.sinusoidal import SinusoidalTable, sinusoidal
-from loads.kinds.tilt import PushTable, TiltTable, load_factors, push, tilt
-from loads.motion import LoadTable, Part, RunGrid
+from loads.kinds.forces import Forces, collect
+from loads.kinds.gravity import GravityTable
+from loads.kinds.sequence import Pause, Shock
+from loads.kinds.tilt import TiltTable, load_factors
+from loads.motion import LoadKind, LoadTable, RunGrid
 from masonry_cd.errors import InputError, parse_table, suggest
+from masonry_cd.extensions import Entries
 from masonry_cd.model.blocks import Assembly
 
 __all__ = ["KINDS", "Loading", "build"]
 
-KINDS: dict[str, tuple[type[LoadTable], Callable[[Any, RunGrid, str], Part]]] = {
-    "gravity": (GravityTable, gravity),
-    "sinusoidal": (SinusoidalTable, sinusoidal),
-    "record": (RecordTable, record),
-    "sequence": (SequenceTable, sequence),
-    "artificial": (ArtificialTable, artificial),
-    "settlement": (SettlementTable, settlement),
-    "spreading": (SpreadingTable, spreading),
-    "tilt": (TiltTable, tilt),
-    "push": (PushTable, push),
-    "point": (PointTable, point),
-    "tie": (TieTable, tie),
-}
+KINDS: Entries[LoadKind] = Entries("loads.kinds", "KINDS")
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +81,9 @@ def build(
     grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly)
     asked = [_parse(table, f"loads[{i}]") for i, table in enumerate(tables)]
     falls = _gravity_tables(asked)
-    parts = [KINDS[table.kind][1](table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
+    parts = [KINDS[table.kind].part(table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
     if not falls:
-        parts.append(KINDS["gravity"][1](GravityTable(), grid, "gravity"))
+        parts.append(KINDS["gravity"].part(GravityTable(), grid, "gravity"))
     acceleration = np.zeros((grid.steps + 1, 3))
     for part in parts:
         if part.acceleration is not None:
@@ -126,7 +111,7 @@ def _parse(table: Mapping[str, Any], where: str) -> LoadTable:
         raise InputError(f"{where}.kind: missing; kinds: {', '.join(KINDS)}")
     if not isinstance(kind, str) or kind not in KINDS:
         raise InputError(f'{where}.kind: unknown kind "{kind}"{suggest(str(kind), KINDS)}; kinds: {", ".join(KINDS)}')
-    return parse_table(KINDS[kind][0], table, where)
+    return parse_table(KINDS[kind].table, table, where)
 
 
 def _nothing_changes(pause: Pause, velocity: np.ndarray, acceleration: np.ndarray) -> bool:

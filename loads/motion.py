@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict
@@ -74,6 +74,16 @@ class LoadTable(BaseModel):
     model_config = strict
 
     kind: str
+
+
+class LoadKind(NamedTuple):
+    """A kind of load: the model of its keys, and what it contributes to a run.
+
+    ``part(table, grid, where)`` raises InputErrors that begin with ``where``, the table's place in the scene, such as ``loads[0]``.
+    """
+
+    table: type[LoadTable]
+    part: Callable[[Any, RunGrid, str], Part]
 
 
 @dataclass(frozen=True)

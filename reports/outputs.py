@@ -7,33 +7,28 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.app.scene import Report
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.damage.grades import read_grades
-from reports.damage.joint_damage import Thresholds
+from reports.damage.joint_files import thresholds_of
 from reports.damage.part_damage import PartDamage, Settings, part_damage
 from reports.damage.part_files import BY_SHOCK, NAMES_OF_FILES, in_short, write_part_damage
-from reports.maps.crack_map import Look, framing, sheet_of
+from reports.extra import EXTRA
+from reports.maps.crack_map import MapStyle, framing, sheet_of
+from reports.settings import Report
 
 ANIMATION = "crack_map.gif"
-ENERGY = "energy.png"
 PAGE = "report.html"
 PRINT = "report.pdf"
-FILES = (*NAMES_OF_FILES, BY_SHOCK, ANIMATION, ENERGY, PAGE, PRINT)  # beside joints.csv and the crack maps
+FILES = (*NAMES_OF_FILES, BY_SHOCK, ANIMATION, PAGE, PRINT)  # beside joints.csv and the crack maps
 
 
-def thresholds_of(settings: Report) -> Thresholds:
-    """What counts as damage."""
-    return Thresholds(opened=settings.opened, slid=settings.slid)
-
-
-def look_of(settings: Report) -> Look:
+def style_of(settings: Report) -> MapStyle:
     """How crack maps are drawn."""
     thresholds = thresholds_of(settings)
     beyond = 10.0 * max(thresholds.opened, thresholds.slid)  # models at another scale set their thresholds, and need not set this as well
     largest = settings.largest if settings.largest > beyond / 10.0 else beyond
-    return Look(settings.view, settings.scale, thresholds, largest, settings.cut, settings.thrust)
+    return MapStyle(settings.view, settings.scale, thresholds, largest, settings.cut, settings.thrust)
 
 
 def check(settings: Report, results: Results | None = None) -> None:
@@ -47,9 +42,9 @@ def check(settings: Report, results: Results | None = None) -> None:
         from reports.maps.cut import axis_of
 
         axis_of(settings.cut)
-    look = look_of(settings)
+    style = style_of(settings)
     if results is not None:
-        framing(results, [0], look)
+        framing(results, [0], style)
 
 
 def damage_of(results: Results, settings: Report) -> PartDamage:
@@ -78,7 +73,7 @@ def parse_times(results: Results, text: str) -> list[float]:
 def draw_crack_map(results: Results, path: Path, settings: Report, frame: int = -1) -> None:
     """Draw one crack map."""
     frame = frame % results.frames
-    sheet_of(results, frame, framing(results, [frame], look_of(settings))).save(path)
+    sheet_of(results, frame, framing(results, [frame], style_of(settings))).save(path)
 
 
 def frame_at(results: Results, time: float | None) -> int:
@@ -92,21 +87,23 @@ def draw_times(results: Results, folder: Path, settings: Report, times: Sequence
     """Draw crack maps at times [s], all in one framing."""
     from reports.maps.sequence import crack_maps
 
-    return crack_maps(results, folder, times, look_of(settings))
+    return crack_maps(results, folder, times, style_of(settings))
 
 
 def draw_animation(results: Results, path: Path, settings: Report, progress: Callable[[int], None] | None = None) -> int:
     """Draw the animation; return its number of frames."""
     from reports.maps.sequence import animation
 
-    return animation(results, path, look_of(settings), progress=progress)
+    return animation(results, path, style_of(settings), progress=progress)
 
 
-def draw_energy(results: Results, path: Path) -> None:
-    """Draw the energies over time."""
-    from reports.energy import energy_picture
-
-    energy_picture(results, path)
+def write_extra(results: Results, folder: Path, names: Sequence[str]) -> list[Path]:
+    """Write further reports by their names in :data:`reports.extra.EXTRA`; return the files."""
+    written: list[Path] = []
+    for name in dict.fromkeys(names):
+        EXTRA[name].write(results, folder)
+        written += [folder / file for file in EXTRA[name].files if (folder / file).exists()]
+    return written
 
 
 def read_summary(folder: Path) -> dict[str, Any]:
@@ -121,8 +118,8 @@ def write_page(results: Results, path: Path, settings: Report, summary: Mapping[
     """Write the page that shows a run."""
     from reports import page
 
-    look = look_of(settings)
-    page.write_page(results, path, summary, thresholds_of(settings), settings.scale, look.largest, damage)
+    style = style_of(settings)
+    page.write_page(results, path, summary, thresholds_of(settings), settings.scale, style.largest, damage)
 
 
 def write_pdf(page: Path, path: Path) -> None:
@@ -148,4 +145,5 @@ def write_asked(results: Results, folder: Path, settings: Report, summary: Mappi
         draw_times(results, folder, settings, [time for time in settings.times if time <= results.time[-1]])
     if settings.animation and results.frames > 1:
         draw_animation(results, folder / ANIMATION, settings)
+    write_extra(results, folder, settings.extra)
     return more

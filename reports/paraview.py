@@ -29,7 +29,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.io.results import JOINT_HISTORIES, Results
 from masonry_cd.model.state import rotation_matrices
 from reports.damage.joint_damage import Thresholds, classify
-from reports.damage.macro_elements import Moment
+from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, base_shift, joint_corners, solids_of
 
 Format = Literal["vtkhdf", "pvd"]
@@ -87,7 +87,7 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
         world = Pose(float(results.time[frame]), position, rotation)
         points = world.moved(solids, solids.vertices, solids.vertex_block)
         moved = points - solids.vertices - base_shift(solids, position)
-        down = Moment.at(results, frame, thresholds).down
+        down = DamageSnapshot.at(results, frame, thresholds).down
         velocity = np.asarray(results.file["velocity"][frame, :, :3])
         faces = solids.face_block
         return points, {"displacement": moved}, {"fallen": down[faces].astype(np.uint8), "velocity": velocity[faces]}
@@ -112,11 +112,11 @@ def _joints(results: Results, thresholds: Thresholds) -> Mesh:
 
     def at(frame: int) -> Instant:
         position = np.asarray(results.position[frame], dtype=float)
-        moment = Moment.at(results, frame, thresholds)
-        on_a, on_b = joint_corners(joints, solids, moment.pose)
+        snapshot = DamageSnapshot.at(results, frame, thresholds)
+        on_a, on_b = joint_corners(joints, solids, snapshot.pose)
         points = (on_a + on_b) / 2.0
         data: Arrays = {name: np.asarray(results.file[f"joints/{name}"][frame]) for name in histories}
-        data["state"] = classify(moment.opening, moment.sliding, moment.separated, thresholds).astype(np.uint8)
+        data["state"] = classify(snapshot.opening, snapshot.sliding, snapshot.separated, thresholds).astype(np.uint8)
         return points + base_shift(solids, position), {"displacement": points - joints.polygon}, data
 
     return Mesh(

@@ -1,32 +1,25 @@
 """Structures: from the [structure] table of a scene to checked blocks.
 
-Each kind has a module with a function ``build(table, density, folder) -> list[Block]``, named in :data:`KINDS` and
-imported when it is asked for; one that has something to tell has ``build_with_notes`` instead, which returns lines besides. Whatever a
-kind builds passes :mod:`structures.geometry.checks` before it is returned, and :func:`report` says what it is.
+Each kind is a module of :mod:`structures.kinds` with a function ``build(table, density, folder)``, goes by the module's name, and is
+imported when it is asked for. It returns the blocks, or, where it has changed something in making them, the blocks and lines on that.
+Whatever a kind builds passes :mod:`structures.geometry.checks` before it is returned, and :func:`report` says what it is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from masonry_cd.extensions import Extensions
 
 if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs no more
     from masonry_cd.model.blocks import Block
 
-KINDS = {
-    "arch": "structures.kinds.arch",
-    "aqueduct": "structures.kinds.aqueduct",
-    "wall": "structures.kinds.wall",
-    "tower": "structures.kinds.tower",
-    "column": "structures.kinds.column",
-    "vault": "structures.kinds.vault",
-    "dome": "structures.kinds.dome",
-    "church": "structures.kinds.church",
-    "file": "structures.files.blockfile",
-    "solid": "structures.files.cut_solid",
-}
+Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]]]"
+
+KINDS: Extensions[Build] = Extensions("structures.kinds", "build")
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
@@ -58,11 +51,8 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
         hint = suggest(kind, KINDS)
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
     rest = {key: value for key, value in table.items() if key != "kind"}
-    module = import_module(KINDS[kind])
-    if hasattr(module, "build_with_notes"):
-        told: tuple[list[Block], list[str]] = module.build_with_notes(rest, density, folder)
-        return told
-    return module.build(rest, density, folder), []
+    made = KINDS[kind](rest, density, folder)
+    return made if isinstance(made, tuple) else (made, [])
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:

@@ -7,9 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from masonry_cd.app.scene import JointLaw, Run
 from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.materials import JointLaw
 from masonry_cd.model.state import State, rotation_matrices
 
 GRAVITY = 9.81

@@ -9,10 +9,11 @@ import numpy as np
 from models import stepper
 
 import structures
+from masonry_cd.gmsh_session import gmsh_session
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.polygon import polygon_area
-from structures.geometry import gaps, solid
+from structures.geometry import gaps
 from structures.layout import wall_plan
 from structures.layout.openings import Closing, close
 
@@ -46,7 +47,7 @@ def outline(wall: wall_plan.Wall) -> list[tuple[float, float]]:
 
 def volume_of_walls(walls: Sequence[wall_plan.Wall], beds: Sequence[float]) -> float:
     """Volume of the union of some walls, without their openings, by the geometry kernel [m3]."""
-    with solid.kernel() as gmsh:
+    with gmsh_session() as gmsh:
         occ = gmsh.model.occ
         bodies, holes = [], []
         for wall in walls:

@@ -11,7 +11,7 @@ import scenes
 from made_run import box
 from typer.testing import CliRunner
 
-from masonry_cd.cli.commands import app
+from masonry_cd.cli.app import app
 from masonry_cd.friction.files import write_problem
 from masonry_cd.studies.accuracy import Motion, RunRow, SolverRow, motion_errors, run_rows, solver_rows, solvers_for
 from masonry_cd.studies.accuracy_case import markdown

@@ -13,7 +13,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.geometry import mass_properties
 from structures.geometry.checks import check
-from structures.geometry.compound_block import bent
+from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import box
 
 
@@ -23,7 +23,7 @@ def corner() -> list:
 
 
 def test_the_shell_has_no_inner_faces_and_the_mass_of_its_parts() -> None:
-    block = bent("L", corner(), 2000.0, "wall")
+    block = compound_block("L", corner(), 2000.0, "wall")
     check([block])
     assert len(block.faces) == 3 * 6 - 2 * 2
     whole = mass_properties(block.vertices, block.faces)
@@ -32,7 +32,7 @@ def test_the_shell_has_no_inner_faces_and_the_mass_of_its_parts() -> None:
 
 
 def test_it_stands_on_all_its_parts() -> None:
-    assembly = Assembly.from_blocks([bent("L", corner(), 2000.0, "wall"), ground()], 0.6)
+    assembly = Assembly.from_blocks([compound_block("L", corner(), 2000.0, "wall"), ground()], 0.6)
     joints = find_joints(assembly)
     assert joints.area.sum() == pytest.approx(3.0)
     assert np.allclose(np.abs(joints.normal[:, 2]), 1.0)
@@ -40,10 +40,10 @@ def test_it_stands_on_all_its_parts() -> None:
 
 def test_parts_that_share_no_face_are_refused() -> None:
     with pytest.raises(RuntimeError, match="do not share whole faces"):
-        bent("two", [box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), box((1.0, 0.0, 0.0), (2.0, 0.5, 1.0))], 2000.0, "wall")
+        compound_block("two", [box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), box((1.0, 0.0, 0.0), (2.0, 0.5, 1.0))], 2000.0, "wall")
 
 
 def test_parts_that_do_not_fill_the_block_are_refused() -> None:
-    block = bent("L", corner(), 2000.0, "wall")
+    block = compound_block("L", corner(), 2000.0, "wall")
     with pytest.raises(InputError, match=r'block "L": its parts have 2 m3, the block has 3 m3'):
         check([replace(block, parts=block.parts[:2])])

@@ -16,7 +16,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties
 from structures.files import blockfile
-from structures.geometry.merge_coplanar import tidy
+from structures.geometry.merge_coplanar import merge_coplanar
 from structures.geometry.prism import prism_xz, rectangle
 
 PEERS = Path(__file__).parents[1].parent / "shared" / "peers" / "scenes.py"
@@ -71,7 +71,7 @@ def test_faces_in_triangles_become_the_faces_of_the_block() -> None:
     loops += [(8, 0, 4, 9), (1, 8, 9, 5)]
     block = Block("split", middle, tuple(loops), 2000.0)
     structures.geometry.checks.check([block])
-    (whole,) = tidy([block])
+    (whole,) = merge_coplanar([block])
     assert len(whole.vertices) == 8
     assert sorted(len(face) for face in whole.faces) == [4] * 6
     structures.geometry.checks.check([whole])
@@ -80,7 +80,7 @@ def test_faces_in_triangles_become_the_faces_of_the_block() -> None:
 
 def test_a_plain_block_is_left_as_it_is() -> None:
     block = Block("p", *prism_xz(rectangle(0, 1, 0, 1), 0, 1), 2000.0)
-    assert tidy([block])[0] is block
+    assert merge_coplanar([block])[0] is block
 
 
 @pytest.mark.parametrize(

@@ -19,15 +19,15 @@ from scipy import sparse
 from typer.testing import CliRunner
 
 from masonry_cd import __version__
-from masonry_cd.app import case
-from masonry_cd.app.case import closing_lines
 from masonry_cd.app.progress import Interrupt
-from masonry_cd.cli.commands import app
+from masonry_cd.app.summary import closing_lines
+from masonry_cd.cli.app import app
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
 from masonry_cd.friction.files import write_problem
 from masonry_cd.friction.problem import LocalProblem
 from masonry_cd.io.results import Results
+from reports.damage import joint_files
 
 SUMMARY_KEYS = {
     "blocks", "joints", "steps", "wall_seconds", "stepping_seconds", "contacts_mean", "contacts_max", "penetration_max",
@@ -338,7 +338,7 @@ def test_what_follows_the_steps_can_be_finished(block_on_plate, tmp_path, monkey
     """A run that ended between its last step and its last file: the results are whole, the rest is written by --resume."""
     scene, out = block_on_plate(**SHAKEN), tmp_path / "out"
     with monkeypatch.context() as pressed:
-        pressed.setattr(case, "write_damage", lambda *_: signal.raise_signal(signal.SIGINT))
+        pressed.setattr(joint_files, "write_joint_damage", lambda *_: signal.raise_signal(signal.SIGINT))
         result = masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01")
     assert result.exit_code == 130
     assert "go on with: masonry-cd run" in result.stderr

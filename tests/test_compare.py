@@ -12,7 +12,7 @@ import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.errors import InputError
-from reports.compare import comparison
+from reports.compare import comparison, comparison_files
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, *(box(f"p{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1), "pier") for k in range(2))]
@@ -66,7 +66,7 @@ def test_the_thresholds_of_the_first_run_judge_all(tmp_path: Path) -> None:
 
 def test_the_table_as_csv_markdown_and_picture(tmp_path: Path) -> None:
     found = comparison.compare([made(tmp_path / "a", 0.006), made(tmp_path / "b", 0.030, mu=0.7)])
-    paths = comparison.write_comparison(found, tmp_path / "out")
+    paths = comparison_files.write_comparison(found, tmp_path / "out")
     with paths[0].open() as file:
         table = {row[0]: row[2:] for row in csv.reader(file)}
     assert table["material.friction"] == ["0.6", "0.7"]

@@ -11,8 +11,8 @@ from solids import bonded_share, exposed, free_volume, moved_at_rest
 import structures
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
+from masonry_cd.gmsh_session import gmsh_session
 from masonry_cd.model.blocks import Assembly, Block
-from structures.geometry import solid
 
 HEAD = 'SetFactory("OpenCASCADE");\n'
 # a hollow square tower of 2.4 m, walls 0.4 m, with a door
@@ -58,7 +58,7 @@ def test_no_slivers_where_the_grid_does_not_suit_the_walls(tmp_path: Path) -> No
 
 
 def test_a_step_file_states_its_units_and_may_have_y_up(tmp_path: Path) -> None:
-    with solid.kernel() as gmsh:  # a wall of 2000 x 500 x 400 mm, y up; gmsh writes STEP in millimetres
+    with gmsh_session() as gmsh:  # a wall of 2000 x 500 x 400 mm, y up; gmsh writes STEP in millimetres
         gmsh.model.occ.addBox(0, 0, 0, 2000, 500, 400)
         gmsh.model.occ.synchronize()
         gmsh.write(str(tmp_path / "wall.step"))

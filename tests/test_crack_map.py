@@ -41,7 +41,7 @@ def shares(image: np.ndarray, colours: np.ndarray) -> np.ndarray:
 def drawn(path: Path, blocks: list[Block], states: list, **options: object) -> np.ndarray:
     """The crack map of a made run."""
     with Results.open(write_run(path.with_suffix(".h5"), blocks, states)) as results:
-        crack_map.crack_map(results, path, look=crack_map.Look(**options))  # type: ignore[arg-type]
+        crack_map.crack_map(results, path, style=crack_map.MapStyle(**options))  # type: ignore[arg-type]
     return pixels(path)
 
 
@@ -164,13 +164,13 @@ def test_bad_input_is_one_line(tmp_path: Path) -> None:
     rest = at_rest(COLUMN)
     with Results.open(write_run(tmp_path / "run.h5", COLUMN, [rest])) as results:
         with pytest.raises(InputError, match=r'^view: "fornt" is none; views: auto, front'):
-            crack_map.crack_map(results, tmp_path / "x.png", look=crack_map.Look(view="fornt"))
+            crack_map.crack_map(results, tmp_path / "x.png", style=crack_map.MapStyle(view="fornt"))
         with pytest.raises(InputError, match=r"^scale: must be positive"):
-            crack_map.Look(scale=0.0)
+            crack_map.MapStyle(scale=0.0)
         with pytest.raises(InputError, match=r"^frame 1: the result has frames 0 to 0"):
             crack_map.crack_map(results, tmp_path / "x.png", frame=1)
         with pytest.raises(InputError, match=r"^largest: must lie above"):
-            crack_map.Look(thresholds=Thresholds(opened=0.1))
+            crack_map.MapStyle(thresholds=Thresholds(opened=0.1))
         with pytest.raises(InputError, match=r"cannot be written"):
             crack_map.crack_map(results, tmp_path / "none" / "x.png")
 

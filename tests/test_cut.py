@@ -17,7 +17,7 @@ from masonry_cd.model.polygon import loop_area
 from reports.deformed import Pose, Solids
 from reports.drawing.render import Lines, Surface, view_named
 from reports.maps.bands import band_corners
-from reports.maps.crack_map import Look, crack_map
+from reports.maps.crack_map import MapStyle, crack_map
 from reports.maps.cut import caps_of, clipped, clipped_lines, cut_named, traces
 
 BASE = box("base", (-2, -1, -0.5), (2, 1, 0), "base", fixed=True)
@@ -113,8 +113,8 @@ def test_a_crack_inside_shows_in_the_cut_only(tmp_path: Path) -> None:
     run = write_run(tmp_path / "run.h5", blocks, [rest, opened])
     seen = []
     with Results.open(run) as results:
-        for name, look in (("whole", Look(view="front", scale=1.0)), ("cut", Look(scale=1.0, cut="y=0"))):
-            crack_map(results, tmp_path / f"{name}.png", look=look)
+        for name, style in (("whole", MapStyle(view="front", scale=1.0)), ("cut", MapStyle(scale=1.0, cut="y=0"))):
+            crack_map(results, tmp_path / f"{name}.png", style=style)
             image = pixels(tmp_path / f"{name}.png")
             seen.append(int(shares(model_area(image, 1.0), opening_scale().colours).sum()))
     assert seen[1] > 20 * max(seen[0], 50)

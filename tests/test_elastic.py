@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
 
-from masonry_cd.app.scene import JointLaw
 from masonry_cd.contact.detector import ContactSet, Detector
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.materials import JointLaw
 from masonry_cd.model.state import State, rotation_matrices
 
 STIFFNESS, SIDES, HEIGHT = 1e8, (0.5, 0.3), 0.4  # [N/m3], of the block's base and its height [m]

@@ -11,12 +11,12 @@ from models import stepper, still, wall
 from typer.testing import CliRunner
 
 from masonry_cd.app.run_loop import run
-from masonry_cd.cli.commands import app
+from masonry_cd.cli.app import app
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results, ResultWriter
-from reports import energy as picture
-from reports.energy import GOES, WORKS, energies, energy_picture
+from reports.extra import energy as picture
+from reports.extra.energy import GOES, WORKS, energies, energy_picture
 
 
 @pytest.fixture(scope="module")

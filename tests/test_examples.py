@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from masonry_cd.app.case import prepare, run_case
+from masonry_cd.app.case import prepare
+from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
 

@@ -10,7 +10,7 @@ from made_run import box
 from typer.testing import CliRunner
 
 from masonry_cd.app.explain import HEAVY, _modules
-from masonry_cd.cli.commands import app
+from masonry_cd.cli.app import app
 from structures.files import blockfile
 
 SCENE = """\

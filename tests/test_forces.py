@@ -12,9 +12,12 @@ from models import box, ground
 
 import loads
 from loads.kinds.forces import Forces, felt_mass
-from masonry_cd.app.case import closing_lines, prepare, run_case
-from masonry_cd.app.scene import Run, read_scene
+from masonry_cd.app.case import prepare
+from masonry_cd.app.run_case import run_case
+from masonry_cd.app.scene import read_scene
+from masonry_cd.app.summary import closing_lines
 from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Assembly, Block

@@ -17,8 +17,8 @@ from models import tower
 
 import structures
 from masonry_cd.errors import InputError
+from masonry_cd.gmsh_session import gmsh_session
 from structures.files import cutting, foreign, mesh_readers, meshfile
-from structures.geometry import solid
 
 HEAD = 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1, 0.4, 0.5};\n'
 CUT = {"kind": "solid", "units": "m", "course_height": 0.25, "unit_length": 0.5}
@@ -52,7 +52,7 @@ def model(tmp_path: Path):
     """Writes a box and a cylinder as STEP or BREP."""
 
     def write(name: str) -> bytes:
-        with solid.kernel() as gmsh:
+        with gmsh_session() as gmsh:
             gmsh.model.occ.addBox(0, 0, 0, 2, 0.4, 0.5)
             gmsh.model.occ.addCylinder(3, 0, 0, 0, 0, 0.5, 0.3)
             gmsh.model.occ.synchronize()

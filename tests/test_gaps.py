@@ -18,7 +18,7 @@ from masonry_cd.model.geometry import triangles
 from structures.files import blockfile
 from structures.geometry.checks import check
 from structures.geometry.gaps import close_gaps
-from structures.geometry.merge_coplanar import tidy
+from structures.geometry.merge_coplanar import merge_coplanar
 from structures.geometry.prism import prism_xz
 
 WALL = {"length": 2.0, "height": 1.5, "thickness": 0.4, "course_height": 0.25}
@@ -74,7 +74,7 @@ def test_triangles_and_corners_of_a_plan_follow_too() -> None:
     closed, moved, pairs = close_gaps([soup, box("in it", (1.002, 0, 1.004), (2, 1, 2))], 5e-3)
     assert pairs == 4  # two triangles each
     assert moved == pytest.approx(np.hypot(1e-3, 2e-3), rel=5e-3)  # half of either gap, but for the areas
-    check(tidy([closed[1]]))
+    check(merge_coplanar([closed[1]]))
 
 
 def test_a_chain_of_small_gaps_that_adds_up_is_refused() -> None:

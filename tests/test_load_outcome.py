@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from models import box, ground
 
-from masonry_cd.app.case import closing_lines, prepare, run_case
+from masonry_cd.app.case import prepare
+from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
+from masonry_cd.app.summary import closing_lines
 from masonry_cd.model.blocks import Block
 from structures.files import blockfile
 

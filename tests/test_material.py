@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from masonry_cd.app.scene import JointLaw
 from masonry_cd.errors import InputError
-from masonry_cd.model.materials import friction_table, joint_table
+from masonry_cd.model.materials import JointLaw, friction_table, joint_table
 
 GROUPS = ("base", "arch", "pier")
 MU = np.full((3, 3), 0.5)

@@ -11,12 +11,12 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 from typer.testing import CliRunner
 
-from masonry_cd.cli.commands import app
+from masonry_cd.cli.app import app
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.state import rotation_matrices
 from reports.damage.joint_damage import Thresholds
-from reports.damage.macro_elements import Moment
+from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, solids_of
 from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Marks, Scale
 from reports.page import motion, series, write_page
@@ -179,7 +179,7 @@ def test_the_browser_moves_the_blocks_as_the_result_has_them(page, folder):
 
 def test_joints_have_the_classes_of_the_crack_map(page, folder):
     with Results.open(folder / "result.h5") as results:
-        moment = Moment.at(results, results.frames - 1, Thresholds())
+        moment = DamageSnapshot.at(results, results.frames - 1, Thresholds())
         assert moment.down.tolist() == [False, False, False, False, True]
         marks = Marks.of(results.joints, moment, Thresholds())
     scales = Scale(1e-4, 0.05, OPENING_COLOURS), Scale(1e-4, 0.05, SLIDING_COLOURS)

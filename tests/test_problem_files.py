@@ -10,8 +10,9 @@ import pytest
 import scenes
 from scipy import sparse
 
+from masonry_cd.app.solve_file import solve_file
 from masonry_cd.errors import InputError
-from masonry_cd.friction.files import read_problem, solve_file, write_problem
+from masonry_cd.friction.files import read_problem, write_problem
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 
 COLLECTED = Path(__file__).parents[1].parent / "shared" / "friction_problems"

@@ -9,7 +9,8 @@ import time
 import pytest
 
 from masonry_cd.app import progress
-from masonry_cd.app.progress import Interrupt, Interrupted, Progress, in_words, said_if_slow
+from masonry_cd.app.progress import Interrupt, Interrupted, Progress, said_if_slow
+from masonry_cd.quantities import in_words
 
 
 @pytest.mark.parametrize(

@@ -157,7 +157,7 @@ def test_missing_and_binary_files_are_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r'p: no such file \(did you mean "quake.at2"\?\)'):
         Source.open(tmp_path / "quakes.at2", "p")
     with pytest.raises(InputError, match="p: not a text file"):
-        Source.open(tmp_path / "quake.at2", "p")
+        read(Source.open(tmp_path / "quake.at2", "p"), "auto", Request())
     with pytest.raises(InputError, match="p: is a folder"):
         Source.open(tmp_path, "p")
 

@@ -17,7 +17,10 @@ from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.sinusoidal import SinusoidalTable
 from loads.kinds.tilt import PushTable, TiltTable
 from masonry_cd.app.case import prepare
-from masonry_cd.app.scene import Material, Report, Run, read_scene
+from masonry_cd.app.scene import read_scene
+from masonry_cd.dynamics.settings import Run
+from masonry_cd.model.materials import Material
+from reports.settings import Report
 from structures.files.blockfile import read
 from structures.kinds.aqueduct import AqueductTable
 from structures.kinds.arch import ArchTable

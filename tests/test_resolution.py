@@ -12,7 +12,7 @@ from models import ground, stepper, still
 from typer.testing import CliRunner
 
 from masonry_cd.app.time_step_checks import after_run, before_run, dominant_frequency
-from masonry_cd.cli.commands import app
+from masonry_cd.cli.app import app
 from masonry_cd.dynamics.moreau_jean import RunStopped
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Assembly

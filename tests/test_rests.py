@@ -12,11 +12,11 @@ from test_runner import contents
 from loads.kinds.sequence import Pause, Shock
 from masonry_cd.app import run_loop
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.app.scene import Run
 from masonry_cd.app.time_step_checks import restless
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.pauses import Pauses
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.io import checkpoint
 from masonry_cd.io.results import Results, ResultWriter
 from masonry_cd.model.blocks import Assembly

@@ -15,12 +15,12 @@ from models import gravity, stepper, still, tower, wall
 from masonry_cd.app import recorder, run_loop
 from masonry_cd.app.run_loop import run
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.app.scene import JointLaw
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import ENERGIES, StepReport
 from masonry_cd.errors import InputError
 from masonry_cd.io import checkpoint, results
 from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.model.materials import JointLaw
 from reports.damage.joint_damage import bonds, joint_damage, write_joints_csv
 
 STEPS = 60

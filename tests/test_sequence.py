@@ -11,7 +11,7 @@ from test_crack_map import COLUMN, opening_scale, pixels
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
-from reports.maps.crack_map import Look, framing
+from reports.maps.crack_map import MapStyle, framing
 from reports.maps.sequence import animation, crack_maps, frames_at
 
 
@@ -34,7 +34,7 @@ def test_times_find_the_frames_next_to_them(run: Path) -> None:
 def test_maps_of_a_sequence_are_alike_in_all_but_the_damage(run: Path, tmp_path: Path) -> None:
     """Alone, the frame of the hinge would be amplified; in a row with a slip of 0.2 m, all are in true shape and one window."""
     with Results.open(run) as results:
-        alone, row = framing(results, [1], Look()), framing(results, [0, 1, 2], Look())
+        alone, row = framing(results, [1], MapStyle()), framing(results, [0, 1, 2], MapStyle())
         assert (alone.factor, row.factor) == (5.0, 1.0)
         paths = crack_maps(results, tmp_path, [0.0, 0.1, 0.2, 0.21])
     assert [path.name for path in paths] == ["crack_map_0s.png", "crack_map_0.1s.png", "crack_map_0.2s.png"]

@@ -10,8 +10,8 @@ import pytest
 from models import box
 
 import loads
-from masonry_cd.app.scene import Run
 from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly
 

@@ -18,7 +18,7 @@ from masonry_cd.io.results import Results, ResultWriter
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.state import State
 from reports.damage.joint_damage import Thresholds
-from reports.damage.macro_elements import Moment
+from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids
 from reports.drawing.render import Surface, view_named
 from reports.maps.thrust import WIDEST, drawn_points, ribbons
@@ -103,8 +103,8 @@ def drawn(
             file["joints/force_point"] = np.array([points])
     with Results.open(run_file) as results:
         solids = Solids.from_blocks(results.blocks)
-        pose, moment = Pose.of(results, solids, 0), Moment.at(results, 0, Thresholds())
-        made = ribbons(results, solids, pose, moment, 0, factor, view_named("front"), PIXEL)
+        pose, snapshot = Pose.of(results, solids, 0), DamageSnapshot.at(results, 0, Thresholds())
+        made = ribbons(results, solids, pose, snapshot, 0, factor, view_named("front"), PIXEL)
         return *made, drawn_points(results, solids, pose, 0, factor)
 
 

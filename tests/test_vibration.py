@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from models import tower, wall
 
-from masonry_cd.app.scene import JointLaw, Run
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.materials import JointLaw
 from masonry_cd.studies.vibration import free_vibration, linear_modes, sweep, vibration_case
 
 RUN = Run(dt=1e-3, duration=1.0, tolerance=1e-9)

@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 from numba.core.dispatcher import Dispatcher
 
-from masonry_cd.app import case, warmup
+from masonry_cd.app import warmup
+from masonry_cd.app.case import prepare
+from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.jit import kept
 from masonry_cd.solvers.interior_kernels import linearised_bodies
@@ -27,9 +29,9 @@ def versions() -> Counter[str]:
 @pytest.mark.parametrize("planar", [True, False])
 def test_a_run_compiles_nothing(block_on_plate, tmp_path, planar):
     changes = ["run.solver=auto", f"run.planar={str(planar).lower()}", "material.friction=0.2", "run.duration=0.3"]
-    prepared = case.prepare(read_scene(block_on_plate(), changes))
+    prepared = prepare(read_scene(block_on_plate(), changes))
     before = versions()
-    summary = case.run_case(prepared, tmp_path / "out")
+    summary = run_case(prepared, tmp_path / "out")
     assert summary["steps"] == 300
     assert versions() - before == Counter()
     assert before["masonry_cd.solvers.admm_kernels.admm_bodies"] > 0

@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
 from loads.kinds.record import sample
-from loads.motion import DirectionKey, Part, RunGrid, describe, smooth_step, strict
+from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step, strict
 from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.code_spectrum import CodeSpectrum, ec8, ntc
 from loads.signal.intensity import in_words, intensity
@@ -254,3 +254,6 @@ def _brought_to_target(table: SpectrumMatch, random: np.random.Generator) -> Mat
         factor = lacking if turn > 0 else np.full(PERIODS, np.exp(np.log(lacking[inside]).mean()))
         a = shaped(motion.acceleration, np.interp(log_of, np.log(periods), factor)) * ends
     return best
+
+
+KINDS = {"artificial": LoadKind(ArtificialTable, artificial)}

@@ -27,7 +27,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from loads.motion import LoadTable, Part, RunGrid
+from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly
@@ -331,3 +331,6 @@ def _one_block(name: str, assembly: Assembly, where: str) -> int:
         some = ", ".join(assembly.names[b] for b in found[:4])
         raise InputError(f'{where}: "{name}" names {len(found)} blocks ({some} ...), one is needed')
     return int(found[0])
+
+
+KINDS = {"point": LoadKind(PointTable, point), "tie": LoadKind(TieTable, tie)}

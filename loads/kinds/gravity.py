@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from loads.motion import LoadTable, Part, RunGrid, smooth_step
+from loads.motion import LoadKind, LoadTable, Part, RunGrid, smooth_step
 
 
 class GravityTable(LoadTable):
@@ -27,3 +27,6 @@ def gravity(table: GravityTable, grid: RunGrid, where: str) -> Part:
     summary = {"kind": "gravity", "ramp": table.ramp, "gravity": [float(g) for g in grid.gravity]}
     lines = (f"{where} gravity: ramped smoothly from 0 to 1 over {table.ramp:g} s",) if table.ramp > 0.0 else ()
     return Part(acceleration=np.outer(factor, grid.gravity), lines=lines, summary=summary)
+
+
+KINDS = {"gravity": LoadKind(GravityTable, gravity)}

@@ -16,7 +16,7 @@ from typing import Literal
 
 import numpy as np
 
-from loads.motion import DirectionKey, Part, RunGrid, smooth_step
+from loads.motion import DirectionKey, LoadKind, Part, RunGrid, smooth_step
 from loads.signal.accelerogram import Accelerogram, Scaled, describe_both, process, size_factor
 from loads.signal.baseline import History
 from loads.supports import ShakingTable
@@ -82,3 +82,6 @@ def _warnings(table: RecordTable, grid: RunGrid, where: str, after: History) -> 
         over = table.start + after.duration
         lines.append(f"{where}   the run ends at {grid.end:g} s, the record at {over:g} s; the key window picks the part to use")
     return lines
+
+
+KINDS = {"record": LoadKind(RecordTable, record)}

@@ -25,7 +25,7 @@ from pydantic import BeforeValidator, Field
 
 from loads.kinds.artificial import SpectrumMatch, drawn
 from loads.kinds.record import FADE, sample
-from loads.motion import Direction, DirectionKey, Part, RunGrid, describe
+from loads.motion import Direction, DirectionKey, LoadKind, Part, RunGrid, describe
 from loads.signal.accelerogram import Accelerogram, Processed, Scaled, describe_both, process, size_factor
 from loads.signal.intensity import in_words
 from loads.supports import ShakingTable
@@ -215,3 +215,6 @@ def _summary(shock: Shock, ready: _Ready, grid: RunGrid) -> dict[str, Any]:
         "factor": ready.factor,
         "components": [{"direction": list(direction.vector), **one.numbers()} for direction, one in ready.parts],
     }
+
+
+KINDS = {"sequence": LoadKind(SequenceTable, sequence)}

@@ -21,7 +21,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from loads.motion import Direction, DirectionKey, LoadTable, Motion, Part, RunGrid
+from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, Part, RunGrid
 from loads.supports import select_supports, structure
 from masonry_cd.errors import InputError
 
@@ -143,3 +143,6 @@ def _summary(table: SettlementTable | SpreadingTable) -> dict[str, object]:
         "start": table.start,
         "duration": table.duration,
     }
+
+
+KINDS = {"settlement": LoadKind(SettlementTable, settlement), "spreading": LoadKind(SpreadingTable, spreading)}

@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from loads.motion import DirectionKey, Part, RunGrid, describe, smooth_step
+from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step
 from loads.supports import ShakingTable
 from masonry_cd.errors import InputError
 
@@ -119,3 +119,6 @@ def _lines(table: SinusoidalTable, grid: RunGrid, where: str, n: dict[str, Any])
     if end > grid.end * (1.0 + 1e-9):
         lines.append(f"{where} the run ends at {grid.end:g} s, before the motion does")
     return tuple(lines)
+
+
+KINDS = {"sinusoidal": LoadKind(SinusoidalTable, sinusoidal)}

@@ -21,7 +21,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from loads.motion import Direction, DirectionKey, LoadTable, Part, RunGrid, parse_direction
+from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid, parse_direction
 from masonry_cd.errors import InputError
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -149,3 +149,6 @@ def _lean(table: TiltTable, down: np.ndarray, where: str) -> Direction:
     if slope > 1e-9:
         raise InputError(f"{where}.{key}: must be level, at right angles to gravity")
     return lean
+
+
+KINDS = {"tilt": LoadKind(TiltTable, tilt), "push": LoadKind(PushTable, push)}

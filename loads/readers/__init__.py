@@ -1,34 +1,17 @@
-"""Readers of record files, one per format, picked by name or by what the file holds (never by the file's name).
+"""Readers of record files, picked by the name of the format or by what the file holds (never by the file's name).
 
-A reader is a pair: ``recognises(source) -> bool`` and ``read(source, request) -> RawRecord``. Those with a strict heading are asked first.
+A format is a :class:`loads.readers.source.Reader`, listed by name in the ``FORMATS`` of a module here. Those with a strict heading are
+asked first.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
-
-from loads.readers import at2, esm, knet, mseed, tables
-from loads.readers.source import RawRecord, Request, Source
+from loads.readers.source import RawRecord, Reader, Request, Source
+from masonry_cd.extensions import Entries
 
 __all__ = ["READERS", "RawRecord", "Request", "Source", "read"]
 
-
-class Reader(NamedTuple):
-    """One format."""
-
-    recognises: Callable[[Source], bool]
-    read: Callable[[Source, Request], RawRecord]
-
-
-READERS = {
-    "at2": Reader(at2.recognises, at2.read),
-    "esm": Reader(esm.recognises, esm.read),
-    "knet": Reader(knet.recognises, knet.read),
-    "mseed": Reader(mseed.recognises, mseed.read),
-    "csv": Reader(tables.recognises_csv, tables.read_csv),
-    "columns": Reader(tables.recognises_columns, tables.read_columns),
-}
+READERS: Entries[Reader] = Entries("loads.readers", "FORMATS")
 
 
 def read(source: Source, name: str, request: Request) -> tuple[str, RawRecord]:
@@ -46,7 +29,10 @@ def read(source: Source, name: str, request: Request) -> tuple[str, RawRecord]:
         InputError: a file that no reader recognises, or a bad one, named with its line.
     """
     if name == "auto":
-        found = next((key for key, reader in READERS.items() if reader.recognises(source)), None)
+        strict_first = sorted(READERS.items(), key=lambda item: item[1].loose)
+        found = next((key for key, reader in strict_first if reader.recognises(source)), None)
+        if found is None and not source.lines:
+            raise source.error("not a text file, nor a binary one of a format that is read")
         if found is None:
             raise source.error(f"not recognised as one of {', '.join(READERS)}; name the format by the key format")
         name = found

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 
-from loads.readers.source import RawRecord, Request, Source, check_count, refuse_keys
+from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_keys
 
 COUNT_LINES = (
     re.compile(r"NPTS\s*=\s*([^\s,]+)\s*,?\s*DT\s*=\s*([^\s,]+?)(?:SEC)?(?=[\s,]|$)", re.IGNORECASE),
@@ -57,3 +57,6 @@ def _count_line(source: Source) -> tuple[int, str, str] | None:
             if match:
                 return index, match[1], match[2]
     return None
+
+
+FORMATS = {"at2": Reader(recognises, read)}

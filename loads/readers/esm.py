@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 
-from loads.readers.source import RawRecord, Request, Source, check_count, refuse_keys
+from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_keys
 
 KEY = re.compile(r"^([A-Z][A-Z0-9_/^]*):(.*)$")
 HEADING = 100  # lines in which the keys are looked for
@@ -53,3 +53,6 @@ def _heading(source: Source) -> dict[str, tuple[int, str]]:
             break
         found[match[1]] = (index, match[2].strip())
     return found
+
+
+FORMATS = {"esm": Reader(recognises, read)}

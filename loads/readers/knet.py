@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-from loads.readers.source import RawRecord, Request, Source, check_count, refuse_keys
+from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_keys
 
 LAST = "Memo"  # the heading's last line begins so
 HEADING = 40  # lines in which it is looked for
@@ -64,3 +64,6 @@ def _heading(source: Source) -> dict[str, tuple[int, str]]:
         if key == LAST:
             break
     return found
+
+
+FORMATS = {"knet": Reader(recognises, read)}

@@ -8,19 +8,22 @@ keeps a factor of its own (``calib``, 1 unless another program set it) and does 
 from __future__ import annotations
 
 import io
+import re
 import warnings
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from loads.readers.source import RawRecord, Request, Source
+from loads.readers.source import RawRecord, Reader, Request, Source
 from masonry_cd.errors import suggest
+
+BEGINNINGS = (re.compile(rb"\d{6}[DRQM][ \0]"), re.compile(rb"MS\x03"))  # of files of version 2 and 3
 
 
 def recognises(source: Source) -> bool:
     """True for the bytes of a miniSEED file."""
-    return bool(source.data)
+    return any(beginning.match(source.data) for beginning in BEGINNINGS)
 
 
 def read(source: Source, request: Request) -> RawRecord:
@@ -31,7 +34,7 @@ def read(source: Source, request: Request) -> RawRecord:
     """
     if request.time_step is not None:
         raise source.error("the key time_step does not apply to miniSEED files, whose header gives it")
-    if not source.data:
+    if not recognises(source):
         raise source.error("not a miniSEED file")
     traces = _channel(source, _open(source), request.column)
     first = traces[0].stats
@@ -83,3 +86,6 @@ def _channel(source: Source, traces: list[Any], column: str | int | None) -> lis
         why = f'several channels are called "{column}"' if fitting else f'no channel "{column}"{suggest(word, names)}'
         raise source.error(f"{why}; {listed}")
     return [trace for trace in traces if trace.id == fitting[0]]
+
+
+FORMATS = {"mseed": Reader(recognises, read)}

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,15 +15,9 @@ from masonry_cd.errors import InputError, suggest
 COMMENTS = ("#", "%", "//")
 
 
-MINISEED = (re.compile(rb"\d{6}[DRQM][ \0]"), re.compile(rb"MS\x03"))  # how files of version 2 and 3 begin
-
-
 @dataclass(frozen=True)
 class Source:
-    """A file as lines of text, and how to call it in a message (``loads[0].path: quake.csv``).
-
-    A miniSEED file, the one binary format that is read, has no lines but its bytes in ``data``.
-    """
+    """A file as lines of text and as bytes, and how to call it in a message (``loads[0].path: quake.csv``); a binary file has no lines."""
 
     label: str
     lines: tuple[str, ...]
@@ -34,7 +28,7 @@ class Source:
         """Read a file.
 
         Raises:
-            InputError: no such file, not readable, or neither a text nor miniSEED.
+            InputError: no such file, not readable, or an empty one.
         """
         if not path.is_file():
             near = suggest(path.name, (p.name for p in path.parent.iterdir())) if path.parent.is_dir() else ""
@@ -43,10 +37,8 @@ class Source:
             data = path.read_bytes()
         except OSError as failure:
             raise InputError(f"{label}: cannot be read ({failure.strerror})") from None
-        if any(start.match(data) for start in MINISEED):
-            return cls(label, (), data)
         if b"\0" in data[:65536]:
-            raise InputError(f"{label}: not a text file")
+            return cls(label, (), data)
         try:
             text = data.decode("utf-8-sig")
         except UnicodeDecodeError:
@@ -54,7 +46,7 @@ class Source:
         lines = tuple(text.splitlines())
         if not any(line.strip() for line in lines):
             raise InputError(f"{label}: the file is empty")
-        return cls(label, lines)
+        return cls(label, lines, data)
 
     def error(self, message: str, index: int | None = None) -> InputError:
         """The error to raise; it names the file and, given the index of a line, its number counted from 1."""
@@ -98,6 +90,14 @@ class RawRecord:
     unit: str | None  # as written in the file
     name: str = ""  # of the column or component
     column: int | None = None  # its place in a table, counted from 0
+
+
+class Reader(NamedTuple):
+    """A format of record files."""
+
+    recognises: Callable[[Source], bool]
+    read: Callable[[Source, Request], RawRecord]
+    loose: bool = False  # recognises much, so that it is asked last
 
 
 def check_count(source: Source, values: np.ndarray, announced: int, index: int) -> None:

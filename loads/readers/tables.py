@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from loads.readers.source import COMMENTS, RawRecord, Request, Source, refuse_calibration
+from loads.readers.source import COMMENTS, RawRecord, Reader, Request, Source, refuse_calibration
 from loads.readers.units import TIME, split_heading
 from masonry_cd.errors import suggest
 
@@ -234,3 +234,9 @@ def _is_number(word: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+FORMATS = {
+    "csv": Reader(recognises_csv, read_csv, loose=True),
+    "columns": Reader(recognises_columns, read_columns, loose=True),
+}

@@ -11,8 +11,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.app.scene import Report, Scene
+from masonry_cd.app.scene import Scene
 from masonry_cd.dynamics.moreau_jean import Stepper
+from reports.settings import Report
 
 HEAVY = {
     "gmsh": "gmsh", "vtk": "vtkmodules", "pyvista": "pyvista", "matplotlib": "matplotlib", "pandas": "pandas", "trimesh": "trimesh",

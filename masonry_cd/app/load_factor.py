@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.app.progress import length
 from masonry_cd.io.results import Results
+from masonry_cd.quantities import length
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case

@@ -284,7 +284,7 @@ def write(
     Raises:
         InputError: no off-screen OpenGL for the pictures; the tables are written by then.
     """
-    from masonry_cd.app.case import write_json
+    from masonry_cd.app.summary import write_json
 
     asked = asked or ModalOptions(young=START)
     folder.mkdir(parents=True, exist_ok=True)

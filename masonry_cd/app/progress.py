@@ -5,7 +5,6 @@ A step may take microseconds, so a call costs no more than a look at the clock u
 
 from __future__ import annotations
 
-import math
 import signal
 import sys
 import threading
@@ -14,6 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, Any, TextIO
+
+from masonry_cd.quantities import in_words
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -95,16 +96,6 @@ def _bar(stream: TextIO) -> Bar:
     return Progress(*columns, console=Console(file=stream), auto_refresh=False, speed_estimate_period=60)
 
 
-def in_words(seconds: float) -> str:
-    """A time span for people: ``0.24 s``, ``12.3 s``, ``4 min 5 s``, ``2 h 10 min``."""
-    if seconds < 1:
-        return f"{seconds:.2g} s"
-    if seconds < 60:
-        return f"{seconds:.1f} s"
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
-
-
 @contextmanager
 def said_if_slow(message: str, seconds: float = 3.0, stream: TextIO | None = None) -> Iterator[None]:
     """Print a message when the body takes longer than so many seconds."""
@@ -168,13 +159,3 @@ class Interrupt:
             self._told = True
             with suppress(OSError, RuntimeError, ValueError):  # a terminal that is gone, or one that is being written to
                 print("finishing the step; results are being written", file=self._stream or sys.stderr, flush=True)
-
-
-def length(value: float, unit: str = "m") -> str:
-    """A number with the prefix that reads best: ``1.2 mm``, ``0.5 m``, ``30 us``."""
-    if not math.isfinite(value):
-        return f"{value} {unit}"
-    for factor, prefix in ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")):
-        if abs(value) >= factor * 0.9995:
-            return f"{value / factor:.3g} {prefix}{unit}"
-    return f"{value:.3g} {unit}"

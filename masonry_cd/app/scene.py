@@ -13,141 +13,20 @@ All quantities are in SI units.
 
 from __future__ import annotations
 
-import json
 import re
-import sys
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
+from masonry_cd.app.scene_text import dump_toml, override, parse_toml, place_of, read_text
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError, parse_table
-from masonry_cd.fields import Flag, Number, Table
-
-
-def _list_of_numbers(value: object) -> object:
-    """A list as a tuple; anything else is told for what it should be."""
-    if isinstance(value, list):
-        return tuple(value)
-    raise ValueError("should be a list of numbers, [1.0, 2.5]")
-
-
-class JointLaw(Table):
-    """The law of a joint, a table ``[material.joints]`` or ``[material.joints.arch-base]``."""
-
-    normal_stiffness: Annotated[Number, Field(gt=0)] | None = None
-    """Elastic force per area and shortening [N/m3]; rigid when not given."""
-    tangential_stiffness: Annotated[Number, Field(gt=0)] | None = None
-    """Elastic force per area and slip [N/m3]; the normal one over 2.4, as of a material with Poisson's ratio 0.2, when not given."""
-    cohesion: Annotated[Number, Field(ge=0)] = 0.0
-    """Shear strength without compression, of a joint that has not broken yet [Pa]."""
-    tension: Annotated[Number, Field(ge=0)] | None = None
-    """Tensile strength of a joint that has not broken yet [Pa]; when not given, cohesion / friction, where Mohr-Coulomb's line ends."""
-    theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
-    """Of the spring over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
-
-    @model_validator(mode="after")
-    def _both_stiffnesses_or_none(self) -> JointLaw:
-        if self.tangential_stiffness is not None and self.normal_stiffness is None:
-            raise ValueError("tangential_stiffness needs normal_stiffness beside it")
-        if self.tension is not None and self.normal_stiffness is None:
-            raise ValueError(
-                "tension needs normal_stiffness: how a rigid joint spreads its stress is not unique, it parts at cohesion / friction"
-            )
-        return self
-
-    @property
-    def stiffness(self) -> tuple[float, float]:
-        """Normal and tangential [N/m3]; zeros stand for a rigid joint."""
-        normal = self.normal_stiffness or 0.0
-        return normal, self.tangential_stiffness or normal / 2.4
-
-
-class Material(Table):
-    """The table ``[material]``."""
-
-    density: Number
-    """Of every block that brings none of its own [kg/m3]."""
-    friction: Number | dict[str, Number]
-    """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
-    joints: dict[str, JointLaw] = Field(default_factory=dict)
-    """Laws of the joints by pair of groups, ``[material.joints.arch-base]``, and ``default``, which plain keys stand for. A joint
-    without a law is rigid and dry."""
-
-    @field_validator("density")
-    @classmethod
-    def _density_in_kg_per_m3(cls, value: float) -> float:
-        if not 30 <= value <= 30000:
-            raise ValueError("should be between 30 and 30000 kg/m3")
-        return value
-
-    @field_validator("joints", mode="before")
-    @classmethod
-    def _laws(cls, value: Any) -> Any:
-        """One law for all joints is the default of the pairs."""
-        if not isinstance(value, Mapping):
-            raise ValueError("should be a table: keys of one law, or tables by pair of groups")
-        plain = [key for key, law in value.items() if not isinstance(law, Mapping)]
-        if plain and len(plain) < len(value):
-            raise ValueError(f'holds keys of one law ("{plain[0]}") and tables by pair; put the keys under [material.joints.default]')
-        return {"default": value} if plain else value
-
-    @field_validator("friction", mode="before")
-    @classmethod
-    def _coefficients(cls, value: Any) -> Any:
-        pairs = value if isinstance(value, Mapping) else {"": value}
-        if not pairs:
-            raise ValueError("gives no value")
-        for pair, mu in pairs.items():
-            name = f'"{pair}": ' if pair else ""
-            if isinstance(mu, bool) or not isinstance(mu, (int, float)):
-                raise ValueError(f"{name}should be a number")
-            if not 0 <= mu <= 20:
-                raise ValueError(
-                    f"{name}a coefficient of friction (no angle) should be between 0 and 20" + (f", got {mu:g}" if pair else "")
-                )
-        return {pair: float(mu) for pair, mu in pairs.items()} if isinstance(value, Mapping) else float(pairs[""])
-
-
-class Report(Table):
-    """The table ``[report]``: what is drawn after the run."""
-
-    crack_map: Flag = False
-    """Draw crack_map.png."""
-    view: Literal["auto", "front", "back", "side", "top", "isometric"] = "auto"
-    """From where."""
-    scale: Annotated[Number, Field(gt=0)] | None = None
-    """Amplification of the displacements in it; picked so that they are visible when not given."""
-    opened: Annotated[Number, Field(gt=0)] = 1e-4
-    """Smallest opening of a joint that counts as opened [m]."""
-    slid: Annotated[Number, Field(gt=0)] = 1e-4
-    """Smallest sliding of a joint that counts as slid [m]."""
-    damage: Flag = False
-    """Write the damage by part: damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json."""
-    grades: dict[str, Any] = Field(default_factory=dict)
-    """Thresholds and labels of the grades D0 to D5; checked by the room reports."""
-    largest: Annotated[Number, Field(gt=0)] = 0.05
-    """Where the last class of the crack map's colours begins [m]."""
-    cut: str = ""
-    """Plane by which the crack map is cut: "y=1.5" [m], or "y" for the middle."""
-    thrust: Flag = False
-    """Draw the line of thrust in it."""
-    times: Annotated[tuple[Annotated[Number, Field(ge=0)], ...], BeforeValidator(_list_of_numbers)] = ()
-    """Draw crack maps at these times as well [s]."""
-    animation: Flag = False
-    """Draw crack_map.gif."""
-    html: Flag = False
-    """Write report.html, a page that shows the run."""
-
-    @property
-    def asks(self) -> bool:
-        """Whether anything is to be written beside joints.csv."""
-        return self.damage or self.crack_map or bool(self.times) or self.animation or self.html
+from masonry_cd.fields import Table
+from masonry_cd.model.materials import Material
+from reports.settings import Report
 
 
 class _Tables(Table):
@@ -204,7 +83,7 @@ class Scene:
         """The same error with file and line before it, where it begins with a key of this scene."""
         message = str(error)
         key = re.match(r"((?:structure|material|loads|run|report|title)[^\s:]*)(?::| )", message)
-        return InputError(f"{_place(self.text, key.group(1), self.path)}: {message}") if key else error
+        return InputError(f"{place_of(self.text, key.group(1), self.path)}: {message}") if key else error
 
 
 def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
@@ -218,10 +97,10 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
         InputError: no such file, no TOML, an unknown or missing key, a value out of range; names file, line and key.
     """
     path = Path(path)
-    text = _read_text(path)
-    tables = _parse_toml(text, path)
-    for override in overrides:
-        _override(tables, override)
+    text = read_text(path)
+    tables = parse_toml(text, path)
+    for change in overrides:
+        override(tables, change)
     if overrides:
         text = f"# {path.name} with {' '.join(f'--set {change}' for change in overrides)}\n" + dump_toml(tables)
     try:
@@ -238,139 +117,4 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
         )
     except InputError as error:
         key = str(error).partition(":")[0]
-        raise InputError(f"{path}: {error}" if overrides else f"{_place(text, key, path)}: {error}") from None
-
-
-def report_of(text: str, **changes: object) -> Report:
-    """The table ``[report]`` of the scene's text that results keep, with the changes that are not None."""
-    table = tomllib.loads(text).get("report", {})
-    return parse_table(Report, table | {key: value for key, value in changes.items() if value is not None}, "report")
-
-
-def _read_text(path: Path) -> str:
-    """The text of a file, or one line on why there is none."""
-    try:
-        return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a mark of its encoding
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such scene file") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a folder, not a scene file") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file in UTF-8") from None
-    except OSError as failure:
-        raise InputError(f"{path}: {failure.strerror}") from None
-
-
-def _parse_toml(text: str, path: Path) -> dict[str, Any]:
-    """Parse TOML; a syntax error names file and line."""
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as failure:
-        message = re.match(r"(.*?) \(at (?:line (\d+), column \d+|end of document)\)", str(failure))
-        what, line = (message.group(1), message.group(2)) if message else (str(failure), None)
-        raise InputError(f"{path}:{line or text.count(chr(10)) + 1}: not valid TOML: {what[0].lower()}{what[1:]}") from None
-    except ValueError:  # of a number that Python does not convert
-        raise InputError(f"{path}: a number of more than {sys.get_int_max_str_digits()} digits") from None
-    except RecursionError:
-        raise InputError(f"{path}: lists or tables nested too deep") from None
-
-
-def _override(tables: dict[str, Any], override: str) -> None:
-    """Apply one ``key=value`` to the tables, in place."""
-    key, equals, value = (part.strip() for part in override.partition("="))
-    parts: list[str | int] = [
-        int(index) if index else (quoted or bare) for index, quoted, bare in re.findall(r'\[(\d+)\]|"([^"]+)"|([^.\[\]"]+)', key)
-    ]
-    if not equals or not parts or isinstance(parts[-1], int):
-        raise InputError(f"--set {override}: write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3")
-    place: Any = tables
-    for part, following in pairwise(parts):
-        if isinstance(part, str) and isinstance(place, dict):
-            place = place.setdefault(part, [] if isinstance(following, int) else {})
-        elif isinstance(part, int) and isinstance(place, list) and part < len(place):
-            place = place[part]
-        else:
-            raise InputError(f"--set {override}: there is no {key[: key.rfind('.')]} in the scene")
-    if not isinstance(place, dict):
-        raise InputError(f"--set {override}: {key[: key.rfind('.')]} is no table; a list is addressed as loads[0].amplitude")
-    place[str(parts[-1])] = _toml_value(value)
-
-
-def parse_change(change: str) -> tuple[str, Any]:
-    """Split ``key=value`` as --set takes it; the value is TOML, or else text.
-
-    Raises:
-        InputError: no key, or no equals sign.
-    """
-    key, equals, value = (part.strip() for part in change.partition("="))
-    if not key or not equals:
-        raise InputError(f"--set {change}: write key=value")
-    return key, _toml_value(value)
-
-
-def _toml_value(value: str) -> Any:
-    """A TOML value, or the bare text where it is none."""
-    try:
-        parsed = tomllib.loads(f"value = {value}")
-    except tomllib.TOMLDecodeError:
-        return value
-    return parsed["value"] if len(parsed) == 1 else value
-
-
-def dump_toml(tables: Mapping[str, Any]) -> str:
-    """Write tables as TOML: plain values first, then ``[table]`` and ``[[table]]`` sections; deeper tables inline."""
-    lines = [f"{_toml_key(key)} = {_toml_text(value)}" for key, value in tables.items() if not _is_section(value)]
-    for key, value in tables.items():
-        if _is_section(value):
-            for section in [value] if isinstance(value, Mapping) else value:
-                head = _toml_key(key)
-                lines += ["", f"[{head}]" if isinstance(value, Mapping) else f"[[{head}]]"]
-                lines += [f"{_toml_key(name)} = {_toml_text(item)}" for name, item in section.items()]
-    return "\n".join(lines) + "\n"
-
-
-def _is_section(value: object) -> bool:
-    return isinstance(value, Mapping) or (isinstance(value, list) and bool(value) and all(isinstance(item, Mapping) for item in value))
-
-
-def _toml_key(key: str) -> str:
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
-
-
-def _toml_text(value: object) -> str:
-    """One value in TOML's notation."""
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_toml_key(key)} = {_toml_text(item)}" for key, item in value.items()) + " }"
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(_toml_text, value)) + "]"
-    if isinstance(value, (str, bool)):
-        return json.dumps(value, ensure_ascii=False)
-    return str(value)  # numbers, inf and nan; dates print as TOML writes them
-
-
-def _place(text: str, key: str, path: Path) -> str:
-    """``file:line`` of a key such as ``loads[0].amplitude``; of the innermost table that is there where it is missing; else the file."""
-    wanted, best, at = _key_path(key), 0, None
-    here: list[tuple[str, int]] = []
-    seen: dict[str, int] = {}  # tables so far of each [[list]]
-    for number, line in enumerate(text.splitlines(), start=1):
-        head = re.match(r"\s*(\[{1,2})\s*([^\]]+?)\s*\]", line)
-        word = re.match(r'\s*("?[\w-]+"?(?:\s*\.\s*"?[\w-]+"?)*)\s*=', line)
-        if head:
-            here = _key_path(head.group(2))
-            name = ".".join(part for part, _ in here)
-            seen[name] = seen.get(name, -1) + (head.group(1) == "[[")
-            here = [(part, max(0, seen.get(".".join(p for p, _ in here[: i + 1]), 0))) for i, (part, _) in enumerate(here)]
-        elif not word:
-            continue
-        found = here + (_key_path(word.group(1)) if word and not head else [])
-        shared = next((i for i, (a, b) in enumerate(zip(found, wanted, strict=False)) if a != b), min(len(found), len(wanted)))
-        if shared > best:
-            best, at = shared, number
-    return f"{path}:{at}" if at else str(path)
-
-
-def _key_path(key: str) -> list[tuple[str, int]]:
-    """``loads[1].amplitude`` as [("loads", 1), ("amplitude", 0)]."""
-    parts = re.findall(r'"?([\w-]+)"?(?:\[(\d+)\])?', key)
-    return [(name, int(index or 0)) for name, index in parts]
+        raise InputError(f"{path}: {error}" if overrides else f"{place_of(text, key, path)}: {error}") from None

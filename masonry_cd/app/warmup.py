@@ -23,15 +23,15 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from masonry_cd.app.run_loop import run
-from masonry_cd.app.scene import JointLaw
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics import islands
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run, SolverName
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.io.results import ResultWriter
 from masonry_cd.jit import has_cache, kept
 from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.materials import JointLaw
 from masonry_cd.solvers import Options, cores, interior
 from masonry_cd.solvers.interior_kernels import linearised_bodies
 
@@ -41,7 +41,7 @@ PATIENCE = 60.0  # to wait for the second process, beyond what this one took for
 
 
 @cache
-def compile_kernels(solver: SolverName, planar: bool, by_area: bool) -> None:
+def compile_kernels(solver: str, planar: bool, by_area: bool) -> None:
     """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without."""
     if solver in ("auto", "newton", "interior") and keeps() and not _is_kept(planar) and cores() > 1:
         with _second_process(planar):
@@ -55,7 +55,7 @@ def keeps() -> bool:
     return has_cache(linearised_bodies)
 
 
-def _shake_cubes(solver: SolverName, planar: bool, by_area: bool) -> None:
+def _shake_cubes(solver: str, planar: bool, by_area: bool) -> None:
     """The run."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-5)}

@@ -5,6 +5,6 @@ from __future__ import annotations
 
 def main() -> None:
     """The entry point of the installed command."""
-    from masonry_cd.cli.commands import app
+    from masonry_cd.cli.app import app
 
     app()

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, model_validator
 
 from masonry_cd.fields import Count, Flag, Number, Table, Vector
+from masonry_cd.solvers import SolverName
 
 MOST_STEPS = 1e8  # of a run: more than years of computing, and gigabytes of loads
-SolverName = Literal["auto", "nlgs", "admm", "newton", "interior"]
 
 
 class Run(Table):

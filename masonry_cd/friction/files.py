@@ -1,4 +1,4 @@
-r"""Friction problems in files: the field's FCLIB format (HDF5) and a plain .npz, read, checked, written and solved.
+r"""Friction problems in files: the field's FCLIB format (HDF5) and a plain .npz, read, checked and written.
 
 A local problem holds W, q and mu: u = W r + q. A global one holds M, H, f, w and mu: M v = H r + f, u = H^T v + w, so that
 W = H^T M^-1 H and q = H^T M^-1 f + w. Rows come as (n, t1, t2) per contact; the impulses are called r there, p elsewhere in this
@@ -15,11 +15,9 @@ Sparse matrices in FCLIB follow CSparse: ``nz`` counts the entries of a list of 
 
 from __future__ import annotations
 
-import time
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -28,9 +26,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from masonry_cd.errors import InputError, suggest
+from masonry_cd.friction.local_blocks import block_arrays, contact_pattern
 from masonry_cd.friction.local_operators import is_definite
-from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options, admm, nlgs
+from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem
 
 UNSYMMETRIC = 1e-2  # of the largest entry: published problems reach 1e-3
 INDEFINITE = 1e-4  # of the largest diagonal entry
@@ -68,65 +66,6 @@ def write_problem(path: Path | str, problem: Problem, title: str = "") -> None:
         _write_fclib(path, problem, title)
     else:
         raise InputError(f'{path}: unknown format "{path.suffix}"; known are .npz and FCLIB files in HDF5 ({", ".join(HDF5)})')
-
-
-def solve_file(
-    path: Path | str, solver: str = "auto", tolerance: float = 1e-8, max_iterations: int | None = None, seed: int = 0,
-    output: Path | str | None = None,
-) -> dict[str, Any]:  # fmt: skip
-    """Solve the problem in a file.
-
-    Args:
-        path: .npz or FCLIB HDF5.
-        solver: a name in ``SOLVERS``.
-        tolerance: natural map error, scaled.
-        max_iterations: None: the solver's own limit.
-        seed: of random sweep orders.
-        output: an .npz for the impulses ``r`` and relative velocities ``u`` (of elastic contacts with C r), (C, 3) each as (n, t1, t2);
-            (C, 2) for planar problems.
-
-    Returns:
-        error (scaled natural map error), error_unscaled, iterations, seconds (of the solve alone), converged, contacts, solver, reason.
-
-    Raises:
-        InputError: see :func:`read_problem`; an unknown solver, an impossible tolerance, an output that is no .npz.
-    """
-    if solver not in SOLVERS:
-        raise InputError(f'solver "{solver}": unknown{suggest(solver, SOLVERS)}; known are {", ".join(SOLVERS)}')
-    if not 0.0 < tolerance < 1.0:
-        raise InputError(f"tolerance: should be between 0 and 1, got {tolerance:g}")
-    if output is not None and Path(output).suffix != ".npz":
-        raise InputError(f"{output}: the solution is written to a file of its own, SOLUTION.npz")
-    problem = read_problem(path)
-    if output is not None:
-        Path(output).parent.mkdir(parents=True, exist_ok=True)
-    options = Options(tolerance=tolerance, max_iterations=max_iterations, seed=seed)
-    load_kernels(solver, problem)
-    begin = time.perf_counter()
-    solution = SOLVERS[solver](problem, options, None)
-    seconds = time.perf_counter() - begin
-    error = natural_map_error(problem, solution.impulse)
-    if output is not None:
-        np.savez(output, r=solution.impulse, u=problem.apply(solution.impulse))
-    return {
-        "solver": solver,
-        "contacts": problem.contacts,
-        "error": error,
-        "error_unscaled": natural_map_error(problem, solution.impulse, scaled=False),
-        "iterations": solution.iterations,
-        "seconds": seconds,
-        "converged": bool(error <= tolerance),
-        "reason": solution.reason,
-    }
-
-
-def load_kernels(solver: str, problem: Problem) -> None:
-    """Let the kernels of a solver be compiled, or loaded, before time is taken; those of all for auto, which turns to any of them."""
-    if isinstance(problem, LocalProblem):  # any will do, and factorising a large one takes long
-        m = problem.dimension
-        problem = LocalProblem(sparse.identity(m, format="csr"), -np.ones((1, m)), np.ones(1))
-    for name in SOLVERS if solver == "auto" else (solver,):
-        SOLVERS[name](problem, Options(tolerance=1e-300, max_iterations=1), None)
 
 
 # --- .npz -----------------------------------------------------------------------------------------------------------------------
@@ -338,8 +277,8 @@ def _check_definite(path: Path, problem: LocalProblem) -> None:
     shift = INDEFINITE * w.diagonal().max()
     if not shift > 0.0:
         raise InputError(f"{path}: W is indefinite: no entry of its diagonal is positive")
-    blocks, indices, indptr, _ = nlgs.block_arrays(problem)
-    pattern = admm.contact_pattern(indices, indptr)
+    blocks, indices, indptr, _ = block_arrays(problem)
+    pattern = contact_pattern(indices, indptr)
     if not is_definite(blocks, indices, indptr, shift, pattern.place, pattern.symbolic, (0,) * problem.dimension):
         raise InputError(f"{path}: W is indefinite: it has eigenvalues below -{shift:.1e}")
 

@@ -13,10 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.app.scene import JointLaw
 from masonry_cd.errors import InputError
 from masonry_cd.model.geometry import Faces, Polyhedra, Polyhedron, mass_properties
-from masonry_cd.model.materials import JointLaws, friction_table, joint_table
+from masonry_cd.model.materials import JointLaw, JointLaws, friction_table, joint_table
 
 
 @dataclass(frozen=True, eq=False)

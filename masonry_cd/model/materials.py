@@ -1,4 +1,4 @@
-"""What happens in the joints between groups of blocks: coefficients of friction and joint laws by pair of groups, as tables.
+"""The material: density, coefficients of friction and joint laws by pair of groups of blocks, in a scene's table and as arrays.
 
 A scene gives one value for all joints, or values by pair of groups, ``arch-base``, with ``default`` for the rest.
 """
@@ -7,14 +7,92 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
+from pydantic import Field, field_validator, model_validator
 
-from masonry_cd.app.scene import JointLaw
 from masonry_cd.errors import InputError, suggest
+from masonry_cd.fields import Number, Table
 
 Value = TypeVar("Value")
+
+
+class JointLaw(Table):
+    """The law of a joint, a table ``[material.joints]`` or ``[material.joints.arch-base]``."""
+
+    normal_stiffness: Annotated[Number, Field(gt=0)] | None = None
+    """Elastic force per area and shortening [N/m3]; rigid when not given."""
+    tangential_stiffness: Annotated[Number, Field(gt=0)] | None = None
+    """Elastic force per area and slip [N/m3]; the normal one over 2.4, as of a material with Poisson's ratio 0.2, when not given."""
+    cohesion: Annotated[Number, Field(ge=0)] = 0.0
+    """Shear strength without compression, of a joint that has not broken yet [Pa]."""
+    tension: Annotated[Number, Field(ge=0)] | None = None
+    """Tensile strength of a joint that has not broken yet [Pa]; when not given, cohesion / friction, where Mohr-Coulomb's line ends."""
+    theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
+    """Of the spring over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
+
+    @model_validator(mode="after")
+    def _both_stiffnesses_or_none(self) -> JointLaw:
+        if self.tangential_stiffness is not None and self.normal_stiffness is None:
+            raise ValueError("tangential_stiffness needs normal_stiffness beside it")
+        if self.tension is not None and self.normal_stiffness is None:
+            raise ValueError(
+                "tension needs normal_stiffness: how a rigid joint spreads its stress is not unique, it parts at cohesion / friction"
+            )
+        return self
+
+    @property
+    def stiffness(self) -> tuple[float, float]:
+        """Normal and tangential [N/m3]; zeros stand for a rigid joint."""
+        normal = self.normal_stiffness or 0.0
+        return normal, self.tangential_stiffness or normal / 2.4
+
+
+class Material(Table):
+    """The table ``[material]``."""
+
+    density: Number
+    """Of every block that brings none of its own [kg/m3]."""
+    friction: Number | dict[str, Number]
+    """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
+    joints: dict[str, JointLaw] = Field(default_factory=dict)
+    """Laws of the joints by pair of groups, ``[material.joints.arch-base]``, and ``default``, which plain keys stand for. A joint
+    without a law is rigid and dry."""
+
+    @field_validator("density")
+    @classmethod
+    def _density_in_kg_per_m3(cls, value: float) -> float:
+        if not 30 <= value <= 30000:
+            raise ValueError("should be between 30 and 30000 kg/m3")
+        return value
+
+    @field_validator("joints", mode="before")
+    @classmethod
+    def _laws(cls, value: Any) -> Any:
+        """One law for all joints is the default of the pairs."""
+        if not isinstance(value, Mapping):
+            raise ValueError("should be a table: keys of one law, or tables by pair of groups")
+        plain = [key for key, law in value.items() if not isinstance(law, Mapping)]
+        if plain and len(plain) < len(value):
+            raise ValueError(f'holds keys of one law ("{plain[0]}") and tables by pair; put the keys under [material.joints.default]')
+        return {"default": value} if plain else value
+
+    @field_validator("friction", mode="before")
+    @classmethod
+    def _coefficients(cls, value: Any) -> Any:
+        pairs = value if isinstance(value, Mapping) else {"": value}
+        if not pairs:
+            raise ValueError("gives no value")
+        for pair, mu in pairs.items():
+            name = f'"{pair}": ' if pair else ""
+            if isinstance(mu, bool) or not isinstance(mu, (int, float)):
+                raise ValueError(f"{name}should be a number")
+            if not 0 <= mu <= 20:
+                raise ValueError(
+                    f"{name}a coefficient of friction (no angle) should be between 0 and 20" + (f", got {mu:g}" if pair else "")
+                )
+        return {pair: float(mu) for pair, mu in pairs.items()} if isinstance(value, Mapping) else float(pairs[""])
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,6 +49,7 @@ from operator import itemgetter
 
 import numpy as np
 
+from masonry_cd.friction.local_blocks import contact_pattern
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
 from masonry_cd.linalg.ordering import FIELDS, Pattern
 from masonry_cd.linalg.threads import run_by_team
@@ -221,9 +222,3 @@ def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, l
     pattern = contact_pattern(given.indices, given.indptr)
     iterations, error = admm_local(given, pattern.order, pattern.place, pattern.symbolic, impulse, LOCAL_K, options.tolerance, limit)
     return Solution(impulse, None, iterations, _reason(error, options))
-
-
-def contact_pattern(indices: np.ndarray, indptr: np.ndarray) -> Pattern:
-    """The pattern of W, contact by contact."""
-    count = len(indptr) - 1
-    return Pattern.of(count, np.repeat(np.arange(count), np.diff(indptr)), indices, in_subtrees=False)

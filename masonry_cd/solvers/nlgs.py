@@ -18,6 +18,7 @@ from __future__ import annotations
 import numpy as np
 from numba import config, set_num_threads
 
+from masonry_cd.friction.local_blocks import block_arrays
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
 from masonry_cd.solvers.local_kernels import LocalArrays, nlgs_local
 from masonry_cd.solvers.nlgs_kernels import (
@@ -75,23 +76,6 @@ def _solve_coloured(problem: FrictionProblem, options: Options, impulse: np.ndar
         error = error_after_sweeps(scaled)
     end_sweeps(scaled, given[1], impulse, velocity)
     return Solution(impulse, velocity, sweeps, _reason(error, options))
-
-
-def block_arrays(problem: LocalProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """W of a local problem in blocks: data (nnz, m, m), indices, indptr, and its diagonal blocks (C, m, m).
-
-    Diagonal blocks that are zero are given as those of a typical contact: whatever stands there, the impulse is right when it stays.
-    """
-    m = problem.dimension
-    blocks, own, scales = problem.w.tobsr((m, m)), problem.delassus_diagonal(), problem.scales()
-    nothing = np.trace(own, axis1=1, axis2=2) < 0.5 * m * scales
-    own[nothing] = scales[nothing, None, None] * np.eye(m)
-    return (
-        np.ascontiguousarray(blocks.data, dtype=np.float64),
-        blocks.indices.astype(np.int64),
-        blocks.indptr.astype(np.int64),
-        own,
-    )
 
 
 def local_arrays(problem: LocalProblem) -> tuple[LocalArrays, np.ndarray]:

@@ -28,8 +28,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.app.scene import Scene, read_scene
+from masonry_cd.app.solve_file import load_kernels
 from masonry_cd.errors import InputError
-from masonry_cd.friction.files import load_kernels
 from masonry_cd.friction.problem import LocalProblem, Problem, natural_map_error
 from masonry_cd.io.results import Results
 from masonry_cd.solvers import SOLVERS, Options
@@ -173,12 +173,13 @@ def run_rows(
 
 def run_once(scene: Scene, repeats: int = 1) -> tuple[dict[str, Any], Motion]:
     """Run a scene in a folder that is thrown away; its summary, with median times, and its motion."""
-    from masonry_cd.app import case
+    from masonry_cd.app.case import prepare
+    from masonry_cd.app.run_case import run_case
 
     summaries = []
     for _ in range(repeats):
         with TemporaryDirectory() as folder:
-            summaries.append(case.run_case(case.prepare(scene), Path(folder)))
+            summaries.append(run_case(prepare(scene), Path(folder)))
             with Results.open(Path(folder) / "result.h5") as results:
                 motion = motion_of(results)
     for key in ("stepping_seconds", "wall_seconds"):

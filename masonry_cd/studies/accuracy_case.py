@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.app.progress import in_words
 from masonry_cd.app.scene import read_scene
 from masonry_cd.errors import InputError, suggest
+from masonry_cd.quantities import in_words
 
 OUTPUTS = ("accuracy.csv", "accuracy.md", "accuracy.png", "seeds.csv")
 PROBLEM_REPEATS, SCENE_REPEATS = 5, 1

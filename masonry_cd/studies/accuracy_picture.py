@@ -14,8 +14,7 @@ import numpy as np
 
 from masonry_cd.errors import InputError
 from masonry_cd.studies.accuracy import RunRow, SolverRow
-from reports.compare.comparison_picture import COLOURS
-from reports.drawing.figure import FAINT, INK
+from reports.drawing.figure import COLOURS, FAINT, INK
 
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 LEAST = 1e-17  # errors of nothing are drawn here

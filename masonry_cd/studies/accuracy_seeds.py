@@ -65,14 +65,15 @@ def study_seeds(path: Path, overrides: Sequence[str], count: int, say: Callable[
     Raises:
         InputError: a scene that is wrong.
     """
-    from masonry_cd.app import case
+    from masonry_cd.app.case import prepare
+    from masonry_cd.app.run_case import run_case
 
     runs: list[dict[str, Any]] = []
     for seed in range(count):
         say(f"seed {seed + 1} of {count}: {ORDERED}")
         scene = read_scene(path, [*overrides, f'run.solver="{ORDERED}"', f"run.seed={seed}"])
         with TemporaryDirectory() as folder:
-            summary = case.run_case(case.prepare(scene), Path(folder))
+            summary = run_case(prepare(scene), Path(folder))
             with Results.open(Path(folder) / "result.h5") as results:
                 runs.append(_measured(results) | {"summary": summary})
                 names, joints, fixed = [b.name for b in results.blocks], results.joints, [b.fixed for b in results.blocks]
@@ -100,7 +101,7 @@ def _measured(results: Results) -> dict[str, np.ndarray]:
 
 def seed_lines(study: SeedStudy) -> list[str]:
     """The summary, in words."""
-    from masonry_cd.app.progress import length
+    from masonry_cd.quantities import length
 
     force, mean = study.spread("normal_force"), study.values["normal_force"].mean(axis=0)
     loaded = mean > LOADED * mean.max(initial=0.0)

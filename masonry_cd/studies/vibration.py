@@ -23,10 +23,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from masonry_cd.app.scene import Run, Scene, read_scene
+from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Assembly
 from reports.modal.elastic_joints import joint_modes
@@ -83,7 +84,8 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
     Raises:
         InputError: a wrong option or scene, or a joint that is rigid.
     """
-    from masonry_cd.app.case import build_blocks, write_json
+    from masonry_cd.app.case import build_blocks
+    from masonry_cd.app.summary import write_json
 
     asked = parse_table(VibrationOptions, options, "modal")
     scene = read_scene(scene_path, changes)

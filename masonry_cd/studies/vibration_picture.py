@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.errors import InputError
-from reports.compare.comparison_picture import COLOURS
-from reports.drawing.figure import FAINT, INK
+from reports.drawing.figure import COLOURS, FAINT, INK
 
 
 def sweep_picture(found: Mapping[str, Any], path: Path) -> None:

@@ -5,14 +5,13 @@ The columns of the table are the runs, its rows:
 - the keys of the scenes that are not equal in all runs (``loads[0].amplitude``, ``material.friction``, ``run.seed`` ...),
 - the damage of the structure, and the grade of each part that is damaged in any run (:mod:`reports.damage.part_damage`),
 - the response: largest displacement and drift, and at the highest free block,
-- how exact and how dear it was.
+- how exact and how much it cost.
 
 Damage is judged by the thresholds of the first run in all of them, or the numbers would not compare.
 """
 
 from __future__ import annotations
 
-import csv
 import json
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -22,15 +21,14 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.app.scene import Report, report_of
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.damage.joint_damage import displacement_max
 from reports.damage.macro_elements import WHOLE
 from reports.damage.part_damage import PartDamage
 from reports.deformed import base_shift, solids_of
-
-MISSING = "–"
+from reports.outputs import damage_of
+from reports.settings import Report, report_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,35 +78,8 @@ def compare(folders: Sequence[Path]) -> Comparison:
     return Comparison(runs, [*_scene_rows(runs), *_damage_rows(runs), *_part_rows(runs), *_response_rows(runs), *_solver_rows(runs)])
 
 
-def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
-    """Write comparison.csv, comparison.md and comparison.png into a folder, which is made if need be."""
-    from reports.compare.comparison_picture import comparison_picture
-
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"comparison.{ending}" for ending in ("csv", "md", "png")]
-    with paths[0].open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(comparison.header)
-        writer.writerows([name, unit, *(_exact(value) for value in values)] for name, unit, values in comparison.rows)
-    paths[1].write_text(markdown(comparison), encoding="utf-8")
-    comparison_picture(comparison, paths[2])
-    return paths
-
-
-def markdown(comparison: Comparison) -> str:
-    """The table in Markdown, its columns aligned so that it reads well as plain text."""
-    cells = [comparison.header, *([name, unit, *map(_short, values)] for name, unit, values in comparison.rows)]
-    cells = [[cell.replace("|", "\\|") for cell in row] for row in cells]
-    width = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))]
-    lines = ["| " + " | ".join(cell.ljust(w) for cell, w in zip(row, width, strict=True)) + " |" for row in cells]
-    rule = "|" + "|".join("-" * (w + 2) for w in width) + "|"
-    return "\n".join([lines[0], rule, *lines[1:]]) + "\n"
-
-
 def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
     """Read what is compared."""
-    from reports.outputs import damage_of
-
     solids = solids_of(results.blocks)
     free = np.flatnonzero(~solids.fixed)
     highest = int(free[np.argmax(solids.centre[free, 2])])
@@ -241,19 +212,3 @@ def _solver_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
             values = [value.get(key) if isinstance(value, Mapping) else None for value in values]
         rows.append((name, unit, values))
     return rows
-
-
-def _short(value: Any) -> str:
-    """A cell for reading: three digits."""
-    if value is None or (isinstance(value, float) and np.isnan(value)):
-        return MISSING
-    if isinstance(value, (float, np.floating)):
-        return f"{value:.3g}"
-    return str(value)
-
-
-def _exact(value: Any) -> str:
-    """A cell for computing: nine digits, empty where unknown."""
-    if value is None or (isinstance(value, float) and np.isnan(value)):
-        return ""
-    return f"{value:.9g}" if isinstance(value, (float, np.floating)) else str(value)

@@ -10,10 +10,8 @@ import numpy as np
 from masonry_cd.errors import InputError
 from reports.compare.comparison import Comparison, Run
 from reports.damage.grades import NAMES
-from reports.drawing.figure import FAINT, INK
+from reports.drawing.figure import COLOURS, FAINT, INK
 
-# Okabe & Ito's colours (2008), told apart by colour-blind readers, then the same again in other strokes
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 STROKES = ("-", "--", ":", "-.")
 HATCHES = ("", "///", "...", "xxx")
 GRADE_COLOURS = ("#ffffff", "#fde9c8", "#fdbb84", "#ef6548", "#b30000", "#4d0000")

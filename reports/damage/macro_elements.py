@@ -1,4 +1,4 @@
-r"""Parts of a structure: the groups of its blocks (piers, arches, facade ...), which is what engineers call macro-elements.
+r"""Macro-elements, the parts of a structure: the groups of its blocks (piers, arches, facade ...).
 
 A part is a group with at least one free block; a group of supports alone is none. A joint between two parts belongs to both, and a
 joint between a part and a support to the part: sums over the parts therefore exceed the number of the structure, which has a
@@ -37,7 +37,7 @@ MERGED = 0.5  # levels whose blocks lie closer than this share of a level's heig
 
 
 @dataclass(frozen=True, eq=False)
-class Parts:
+class MacroElements:
     """P parts and, as row P, the structure as a whole."""
 
     names: tuple[str, ...]  # P + 1, the last is WHOLE
@@ -51,7 +51,7 @@ class Parts:
         return len(self.names)
 
 
-def parts_of(blocks: Sequence[Block], joints: Joints) -> Parts:
+def macro_elements_of(blocks: Sequence[Block], joints: Joints) -> MacroElements:
     """The parts of a structure.
 
     Raises:
@@ -64,7 +64,7 @@ def parts_of(blocks: Sequence[Block], joints: Joints) -> Parts:
     free = np.array([not block.fixed for block in blocks])
     member = (of_block == np.arange(len(groups))[:, None]) & free
     owns = member[:, joints.block_a] | member[:, joints.block_b]
-    return Parts(
+    return MacroElements(
         names=(*groups, WHOLE),
         blocks=np.concatenate([member, free[None]]),
         joints=np.concatenate([owns, np.ones((1, joints.count), dtype=bool)]),
@@ -73,7 +73,7 @@ def parts_of(blocks: Sequence[Block], joints: Joints) -> Parts:
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class DamageSnapshot:
     """What is damaged at one frame: J joints, B blocks."""
 
     pose: Pose
@@ -90,7 +90,7 @@ class Moment:
     touching: np.ndarray  # (N,) corners where a hinged joint touches
 
     @classmethod
-    def at(cls, results: Results, frame: int, thresholds: Thresholds) -> Moment:
+    def at(cls, results: Results, frame: int, thresholds: Thresholds) -> DamageSnapshot:
         """The damage at a frame."""
         joints, solids = results.joints, solids_of(results.blocks)
         pose = Pose.of(results, solids, frame_index(results, frame))
@@ -108,13 +108,13 @@ class Moment:
         return cls(pose, opening, least, sliding, rotation, separated, down, live, opened, slid, hinged, touching)
 
 
-def hinge_places(joints: Joints, moment: Moment) -> np.ndarray:
+def hinge_places(joints: Joints, snapshot: DamageSnapshot) -> np.ndarray:
     """(J, 3) where each hinged joint touches: the mean of its touching corners at rest [m]; NaN where it is no hinge."""
     side = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
     out = np.zeros((joints.count, 3))
-    np.add.at(out, side[moment.touching], joints.polygon[moment.touching])
-    count = np.bincount(side[moment.touching], minlength=joints.count)
-    return np.where(moment.hinged[:, None], out / np.maximum(count, 1)[:, None], np.nan)
+    np.add.at(out, side[snapshot.touching], joints.polygon[snapshot.touching])
+    count = np.bincount(side[snapshot.touching], minlength=joints.count)
+    return np.where(snapshot.hinged[:, None], out / np.maximum(count, 1)[:, None], np.nan)
 
 
 def side_names(towards: np.ndarray) -> list[str]:
@@ -137,7 +137,7 @@ class Levels:
     ends: np.ndarray  # (P + 1, 2) lowest and highest corner of a part [m]
 
     @classmethod
-    def of(cls, solids: Solids, joints: Joints, parts: Parts, count: int = LEVELS) -> Levels:
+    def of(cls, solids: Solids, joints: Joints, parts: MacroElements, count: int = LEVELS) -> Levels:
         """Cut the height of a structure into levels."""
         free = ~solids.fixed
         z = solids.vertices[free[solids.vertex_block], 2]
@@ -156,12 +156,12 @@ class Levels:
             foot[p] = height[mine].min() if len(mine) else np.nan
         return cls(bounds, of_block, foot, footing, ends_z)
 
-    def profile(self, part: int, parts: Parts, solids: Solids, moment: Moment) -> Profile:
+    def profile(self, part: int, parts: MacroElements, solids: Solids, snapshot: DamageSnapshot) -> Profile:
         """Heights and displacements of a part, level by level, from its standing blocks."""
         count = len(self.bounds) - 1
-        standing = parts.blocks[part] & ~moment.down
+        standing = parts.blocks[part] & ~snapshot.down
         level, weight = self.of_block[standing], parts.volume[standing]
-        moved = moment.pose.displacement(solids)
+        moved = snapshot.pose.displacement(solids)
         filled = np.bincount(level, weight, minlength=count)
         kept = np.flatnonzero(filled)
         sums = [np.bincount(level, weight * v, minlength=count)[kept] for v in (solids.centre[standing, 2], *moved[standing, :2].T)]

@@ -34,7 +34,7 @@ from scipy.spatial.transform import Rotation
 
 from masonry_cd.errors import InputError
 from masonry_cd.model.joints import Joints
-from reports.damage.macro_elements import Moment, Parts
+from reports.damage.macro_elements import DamageSnapshot, MacroElements
 from reports.deformed import Solids
 
 NONE, HINGING, SLIDING, PARTING = "none", "hinging", "sliding", "parting"
@@ -91,7 +91,7 @@ class Mechanism:
     towards: str
 
 
-def pieces_of(solids: Solids, joints: Joints, parts: Parts, rules: Rules) -> tuple[Piece, ...]:
+def pieces_of(solids: Solids, joints: Joints, parts: MacroElements, rules: Rules) -> tuple[Piece, ...]:
     """The pieces of all parts that are walls, or compact and slender, by their shape at rest."""
     found = []
     count = len(solids.centre)
@@ -108,14 +108,16 @@ def pieces_of(solids: Solids, joints: Joints, parts: Parts, rules: Rules) -> tup
     return tuple(found)
 
 
-def mechanisms(moment: Moment, joints: Joints, parts: Parts, pieces: tuple[Piece, ...], rules: Rules) -> tuple[Mechanism, ...]:
+def mechanisms(
+    snapshot: DamageSnapshot, joints: Joints, parts: MacroElements, pieces: tuple[Piece, ...], rules: Rules
+) -> tuple[Mechanism, ...]:
     """The mechanism of each part and, last, of the structure: the gravest of its parts'."""
-    weights = _joint_weights(moment, joints)
+    weights = _joint_weights(snapshot, joints)
     turn, towards = np.zeros(parts.count), [""] * parts.count
     held: list[set[str]] = [set() for _ in range(parts.count)]
-    spin = Rotation.from_matrix(moment.pose.rotation).as_rotvec()
+    spin = Rotation.from_matrix(snapshot.pose.rotation).as_rotvec()
     for piece in pieces:
-        angle, direction = _turn(piece, moment, parts, spin, rules)
+        angle, direction = _turn(piece, snapshot, parts, spin, rules)
         if angle > turn[piece.part]:
             turn[piece.part], towards[piece.part] = angle, direction
         if angle >= rules.turned:
@@ -128,23 +130,23 @@ def mechanisms(moment: Moment, joints: Joints, parts: Parts, pieces: tuple[Piece
             held[p] = set().union(*held)
         score = {name: float(weights[name][parts.joints[p]].sum()) for name in weights}
         held[p] |= {name for name, value in score.items() if value > 0}
-        if (moment.down & parts.blocks[p]).any():
+        if (snapshot.down & parts.blocks[p]).any():
             held[p].add(FALLING)
         ranked = sorted(held[p], key=lambda name: (name in score, -score.get(name, 0.0), -MECHANISMS.index(name)))
         out.append(Mechanism(ranked[0] if ranked else NONE, tuple(ranked[1:]), float(turn[p]), towards[p]))
     return tuple(out)
 
 
-def _joint_weights(moment: Moment, joints: Joints) -> dict[str, np.ndarray]:
+def _joint_weights(snapshot: DamageSnapshot, joints: Joints) -> dict[str, np.ndarray]:
     """(J,) contribution of each joint to the three sums of rule 4 [m3]."""
     return {
-        HINGING: np.where(moment.hinged, joints.area * moment.opening, 0.0),
-        SLIDING: np.where(moment.slid, joints.area * moment.sliding, 0.0),
-        PARTING: np.where(moment.open & ~moment.hinged, joints.area * np.maximum(moment.gap, 0.0), 0.0),
+        HINGING: np.where(snapshot.hinged, joints.area * snapshot.opening, 0.0),
+        SLIDING: np.where(snapshot.slid, joints.area * snapshot.sliding, 0.0),
+        PARTING: np.where(snapshot.open & ~snapshot.hinged, joints.area * np.maximum(snapshot.gap, 0.0), 0.0),
     }
 
 
-def _piece(part: int, members: np.ndarray, solids: Solids, parts: Parts, rules: Rules) -> Piece | None:
+def _piece(part: int, members: np.ndarray, solids: Solids, parts: MacroElements, rules: Rules) -> Piece | None:
     """The piece that some blocks form, if its shape at rest lets it overturn."""
     corners = solids.vertices[np.isin(solids.vertex_block, members)]
     plan = corners[:, :2] - corners[:, :2].mean(axis=0)
@@ -160,9 +162,9 @@ def _piece(part: int, members: np.ndarray, solids: Solids, parts: Parts, rules: 
     return Piece(part, members[order[:half]], np.array([*axes[0], 0.0]) if wall else None)
 
 
-def _turn(piece: Piece, moment: Moment, parts: Parts, spin: np.ndarray, rules: Rules) -> tuple[float, str]:
+def _turn(piece: Piece, snapshot: DamageSnapshot, parts: MacroElements, spin: np.ndarray, rules: Rules) -> tuple[float, str]:
     """Mean rotation of a piece's upper half [rad], 0 where it turns in many senses, and where its top goes."""
-    upper = piece.upper[~moment.down[piece.upper]]
+    upper = piece.upper[~snapshot.down[piece.upper]]
     if not len(upper):
         return 0.0, ""
     weight = parts.volume[upper] / parts.volume[upper].sum()

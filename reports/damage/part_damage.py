@@ -21,7 +21,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.model.joints import Joints
 from reports.damage.grades import Grades, grade_of
 from reports.damage.joint_damage import JointDamage, Thresholds, joint_damage
-from reports.damage.macro_elements import Levels, Moment, Parts, Profile, hinge_places, parts_of, side_names
+from reports.damage.macro_elements import DamageSnapshot, Levels, MacroElements, Profile, hinge_places, macro_elements_of, side_names
 from reports.damage.mechanism import Mechanism, Rules, mechanisms, pieces_of
 from reports.deformed import Solids, solids_of
 from reports.drawing.figure import classes
@@ -70,27 +70,27 @@ def part_damage(results: Results, settings: Settings | None = None) -> PartDamag
     history: list[Row] = []
     shocks: list[Row] = []
 
-    def parts(table: JointDamage, moment: Moment) -> list[Row]:
+    def parts(table: JointDamage, snapshot: DamageSnapshot) -> list[Row]:
         last = history[-view.parts.count :]
-        return [_part_row(view, watch, table, moment, p, last[p]) for p in range(view.parts.count)]
+        return [_part_row(view, watch, table, snapshot, p, last[p]) for p in range(view.parts.count)]
 
     for frame in np.unique([*evenly, *after]):
-        moment = Moment.at(results, int(frame), settings.thresholds)
-        history += watch.add(moment)
+        snapshot = DamageSnapshot.at(results, int(frame), settings.thresholds)
+        history += watch.add(snapshot)
         if frame in after:
             i = after[frame]
             named = {"shock": results.shocks[i].name}
-            shocks += [named | row for row in parts(joint_damage(results, settings.thresholds, i), moment)]
+            shocks += [named | row for row in parts(joint_damage(results, settings.thresholds, i), snapshot)]
     table = joint_damage(results, settings.thresholds)
     return PartDamage(
         title=results.title,
         time=float(results.time[-1]),
         settings=settings,
         width_classes=view.widths,
-        parts=parts(table, moment),
+        parts=parts(table, snapshot),
         shocks=shocks,
         history=history,
-        hinges=_hinge_rows(view, watch, table, moment),
+        hinges=_hinge_rows(view, watch, table, snapshot),
         levels=watch.level_rows(),
     )
 
@@ -101,7 +101,7 @@ class _View:
 
     solids: Solids
     joints: Joints
-    parts: Parts
+    parts: MacroElements
     levels: Levels
     names: tuple[str, ...]
     pieces: tuple[Any, ...]
@@ -111,7 +111,7 @@ class _View:
     @classmethod
     def of(cls, results: Results, settings: Settings) -> _View:
         solids, joints = solids_of(results.blocks), results.joints
-        parts = parts_of(results.blocks, joints)
+        parts = macro_elements_of(results.blocks, joints)
         return cls(
             solids=solids,
             joints=joints,
@@ -137,20 +137,20 @@ class _Watch:
         self.profiles: list[Profile] = []
         self._level_peaks: list[dict[int, tuple[float, float]]] = [{} for _ in range(view.parts.count)]
 
-    def add(self, moment: Moment) -> list[Row]:
+    def add(self, snapshot: DamageSnapshot) -> list[Row]:
         """Take in a frame; return its row of each part."""
         view = self._view
-        self.profiles = [view.levels.profile(p, view.parts, view.solids, moment) for p in range(view.parts.count)]
+        self.profiles = [view.levels.profile(p, view.parts, view.solids, snapshot) for p in range(view.parts.count)]
         self.drift_max = np.maximum(self.drift_max, [profile.overall for profile in self.profiles])
         for peaks, profile in zip(self._level_peaks, self.profiles, strict=True):
             for level, shift, drift in zip(profile.level, profile.shift, profile.drift, strict=True):
                 before = peaks.get(int(level), (0.0, 0.0))
                 peaks[int(level)] = max(before[0], float(np.hypot(*shift))), max(before[1], float(np.nan_to_num(drift)))
-        wider = moment.hinged & (moment.opening > self.widest)
-        self.widest[wider], self.when[wider] = moment.opening[wider], moment.pose.time
-        self.place[wider] = hinge_places(view.joints, moment)[wider]
-        how = mechanisms(moment, view.joints, view.parts, view.pieces, view.settings.rules)
-        return [_frame_row(view, moment, p, self.profiles[p], how[p]) for p in range(view.parts.count)]
+        wider = snapshot.hinged & (snapshot.opening > self.widest)
+        self.widest[wider], self.when[wider] = snapshot.opening[wider], snapshot.pose.time
+        self.place[wider] = hinge_places(view.joints, snapshot)[wider]
+        how = mechanisms(snapshot, view.joints, view.parts, view.pieces, view.settings.rules)
+        return [_frame_row(view, snapshot, p, self.profiles[p], how[p]) for p in range(view.parts.count)]
 
     def level_rows(self) -> list[Row]:
         """Displacement and drift of each part and level: at the last frame, and the largest over all frames."""
@@ -176,24 +176,24 @@ class _Watch:
         return rows
 
 
-def _frame_row(view: _View, moment: Moment, part: int, profile: Profile, how: Mechanism) -> Row:
+def _frame_row(view: _View, snapshot: DamageSnapshot, part: int, profile: Profile, how: Mechanism) -> Row:
     """What is the case in a part at a frame."""
     own, area = view.parts.joints[part], view.joints.area
-    live = own & moment.live
-    apart, standing = live & moment.separated, live & ~moment.separated
-    lost = view.parts.blocks[part] & moment.down
+    live = own & snapshot.live
+    apart, standing = live & snapshot.separated, live & ~snapshot.separated
+    lost = view.parts.blocks[part] & snapshot.down
     return {
-        "time": moment.pose.time,
+        "time": snapshot.pose.time,
         "part": view.parts.names[part],
-        "open": int((own & moment.open).sum()),
-        "open_area": float(area[own & moment.open].sum()),
-        "slipped": int((own & moment.slid).sum()),
-        "slipped_area": float(area[own & moment.slid].sum()),
+        "open": int((own & snapshot.open).sum()),
+        "open_area": float(area[own & snapshot.open].sum()),
+        "slipped": int((own & snapshot.slid).sum()),
+        "slipped_area": float(area[own & snapshot.slid].sum()),
         "apart": int(apart.sum()),
         "apart_area": float(area[apart].sum()),
-        "hinges": int((own & moment.hinged).sum()),
-        "opening": float(moment.opening[standing].max(initial=0.0)),
-        "sliding": float(moment.sliding[standing].max(initial=0.0)),
+        "hinges": int((own & snapshot.hinged).sum()),
+        "opening": float(snapshot.opening[standing].max(initial=0.0)),
+        "sliding": float(snapshot.sliding[standing].max(initial=0.0)),
         "drift": profile.overall,
         "lost_blocks": int(lost.sum()),
         "lost_share": float(view.parts.volume[lost].sum() / view.parts.volume[view.parts.blocks[part]].sum()),
@@ -204,7 +204,7 @@ def _frame_row(view: _View, moment: Moment, part: int, profile: Profile, how: Me
     }
 
 
-def _part_row(view: _View, watch: _Watch, table: JointDamage, moment: Moment, part: int, last: Row) -> Row:
+def _part_row(view: _View, watch: _Watch, table: JointDamage, snapshot: DamageSnapshot, part: int, last: Row) -> Row:
     """A part at the end of the run."""
     own = view.parts.joints[part]
     row: Row = {
@@ -226,24 +226,24 @@ def _part_row(view: _View, watch: _Watch, table: JointDamage, moment: Moment, pa
     renamed = {"opening": "residual_opening", "sliding": "residual_sliding", "drift": "residual_drift"}
     row |= {renamed.get(key, key): value for key, value in last.items() if key not in ("time", "part")}
     row["max_drift"] = float(watch.drift_max[part])
-    row["lost_names"] = [view.names[i] for i in np.flatnonzero(view.parts.blocks[part] & moment.down)]
-    row |= _histogram(view, moment, own)
+    row["lost_names"] = [view.names[i] for i in np.flatnonzero(view.parts.blocks[part] & snapshot.down)]
+    row |= _histogram(view, snapshot, own)
     # a joint between standing blocks that is separated is a crack as well: its width counts for the grade
-    live = own & moment.live
-    width = max(float(moment.opening[live].max(initial=0.0)), float(moment.sliding[live].max(initial=0.0)))
+    live = own & snapshot.live
+    width = max(float(snapshot.opening[live].max(initial=0.0)), float(snapshot.sliding[live].max(initial=0.0)))
     grade = grade_of(width, row["residual_drift"], row["lost_share"], view.settings.grades)
     return row | {"grade": grade.name, "grade_label": grade.label, "grade_reason": grade.reason}
 
 
-def _histogram(view: _View, moment: Moment, own: np.ndarray) -> Row:
+def _histogram(view: _View, snapshot: DamageSnapshot, own: np.ndarray) -> Row:
     """Joints by class of residual width: ``crack_0.1_mm`` holds widths from 0.1 mm to the next class."""
-    width = moment.opening[own & moment.open]
+    width = snapshot.opening[own & snapshot.open]
     place = np.searchsorted(view.widths, width, side="right") - 1
     counts = np.bincount(place, minlength=len(view.widths))
     return {f"crack_{1000 * bound:.3g}_mm": int(count) for bound, count in zip(view.widths, counts, strict=True)}
 
 
-def _hinge_rows(view: _View, watch: _Watch, table: JointDamage, moment: Moment) -> list[Row]:
+def _hinge_rows(view: _View, watch: _Watch, table: JointDamage, snapshot: DamageSnapshot) -> list[Row]:
     """The joints that were hinges at some frame, where they touched when they were widest open."""
     ever = np.flatnonzero(np.isfinite(watch.when))
     sides = side_names(watch.place[ever] - view.joints.centres()[ever])
@@ -262,8 +262,8 @@ def _hinge_rows(view: _View, watch: _Watch, table: JointDamage, moment: Moment) 
                 "touches_towards": side,
                 "opening": watch.widest[j],
                 "time": watch.when[j],
-                "residual_opening": moment.opening[j],
-                "at_end": bool(moment.hinged[j]),
+                "residual_opening": snapshot.opening[j],
+                "at_end": bool(snapshot.hinged[j]),
             }
         )
     return rows

@@ -23,6 +23,16 @@ STRIP = 220  # height of the keys below, with their margins
 COLUMN = 430  # width of the keys beside
 INK = "#23272b"
 FAINT = "#5f666d"
+# Okabe & Ito (2008): told apart by colour-blind readers
+COLOURS = (
+    "#0072b2",
+    "#d55e00",
+    "#009e73",
+    "#cc79a7",
+    "#e69f00",
+    "#56b4e9",
+    "#000000",
+)
 
 Box = tuple[float, float, float, float]  # left, bottom, width, height
 Paint = Callable[[Any, Box], None]  # paints the sign of a key's row into a box of some axes

@@ -10,7 +10,7 @@ import numpy as np
 
 from masonry_cd.model.joints import Joints
 from reports.damage.joint_damage import Thresholds
-from reports.damage.macro_elements import Moment
+from reports.damage.macro_elements import DamageSnapshot
 from reports.drawing.figure import FAINT, INK, Box, Paint, Sheet, classes
 from reports.drawing.structure_picture import box_swatch, rgb
 from reports.maps.thrust import COLOUR as THRUST
@@ -30,11 +30,11 @@ class Marks:
     slid: np.ndarray  # (J,) likewise
 
     @classmethod
-    def of(cls, joints: Joints, moment: Moment, thresholds: Thresholds) -> Marks:
+    def of(cls, joints: Joints, snapshot: DamageSnapshot, thresholds: Thresholds) -> Marks:
         """The marks of a frame's damage."""
-        live = ~moment.separated & ~(moment.down[joints.block_a] & moment.down[joints.block_b])
-        opened, slid = live & (moment.opening >= thresholds.opened), live & (moment.sliding >= thresholds.slid)
-        return cls(moment.opening, moment.sliding, moment.separated, opened, slid)
+        live = ~snapshot.separated & ~(snapshot.down[joints.block_a] & snapshot.down[joints.block_b])
+        opened, slid = live & (snapshot.opening >= thresholds.opened), live & (snapshot.sliding >= thresholds.slid)
+        return cls(snapshot.opening, snapshot.sliding, snapshot.separated, opened, slid)
 
 
 class Scale:

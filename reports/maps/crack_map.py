@@ -22,7 +22,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.joints import Joints
 from reports.damage.joint_damage import Thresholds, fallen
-from reports.damage.macro_elements import Moment
+from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids, frame_index, solids_of
 from reports.drawing.figure import Layout, Sheet, in_metres, layout, nice
 from reports.drawing.render import SAMPLES, Layer, Lines, Surface, View, Window, render, view_named
@@ -42,7 +42,7 @@ CAP = 0.82  # faces of a cut are darker than others by this factor
 
 
 @dataclass(frozen=True)
-class Look:
+class MapStyle:
     """How crack maps are drawn.
 
     Attributes:
@@ -68,28 +68,28 @@ class Look:
             raise InputError(f"largest: must lie above the thresholds, got {self.largest!r}")
 
 
-def crack_map(results: Results, path: Path, *, frame: int = -1, look: Look | None = None) -> None:
+def crack_map(results: Results, path: Path, *, frame: int = -1, style: MapStyle | None = None) -> None:
     """Draw the crack map of a frame into a PNG.
 
     Args:
         results: of a run.
         path: of the PNG.
         frame: which; negative ones count from the end.
-        look: view, amplification, thresholds and so on.
+        style: view, amplification, thresholds and so on.
 
     Raises:
         InputError: no such frame, view or plane, no off-screen OpenGL, or a path that cannot be written.
     """
-    look = look or Look()
+    style = style or MapStyle()
     frame = frame_index(results, frame)
-    sheet_of(results, frame, framing(results, [frame], look)).save(path)
+    sheet_of(results, frame, framing(results, [frame], style)).save(path)
 
 
 @dataclass(frozen=True, eq=False)
 class Framing:
     """What all maps of a sequence have in common."""
 
-    look: Look
+    style: MapStyle
     view: View
     cut: Cut | None
     factor: float  # amplification of displacements
@@ -103,37 +103,37 @@ class Framing:
         return self.window.width / self.plan.pixels[0]
 
 
-def framing(results: Results, frames: Sequence[int], look: Look) -> Framing:
+def framing(results: Results, frames: Sequence[int], style: MapStyle) -> Framing:
     """Choose view, amplification and window so that they suit all frames.
 
     Raises:
         InputError: no such view or plane.
     """
     solids = solids_of(results.blocks)
-    facing = FACING[axis_of(look.cut)] if look.cut else auto_view(solids)
-    view = view_named(facing if look.view == "auto" else look.view)
-    cut = cut_named(look.cut, solids, view) if look.cut else None
+    facing = FACING[axis_of(style.cut)] if style.cut else auto_view(solids)
+    view = view_named(facing if style.view == "auto" else style.view)
+    cut = cut_named(style.cut, solids, view) if style.cut else None
     rest = structure_window(solids, view)
     poses = [Pose.of(results, solids, frame) for frame in frames]
     farthest = max(range(len(frames)), key=lambda k: largest_displacement(poses[k], solids))
-    fell = np.any([fallen(results, look.thresholds, frames[k]) for k in {farthest, len(frames) - 1}], axis=0)
-    factor = look.scale if look.scale is not None else amplification(poses[farthest], solids, fell, max(rest.width, rest.height))
+    fell = np.any([fallen(results, style.thresholds, frames[k]) for k in {farthest, len(frames) - 1}], axis=0)
+    factor = style.scale if style.scale is not None else amplification(poses[farthest], solids, fell, max(rest.width, rest.height))
     free, window = ~solids.fixed[solids.vertex_block], rest
     for pose in poses:
         moved = pose.moved(solids, solids.vertices[free], solids.vertex_block[free], factor)
         window = window.joined(followed(rest, view.plane(moved)))
     plan = layout(window.width / window.height)
-    return Framing(look, view, cut, factor, window.fitted(plan.pixels), plan, alone=len(frames) == 1)
+    return Framing(style, view, cut, factor, window.fitted(plan.pixels), plan, alone=len(frames) == 1)
 
 
 def sheet_of(results: Results, frame: int, framed: Framing, samples: int = SAMPLES) -> Sheet:
     """The sheet of a frame; ``samples`` as in :func:`reports.drawing.render.render`."""
     subject = _subject(results, frame, framed)
-    thresholds, largest = framed.look.thresholds, framed.look.largest
+    thresholds, largest = framed.style.thresholds, framed.style.largest
     scales = Scale(thresholds.opened, largest, OPENING_COLOURS), Scale(thresholds.slid, largest, SLIDING_COLOURS)
     layers = [_shadow(subject), *_block_layers(subject), *_joint_layers(subject, scales)]
     force = None
-    if framed.look.thrust:
+    if framed.style.thrust:
         thrust, force = _thrust_layer(results, frame, subject)
         layers.append(thrust)
     sheet = Sheet(framed.plan)
@@ -161,7 +161,7 @@ class Subject:
     framed: Framing
     joints: Joints
     solids: Solids
-    moment: Moment
+    snapshot: DamageSnapshot
     last: bool  # the last frame
     marks: Marks
     drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
@@ -169,12 +169,12 @@ class Subject:
     @property
     def pose(self) -> Pose:
         """Where the blocks are."""
-        return self.moment.pose
+        return self.snapshot.pose
 
     @property
     def down(self) -> np.ndarray:
         """(B,) fallen blocks."""
-        return self.moment.down
+        return self.snapshot.down
 
     @property
     def largest(self) -> float:
@@ -184,16 +184,16 @@ class Subject:
 
 def _subject(results: Results, frame: int, framed: Framing) -> Subject:
     """Collect what a frame shows."""
-    solids, thresholds = solids_of(results.blocks), framed.look.thresholds
-    moment = Moment.at(results, frame, thresholds)
+    solids, thresholds = solids_of(results.blocks), framed.style.thresholds
+    snapshot = DamageSnapshot.at(results, frame, thresholds)
     return Subject(
         framed=framed,
         joints=results.joints,
         solids=solids,
-        moment=moment,
+        snapshot=snapshot,
         last=frame == results.frames - 1,
-        marks=Marks.of(results.joints, moment, thresholds),
-        drawn=moment.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor),
+        marks=Marks.of(results.joints, snapshot, thresholds),
+        drawn=snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor),
     )
 
 
@@ -304,7 +304,7 @@ def _lifted(surface: Surface, framed: Framing, cut: bool) -> Surface:
 def _thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surface, float]:
     """The line of thrust, before everything else, and the force of the widest ribbon [N]."""
     framed, towards = subject.framed, subject.framed.view.towards
-    surface, largest = ribbons(results, subject.solids, subject.pose, subject.moment, frame, framed.factor, framed.view, framed.pixel)
+    surface, largest = ribbons(results, subject.solids, subject.pose, subject.snapshot, frame, framed.factor, framed.view, framed.pixel)
     if framed.cut is not None:
         surface = clipped(surface, framed.cut)
     if not len(surface.points):

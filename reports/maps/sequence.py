@@ -14,7 +14,7 @@ import numpy as np
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Scale
-from reports.maps.crack_map import Look, framing, sheet_of
+from reports.maps.crack_map import MapStyle, framing, sheet_of
 
 MOST_FRAMES = 60  # of an animation
 WIDTH = 900  # of an animation [pixels]
@@ -35,14 +35,14 @@ def frames_at(results: Results, times: Sequence[float]) -> list[int]:
     return [int(np.argmin(np.abs(have - time))) for time in times]
 
 
-def crack_maps(results: Results, folder: Path, times: Sequence[float], look: Look | None = None) -> list[Path]:
+def crack_maps(results: Results, folder: Path, times: Sequence[float], style: MapStyle | None = None) -> list[Path]:
     """Draw the crack maps next to some times [s] into ``crack_map_1.25s.png`` and so on; return the files.
 
     Raises:
         InputError: a time outside the run, or what :func:`reports.maps.crack_map.crack_map` says.
     """
     frames = list(dict.fromkeys(frames_at(results, times)))
-    framed = framing(results, frames, look or Look())
+    framed = framing(results, frames, style or MapStyle())
     paths = []
     for frame in frames:
         paths.append(folder / f"crack_map_{results.time[frame]:.6g}s.png")
@@ -51,7 +51,7 @@ def crack_maps(results: Results, folder: Path, times: Sequence[float], look: Loo
 
 
 def animation(
-    results: Results, path: Path, look: Look | None = None, most: int = MOST_FRAMES, progress: Callable[[int], None] | None = None
+    results: Results, path: Path, style: MapStyle | None = None, most: int = MOST_FRAMES, progress: Callable[[int], None] | None = None
 ) -> int:
     """Draw a GIF of the run, in its own time where it has no more than ``most`` frames a viewer can follow; return their number.
 
@@ -63,7 +63,7 @@ def animation(
     if results.frames < 2:
         raise InputError("animation: the result has a single frame")
     frames = np.unique(np.linspace(0, results.frames - 1, min(results.frames, most)).round().astype(int)).tolist()
-    framed = framing(results, frames, look or Look())
+    framed = framing(results, frames, style or MapStyle())
     images: list[Any] = []
     for k, frame in enumerate(frames):
         pixels = sheet_of(results, frame, framed, samples=1).pixels()
@@ -71,7 +71,7 @@ def animation(
         images.append(Image.fromarray(pixels).resize(size, Image.Resampling.BOX if size[0] * 2 == pixels.shape[1] else None))
         if progress is not None:
             progress(k + 1)
-    palette = _palette(images, framed.look)
+    palette = _palette(images, framed.style)
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     shown = [max(20, round(1000 * step)) for step in np.diff(results.time[frames])] + [REST]
     try:
@@ -81,11 +81,11 @@ def animation(
     return len(images)
 
 
-def _palette(images: Sequence[Any], look: Look) -> Any:
+def _palette(images: Sequence[Any], style: MapStyle) -> Any:
     """One palette for all frames, or their colours would flicker: those of the classes exactly, the others from a few of the frames."""
     from PIL import Image
 
-    scales = Scale(look.thresholds.opened, look.largest, OPENING_COLOURS), Scale(look.thresholds.slid, look.largest, SLIDING_COLOURS)
+    scales = Scale(style.thresholds.opened, style.largest, OPENING_COLOURS), Scale(style.thresholds.slid, style.largest, SLIDING_COLOURS)
     exact = np.concatenate([[[255, 255, 255]], *(scale.colours for scale in scales)]).astype(np.uint8)
     picked = [images[k] for k in sorted({0, len(images) // 2, len(images) - 1})]
     width, height = picked[0].size

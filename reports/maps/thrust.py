@@ -14,7 +14,7 @@ import numpy as np
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
-from reports.damage.macro_elements import Moment
+from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids, base_shift, joint_frame
 from reports.drawing.render import Surface, View
 
@@ -25,7 +25,7 @@ THINNEST = 0.08  # forces below this share of the largest are left out
 
 
 def ribbons(
-    results: Results, solids: Solids, pose: Pose, moment: Moment, frame: int, factor: float, view: View, pixel: float
+    results: Results, solids: Solids, pose: Pose, snapshot: DamageSnapshot, frame: int, factor: float, view: View, pixel: float
 ) -> tuple[Surface, float]:
     """The ribbons at a frame as a surface that faces the viewer, and the force of the widest one [N].
 
@@ -33,7 +33,7 @@ def ribbons(
         results: of a run, which must hold the forces of its joints and the points where they act.
         solids: of its blocks.
         pose: of the frame.
-        moment: of the frame, for what has come apart.
+        snapshot: of the frame, for what has come apart.
         frame: which.
         factor: amplification of the displacements.
         view: from where.
@@ -45,7 +45,7 @@ def ribbons(
     if "joints/normal_force" not in results.file or "joints/force_point" not in results.file:
         raise InputError("thrust: this result does not hold the forces of its joints and where they act; run its scene again")
     joints = results.joints
-    force = np.where(moment.separated, 0.0, joint_frame(results, "normal_force", frame))
+    force = np.where(snapshot.separated, 0.0, joint_frame(results, "normal_force", frame))
     largest = float(force.max(initial=0.0))
     place = drawn_points(results, solids, pose, frame, factor)
     ends, strength = [], []

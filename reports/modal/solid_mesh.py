@@ -57,10 +57,10 @@ def solid_mesh(blocks: Sequence[Block], kinds: np.ndarray, size: float | None = 
     Raises:
         InputError: gmsh is missing or cannot mesh the solid.
     """
-    from structures.geometry.solid import kernel
+    from masonry_cd.gmsh_session import gmsh_session
 
     volume = sum(mass_properties(b.vertices, b.faces).volume for b in blocks if not b.fixed)
-    with kernel() as gmsh, tempfile.TemporaryDirectory() as folder:
+    with gmsh_session() as gmsh, tempfile.TemporaryDirectory() as folder:
         home = gmsh.model.getCurrent()
         for united in (True, False):  # where the union fails, the blocks are only glued to each other: slow, but it always works
             gmsh.model.add("solid")

@@ -68,7 +68,7 @@ def write_page(
     table = joint_damage.joint_damage(results, thresholds)
     tolerance = _tolerance(results, summary)
     missed, steps, missed_times = series.steps_missed(results, tolerance)
-    story = words.Story(
+    context = words.PageContext(
         results=results,
         solids=solids,
         table=table,
@@ -82,8 +82,8 @@ def write_page(
     )
     facts, text = _data(results, solids, table, (thresholds, largest), missed_times, limit)
     facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
-    facts["factor"] = scale if scale is not None else _amplification(solids, story.displacement_max, bool(story.fallen))
-    page = _filled(story, facts, text)
+    facts["factor"] = scale if scale is not None else _amplification(solids, context.displacement_max, bool(context.fallen))
+    page = _filled(context, facts, text)
     try:
         path.write_text(page, encoding="utf-8")
     except OSError as failure:
@@ -92,7 +92,7 @@ def write_page(
 
 def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
     """The tolerance of the run: from its summary, else from its scene, else the default."""
-    from masonry_cd.app.scene import Run
+    from masonry_cd.dynamics.settings import Run
 
     given = summary.get("solver", {}).get("tolerance")
     if given is None and results.scene:
@@ -200,19 +200,19 @@ def _histories(
     return histories, units, scales
 
 
-def _filled(story: words.Story, facts: Mapping[str, Any], text: str) -> str:
+def _filled(context: words.PageContext, facts: Mapping[str, Any], text: str) -> str:
     """The template with everything in its place."""
     here = files("reports.page")
-    title = story.results.title or "Report of a run"
+    title = context.results.title or "Report of a run"
     values = {
         "title": words.escaped(title),
-        "lead": words.lead(story),
-        "outcome": words.outcome(story),
-        "notices": words.notices(story),
-        "tiles": words.tiles(story),
-        "parts": words.parts(story),
-        "settings": words.settings(story),
-        "scene": words.escaped(story.results.scene or "The result keeps no scene."),
+        "lead": words.lead(context),
+        "outcome": words.outcome(context),
+        "notices": words.notices(context),
+        "tiles": words.tiles(context),
+        "parts": words.parts(context),
+        "settings": words.settings(context),
+        "scene": words.escaped(context.results.scene or "The result keeps no scene."),
         "style": (here / "style.css").read_text(encoding="utf-8"),
         "script": "\n".join((here / name).read_text(encoding="utf-8") for name in SCRIPTS),
         "facts": json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c").replace("/", "\\/"),

@@ -24,7 +24,7 @@ TABLES = {"structure": "Structure", "material": "Material", "run": "Computation"
 
 
 @dataclass(frozen=True, eq=False)
-class Story:
+class PageContext:
     """What the words are made of."""
 
     results: Results
@@ -64,19 +64,19 @@ def number(value: float, unit: str = "") -> str:
     return f"{text} {unit}".strip()
 
 
-def lead(story: Story) -> str:
+def lead(context: PageContext) -> str:
     """What stands and what was computed, in a paragraph."""
-    blocks, solids = story.results.blocks, story.solids
+    blocks, solids = context.results.blocks, context.solids
     groups = list(dict.fromkeys(b.group for b, fixed in zip(blocks, solids.fixed, strict=True) if not fixed))
     named = f" ({escaped(', '.join(groups[:6]))}{' …' if len(groups) > 6 else ''})" if groups else ""
     free = solids.vertices[~solids.fixed[solids.vertex_block]]
     extent = " × ".join(in_metres(v) for v in np.ptp(free, axis=0)) if len(free) else "nothing free"
-    time = story.results.time
+    time = context.results.time
     span = f"{number(float(time[0]), 's')} to {number(float(time[-1]), 's')}"
-    dt = story.summary.get("dt")
-    steps = f", {story.steps} steps" + (f" of {number(1e3 * dt)} ms" if dt else "") if story.steps else ""
+    dt = context.summary.get("dt")
+    steps = f", {context.steps} steps" + (f" of {number(1e3 * dt)} ms" if dt else "") if context.steps else ""
     return (
-        f"{len(blocks)} blocks{named} and {story.results.joints.count} joints, {extent} (x, y, z) without supports; "
+        f"{len(blocks)} blocks{named} and {context.results.joints.count} joints, {extent} (x, y, z) without supports; "
         f"{_supports(int(solids.fixed.sum()))}. Computed from {span}{steps}."
     )
 
@@ -85,60 +85,60 @@ def _supports(count: int) -> str:
     return "1 block is a support" if count == 1 else f"{count or 'no'} blocks are supports"
 
 
-def outcome(story: Story) -> str:
+def outcome(context: PageContext) -> str:
     """The damage, in a sentence."""
-    table, joints = story.table, story.results.joints.count
+    table, joints = context.table, context.results.joints.count
     parts = [
-        f"{_of(story.count('opened'), joints)} joints opened (widest {in_metres(_most(table.max_opening))})",
-        f"{story.count('slid') or 'none'} slid (farthest {in_metres(_most(table.max_sliding))})",
-        f"{story.count('separated') or 'none'} separated",
+        f"{_of(context.count('opened'), joints)} joints opened (widest {in_metres(_most(table.max_opening))})",
+        f"{context.count('slid') or 'none'} slid (farthest {in_metres(_most(table.max_sliding))})",
+        f"{context.count('separated') or 'none'} separated",
     ]
-    free = int((~story.solids.fixed).sum())
-    down = f"{len(story.fallen)} of {free} blocks fell" if story.fallen else "no block fell"
-    return f"{', '.join(parts)}; {down}. The largest displacement relative to the base is {in_metres(story.displacement_max)}."
+    free = int((~context.solids.fixed).sum())
+    down = f"{len(context.fallen)} of {free} blocks fell" if context.fallen else "no block fell"
+    return f"{', '.join(parts)}; {down}. The largest displacement relative to the base is {in_metres(context.displacement_max)}."
 
 
-def notices(story: Story) -> str:
+def notices(context: PageContext) -> str:
     """What must not be overlooked, as paragraphs of class notice; empty when all is well."""
     lines = []
-    if story.summary.get("stopped"):
-        lines.append(f"<b>The run ended early</b>: {escaped(story.summary['stopped'])}. The page shows it up to there.")
-    elif not story.summary.get("steps"):
+    if context.summary.get("stopped"):
+        lines.append(f"<b>The run ended early</b>: {escaped(context.summary['stopped'])}. The page shows it up to there.")
+    elif not context.summary.get("steps"):
         lines.append("<b>The run has no summary</b>: it was stopped or is still going on. The page shows what it had written.")
-    if story.missed:
-        largest = story.summary.get("solver", {}).get("error_max")
+    if context.missed:
+        largest = context.summary.get("solver", {}).get("error_max")
         most = f"; the largest error is {number(largest)}" if largest is not None else ""
         lines.append(
-            f"<b>{story.missed} of {story.steps} steps missed the tolerance</b> {number(story.tolerance)} of the solver{most}. "
+            f"<b>{context.missed} of {context.steps} steps missed the tolerance</b> {number(context.tolerance)} of the solver{most}. "
             "They are marked in the plot of the solver's error."
         )
     return "".join(f'<p class="notice" role="note">{line}</p>' for line in lines)
 
 
-def tiles(story: Story) -> str:
+def tiles(context: PageContext) -> str:
     """The headline numbers."""
-    joints, seconds = story.results.joints.count, story.summary.get("stepping_seconds")
+    joints, seconds = context.results.joints.count, context.summary.get("stepping_seconds")
     rows = [
-        ("joints opened", f"{story.count('opened')}<small> of {joints}</small>"),
-        ("joints slid", f"{story.count('slid')}<small> of {joints}</small>"),
-        ("joints separated", f"{story.count('separated')}<small> of {joints}</small>"),
-        ("blocks fallen", f"{len(story.fallen)}<small> of {int((~story.solids.fixed).sum())}</small>"),
-        ("largest opening", in_metres(_most(story.table.max_opening))),
-        ("largest sliding", in_metres(_most(story.table.max_sliding))),
-        ("largest displacement", in_metres(story.displacement_max)),
-        ("steps that missed the tolerance", f"{story.missed}<small> of {story.steps}</small>" if story.steps else "unknown"),
+        ("joints opened", f"{context.count('opened')}<small> of {joints}</small>"),
+        ("joints slid", f"{context.count('slid')}<small> of {joints}</small>"),
+        ("joints separated", f"{context.count('separated')}<small> of {joints}</small>"),
+        ("blocks fallen", f"{len(context.fallen)}<small> of {int((~context.solids.fixed).sum())}</small>"),
+        ("largest opening", in_metres(_most(context.table.max_opening))),
+        ("largest sliding", in_metres(_most(context.table.max_sliding))),
+        ("largest displacement", in_metres(context.displacement_max)),
+        ("steps that missed the tolerance", f"{context.missed}<small> of {context.steps}</small>" if context.steps else "unknown"),
     ]
-    if seconds and story.summary.get("steps"):
-        rows.append(("per step", number(1e3 * seconds / story.summary["steps"], "ms")))
+    if seconds and context.summary.get("steps"):
+        rows.append(("per step", number(1e3 * seconds / context.summary["steps"], "ms")))
     return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in rows)
 
 
-def parts(story: Story) -> str:
+def parts(context: PageContext) -> str:
     """The damage of the named parts, the gravest first; empty where there is none."""
-    if story.parts is None:
+    if context.parts is None:
         return ""
-    whole, labels = story.parts.parts[-1], story.parts.settings.grades.labels
-    rows = [*sorted(story.parts.parts[:-1], key=lambda row: str(row["grade"]), reverse=True), whole]
+    whole, labels = context.parts.parts[-1], context.parts.settings.grades.labels
+    rows = [*sorted(context.parts.parts[:-1], key=lambda row: str(row["grade"]), reverse=True), whole]
     body = "".join(_part(row, row is whole) for row in rows)
     names = ("part", "grade", "mechanism", "opened", "slid", "separated", "lost", "crack left [mm]", "drift left [%]")
     head = "".join(f'<th scope="col">{name}</th>' for name in names)
@@ -158,15 +158,15 @@ def _part(row: Mapping[str, Any], whole: bool) -> str:
     return f'<tr{" class=whole" if whole else ""}><th scope="row">{escaped(row["part"])}</th>{"".join(cells)}</tr>'
 
 
-def settings(story: Story) -> str:
+def settings(context: PageContext) -> str:
     """The scene's tables, the loads with what they amount to, and the versions, as lists of terms."""
-    tables = story.tables
+    tables = context.tables
     boxes = [_box(title, tables[key]) for key, title in TABLES.items() if isinstance(tables.get(key), Mapping)]
-    amounts = story.summary.get("loads", {}).get("tables", [])
+    amounts = context.summary.get("loads", {}).get("tables", [])
     for k, load in enumerate(tables.get("loads", [])):
         after = amounts[k].get("after", {}) if k < len(amounts) else {}
         boxes.insert(2 + k, _box(f"Load {k + 1}", load, _peaks(after)))
-    boxes.append(_box("Versions", json.loads(story.results.file.attrs.get("versions", "{}"))))
+    boxes.append(_box("Versions", json.loads(context.results.file.attrs.get("versions", "{}"))))
     return "".join(boxes)
 
 

@@ -15,7 +15,7 @@ import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -23,28 +23,12 @@ from pydantic import BaseModel, ConfigDict, Field
 from masonry_cd.errors import InputError, parse_table, suggest
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, Polyhedron
-from structures.files import meshfile
 from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.convex import split
-from structures.geometry.gaps import close_gaps
-from structures.geometry.merge_coplanar import tidy
-from structures.schema import Length, is_file
+from structures.geometry.merge_coplanar import merge_coplanar
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 Finite = Annotated[float, Field(allow_inf_nan=False)]
-
-
-class FileTable(BaseModel):
-    """The [structure] table of a block file."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-    path: str = Field(description="of the block file, relative to the scene file")
-    units: Literal["m", "cm", "mm"] | None = Field(None, description="of an OBJ, STL, VTU or VTM file, which does not say")
-    up: Literal["y", "z"] | None = Field(None, description="which axis of such a file points upwards")
-    fixed: tuple[str, ...] = Field((), strict=False, description="names of the supports in such a file; * stands for anything")
-    repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
-    gaps: Length | None = Field(None, description="close gaps up to this width between blocks of any file [m]")
 
 
 Vertices = Annotated[list[Annotated[list[Finite], Field(min_length=3, max_length=3)]], Field(min_length=4)]
@@ -74,40 +58,6 @@ class Entry(BaseModel):
     parts: list[Part] = []
 
 
-def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
-    """Read the block file that a [structure] table names; the notes tell what closing gaps has moved."""
-    keys = parse_table(FileTable, table, "structure")
-    path = Path(keys.path)
-    if not is_file(folder / path):
-        raise InputError(f'structure.path: no file "{path}" in {folder}' if not path.is_absolute() else f'structure.path: no file "{path}"')
-    path = folder / path
-    is_mesh = path.suffix.lower() in meshfile.FORMATS
-    for key in () if is_mesh else ("units", "up", "fixed", "repair"):
-        if key in keys.model_fields_set:
-            raise InputError(f"structure.{key}: belongs to {', '.join(meshfile.FORMATS)} files; {path.name} states it itself")
-    blocks = _from_mesh(keys, path, density) if is_mesh else _from_json(path, density)
-    if keys.gaps is not None:
-        check_shells(blocks, path.name)
-        try:
-            blocks, moved, pairs = close_gaps(blocks, keys.gaps)
-        except Unsound as failure:
-            raise Unsound(f"{path.name}: {failure}", failure.faulty, failure.blocks) from None
-        return sound(blocks, path.name), [f"{path.name}: {pairs} pairs of faces brought together, corners moved by at most {moved:.3g} m"]
-    if is_mesh:
-        return sound(blocks, path.name), []
-    check(blocks, path.name)
-    return tidy(blocks), []
-
-
-def _from_mesh(keys: FileTable, path: Path, density: float) -> list[Block]:
-    """Read a mesh file whose unit and axes the table states; not checked yet."""
-    for key, known in (("units", METRES), ("up", ("y", "z"))):
-        if getattr(keys, key) is None:
-            raise InputError(f"structure.{key}: missing; {path.name} does not say it, so take one of {', '.join(known)}")
-    blocks = meshfile.read(path, density, METRES[keys.units or "m"], keys.up or "z", keys.repair)
-    return meshfile.with_supports(blocks, keys.fixed, "structure.fixed")
-
-
 def sound(blocks: Sequence[Block], source: str) -> list[Block]:
     """Blocks of any shape, checked, those that are not convex split into convex parts.
 
@@ -120,7 +70,7 @@ def sound(blocks: Sequence[Block], source: str) -> list[Block]:
     except RuntimeError as failure:
         raise Unsound(f"{source}: {failure}", [str(failure).split('"')[1]], blocks) from None
     check(parted, source)
-    return tidy(parted)
+    return merge_coplanar(parted)
 
 
 def read(path: Path, density: float) -> list[Block]:
@@ -133,13 +83,13 @@ def read(path: Path, density: float) -> list[Block]:
     Raises:
         InputError: one line that names the file and the block, key or line.
     """
-    blocks = _from_json(path, density)
+    blocks = read_unchecked(path, density)
     check(blocks, path.name)
-    return tidy(blocks)
+    return merge_coplanar(blocks)
 
 
-def _from_json(path: Path, density: float) -> list[Block]:
-    """The blocks of a block file, not checked yet."""
+def read_unchecked(path: Path, density: float) -> list[Block]:
+    """The blocks of a block file, whose shells may be open, or reach into each other."""
     content = _load(path)
     scale = _scale(content, path)
     entries = content.get("blocks")

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.gmsh_session import gmsh_session
 from structures.files.foreign import Answer, Faces, Piece, Refused
-from structures.geometry.gmsh_kernel import kernel
 
 NARROW = 0.25  # no joint closer to the end of a body, or to the face of a wall along it, than this share of a stone
 ALONG = 0.75  # a plane runs along a wall that ends near it where, so far beside it, there is less than this share of what it cuts
@@ -88,7 +88,7 @@ def _opened(path: Path) -> Iterator[Any]:
     Raises:
         Refused: the file cannot be read, or holds no volume.
     """
-    with kernel() as gmsh:
+    with gmsh_session() as gmsh:
         try:
             if path.suffix.lower() == ".geo":
                 gmsh.merge(str(path))

@@ -23,7 +23,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, triangles
 from structures.files import foreign, vtkfile
-from structures.geometry.compound_block import bent
+from structures.geometry.compound_block import compound_block
 
 FORMATS = (".obj", ".stl", ".vtu", ".vtm")
 WRITTEN = (*FORMATS, ".vtkhdf")
@@ -54,7 +54,7 @@ def read(path: Path, density: float, scale: float, up: str, repair: bool = False
         if repair:
             parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
         try:
-            blocks.append(bent(name, parts, density, "block"))
+            blocks.append(compound_block(name, parts, density, "block"))
         except RuntimeError:
             raise InputError(f'{path.name}: block "{name}": its cells do not share whole faces') from None
     if not blocks:

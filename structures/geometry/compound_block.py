@@ -16,7 +16,7 @@ from masonry_cd.model.geometry import Faces, Polyhedron
 GRID = 1e-7  # corners of parts closer than this are one [m]
 
 
-def bent(name: str, parts: Sequence[tuple[np.ndarray, Faces]], density: float, group: str) -> Block:
+def compound_block(name: str, parts: Sequence[tuple[np.ndarray, Faces]], density: float, group: str) -> Block:
     """Join convex parts into one block; a single part makes a plain block.
 
     Args:

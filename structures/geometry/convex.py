@@ -20,7 +20,7 @@ from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, Polyhedron, triangles
 from masonry_cd.model.polygon import clip, loop_normal, loop_planes
 from structures.geometry.checks import FLATNESS
-from structures.geometry.merge_coplanar import tidy
+from structures.geometry.merge_coplanar import merge_coplanar
 from structures.geometry.prism import box
 
 ON_PLANE = 1e-6  # relative to the size of the block: corners closer to a plane than this lie on it
@@ -171,5 +171,5 @@ def _finished(cell: Cell, block: Block, on: float) -> Polyhedron:
     apart = np.linalg.norm(cell.vertices[:, None] - block.vertices[None], axis=2)
     nearest = apart.argmin(axis=1)
     vertices = np.where((apart.min(axis=1) <= 10 * on)[:, None], block.vertices[nearest], cell.vertices)
-    (part,) = tidy([Block(block.name, vertices, cell.faces, block.density)])
+    (part,) = merge_coplanar([Block(block.name, vertices, cell.faces, block.density)])
     return Polyhedron(part.vertices, part.faces)

@@ -19,12 +19,12 @@ from masonry_cd.model.polygon import loop_normal
 COPLANAR = 1e-6  # relative to the size of the block
 
 
-def tidy(blocks: Sequence[Block]) -> list[Block]:
+def merge_coplanar(blocks: Sequence[Block]) -> list[Block]:
     """Merge the coplanar faces of checked convex blocks; blocks with parts, and sound ones, are returned as they are."""
-    return [block if block.parts else _tidy(block) for block in blocks]
+    return [block if block.parts else _with_merged_faces(block) for block in blocks]
 
 
-def _tidy(block: Block) -> Block:
+def _with_merged_faces(block: Block) -> Block:
     vertices = block.vertices
     normals = np.array([loop_normal(vertices[list(face)]) for face in block.faces])
     first = vertices[[face[0] for face in block.faces]]

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
+from masonry_cd.gmsh_session import gmsh_session
 from masonry_cd.model.polygon import polygon_area
-from structures.geometry.gmsh_kernel import kernel
 
 Segment = tuple[tuple[float, float], tuple[float, float]]  # the two ends x, z of a joint [m]
 
@@ -54,7 +54,7 @@ def cut(outline: np.ndarray, joints: Sequence[Segment]) -> list[np.ndarray]:
 
 def area(outline: np.ndarray, holes: Sequence[np.ndarray] = ()) -> float:
     """Area of a plane figure as the kernel measures it [m2], for checks of what was cut from it."""
-    with kernel() as gmsh:
+    with gmsh_session() as gmsh:
         loops = []
         for polygon in (outline, *holes):
             tags = [gmsh.model.occ.addPoint(x, z, 0.0) for x, z in polygon]
@@ -75,7 +75,7 @@ def _unified(ends: np.ndarray) -> np.ndarray:
 
 def _fragment(points: np.ndarray, ring: np.ndarray, inner: np.ndarray) -> tuple[np.ndarray, list[list[int]]]:
     """Split the surface within the ring by the inner lines: corners (n, 2) and a loop of corners for each piece."""
-    with kernel() as gmsh:
+    with gmsh_session() as gmsh:
         occ = gmsh.model.occ
         tags = [occ.addPoint(x, z, 0.0) for x, z in points]
         boundary = [occ.addLine(tags[a], tags[b]) for a, b in ring]

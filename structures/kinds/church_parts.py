@@ -9,22 +9,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Block
 from structures.geometry.prism import box
+from structures.kinds.church_table import ChurchTable
 from structures.kinds.column import ColumnTable, column
 from structures.kinds.vault import barrel
 from structures.layout import rings
 from structures.layout.arch_profiles import ring as circle
 from structures.layout.openings import Opening
 from structures.layout.wall_plan import Wall
-
-if TYPE_CHECKING:
-    from structures.kinds.church import ChurchTable
 
 PLATE = 0.3  # height of the wall plate that carries a timber roof [m]
 GAP = 0.05  # between a wall plate and a gable [m]

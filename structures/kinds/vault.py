@@ -27,7 +27,7 @@ from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces
 from structures.geometry.checks import check
-from structures.geometry.compound_block import bent
+from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import between, box, prism_xz
 from structures.kinds.arch import seat, voussoirs
 from structures.layout.arch_profiles import RingTable, joints_of
@@ -137,7 +137,7 @@ def _cross(keys: VaultTable, density: float) -> list[Block]:
         for web in WEBS:
             blocks += _course(k, keys.voussoirs, profile, web, half + pier, unit, groins, density)
     for number, parts in enumerate(groins.values(), start=1):
-        blocks.append(bent(f"groin.{number}", parts, density, "groin"))
+        blocks.append(compound_block(f"groin.{number}", parts, density, "groin"))
     return blocks + _piers(half, pier, keys.thickness, density)
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces
-from structures.geometry.compound_block import bent
+from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import between
 
 LEAST = 0.3  # between a head joint and a mitre or jamb, in blocks
@@ -89,7 +89,7 @@ def build(ring: Ring, rows: Sequence[Row], unit: float, density: float) -> list[
             stones[0].append(row.ends[0])
             stones[-1].append(row.ends[1])
         for k, parts in enumerate(stones, start=1):
-            blocks.append(bent(f"{row.group}.{number}.{k}", parts, density, row.group))
+            blocks.append(compound_block(f"{row.group}.{number}.{k}", parts, density, row.group))
     return blocks
 
 

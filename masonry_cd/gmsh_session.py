@@ -1,4 +1,4 @@
-"""The geometry kernel OpenCASCADE, through gmsh. This module imports little: a child process that reads a file starts from it."""
+"""A session of gmsh, whose geometry kernel is OpenCASCADE. This module imports little: a child process that reads a file starts from it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ PACKAGES = "libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1"
 
 
 @contextmanager
-def kernel() -> Iterator[Any]:
+def gmsh_session() -> Iterator[Any]:
     """The gmsh module, started and silent, with an empty model that is dropped at the end.
 
     Raises:

@@ -16,8 +16,8 @@ import numpy as np
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
-from reports.compare.comparison_picture import COLOURS
-from reports.drawing.figure import FAINT, INK
+from reports.drawing.figure import COLOURS, FAINT, INK
+from reports.extra import ExtraReport
 
 WORKS = (("base_work", "work of the base", "-"), ("gravity_work", "work of gravity", "--"), ("force_work", "work of forces", "-."))
 LIFT = (("correction", "lifts out of overlaps"),)
@@ -117,3 +117,12 @@ def _plain(axes: Any, words: str) -> None:
     axes.axhline(0.0, color=FAINT, linewidth=0.6)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
+
+
+def _write(results: Results, folder: Path) -> None:
+    """Draw the picture into the folder of the run."""
+    energy_picture(results, folder / FILE)
+
+
+FILE = "energy.png"
+REPORTS = {"energy": ExtraReport((FILE,), _write)}

@@ -58,7 +58,7 @@ class SolidTable(BaseModel):
     base_depth: Length | None = Field(None, description="of the fixed block underneath; by default a course [m]")
 
 
-def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
+def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
     """Cut the solid that a [structure] table names.
 
     Returns:

@@ -1,0 +1,157 @@
+"""A prepared case becomes results: the steps, result.h5 as they go, then damage, summary and pictures."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.app import time_step_checks
+from masonry_cd.app.case import Case
+from masonry_cd.app.dump import FILES, Dump
+from masonry_cd.app.explain import left_out
+from masonry_cd.app.load_factor import outcome
+from masonry_cd.app.progress import Interrupt, Progress
+from masonry_cd.app.run_loop import run as run_steps
+from masonry_cd.app.run_report import RunReport
+from masonry_cd.app.scene import Scene
+from masonry_cd.app.summary import run_summary, run_warnings, write_json
+from masonry_cd.atomic import part_of
+from masonry_cd.dynamics.equilibrium import settle
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.dynamics.pauses import Pauses
+from masonry_cd.errors import InputError
+from masonry_cd.io import checkpoint
+from masonry_cd.io.lock import locked
+from masonry_cd.io.results import Results, ResultWriter
+from reports.extra import EXTRA
+
+RESULTS, SUMMARY = "result.h5", "summary.json"
+OUTPUTS = (
+    "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
+    "damage_shocks.csv", "crack_map.png", "crack_map.gif", "report.html", "report.pdf",
+)  # fmt: skip
+
+
+def file_names() -> tuple[str, ...]:
+    """Names of all files that a run may leave in its folder, crack maps at times and problems apart."""
+    return (*OUTPUTS, *(name for report in EXTRA.values() for name in report.files))
+
+
+def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False, dump: Sequence[int] = ()) -> dict[str, Any]:
+    """Run a case and write everything into a folder, which is made if need be.
+
+    Args:
+        case: from :func:`prepare`.
+        folder: for the results.
+        quiet: no progress.
+        resume: go on from the folder's checkpoint, with the scene that it was made by.
+        dump: steps whose friction problems are written, see :mod:`masonry_cd.app.dump`.
+
+    Ctrl-C, SIGTERM, SIGHUP and SIGQUIT end the run after its step; once the steps are done they raise Interrupted, and ``resume``
+    finishes what was left to write.
+
+    Raises:
+        InputError: with ``resume``, a folder without a checkpoint or with one of another scene; a step to dump that the run does not make;
+            a folder that another run writes into.
+
+    Returns:
+        the summary, as in summary.json; its ``stopped`` says why the run ended early, empty when it did not, and ``signal`` the number of
+        the signal that ended it.
+    """
+    begin = time.perf_counter()
+    scene, settings = case.scene, case.scene.run
+    saved, dumped = folder / checkpoint.NAME, Dump(folder, dump)
+    loading = case.loading
+    stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
+    if not resume:
+        dumped.check(1, settings.steps)
+        _settle(stepper, scene)
+    with locked(folder), Interrupt() as interrupt:
+        mended = ""
+        if resume:
+            mended = checkpoint.mend(saved)
+            dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, settings.steps)
+        else:
+            _clear(folder)
+        stepper.watch = dumped if dump else None
+        report = _steps(case, stepper, folder, interrupt, quiet, resume)
+        interrupt.at_once = not report.signal  # from here on nothing is torn
+        summary = run_summary(case, report) | {
+            "dumped": [path.name for path in dumped.written],
+            "explanation": left_out(scene, stepper, report),
+            "warnings": [*([mended] if mended else []), *case.warnings, *dumped.warnings()],
+        }
+        summary = _write_rest(case, folder, report, summary, case.seconds - begin)
+        if not report.stopped:
+            checkpoint.remove(saved)
+        interrupt.at_once = False
+    return summary
+
+
+def _steps(case: Case, stepper: Stepper, folder: Path, interrupt: Interrupt, quiet: bool, resume: bool) -> RunReport:
+    """Make the steps of a run and write result.h5."""
+    settings, loading, saved = case.scene.run, case.loading, folder / checkpoint.NAME
+    pauses = Pauses(case.assembly, loading.pauses, loading.shocks, settings.steps) if loading.shocks else None
+    show = Progress(settings.steps, quiet)
+
+    def progress(done: int) -> None:
+        show(done)
+        interrupt.check()
+
+    with _writer(case, folder / RESULTS, saved, resume) as writer, show:
+        return run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, pauses)
+
+
+def _write_rest(case: Case, folder: Path, report: RunReport, summary: dict[str, Any], since: float) -> dict[str, Any]:
+    """Write what a run yields beside result.h5; return its summary, whose seconds count from a reading of the clock."""
+    from reports.damage import joint_files
+
+    scene, settings = case.scene, case.scene.run
+    with Results.open(folder / RESULTS) as results:
+        summary |= joint_files.write_joint_damage(results, folder, scene.report) | outcome(case, results)
+        fast = time_step_checks.after_run(case.assembly, results, settings.dt)
+        gravity = float(np.linalg.norm(settings.gravity))
+        restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.dt, settings.tolerance)
+        summary["warnings"] = [*run_warnings(summary), *summary["warnings"], *fast, *restless]
+        summary["wall_seconds"] = since + time.perf_counter()
+        write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
+        if scene.report.asks and not report.stopped:
+            from reports import outputs
+
+            summary |= outputs.write_asked(results, folder, scene.report, summary)
+            summary["wall_seconds"] = since + time.perf_counter()
+            write_json(summary, folder / SUMMARY)
+    return summary
+
+
+def _settle(stepper: Stepper, scene: Scene) -> None:
+    """Let elastic joints take up the weight, unless the scene wants it to come at once."""
+    try:
+        if scene.run.settle:
+            settle(stepper)
+    except InputError as error:
+        raise scene.at_fault(error) from None
+
+
+def _clear(folder: Path) -> None:
+    """Take away what a former run left in a folder."""
+    former = (name for pattern in ("crack_map_*s.png", FILES) for name in folder.glob(pattern))
+    for old in (*(folder / name for name in file_names()), *former):
+        old.unlink(missing_ok=True)
+        part_of(old).unlink(missing_ok=True)
+    checkpoint.remove(folder / checkpoint.NAME)
+
+
+def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
+    """The writer of a new result file, or of one that is gone on with."""
+    if not resume:
+        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title)
+    numbers = checkpoint.load(saved)[1]
+    with Results.open(file) as results:
+        if results.scene != case.scene.text:
+            raise InputError(f"{file}: made by another scene; resume with the same scene file and the same --set")
+    return ResultWriter.resumed(file, numbers["rows"], numbers["mark"])

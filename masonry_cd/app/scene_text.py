@@ -1,0 +1,143 @@
+"""The text of a scene file: TOML in and out, changes by ``--set``, and the line on which a key stands."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import tomllib
+from collections.abc import Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from masonry_cd.errors import InputError
+
+
+def read_text(path: Path) -> str:
+    """The text of a file, or one line on why there is none."""
+    try:
+        return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a mark of its encoding
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such scene file") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: is a folder, not a scene file") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file in UTF-8") from None
+    except OSError as failure:
+        raise InputError(f"{path}: {failure.strerror}") from None
+
+
+def parse_toml(text: str, path: Path) -> dict[str, Any]:
+    """Parse TOML; a syntax error names file and line."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as failure:
+        message = re.match(r"(.*?) \(at (?:line (\d+), column \d+|end of document)\)", str(failure))
+        what, line = (message.group(1), message.group(2)) if message else (str(failure), None)
+        raise InputError(f"{path}:{line or text.count(chr(10)) + 1}: not valid TOML: {what[0].lower()}{what[1:]}") from None
+    except ValueError:  # of a number that Python does not convert
+        raise InputError(f"{path}: a number of more than {sys.get_int_max_str_digits()} digits") from None
+    except RecursionError:
+        raise InputError(f"{path}: lists or tables nested too deep") from None
+
+
+def override(tables: dict[str, Any], change: str) -> None:
+    """Apply one ``key=value`` to the tables, in place."""
+    key, equals, value = (part.strip() for part in change.partition("="))
+    parts: list[str | int] = [
+        int(index) if index else (quoted or bare) for index, quoted, bare in re.findall(r'\[(\d+)\]|"([^"]+)"|([^.\[\]"]+)', key)
+    ]
+    if not equals or not parts or isinstance(parts[-1], int):
+        raise InputError(f"--set {change}: write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3")
+    here: Any = tables
+    for part, following in pairwise(parts):
+        if isinstance(part, str) and isinstance(here, dict):
+            here = here.setdefault(part, [] if isinstance(following, int) else {})
+        elif isinstance(part, int) and isinstance(here, list) and part < len(here):
+            here = here[part]
+        else:
+            raise InputError(f"--set {change}: there is no {key[: key.rfind('.')]} in the scene")
+    if not isinstance(here, dict):
+        raise InputError(f"--set {change}: {key[: key.rfind('.')]} is no table; a list is addressed as loads[0].amplitude")
+    here[str(parts[-1])] = _toml_value(value)
+
+
+def parse_change(change: str) -> tuple[str, Any]:
+    """Split ``key=value`` as --set takes it; the value is TOML, or else text.
+
+    Raises:
+        InputError: no key, or no equals sign.
+    """
+    key, equals, value = (part.strip() for part in change.partition("="))
+    if not key or not equals:
+        raise InputError(f"--set {change}: write key=value")
+    return key, _toml_value(value)
+
+
+def _toml_value(value: str) -> Any:
+    """A TOML value, or the bare text where it is none."""
+    try:
+        parsed = tomllib.loads(f"value = {value}")
+    except tomllib.TOMLDecodeError:
+        return value
+    return parsed["value"] if len(parsed) == 1 else value
+
+
+def dump_toml(tables: Mapping[str, Any]) -> str:
+    """Write tables as TOML: plain values first, then ``[table]`` and ``[[table]]`` sections; deeper tables inline."""
+    lines = [f"{_toml_key(key)} = {_toml_text(value)}" for key, value in tables.items() if not _is_section(value)]
+    for key, value in tables.items():
+        if _is_section(value):
+            for section in [value] if isinstance(value, Mapping) else value:
+                head = _toml_key(key)
+                lines += ["", f"[{head}]" if isinstance(value, Mapping) else f"[[{head}]]"]
+                lines += [f"{_toml_key(name)} = {_toml_text(item)}" for name, item in section.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _is_section(value: object) -> bool:
+    return isinstance(value, Mapping) or (isinstance(value, list) and bool(value) and all(isinstance(item, Mapping) for item in value))
+
+
+def _toml_key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
+
+
+def _toml_text(value: object) -> str:
+    """One value in TOML's notation."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_toml_key(key)} = {_toml_text(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_toml_text, value)) + "]"
+    if isinstance(value, (str, bool)):
+        return json.dumps(value, ensure_ascii=False)
+    return str(value)  # numbers, inf and nan; dates print as TOML writes them
+
+
+def place_of(text: str, key: str, path: Path) -> str:
+    """``file:line`` of a key such as ``loads[0].amplitude``; of the innermost table that is there where it is missing; else the file."""
+    wanted, best, at = _key_path(key), 0, None
+    here: list[tuple[str, int]] = []
+    seen: dict[str, int] = {}  # tables so far of each [[list]]
+    for number, line in enumerate(text.splitlines(), start=1):
+        head = re.match(r"\s*(\[{1,2})\s*([^\]]+?)\s*\]", line)
+        word = re.match(r'\s*("?[\w-]+"?(?:\s*\.\s*"?[\w-]+"?)*)\s*=', line)
+        if head:
+            here = _key_path(head.group(2))
+            name = ".".join(part for part, _ in here)
+            seen[name] = seen.get(name, -1) + (head.group(1) == "[[")
+            here = [(part, max(0, seen.get(".".join(p for p, _ in here[: i + 1]), 0))) for i, (part, _) in enumerate(here)]
+        elif not word:
+            continue
+        found = here + (_key_path(word.group(1)) if word and not head else [])
+        shared = next((i for i, (a, b) in enumerate(zip(found, wanted, strict=False)) if a != b), min(len(found), len(wanted)))
+        if shared > best:
+            best, at = shared, number
+    return f"{path}:{at}" if at else str(path)
+
+
+def _key_path(key: str) -> list[tuple[str, int]]:
+    """``loads[1].amplitude`` as [("loads", 1), ("amplitude", 0)]."""
+    parts = re.findall(r'"?([\w-]+)"?(?:\[(\d+)\])?', key)
+    return [(name, int(index or 0)) for name, index in parts]

@@ -1,0 +1,74 @@
+"""One friction problem from a file, solved and judged: what ``masonry-cd solve`` does."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from masonry_cd.errors import InputError, suggest
+from masonry_cd.friction.files import read_problem
+from masonry_cd.friction.problem import LocalProblem, Problem, natural_map_error
+from masonry_cd.solvers import SOLVERS, Options
+
+
+def solve_file(
+    path: Path | str, solver: str = "auto", tolerance: float = 1e-8, max_iterations: int | None = None, seed: int = 0,
+    output: Path | str | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Solve the problem in a file.
+
+    Args:
+        path: .npz or FCLIB HDF5.
+        solver: a name in ``SOLVERS``.
+        tolerance: natural map error, scaled.
+        max_iterations: None: the solver's own limit.
+        seed: of random sweep orders.
+        output: an .npz for the impulses ``r`` and relative velocities ``u`` (of elastic contacts with C r), (C, 3) each as (n, t1, t2);
+            (C, 2) for planar problems.
+
+    Returns:
+        error (scaled natural map error), error_unscaled, iterations, seconds (of the solve alone), converged, contacts, solver, reason.
+
+    Raises:
+        InputError: see :func:`read_problem`; an unknown solver, an impossible tolerance, an output that is no .npz.
+    """
+    if solver not in SOLVERS:
+        raise InputError(f'solver "{solver}": unknown{suggest(solver, SOLVERS)}; known are {", ".join(SOLVERS)}')
+    if not 0.0 < tolerance < 1.0:
+        raise InputError(f"tolerance: should be between 0 and 1, got {tolerance:g}")
+    if output is not None and Path(output).suffix != ".npz":
+        raise InputError(f"{output}: the solution is written to a file of its own, SOLUTION.npz")
+    problem = read_problem(path)
+    if output is not None:
+        Path(output).parent.mkdir(parents=True, exist_ok=True)
+    options = Options(tolerance=tolerance, max_iterations=max_iterations, seed=seed)
+    load_kernels(solver, problem)
+    begin = time.perf_counter()
+    solution = SOLVERS[solver](problem, options, None)
+    seconds = time.perf_counter() - begin
+    error = natural_map_error(problem, solution.impulse)
+    if output is not None:
+        np.savez(output, r=solution.impulse, u=problem.apply(solution.impulse))
+    return {
+        "solver": solver,
+        "contacts": problem.contacts,
+        "error": error,
+        "error_unscaled": natural_map_error(problem, solution.impulse, scaled=False),
+        "iterations": solution.iterations,
+        "seconds": seconds,
+        "converged": bool(error <= tolerance),
+        "reason": solution.reason,
+    }
+
+
+def load_kernels(solver: str, problem: Problem) -> None:
+    """Let the kernels of a solver be compiled, or loaded, before time is taken; those of all for auto, which turns to any of them."""
+    if isinstance(problem, LocalProblem):  # any will do, and factorising a large one takes long
+        m = problem.dimension
+        problem = LocalProblem(sparse.identity(m, format="csr"), -np.ones((1, m)), np.ones(1))
+    for name in SOLVERS if solver == "auto" else (solver,):
+        SOLVERS[name](problem, Options(tolerance=1e-300, max_iterations=1), None)

@@ -1,0 +1,134 @@
+"""What a run has come to: summary.json, and the same in words."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from masonry_cd import __version__
+from masonry_cd.app.load_factor import joints_in_words, outcome_lines
+from masonry_cd.app.run_report import RunReport
+from masonry_cd.atomic import replacing
+from masonry_cd.quantities import in_words, length
+from masonry_cd.solvers import cores
+
+if TYPE_CHECKING:
+    from masonry_cd.app.case import Case
+
+TOLD = 1e-3  # share of the largest work from which on the closing lines tell what the correction of overlaps put in
+
+
+def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
+    """What the run itself yields for summary.json."""
+    settings = case.scene.run
+    energy = {("kinetic_end" if name == "kinetic" else name): value for name, value in report.energy.items()}
+    return {
+        "title": case.scene.title,
+        "version": __version__,
+        "stopped": report.stopped,
+        "signal": report.signal,
+        "steps": report.steps,
+        "steps_asked": settings.steps,
+        "dt": settings.dt,
+        "wall_seconds": 0.0,
+        "stepping_seconds": report.stepping_seconds,
+        "contacts_mean": report.contacts_mean,
+        "contacts_max": report.contacts_max,
+        "planar": report.planar,
+        "solver": {
+            "name": settings.solver,
+            "threads": min(settings.threads, cores()),
+            "tolerance": settings.tolerance,
+            "seed": settings.seed,
+            "iterations_mean": report.iterations_mean,
+            "iterations_max": report.iterations_max,
+            "error_max": report.error_max,
+            "error_mean": report.error_mean,
+            "steps_missed": report.steps_missed,
+            "reasons": report.solver_reasons,
+        },
+        "islands": {"mean": report.islands_mean, "max": report.islands_max, "sleeping_mean": report.sleeping_mean},
+        "left_out": {"steps_without_iterations": report.steps_as_before} | report.left_out,
+        "penetration_max": report.penetration_max,
+        "penetration_where": report.penetration_where,
+        "closing": {"steps": report.steps_closing, "speed_max": report.closing_max, "jam": report.jam},
+        "energy": energy | {"balance_error": report.balance_error, "lift_share": report.lift_share},
+        "loads": case.loading.summary,
+    }
+
+
+def write_json(summary: dict[str, Any], path: Path) -> None:
+    """Write a summary; what is not finite becomes null, since JSON knows no NaN."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {str(key): plain(item) for key, item in value.items()}
+        if isinstance(value, (list, tuple, np.ndarray)):
+            return [plain(item) for item in value]
+        if isinstance(value, np.generic):
+            value = value.item()
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    with replacing(path) as part:
+        part.write_text(json.dumps(plain(summary), indent=2) + "\n", encoding="utf-8")
+
+
+def closing_lines(summary: dict[str, Any]) -> list[str]:
+    """What happened, in words."""
+    s, solver, energy = summary, summary["solver"], summary["energy"]
+    per_step = s["stepping_seconds"] / max(1, s["steps"])
+    lifted = energy.get("lift_share", 0.0)
+    lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if lifted >= TOLD else ""
+    deep = f", of {s['penetration_where']}" if s.get("penetration_where") else ""
+    bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
+    return [
+        f"{s['title']}: {s['steps']} steps of {length(s['dt'], 's')} in {in_words(s['stepping_seconds'])}, "
+        f"{length(per_step, 's')} per step; {in_words(s['wall_seconds'])} in all",
+        *outcome_lines(s),
+        damage_line(s),
+        *_part_lines(s),
+        *bonds,
+        f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
+        f"largest penetration {length(s['penetration_max'])}{deep}",
+        f"solver {solver['name']}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
+        f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
+        f"energy: balance closed to {energy['balance_error']:.1e} of the largest work done{lift}",
+    ]
+
+
+def damage_line(s: dict[str, Any]) -> str:
+    """The damage in one line."""
+    fallen = f"{s['collapsed_blocks'] or 'none'} of {s['blocks']} blocks fell"
+    moved = f"largest displacement relative to the base {length(s['displacement_max'])}"
+    return f"joints: {s['joints']}, of which {joints_in_words(s)}; {fallen}; {moved}"
+
+
+def _part_lines(s: dict[str, Any]) -> list[str]:
+    """The damage part by part, where the scene asks for it."""
+    if "parts" not in s:
+        return []
+    from reports.damage.part_files import part_lines
+
+    return part_lines(s["parts"])
+
+
+def run_warnings(summary: dict[str, Any]) -> list[str]:
+    """Steps that missed their tolerance, and a run that ended early."""
+    solver, lines = summary["solver"], []
+    if solver["steps_missed"]:
+        lines.append(
+            f"{solver['steps_missed']} of {summary['steps']} steps missed the tolerance {solver['tolerance']:g}; "
+            f"the largest error is {solver['error_max']:.1e} (each step's: solver/error in result.h5)"
+        )
+    closing = summary["closing"]
+    if closing["steps"]:
+        left = f"{closing['steps']} of them left contacts closing, at up to {length(closing['speed_max'])}/s, so that overlaps grow"
+        why = f": {closing['jam']}; no solution is without penetration, and forces and work of such steps mean nothing"
+        lines.append(left + (why if closing["jam"] else ""))
+    if summary["stopped"]:
+        lines.append(f"the run ended early, {summary['stopped']}; the results hold all frames up to there")
+    return lines

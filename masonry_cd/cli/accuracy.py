@@ -1,0 +1,49 @@
+"""``masonry-cd accuracy``: error against run time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, free_folder, told
+
+
+def accuracy(
+    source: Annotated[Path, typer.Argument(metavar="SCENE|FILE", help="Scene (TOML), or friction problem.", show_default=False)],
+    output: Output,
+    set_: Changes = None,
+    solvers: Annotated[str | None, typer.Option(metavar="NAMES", help="auto,nlgs,...", show_default="all; of a scene its own")] = None,
+    tolerances: Annotated[str | None, typer.Option(metavar="T1,T2,...", help="To reach in each step.", show_default="a range")] = None,
+    dts: Annotated[str | None, typer.Option(metavar="DT1,DT2,...", help="Time steps [s].", show_default="x 2, 1, 1/2")] = None,
+    repeats: Annotated[int | None, typer.Option(metavar="N", min=1, help="For median times.", show_default="5; of a scene 1")] = None,
+    duration: Annotated[float | None, typer.Option(metavar="SECONDS", help="Of a scene, to shorten it.", show_default="its own")] = None,
+    seeds: Annotated[int | None, typer.Option(metavar="N", min=2, help="Run a scene with N sweep orders too.")] = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure error against run time: of the solvers on a friction problem, or of a whole scene over time step and tolerance.
+
+    DIR gets accuracy.csv, accuracy.md and accuracy.png, a work-precision diagram; with --seeds also seeds.csv. Errors of a problem are
+    natural map errors, measured outside the solvers. Runs of a scene are compared with a run at half the smallest time step and the
+    tightest tolerance: displacements and joint openings, in the root mean square over blocks or joints, the largest over time, relative to
+    that of this finest run. What missed its tolerance is marked.
+
+    \b
+    Examples:
+      masonry-cd accuracy problem.npz -o out/solvers --solvers nlgs,admm,auto --tolerances 1e-4,1e-8,1e-12
+      masonry-cd accuracy arch.toml -o out/accuracy --dts 4e-3,2e-3,1e-3 --tolerances 1e-3,1e-6
+      masonry-cd accuracy arch.toml -o out/accuracy --duration 1.5 --seeds 8
+    """
+    with told():
+        from masonry_cd.studies.accuracy_case import OUTPUTS, accuracy_case
+
+        free_folder(output, OUTPUTS, force)
+        asked = {"solvers": solvers, "tolerances": tolerances, "dts": dts, "repeats": repeats, "duration": duration, "seeds": seeds}
+        found = accuracy_case(source, asked, set_ or (), output, lambda line: None if quiet else typer.echo(line, err=True))
+        if not quiet:
+            typer.echo("\n".join(found["lines"]))
+            typer.echo(f"written: {', '.join(map(str, found['written']))}")
+        for line in found["warnings"]:
+            typer.echo(f"masonry-cd: warning: {line}", err=True)

@@ -1,0 +1,54 @@
+"""The command line ``masonry-cd``. One file per command, whose own imports are light; inside it imports what it needs.
+
+Exit codes: 0 done, 1 the run could not go on, 2 bad input (one line says what and where), 128 + N stopped by the signal N: 130 by Ctrl-C,
+143 by SIGTERM.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from masonry_cd import __version__
+from masonry_cd.cli.accuracy import accuracy
+from masonry_cd.cli.build import build
+from masonry_cd.cli.compare import compare
+from masonry_cd.cli.export import export
+from masonry_cd.cli.modal import modal
+from masonry_cd.cli.record import record
+from masonry_cd.cli.report import report
+from masonry_cd.cli.run import run
+from masonry_cd.cli.solve import solve
+
+app = typer.Typer(
+    name="masonry-cd",
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+)
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"masonry-cd {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[bool, typer.Option("--version", help="Print the version and exit.", callback=_print_version, is_eager=True)] = False,
+) -> None:
+    """Seismic analysis of block masonry by non-smooth contact dynamics: which joints open, what falls, at which shaking.
+
+    \b
+    A first run:
+      masonry-cd run examples/arch.toml -o out/arch
+      masonry-cd report out/arch
+    """
+
+
+for command in (run, build, report, export, compare, record, modal, solve, accuracy):  # in the order of the help text
+    app.command()(command)

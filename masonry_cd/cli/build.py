@@ -1,0 +1,109 @@
+"""``masonry-cd build``: the structure of a scene alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, free_folder, told
+
+if TYPE_CHECKING:
+    from structures.geometry.checks import Unsound
+
+
+def build(
+    scene: SceneFile,
+    output: Output,
+    set_: Changes = None,
+    picture: Annotated[bool, typer.Option(help="Draw structure.png, or problem.png of blocks that are refused.")] = True,
+    format_: Annotated[
+        list[str] | None,
+        typer.Option("--format", metavar="NAME", help="json, obj, stl, vtu, vtm or vtkhdf; as often as needed.", show_default="json"),
+    ] = None,
+    repair: Annotated[
+        list[str] | None, typer.Option(metavar="WHAT", help="Of a file: shells, or gaps=0.002 [m] to close gaps up to that width.")
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Build the structure of a scene alone.
+
+    DIR gets blocks.json, which kind = "file" reads back, or the blocks in other formats, and structure.png. Where blocks are refused,
+    problem.png shows which.
+
+    \b
+    Examples:
+      masonry-cd build aqueduct.toml -o out/aqueduct
+      masonry-cd build aqueduct.toml -o out/five --set structure.spans=5 --no-picture
+      masonry-cd build scan.toml -o out/scan --repair shells --repair gaps=0.002
+      masonry-cd build aqueduct.toml -o out/meshes --format obj --format vtkhdf
+    """
+    with told():
+        formats = _formats(format_)
+        free_folder(output, tuple(f"blocks.{name}" for name in formats), force)
+        from masonry_cd.app.scene import read_scene
+
+        asked = read_scene(scene, [*(set_ or ()), *_repairs(repair)])
+        import structures
+        from masonry_cd.app.case import build_structure
+        from structures import summary
+        from structures.files import blockfile, meshfile
+        from structures.geometry.checks import Unsound
+
+        try:
+            blocks, notes = build_structure(asked)
+        except Unsound as fault:
+            if picture:
+                _draw_problem(fault, output)
+            raise
+        typer.echo("\n".join([*summary.lines(structures.report(blocks)), *notes]))
+        output.mkdir(parents=True, exist_ok=True)
+        written = [output / f"blocks.{name}" for name in formats]
+        for path in written:
+            (blockfile if path.suffix == ".json" else meshfile).write(path, blocks)
+        if picture:
+            from reports.drawing.structure_picture import structure_picture
+
+            written.append(output / "structure.png")
+            structure_picture(blocks, written[-1], asked.title)
+        typer.echo(f"written: {', '.join(map(str, written))}")
+
+
+def _formats(asked: list[str] | None) -> tuple[str, ...]:
+    """The formats of blocks to write, each once."""
+    from masonry_cd.errors import InputError
+
+    known = ("json", "obj", "stl", "vtu", "vtm", "vtkhdf")
+    for name in asked or ():
+        if name not in known:
+            raise InputError(f'--format: "{name}" is none; formats: {", ".join(known)}')
+    return tuple(dict.fromkeys(asked or ("json",)))
+
+
+def _repairs(asked: list[str] | None) -> list[str]:
+    """What --repair changes in the scene."""
+    from masonry_cd.errors import InputError
+
+    changes = []
+    for repair in asked or ():
+        what, _, width = repair.partition("=")
+        if what not in ("shells", "gaps") or (what == "gaps") != bool(width):
+            raise InputError(f'--repair: "{repair}" is none; shells, or gaps=WIDTH with the widest gap to close [m]')
+        changes.append("structure.repair=true" if what == "shells" else f"structure.gaps={width}")
+    return changes
+
+
+def _draw_problem(fault: Unsound, folder: Path) -> None:
+    """Draw problem.png where the libraries for it are installed; the error itself is told in any case."""
+    from masonry_cd.errors import InputError
+
+    try:
+        from reports.drawing.refused_blocks import problem_picture
+
+        folder.mkdir(parents=True, exist_ok=True)
+        problem_picture(fault.blocks, fault.faulty, str(fault), folder / "problem.png")
+    except (ImportError, InputError) as failure:
+        typer.echo(f"masonry-cd: warning: problem.png is not drawn: {failure}", err=True)
+        return
+    typer.echo(f"written: {folder / 'problem.png'}")

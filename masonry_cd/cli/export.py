@@ -1,0 +1,39 @@
+"""``masonry-cd export``: a run for ParaView."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from masonry_cd.cli.shared import Folder, told
+
+
+def export(
+    folder: Folder,
+    format_: Annotated[str, typer.Option("--format", metavar="NAME", help="vtkhdf, or pvd for older readers.")] = "vtkhdf",
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="OUT", help="Folder for the files.", show_default="DIR/paraview")
+    ] = None,
+) -> None:
+    """Write a run for ParaView: blocks and joints over time.
+
+    OUT gets blocks and joints as VTKHDF, or as PVD collections of VTP files, with openings, slidings, forces, states and displacements,
+    and names.csv, which tells the names of blocks and groups by their numbers.
+
+    \b
+    Examples:
+      masonry-cd export out/aqueduct
+      masonry-cd export out/aqueduct --format pvd -o out/view
+    """
+    with told():
+        from masonry_cd.io.results import Results
+        from reports.settings import report_of
+
+        with Results.open(folder / "result.h5") as results:
+            from reports import outputs, paraview
+
+            thresholds = outputs.thresholds_of(report_of(results.scene))
+            written = paraview.export(results, output or folder / "paraview", format_, thresholds)
+        typer.echo(f"written: {', '.join(map(str, written))}")

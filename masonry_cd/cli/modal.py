@@ -1,0 +1,72 @@
+"""``masonry-cd modal``: the modal companions, and the frequencies of a run on elastic joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, free_folder, told
+
+
+def modal(
+    scene: SceneFile,
+    output: Output,
+    set_: Changes = None,
+    young: Annotated[
+        list[str] | None,
+        typer.Option(metavar="E", help="Modulus [Pa]: 3e9, or by group of blocks: pier=4e9, default=2e9."),
+    ] = None,
+    poisson: Annotated[float, typer.Option(metavar="NU", help="Poisson's ratio.")] = 0.2,
+    method: Annotated[str, typer.Option(metavar="NAME", help="continuum, joints or both.")] = "both",
+    modes: Annotated[int, typer.Option(metavar="N", help="Modes to compute.")] = 6,
+    mesh_size: Annotated[float | None, typer.Option(metavar="H", help="Of the tetrahedra [m].", show_default="thickness")] = None,
+    restraint: Annotated[list[str] | None, typer.Option(metavar="GROUP=DIRECTIONS", help="What supports hold: pier1=z.")] = None,
+    reference: Annotated[Path | None, typer.Option(metavar="CSV", help="Measured modes to compare with.")] = None,
+    fit: Annotated[bool, typer.Option("--fit", help="Fit E to the first measured frequency.")] = False,
+    pictures: Annotated[int, typer.Option(metavar="N", help="Modes to draw.")] = 6,
+    nscd: Annotated[bool, typer.Option("--nscd", help="Frequencies of the run itself, on the scene's elastic joints, instead.")] = False,
+    sweep: Annotated[str | None, typer.Option(metavar="x|y|z", help="With --nscd: amplitudes over the frequency of the base.")] = None,
+    velocity: Annotated[float | None, typer.Option(metavar="C", help="Of the sweep [m/s].", show_default="1/1000 g")] = None,
+    force: Force = False,
+) -> None:
+    """Check modal frequencies: the bonded elastic continuum, and rigid blocks on elastic joints, on the blocks of a scene.
+
+    Rigid blocks with unilateral contacts have no elastic frequency; these two companions stand in for the structure before it cracks.
+    A run on elastic joints has its own: with --nscd it swings freely, or is swept with v(t) = C sin(2 pi f t), beside its linear modes.
+
+    \b
+    Examples:
+      masonry-cd modal aqueduct.toml -o out/modal --young 3e9
+      masonry-cd modal church.toml -o out/modal --reference measured.csv --fit
+      masonry-cd modal mortar.toml -o out/modal --nscd --sweep x
+    """
+    with told():
+        if nscd or sweep:
+            _vibration(scene, output, {"modes": modes, "sweep": sweep, "velocity": velocity}, set_ or (), force)
+            return
+        from masonry_cd.app.modal_case import OUTPUTS, by_group, modal_case
+
+        free_folder(output, OUTPUTS, force)
+        asked = {
+            "young": by_group(young, "young") if young else None, "poisson": poisson, "method": method, "modes": modes,
+            "mesh_size": mesh_size, "restraint": by_group(restraint, "restraint") if restraint else {}, "reference": reference,
+            "fit": fit, "pictures": pictures,
+        }  # fmt: skip
+        found = modal_case(scene, asked, output, set_ or ())
+        typer.echo("\n".join(found["lines"]))
+        for line in found["warnings"]:
+            typer.echo(f"masonry-cd: warning: {line}", err=True)
+        typer.echo(f"written: {', '.join(map(str, found['written']))}")
+
+
+def _vibration(scene: Path, output: Path, asked: dict[str, Any], changes: Sequence[str], force: bool) -> None:
+    """The run's own frequencies."""
+    from masonry_cd.studies.vibration import OUTPUTS, vibration_case
+
+    free_folder(output, OUTPUTS, force)
+    found = vibration_case(scene, asked, output, changes)
+    typer.echo("\n".join(found["lines"]))
+    typer.echo(f"written: {', '.join(found['written'])}")

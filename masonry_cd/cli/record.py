@@ -1,0 +1,35 @@
+"""``masonry-cd record``: a picture of a record and of its correction."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from masonry_cd.cli.shared import told
+
+
+def record(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Record of accelerations.", show_default=False)],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="PNG", help="Picture to draw.", show_default=False)],
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help='A key of [[loads]] kind = "record": units=g, window=[5,17].')
+    ] = None,
+) -> None:
+    """Draw a record: acceleration, velocity, displacement and response spectrum, before and after its correction.
+
+    \b
+    Examples:
+      masonry-cd record elcentro.AT2 -o elcentro.png
+      masonry-cd record aqv.csv -o aqv.png --set column=ns_m_s2 --set window=[5.0,17.0]
+    """
+    with told():
+        from loads.picture import file_picture
+        from masonry_cd.app.scene_text import parse_change
+        from masonry_cd.errors import InputError
+
+        if not file.exists():
+            raise InputError(f"{file}: no such record")
+        file_picture(file, output, **dict(parse_change(change) for change in set_ or ()))
+        typer.echo(f"written: {output}")

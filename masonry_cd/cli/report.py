@@ -1,0 +1,72 @@
+"""``masonry-cd report``: the reports of a run, redone."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from masonry_cd.cli.shared import Folder, told
+
+
+def report(
+    folder: Folder,
+    crack_map: Annotated[bool, typer.Option(help="Draw crack_map.png.")] = True,
+    time: Annotated[float | None, typer.Option(metavar="SECONDS", help="Draw the frame next to this time; the last by default.")] = None,
+    times: Annotated[str | None, typer.Option(metavar="T1,T2,...", help="Draw a map at each of these times, alike in scale.")] = None,
+    view: Annotated[str | None, typer.Option(help="front, back, side, top or isometric; the scene's by default.")] = None,
+    scale: Annotated[float | None, typer.Option(help="Amplification of displacements; the scene's by default.")] = None,
+    cut: Annotated[str | None, typer.Option(metavar="PLANE", help="Cut by a plane, y=1.5 [m], or y for the middle.")] = None,
+    thrust: Annotated[bool | None, typer.Option("--thrust/--no-thrust", help="Draw the line of thrust.", show_default=False)] = None,
+    animation: Annotated[bool, typer.Option("--animation", help="Draw crack_map.gif, the whole run.")] = False,
+    energy: Annotated[bool, typer.Option("--energy", help="Draw energy.png: what was put in, where it went, the balance.")] = False,
+    extra: Annotated[list[str] | None, typer.Option(metavar="NAME", help="A further report by its name; as often as needed.")] = None,
+    html: Annotated[bool, typer.Option("--html", help="Write report.html, a page that shows the run and needs no network.")] = False,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Print that page to report.pdf, by Chromium where it is installed.")] = False,
+) -> None:
+    """Redo the reports of a run.
+
+    Writes joints.csv, the damage by part (damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json) and crack_map.png anew from
+    result.h5, also for a run that was stopped or killed. Thresholds and grades are those of the scene's [report].
+
+    \b
+    Examples:
+      masonry-cd report out/aqueduct
+      masonry-cd report out/aqueduct --time 3.5 --view isometric --scale 20
+      masonry-cd report out/aqueduct --times 1,2,3 --cut y --thrust
+      masonry-cd report out/aqueduct --html --no-crack-map
+    """
+    with told():
+        from masonry_cd.io.results import Results
+        from reports.settings import report_of
+
+        with Results.open(folder / "result.h5") as results:
+            from masonry_cd.app.summary import damage_line
+            from reports import outputs
+            from reports.damage import joint_files, part_files
+
+            settings = report_of(results.scene, view=view, scale=scale, cut=cut, thrust=thrust, extra=extra or None)
+            outputs.check(settings, results)
+            frame = outputs.frame_at(results, time)
+            chosen = outputs.parse_times(results, times) if times is not None else []
+            summary = outputs.read_summary(folder) | joint_files.write_joint_damage(results, folder, settings)
+            typer.echo(damage_line(summary))
+            damage = outputs.damage_of(results, settings)
+            typer.echo("\n".join(part_files.part_lines(damage.parts)))
+            written = [folder / "joints.csv", *part_files.write_part_damage(damage, folder)]
+            if crack_map:
+                written.append(folder / "crack_map.png")
+                outputs.draw_crack_map(results, written[-1], settings, frame)
+            if chosen:
+                written += outputs.draw_times(results, folder, settings, chosen)
+            if animation:
+                written.append(folder / outputs.ANIMATION)
+                outputs.draw_animation(results, written[-1], settings)
+            written += outputs.write_extra(results, folder, [*settings.extra, *(["energy"] if energy else [])])
+            if html or pdf:
+                written.append(folder / outputs.PAGE)
+                outputs.write_page(results, written[-1], settings, summary, damage)
+            if pdf:
+                written.append(folder / outputs.PRINT)
+                outputs.write_pdf(folder / outputs.PAGE, written[-1])
+        typer.echo(f"written: {', '.join(map(str, written))}")

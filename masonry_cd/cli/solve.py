@@ -1,0 +1,43 @@
+"""``masonry-cd solve``: one friction problem from a file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from masonry_cd.cli.shared import told
+
+
+def solve(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Friction problem: FCLIB HDF5 or .npz.", show_default=False)],
+    solver: Annotated[str, typer.Option(metavar="NAME", help="auto, nlgs, admm, newton or interior.")] = "auto",
+    tolerance: Annotated[float, typer.Option(metavar="T", help="Natural map error to reach (scaled).")] = 1e-8,
+    max_iterations: Annotated[int | None, typer.Option(metavar="N", min=1, help="The solver's own limit by default.")] = None,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Of random sweep orders.")] = 0,
+    json_: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="SOLUTION.npz", help="Save impulses r, velocities u.")] = None,
+) -> None:
+    """Solve one friction problem from a file and print how exactly.
+
+    The errors are measured outside the solver; a tolerance that was missed is told.
+
+    \b
+    Examples:
+      masonry-cd solve KaplasTower-i1061-4.npz
+      masonry-cd solve problem.hdf5 --solver admm --tolerance 1e-10 --json -o solution.npz
+    """
+    with told():
+        from masonry_cd.app.solve_file import solve_file
+
+        found = solve_file(file, solver, tolerance, max_iterations, seed, output)
+        if json_:
+            typer.echo(json.dumps(found))
+        else:
+            typer.echo(f"{file.name}: {found['contacts']} contacts, {found['reason']}")
+            typer.echo(f"error {found['error']:.3e} (unscaled {found['error_unscaled']:.3e}), {found['iterations']} iterations")
+            typer.echo(f"{found['seconds']:.3g} s")
+        if not found["converged"]:
+            typer.echo(f"masonry-cd: warning: the tolerance {tolerance:g} was missed, the error is {found['error']:.1e}", err=True)

@@ -1,0 +1,31 @@
+"""W of a local problem contact by contact: blocks m x m in compressed rows, and the pattern by which they are factorised."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.friction.problem import LocalProblem
+from masonry_cd.linalg.ordering import Pattern
+
+
+def block_arrays(problem: LocalProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """W of a local problem in blocks: data (nnz, m, m), indices, indptr, and its diagonal blocks (C, m, m).
+
+    Diagonal blocks that are zero are given as those of a typical contact: whatever stands there, the impulse is right when it stays.
+    """
+    m = problem.dimension
+    blocks, own, scales = problem.w.tobsr((m, m)), problem.delassus_diagonal(), problem.scales()
+    nothing = np.trace(own, axis1=1, axis2=2) < 0.5 * m * scales
+    own[nothing] = scales[nothing, None, None] * np.eye(m)
+    return (
+        np.ascontiguousarray(blocks.data, dtype=np.float64),
+        blocks.indices.astype(np.int64),
+        blocks.indptr.astype(np.int64),
+        own,
+    )
+
+
+def contact_pattern(indices: np.ndarray, indptr: np.ndarray) -> Pattern:
+    """The pattern of W, contact by contact."""
+    count = len(indptr) - 1
+    return Pattern.of(count, np.repeat(np.arange(count), np.diff(indptr)), indices, in_subtrees=False)

@@ -1,0 +1,25 @@
+"""Quantities as people read them: lengths and speeds with a prefix, time spans in hours, minutes and seconds."""
+
+from __future__ import annotations
+
+import math
+
+
+def length(value: float, unit: str = "m") -> str:
+    """A number with the prefix that reads best: ``1.2 mm``, ``0.5 m``, ``30 us``."""
+    if not math.isfinite(value):
+        return f"{value} {unit}"
+    for factor, prefix in ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")):
+        if abs(value) >= factor * 0.9995:
+            return f"{value / factor:.3g} {prefix}{unit}"
+    return f"{value:.3g} {unit}"
+
+
+def in_words(seconds: float) -> str:
+    """A time span: ``0.24 s``, ``12.3 s``, ``4 min 5 s``, ``2 h 10 min``."""
+    if seconds < 1:
+        return f"{seconds:.2g} s"
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"

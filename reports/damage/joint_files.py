@@ -1,0 +1,38 @@
+"""The damage joint by joint in files: joints.csv, and its share of summary.json."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from masonry_cd.io.results import Results
+from reports.damage import joint_damage
+from reports.damage.joint_damage import Thresholds
+from reports.settings import Report
+
+
+def thresholds_of(settings: Report) -> Thresholds:
+    """What counts as damage."""
+    return Thresholds(opened=settings.opened, slid=settings.slid)
+
+
+def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:
+    """Write joints.csv and return the numbers of damage for the summary, those after each shock of a sequence among them."""
+    thresholds = thresholds_of(settings)
+    table = joint_damage.joint_damage(results, thresholds)
+    joint_damage.write_joints_csv(table, folder / "joints.csv")
+    fallen = joint_damage.collapsed_blocks(results, thresholds)
+    return (
+        joint_damage.summary(table)
+        | {
+            "blocks": len(results.blocks),
+            "joints": results.joints.count,
+            "collapsed_blocks": len(fallen),
+            "collapsed_block_names": list(fallen),
+            "displacement_max": joint_damage.displacement_max(results),
+            "opening_max": float(table.max_opening.max(initial=0.0)),
+            "sliding_max": float(table.max_sliding.max(initial=0.0)),
+        }
+        | ({"shocks": joint_damage.shock_rows(results, thresholds)} if results.shocks else {})
+        | joint_damage.bonds(results)
+    )

@@ -1,0 +1,26 @@
+"""Reports beyond those that have a key of their own in [report]: a scene asks for them by name, ``extra = ["energy"]``.
+
+One is an :class:`ExtraReport`, listed by name in the ``REPORTS`` of a module here. It reads the result alone; the settings of the scene,
+where it needs them, are ``reports.settings.report_of(results.scene)``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from masonry_cd.extensions import Entries
+
+if TYPE_CHECKING:  # scenes are checked before HDF5 is loaded
+    from masonry_cd.io.results import Results
+
+
+class ExtraReport(NamedTuple):
+    """A report that a module adds."""
+
+    files: tuple[str, ...]  # what it writes into the folder of a run, by name
+    write: Callable[[Results, Path], None]  # from results, into a folder
+
+
+EXTRA: Entries[ExtraReport] = Entries("reports.extra", "REPORTS")

@@ -1,0 +1,73 @@
+"""The table ``[report]`` of a scene: what is drawn and written after the run."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from masonry_cd.errors import parse_table
+from masonry_cd.fields import Flag, Number, Table
+from reports.extra import EXTRA
+
+
+def _list_of_numbers(value: object) -> object:
+    """A list as a tuple; anything else is told for what it should be."""
+    if isinstance(value, list):
+        return tuple(value)
+    raise ValueError("should be a list of numbers, [1.0, 2.5]")
+
+
+def _names_of_extra(value: object) -> object:
+    """Names of further reports, as a tuple."""
+    names = tuple(value) if isinstance(value, list) else ("",)
+    unknown = next((name for name in names if name not in EXTRA), None)
+    if unknown is not None:
+        raise ValueError(f"should be a list of names of {', '.join(EXTRA)}" + (f', "{unknown}" is none' if unknown else ""))
+    return names
+
+
+class Report(Table):
+    """The table ``[report]``: what is drawn after the run."""
+
+    crack_map: Flag = False
+    """Draw crack_map.png."""
+    view: Literal["auto", "front", "back", "side", "top", "isometric"] = "auto"
+    """From where."""
+    scale: Annotated[Number, Field(gt=0)] | None = None
+    """Amplification of the displacements in it; picked so that they are visible when not given."""
+    opened: Annotated[Number, Field(gt=0)] = 1e-4
+    """Smallest opening of a joint that counts as opened [m]."""
+    slid: Annotated[Number, Field(gt=0)] = 1e-4
+    """Smallest sliding of a joint that counts as slid [m]."""
+    damage: Flag = False
+    """Write the damage by part: damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json."""
+    grades: dict[str, Any] = Field(default_factory=dict)
+    """Thresholds and labels of the grades D0 to D5; checked by the room reports."""
+    largest: Annotated[Number, Field(gt=0)] = 0.05
+    """Where the last class of the crack map's colours begins [m]."""
+    cut: str = ""
+    """Plane by which the crack map is cut: "y=1.5" [m], or "y" for the middle."""
+    thrust: Flag = False
+    """Draw the line of thrust in it."""
+    times: Annotated[tuple[Annotated[Number, Field(ge=0)], ...], BeforeValidator(_list_of_numbers)] = ()
+    """Draw crack maps at these times as well [s]."""
+    animation: Flag = False
+    """Draw crack_map.gif."""
+    html: Flag = False
+    """Write report.html, a page that shows the run."""
+
+    extra: Annotated[tuple[str, ...], BeforeValidator(_names_of_extra)] = ()
+    """Further reports by name: "energy" draws energy.png, what was put in, where it went, the balance."""
+
+    @property
+    def asks(self) -> bool:
+        """Whether anything is to be written beside joints.csv."""
+        return self.damage or self.crack_map or bool(self.times) or self.animation or self.html or bool(self.extra)
+
+
+def report_of(text: str, **changes: object) -> Report:
+    """The table ``[report]`` of the scene's text that results keep, with the changes that are not None."""
+    table = tomllib.loads(text).get("report", {})
+    return parse_table(Report, table | {key: value for key, value in changes.items() if value is not None}, "report")

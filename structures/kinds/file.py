@@ -1,0 +1,65 @@
+"""Structures from a file: blocks in JSON (:mod:`structures.files.blockfile`) or closed shells (:mod:`structures.files.meshfile`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from masonry_cd.errors import InputError, parse_table
+from masonry_cd.model.blocks import Block
+from structures.files import blockfile, meshfile
+from structures.files.blockfile import METRES, sound
+from structures.geometry.checks import Unsound, check, check_shells
+from structures.geometry.gaps import close_gaps
+from structures.geometry.merge_coplanar import merge_coplanar
+from structures.schema import Length, is_file
+
+
+class FileTable(BaseModel):
+    """The [structure] table of a block file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    path: str = Field(description="of the block file, relative to the scene file")
+    units: Literal["m", "cm", "mm"] | None = Field(None, description="of an OBJ, STL, VTU or VTM file, which does not say")
+    up: Literal["y", "z"] | None = Field(None, description="which axis of such a file points upwards")
+    fixed: tuple[str, ...] = Field((), strict=False, description="names of the supports in such a file; * stands for anything")
+    repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
+    gaps: Length | None = Field(None, description="close gaps up to this width between blocks of any file [m]")
+
+
+def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
+    """Read the block file that a [structure] table names; the notes tell what closing gaps has moved."""
+    keys = parse_table(FileTable, table, "structure")
+    path = Path(keys.path)
+    if not is_file(folder / path):
+        raise InputError(f'structure.path: no file "{path}" in {folder}' if not path.is_absolute() else f'structure.path: no file "{path}"')
+    path = folder / path
+    is_mesh = path.suffix.lower() in meshfile.FORMATS
+    for key in () if is_mesh else ("units", "up", "fixed", "repair"):
+        if key in keys.model_fields_set:
+            raise InputError(f"structure.{key}: belongs to {', '.join(meshfile.FORMATS)} files; {path.name} states it itself")
+    blocks = _from_mesh(keys, path, density) if is_mesh else blockfile.read_unchecked(path, density)
+    if keys.gaps is not None:
+        check_shells(blocks, path.name)
+        try:
+            blocks, moved, pairs = close_gaps(blocks, keys.gaps)
+        except Unsound as failure:
+            raise Unsound(f"{path.name}: {failure}", failure.faulty, failure.blocks) from None
+        return sound(blocks, path.name), [f"{path.name}: {pairs} pairs of faces brought together, corners moved by at most {moved:.3g} m"]
+    if is_mesh:
+        return sound(blocks, path.name), []
+    check(blocks, path.name)
+    return merge_coplanar(blocks), []
+
+
+def _from_mesh(keys: FileTable, path: Path, density: float) -> list[Block]:
+    """Read a mesh file whose unit and axes the table states; not checked yet."""
+    for key, known in (("units", METRES), ("up", ("y", "z"))):
+        if getattr(keys, key) is None:
+            raise InputError(f"structure.{key}: missing; {path.name} does not say it, so take one of {', '.join(known)}")
+    blocks = meshfile.read(path, density, METRES[keys.units or "m"], keys.up or "z", keys.repair)
+    return meshfile.with_supports(blocks, keys.fixed, "structure.fixed")

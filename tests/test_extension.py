@@ -1,0 +1,172 @@
+"""A kind of structure or load, a record format, a solver, a report: one file adds it, here in a folder that its package gets besides."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from textwrap import dedent
+
+import numpy as np
+import pytest
+from made_run import at_rest, box, write_run
+
+import loads
+import structures
+from loads import readers
+from masonry_cd.app.scene import read_scene
+from masonry_cd.app.solve_file import solve_file
+from masonry_cd.errors import InputError
+from masonry_cd.extensions import Extensions
+from masonry_cd.io.results import Results
+from masonry_cd.solvers import SOLVERS
+from reports import outputs
+from reports.settings import report_of
+
+SCENE = """\
+[structure]
+kind = "slab"
+[material]
+density = 2000.0
+friction = 0.5
+[run]
+dt = 1e-3
+duration = 1.0
+"""
+SLAB = """\
+    from masonry_cd.model.blocks import Block
+    from structures.geometry.prism import box
+
+    def build(table, density, folder):
+        return [Block("ground", *box((-2, -2, -1), (2, 2, 0)), density, "base", fixed=True),
+                Block("slab", *box((-1, -1, 0), (1, 1, table["thickness"])), density)]
+"""
+ONE_CONTACT = """\
+    import numpy as np
+    from masonry_cd.friction.problem import Solution
+
+    def solve(problem, options, start=None):
+        "Of a single contact without friction: p_n = max(0, -q_n / W_nn)."
+        impulse = np.zeros((1, 3))
+        impulse[0, 0] = max(0.0, -problem.q[0, 0] / problem.w[0, 0])
+        return Solution(impulse, None, 1, "one contact: solved")
+"""
+JOLT = """\
+    import numpy as np
+    from loads.motion import LoadKind, LoadTable, Part
+
+    class JoltTable(LoadTable):
+        "The base moves along x at a constant speed [m/s]."
+        speed: float
+
+    def jolt(table, grid, where):
+        return Part(motion=lambda times: np.outer(np.full(len(times), table.speed), [1.0, 0.0, 0.0]), lines=(f"{where} jolt",))
+
+    KINDS = {"jolt": LoadKind(JoltTable, jolt)}
+"""
+TALLY = """\
+    import numpy as np
+    from loads.readers.source import RawRecord, Reader
+
+    def recognises(source):
+        return bool(source.lines) and source.lines[0].startswith("TALLY")
+
+    def read(source, request):
+        return RawRecord(np.array([float(line) for line in source.lines[1:]]), 0.01, 0.0, "cm/s2")
+
+    FORMATS = {"tally": Reader(recognises, read)}
+"""
+LOWEST = """\
+    from reports.extra import ExtraReport
+
+    def _write(results, folder):
+        (folder / "lowest.txt").write_text(f"{results.position[-1, :, 2].min():g}\\\\n")
+
+    REPORTS = {"lowest": ExtraReport(("lowest.txt",), _write)}
+"""
+
+
+@pytest.fixture
+def add(tmp_path, monkeypatch) -> Iterator[Callable[[str, str, str], None]]:
+    """Put a module into a package, as if its file lay there."""
+    added = []
+
+    def put(package: str, name: str, source: str) -> None:
+        room, folder = import_module(package), tmp_path / package
+        folder.mkdir()
+        (folder / f"{name}.py").write_text(dedent(source).replace("\\\\", "\\"), encoding="utf-8")
+        monkeypatch.setattr(room, "__path__", [*room.__path__, str(folder)])
+        added.append((room, name))
+
+    yield put
+    for room, name in added:
+        sys.modules.pop(f"{room.__name__}.{name}", None)
+        if hasattr(room, name):
+            delattr(room, name)
+
+
+def test_a_structure(add, tmp_path):
+    assert "slab" not in structures.KINDS
+    add("structures.kinds", "slab", SLAB)
+    blocks = structures.build({"kind": "slab", "thickness": 0.3}, 2000.0, tmp_path)
+    assert [block.name for block in blocks] == ["ground", "slab"]
+    with pytest.raises(InputError, match=r'unknown kind "slap" \(did you mean "slab"\?\)'):
+        structures.build({"kind": "slap"}, 2000.0, tmp_path)
+
+
+def test_a_solver(add, tmp_path):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    with pytest.raises(InputError, match=r"run\.solver: input should be"):
+        read_scene(tmp_path / "scene.toml", ["run.solver=one_contact"])
+    add("masonry_cd.solvers", "one_contact", ONE_CONTACT)
+    assert read_scene(tmp_path / "scene.toml", ["run.solver=one_contact"]).run.solver == "one_contact"
+    assert "masonry_cd.solvers.one_contact" not in sys.modules  # its name was read from the file
+    w = np.diag([2.0, 1.0, 1.0])
+    at, ends = np.tile(np.arange(3), 3), np.arange(0, 10, 3)
+    np.savez(tmp_path / "one.npz", W_data=w.ravel(), W_indices=at, W_indptr=ends, q=[-3.0, 0.0, 0.0], mu=[0.0])
+    found = solve_file(tmp_path / "one.npz", "one_contact", output=tmp_path / "solution.npz")
+    assert found["converged"]
+    assert found["reason"] == "one contact: solved"
+    assert np.load(tmp_path / "solution.npz")["r"][0] == pytest.approx([1.5, 0.0, 0.0])
+
+
+def test_a_load(add, tmp_path):
+    table = {"kind": "jolt", "speed": 0.4}
+    with pytest.raises(InputError, match=r'unknown kind "jolt"'):
+        loads.build([table], 1e-3, 10, (0.0, 0.0, -9.81), tmp_path)
+    add("loads.kinds", "jolt", JOLT)
+    loading = loads.build([table], 1e-3, 10, (0.0, 0.0, -9.81), tmp_path)
+    assert (loading.support_velocity == [0.4, 0.0, 0.0]).all()
+    assert loading.lines[0] == "loads[0] jolt"
+    with pytest.raises(InputError, match=r"loads\[0\]\.speed: missing"):
+        loads.build([{"kind": "jolt"}], 1e-3, 10, (0.0, 0.0, -9.81), tmp_path)
+
+
+def test_a_format_of_records(add, tmp_path):
+    (tmp_path / "quake.txt").write_text("TALLY\n1.0\n-2.0\n")
+    source = readers.Source.open(tmp_path / "quake.txt", "quake.txt")
+    add("loads.readers", "zz_tally", TALLY)  # after "tables", whose formats recognise much
+    name, record = readers.read(source, "auto", readers.Request())
+    assert name == "tally"
+    assert record.values == pytest.approx([1.0, -2.0])
+
+
+def test_a_report(add, tmp_path):
+    text = SCENE + '[report]\nextra = ["lowest"]\n'
+    with pytest.raises(InputError, match=r'report\.extra: should be a list of names of energy, "lowest" is none'):
+        report_of(text)
+    add("reports.extra", "lowest", LOWEST)
+    settings = report_of(text)
+    assert settings.asks
+    blocks = [box("ground", (-1, -1, -1), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 1))]
+    with Results.open(write_run(tmp_path / "result.h5", blocks, [at_rest(blocks)])) as results:
+        assert outputs.write_extra(results, tmp_path, settings.extra) == [tmp_path / "lowest.txt"]
+    assert float((tmp_path / "lowest.txt").read_text()) == -0.5
+
+
+def test_helpers_are_none_and_what_is_not_there_is_a_key_error():
+    assert not {"church_parts", "church_table"} & set(structures.KINDS)
+    assert not {"options", "nlgs_kernels"} & set(SOLVERS)
+    with pytest.raises(KeyError):
+        SOLVERS["options"]
+    assert not Extensions("structures.layout", "nothing_of_the_kind")
