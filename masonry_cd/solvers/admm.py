@@ -43,7 +43,7 @@ in the step before.
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from math import inf
 from operator import itemgetter
 
@@ -93,7 +93,8 @@ class Tally:
 
     def array(self) -> np.ndarray:
         """The numbers (8,) for a checkpoint."""
-        return np.array(astuple(self), dtype=float)
+        learnt = (self.k, self.stale, self.fresh_iterations, self.steps, self.mean_iterations)
+        return np.array((*learnt, self.newton_stiffness, self.rate, self.newton_iterations), dtype=float)
 
     def next_k(self) -> float:
         """The k of the next step: the best so far, and now and then one beside it."""

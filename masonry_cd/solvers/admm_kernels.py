@@ -2,6 +2,8 @@
 
 Each thread runs all of this, on its share of the contacts, the bodies or the subtrees, and they wait for one another where one needs what
 the others compute. What they decide they all decide alike, from the same numbers.
+
+The steps are inlined, since to pass the whole workspace on takes as long as an iteration over a few contacts.
 """
 
 from __future__ import annotations
@@ -75,7 +77,7 @@ def admm_bodies(team, given, order, work, settings, p_out, v_out):
     return iterations, smallest, k, factorisations, rate
 
 
-@kernel()
+@kernel(inline="always")
 def start_iterates(team, given, order, work, settings, p_out, v_out):
     """Put the problem in order and start from the impulses p_out and their velocities, or from v_out, see :func:`admm_bodies`.
 
@@ -137,7 +139,7 @@ def sort_contacts(given, work, p, first, end):
                 problem.jacobian[c, 1, i, k] = jacobian[old, 1, i, k]
 
 
-@kernel()
+@kernel(inline="always")
 def eliminate(team, work, iterations, ahead, p, new):
     """The first step of ADMM, p to new, and forward substitution, level by level; returns the norm of the scaled change of p.
 
@@ -152,7 +154,7 @@ def eliminate(team, work, iterations, ahead, p, new):
     return np.sqrt(changes.sum())
 
 
-@kernel()
+@kernel(inline="always")
 def update(team, work, iterations, ahead, p, new):
     """Backward substitution, level by level, and the second step of ADMM: v <- v+.
 
@@ -173,7 +175,7 @@ def update(team, work, iterations, ahead, p, new):
     wait(team)
 
 
-@kernel()
+@kernel(inline="always")
 def measure_carried(team, work, last, p):
     """The impulses that belong to the velocities of an iteration from ``last`` to p, (C, m); returns the norm of their natural map."""
     begin, end = share_of_subtrees(team, work.factor.symbolic)
@@ -216,7 +218,7 @@ def map_norm(team, work, p, v):
     return total
 
 
-@kernel()
+@kernel(inline="always")
 def keep_best(team, work, error, smallest, p):
     """Keep the impulses and velocities just measured if their error is the smallest; go back to the best if it is not finite."""
     iterates = work.iterates
@@ -244,7 +246,7 @@ def adapt_stiffness(k, share, ends):
     return k, False
 
 
-@kernel()
+@kernel(inline="always")
 def write_answer(team, order, work, p_out, v_out):
     """Copy the best impulses and velocities, in the order of the problem, into p_out (C, m) and v_out (N, n)."""
     c0, c1 = share_of(team, 0, len(p_out))

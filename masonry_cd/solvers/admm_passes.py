@@ -12,28 +12,29 @@ from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.triangular import backward_substitution, forward_substitution
 
 
-@kernel()
+@kernel(inline="always")
 def eliminate_subtree(work, q, coming, p, new):
     """The contacts of subtree q, p to new (C, m), and L^-1 of the momentum that they leave; returns the squared scaled change of p.
 
     ``coming`` is the subtree of the next backward substitution, or -1.
     """
-    problem, symbolic = work.problem, work.factor.symbolic
-    momentum, x = work.iterates.momentum, work.iterates.correction
+    problem, symbolic, panels = work.problem, work.factor.symbolic, work.factor.panels
+    v, momentum, x = work.iterates.v, work.iterates.momentum, work.iterates.correction
     first, last = nodes_of(symbolic, q)
-    missing_momentum_of(problem.mass, problem.free, work.iterates.v, first, last, momentum, problem.size_n)
+    missing_momentum_of(problem.mass, problem.free, v, first, last, momentum, problem.size_n)
     clear_ghosts(symbolic, q, momentum)
     add_ghosts(symbolic, q, momentum)
-    change = meet_contacts(work, q, coming, p, new)
+    ahead = panels_of(symbolic, coming, len(problem.size_n)) if coming >= 0 else (0, 0)
+    change = meet_contacts(problem, q, work.factor.rho, v, p, new, momentum, panels, ahead)
     copy_flat(momentum[first:last], x[first:last])
     clear_ghosts(symbolic, q, x)
     add_ghosts(symbolic, q, x)
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
-    forward_substitution(symbolic, begin, end, symbolic.target, work.factor.panels, x, problem.size_n)
+    forward_substitution(symbolic, begin, end, symbolic.target, panels, x, problem.size_n)
     return change
 
 
-@kernel()
+@kernel(inline="always")
 def update_subtree(work, q):
     """v <- v + L^-T D^-1 x for the bodies of subtree q, x from :func:`eliminate_subtree`, after all later subtrees."""
     symbolic, size_n = work.factor.symbolic, work.problem.size_n
@@ -55,16 +56,15 @@ def panels_of(symbolic, q, n):
 
 
 @kernel(fastmath={"contract"})
-def meet_contacts(work, q, coming, p, new):
+def meet_contacts(problem, q, rho, v, p, new, momentum, panels, ahead):
     """new = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, momentum += H^T (2 new - p), for the contacts of subtree q.
 
-    There is more to calculate than to fetch, so the panels of subtree ``coming``, if not -1, are fetched on the way. Returns the squared
-    scaled change of p.
+    There is more to calculate than to fetch, so the panels between the two entries ``ahead``, which the next backward substitution needs,
+    are fetched on the way. Returns the squared scaled change of p.
     """
-    jacobian, offset, mu, compliance, d, partition, size_m, size_n = work.problem[3:]
-    panels, rho, v, momentum = work.factor.panels, work.factor.rho, work.iterates.v, work.iterates.momentum
+    jacobian, offset, mu, compliance, d, partition, size_m, size_n = problem[3:]
     m, n, index, target = len(size_m), len(size_n), partition.place, partition.target
-    line, end = panels_of(work.factor.symbolic, coming, n) if coming >= 0 else (0, 0)
+    line, end = ahead
     change, contacts = 0.0, max(partition.start[q + 1] - partition.start[q], 1)
     share = (end - line + contacts - 1) // contacts
     for c in range(partition.start[q], partition.start[q + 1]):
