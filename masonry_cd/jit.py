@@ -59,10 +59,20 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     return partial(_compile, options, called=False)
 
 
+def borrower(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Compile a kernel that other kernels alone call and that makes no arrays: it counts no references to those that it is given.
+
+    numba counts references to all arrays of a NamedTuple in each call, which costs more than a short kernel does. Only another borrower may
+    call one that returns arrays. The options are those of :func:`entry`.
+    """
+    return partial(_compile, {"_nrt": False} | options, called=False)
+
+
 def _compile(options: dict[str, Any], function: Callable[..., Any], called: bool) -> Any:
     """numba's dispatcher of a function."""
     chosen = {"nogil": True, "error_model": "numpy", "fastmath": False} | options
     if PLAIN:
+        chosen.pop("_nrt", None)  # no public option
         return numba.njit(**chosen)(function)
     pipeline = _Pipeline if called else _Inner
     compiled = numba.njit(pipeline_class=pipeline, no_cfunc_wrapper=True, no_cpython_wrapper=not called, **chosen)(function)

@@ -24,7 +24,7 @@ from masonry_cd.contact.manifold import Manifold, contact_points
 from masonry_cd.contact.motion import Motion, distance_moved, pair_margin, pose_ahead
 from masonry_cd.contact.pair_memory import REUSE, PairMemory, is_stuck, store_points, update_gaps
 from masonry_cd.contact.separation import EDGES, FAR_APART, WHOLE, Placed, place_part, separate
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry
 from masonry_cd.model.blocks import Assembly, Shapes
 from masonry_cd.model.geometry import relative_pose
 
@@ -209,7 +209,7 @@ def update_pairs(memory, shapes, motion, by_area, work, tally):
     return within
 
 
-@kernel()
+@borrower()
 def _look_again(memory, k, shapes, motion, margin, width, by_area, work, tally):
     """Find the points of pair k and their gaps anew, as far as the pair has moved; ``margin`` and ``width`` [m]."""
     solids, now, feature = shapes.solids, work.now, memory.feature[k]
@@ -222,28 +222,35 @@ def _look_again(memory, k, shapes, motion, margin, width, by_area, work, tally):
     if feature[0] == FAR_APART or not moved < REUSE * width:
         tally[SEARCHED] += 1
         apart = separate(a, b, solids, own, other, EDGE_BIAS * width, feature)
-        memory.pose[k, :] = now
+        _copy(now, memory.pose[k])
         if apart > margin:
             feature[0], memory.budget[k], memory.point_count[k] = FAR_APART, apart, 0
             return
     tally[CLIPPED] += 1
     with_area = by_area and feature[0] != EDGES
     found = contact_points((a, b), feature, solids, own, other, width, with_area, memory.normal[k], work.manifold)
-    memory.built[k, :] = now
+    _copy(now, memory.built[k])
     if found == 0 and margin > FAR * width and not with_area:
         found = _look_ahead(memory, k, shapes, motion, margin, width, work)
     store_points(memory, k, found, work.manifold, with_area, width, work.place)
     update_gaps(memory, k, now)
 
 
-@kernel()
+@borrower()
+def _copy(pose, to):
+    """Copy a relative pose (12,)."""
+    for i in range(12):
+        to[i] = pose[i]
+
+
+@borrower()
 def _look_ahead(memory, k, shapes, motion, margin, width, work):
     """Fill the manifold with the points of pair k in its pose a step later, which becomes the pose remembered; returns how many."""
     solids, feature, pose = shapes.solids, memory.feature[k], memory.built[k]
     a, b = memory.parts[k, 0], memory.parts[k, 1]
     pose_ahead(motion, shapes.part_block[a], shapes.part_block[b], work.ahead_position, work.ahead_rotation, pose)
     own, other = Placed(solids.vertices, solids.normals, WHOLE, WHOLE), place_part(pose, b, solids, work.vertices, work.normals)
-    memory.pose[k, :] = pose
+    _copy(pose, memory.pose[k])
     if separate(a, b, solids, own, other, EDGE_BIAS * width, feature) > margin:
         return 0
     return contact_points((a, b), feature, solids, own, other, width, False, memory.normal[k], work.manifold)
@@ -273,7 +280,7 @@ def write_contacts(memory, part_block, position, rotation, rows):
             total += 1
 
 
-@kernel()
+@borrower()
 def _turned(r, v):
     """The vector r v, r (3, 3), as three numbers: no array is made."""
     return (

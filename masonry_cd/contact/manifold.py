@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.contact.separation import EDGES, FACE_OF_A
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower
 from masonry_cd.model.polygon import clip_in_place, plane_distances
 
 SLIVER = 1e-4  # narrowest interface, as a share of the smaller part's width
@@ -48,7 +48,7 @@ class Manifold(NamedTuple):
         return cls(np.empty((most, 3)), np.empty(most), np.empty(most), np.empty((most, 3)))
 
 
-@kernel()
+@borrower()
 def contact_points(parts, feature, solids, own, other, width, with_area, normal, manifold):
     """Fill ``manifold`` and ``normal`` (3,), from a to b, with the contact points of a pair; returns how many.
 
@@ -67,7 +67,7 @@ def contact_points(parts, feature, solids, own, other, width, with_area, normal,
     return _face_contacts(face, incident, solids, other, own, width, with_area, sign, normal, manifold)
 
 
-@kernel()
+@borrower()
 def _incident_face(p, solids, placed, outward):
     """The face of part p that faces the direction -outward (3,) most squarely."""
     least, at = np.inf, -1
@@ -79,7 +79,7 @@ def _incident_face(p, solids, placed, outward):
     return at
 
 
-@kernel()
+@borrower()
 def _face_contacts(reference, incident, solids, own, other, width, with_area, sign, normal, manifold):
     """Contact points between the reference face of ``own`` and the incident face of ``other``; returns how many.
 
@@ -109,7 +109,7 @@ def _face_contacts(reference, incident, solids, own, other, width, with_area, si
     return count
 
 
-@kernel()
+@borrower()
 def _clip_by_sides(reference, solids, own, count, snap, outward, manifold):
     """Clip the first ``count`` points of the manifold by the side planes of the reference face; returns how many are left.
 
@@ -127,7 +127,7 @@ def _clip_by_sides(reference, solids, own, count, snap, outward, manifold):
     return count
 
 
-@kernel()
+@borrower()
 def _without_duplicates(polygon, count, tolerance):
     """Drop corners that coincide with the one before; returns how many stay."""
     out = 0
@@ -141,7 +141,7 @@ def _without_duplicates(polygon, count, tolerance):
     return out
 
 
-@kernel()
+@borrower()
 def _narrowness(polygon, count, nx, ny, nz):
     """Area over diameter of a polygon (count, 3) seen along n: about its width [m]."""
     area, diameter = 0.0, 0.0
@@ -153,7 +153,7 @@ def _narrowness(polygon, count, nx, ny, nz):
     return abs(area) / np.sqrt(diameter) if diameter > 0.0 else 0.0
 
 
-@kernel()
+@borrower()
 def _share_out(polygon, count, nx, ny, nz, area):
     """Append the centroid to a polygon, and share its area seen along n out between corners and centroid; returns the number of points.
 
@@ -187,7 +187,7 @@ def _share_out(polygon, count, nx, ny, nz, area):
     return count + 1
 
 
-@kernel()
+@borrower()
 def _triangle(p, q, r, nx, ny, nz):
     """Signed area of a triangle with corners p, q, r (3,) seen along n [m2]."""
     ax, ay, az = q[0] - p[0], q[1] - p[1], q[2] - p[2]
@@ -195,7 +195,7 @@ def _triangle(p, q, r, nx, ny, nz):
     return 0.5 * (nx * (ay * bz - az * by) + ny * (az * bx - ax * bz) + nz * (ax * by - ay * bx))
 
 
-@kernel()
+@borrower()
 def _edge_contact(edge_a, edge_b, own, other, normal, manifold):
     """The point midway between two crossing edges (4,) of a and b, its gap, and the normal (3,) from a to b; returns 1: one point."""
     p, p_end = own.vertices[edge_a[0] - own.first_vertex], own.vertices[edge_a[1] - own.first_vertex]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower
 from masonry_cd.model.geometry import relative_pose
 
 NEAR = 1e-3  # surfaces closer than this share of the smaller part's width are always in the contact set
@@ -22,7 +22,7 @@ class Motion(NamedTuple):
     slack: float  # distance that forces not yet known may add within the step [m]
 
 
-@kernel()
+@borrower()
 def part_reach(motion, block, radius, size):
     """How far a part may go within the step, and its share of what counts as near: half the margin of a pair, or more [m].
 
@@ -33,7 +33,7 @@ def part_reach(motion, block, radius, size):
     return 2.0 * motion.step * speed + 0.5 * motion.slack + 0.5 * NEAR * size
 
 
-@kernel()
+@borrower()
 def pair_margin(motion, block_a, block_b, radius_a, radius_b, width):
     """Gap up to which the points of a pair of parts are contacts, since it may close within the step [m].
 
@@ -42,7 +42,7 @@ def pair_margin(motion, block_a, block_b, radius_a, radius_b, width):
     return motion.slack + NEAR * width + 2.0 * motion.step * _closing_speed(motion.velocity, block_a, block_b, radius_a, radius_b)
 
 
-@kernel()
+@borrower()
 def _closing_speed(velocity, a, b, radius_a, radius_b):
     """Bound on the speed at which a point of block a nears a point of block b [m/s]."""
     va, vb = velocity[a], velocity[b]
@@ -52,7 +52,7 @@ def _closing_speed(velocity, a, b, radius_a, radius_b):
     return np.sqrt(dx * dx + dy * dy + dz * dz) + spin_a * radius_a + spin_b * radius_b
 
 
-@kernel()
+@borrower()
 def pose_ahead(motion, a, b, position, rotation, pose):
     """Fill ``pose`` (12,) with that of block b in the frame of block a at the end of the step, if both go on as they move.
 
@@ -76,7 +76,7 @@ def pose_ahead(motion, a, b, position, rotation, pose):
     relative_pose(position, rotation, 0, 1, pose)
 
 
-@kernel()
+@borrower()
 def distance_moved(now, then, radius):
     """Bound on how far any point of b has moved in the frame of a between two relative poses (12,) [m]; ``radius`` of b."""
     shift, turn = 0.0, 0.0

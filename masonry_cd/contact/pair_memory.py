@@ -18,7 +18,7 @@ import numpy as np
 
 from masonry_cd.contact.motion import distance_moved
 from masonry_cd.contact.separation import FAR_APART, UNKNOWN
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower
 
 STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the smaller part's width
 REUSE = 1e-3  # a remembered feature is trusted until the pair has moved by this share of the smaller part's width
@@ -108,13 +108,13 @@ OF_PAIRS = ("feature", "budget", "pose", "built", "normal", "point_count")
 OF_POINTS = ("local", "height", "area", "place")
 
 
-@kernel()
+@borrower()
 def is_stuck(memory, k, now, radius, width):
     """Whether the points of pair k can be kept; ``now`` (12,) is its pose, ``radius`` that of b and ``width`` of the smaller part [m]."""
     return memory.feature[k, 0] > FAR_APART and distance_moved(now, memory.built[k], radius) < STILL * width
 
 
-@kernel()
+@borrower()
 def update_gaps(memory, k, now):
     """Gaps of pair k after a small motion to the pose ``now`` (12,): what they were, and the motion along n of b's point at the contact."""
     then, n, local = memory.built[k], memory.normal[k], memory.local
@@ -131,7 +131,7 @@ def update_gaps(memory, k, now):
         memory.gap[s] = memory.height[s] + moved
 
 
-@kernel()
+@borrower()
 def store_points(memory, k, found, manifold, with_area, width, place):
     """Put the ``found`` points of a manifold in the memory of pair k, each with the contact of the last set that it continues.
 
@@ -148,7 +148,7 @@ def store_points(memory, k, found, manifold, with_area, width, place):
         memory.place[s] = place[i]
 
 
-@kernel()
+@borrower()
 def _match(memory, k, point, found, reach, shared, new_place):
     """Fill ``new_place`` with the nearest contact of pair k in the last set for each point that no other point has taken, or -1.
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry
 from masonry_cd.model.geometry import Polyhedra
 
 UNKNOWN, FAR_APART, FACE_OF_A, FACE_OF_B, EDGES = 0, 1, 2, 3, 4  # kinds of separating feature; none is kept of pairs far apart
@@ -35,7 +35,7 @@ class Placed(NamedTuple):
     first_face: int
 
 
-@kernel()
+@borrower()
 def place_part(pose, p, solids, vertices, normals):
     """Fill ``vertices`` and ``normals``, rows from 0 on, with those of polyhedron p turned and moved by a pose (12,)."""
     first_vertex, first_face = solids.vertex_start[p], solids.face_start[p]
@@ -50,7 +50,7 @@ def place_part(pose, p, solids, vertices, normals):
     return Placed(vertices, normals, first_vertex, first_face)
 
 
-@kernel()
+@borrower()
 def separate(a, b, solids, own, other, bias, feature):
     """Find the axis of largest separation of polyhedra a and b, write it into ``feature`` (3,), return the separation [m].
 
@@ -70,7 +70,7 @@ def separate(a, b, solids, own, other, bias, feature):
     return best
 
 
-@kernel()
+@borrower()
 def face_axis(a, b, solids, own, other):
     """Largest separation of polyhedron b from the faces of polyhedron a [m], and that face."""
     normals, vertices, points = own.normals, own.vertices, other.vertices
@@ -92,7 +92,7 @@ def face_axis(a, b, solids, own, other):
     return best, at
 
 
-@kernel()
+@borrower()
 def edge_axis(a, b, solids, own, other):
     """Largest separation over the edge pairs of polyhedra a and b whose Gauss arcs cross [m], and the two edges; -inf where none do."""
     edges, normals, vertices, normals_b, vertices_b = solids.edges, own.normals, own.vertices, other.normals, other.vertices

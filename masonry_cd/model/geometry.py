@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower
 from masonry_cd.model.polygon import next_in_loop
 
 Faces = tuple[tuple[int, ...], ...]
@@ -130,7 +130,7 @@ def mass_properties(vertices: np.ndarray, faces: Faces) -> MassProperties:
 # --- relative pose -------------------------------------------------------------------------------------------------------------
 
 
-@kernel()
+@borrower()
 def relative_pose(position, rotation, a, b, pose):
     """Fill ``pose`` (12,) with that of body b in the frame of body a: R_a^T (x_b - x_a) [m], then R_a^T R_b row by row.
 
@@ -144,7 +144,7 @@ def relative_pose(position, rotation, a, b, pose):
             pose[3 + 3 * i + j] = x * rotation[b, 0, j] + y * rotation[b, 1, j] + z * rotation[b, 2, j]
 
 
-@kernel()
+@borrower()
 def relative_angle(pose):
     """Angle of the rotation in a relative pose (12,) [rad], exact near zero."""
     x, y, z = pose[10] - pose[8], pose[5] - pose[9], pose[6] - pose[4]

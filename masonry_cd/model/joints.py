@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.geometry import relative_angle, relative_pose
 from masonry_cd.model.polygon import clip_in_place, plane_distances
@@ -131,7 +131,7 @@ def _measure(joints, centre, position, rotation, out):
         out[3, j] = _contact_area(flat, corners, most_open)
 
 
-@kernel()
+@borrower()
 def _flatten(joints, j, centre, pose, flat):
     """Fill ``flat`` with the corners of joint j and how far they are apart in a relative pose; returns the joint's size [m]."""
     block_a, block_b, normal, start, polygon = joints
@@ -152,7 +152,7 @@ def _flatten(joints, j, centre, pose, flat):
     return np.sqrt(square)
 
 
-@kernel()
+@borrower()
 def _axes(polygon, first, normal, j, axes):
     """Fill ``axes`` (2, 3) with two unit vectors in the plane of joint j: along its first edge, and n x that."""
     length = 0.0
@@ -166,7 +166,7 @@ def _axes(polygon, first, normal, j, axes):
     axes[1, 2] = normal[j, 0] * axes[0, 1] - normal[j, 1] * axes[0, 0]
 
 
-@kernel()
+@borrower()
 def _largest_shift(flat, corners, limit):
     """Largest tangential displacement [m] among the corners that are open by no more than ``limit`` [m]: those that touch."""
     square = 0.0
@@ -176,7 +176,7 @@ def _largest_shift(flat, corners, limit):
     return np.sqrt(square)
 
 
-@kernel()
+@borrower()
 def _contact_area(flat, corners, most_open):
     """Area of a's polygon inside b's moved polygon, where the joint is open by no more than CONTACT_WIDTH [m2]."""
     polygon, corner, shift = flat.polygon, flat.corner, flat.shift
@@ -196,7 +196,7 @@ def _contact_area(flat, corners, most_open):
     return abs(_signed_area(polygon, count))
 
 
-@kernel()
+@borrower()
 def _signed_area(polygon, count):
     """Shoelace area of the first count points of a polygon, by their first two coordinates [m2]."""
     area = 0.0

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry
 
 NEXT, LAST = [1, 2, 0], [2, 0, 1]  # axes in cyclic order after x, y, z
 
@@ -100,7 +100,7 @@ def _clip_loops(points, loop_start, distance, tolerance, out, count):
     return used
 
 
-@kernel()
+@borrower()
 def clip_in_place(polygon, count, distance, tolerance, other):
     """Clip a polygon, the first ``count`` rows of ``polygon`` (N, d); returns the number of its corners then.
 
@@ -118,7 +118,7 @@ def clip_in_place(polygon, count, distance, tolerance, other):
     return left
 
 
-@kernel()
+@borrower()
 def clip_into(polygon, count, distance, tolerance, out):
     """Fill ``out`` with the corners of what is left of the first ``count`` rows of ``polygon`` (N, d); returns how many."""
     left = 0
@@ -137,7 +137,7 @@ def clip_into(polygon, count, distance, tolerance, out):
     return left
 
 
-@kernel()
+@borrower()
 def plane_distances(polygon, count, normal, point, distance):
     """Fill ``distance`` (N,) for the first ``count`` rows of ``polygon`` (N, 3); plane through ``point``, both three numbers [m]."""
     nx, ny, nz = normal
