@@ -35,7 +35,7 @@ class Loading:
     Attributes:
         support_velocity: (N + 1, S, 3) velocity of each support motion [m/s]; S = 1: all supports move together.
         acceleration: (N + 1, 3) of every free block [m/s2]: gravity and what else pulls on all blocks.
-        lines: what to tell the user, one line each.
+        lines: on the loads, for the user.
         summary: the same numbers, ready for JSON.
         support_of: (B,) the motion that each block follows, -1 for a free block: the assembly's for this run; None without an assembly.
         shocks: of sequences, in order of time.
@@ -94,7 +94,7 @@ def build(
     if base["end_speed"] > 1e-3 * base["peak_speed"]:
         lines.append(f"base: still moving at {base['end_speed']:.3g} m/s when the run ends at {grid.end:g} s")
     if velocity.shape[1] > 1:
-        first = f'; displacements are told relative to "{assembly.names[int(np.argmax(assembly.fixed))]}"' if assembly is not None else ""
+        first = f'; displacements are relative to "{assembly.names[int(np.argmax(assembly.fixed))]}"' if assembly is not None else ""
         lines.append(f"base: {velocity.shape[1]} motions of the supports, apart by at most {base['largest_difference']:.4g} m{first}")
     summary = {"tables": [part.summary for part in parts], "base": base}
     shocks = sorted((shock for part in parts for shock in part.shocks), key=lambda shock: shock.first)

@@ -1,4 +1,4 @@
-"""The errors a user can cause, and how they are told: one line that names the key, file, line or block."""
+"""The errors a user can cause, and how they are reported: one line that names the key, file, line or block."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def one_line(message: str) -> str:
 
 
 def _cut(text: str, most: int) -> str:
-    """At most so many characters of a text."""
+    """A text cut to a number of characters."""
     return text if len(text) <= most else text[:most] + " ..."
 
 

@@ -10,7 +10,7 @@ Two meshes, each with its own file, so that either can be switched off: ``blocks
 Arrays: of points ``displacement`` relative to the base [m]; of block faces ``block``, ``group``, ``fixed``, ``fallen``, ``velocity`` [m/s];
 of joints ``joint``, ``block_a``, ``block_b``, ``area`` [m2], ``opening``, ``sliding`` [m], ``rotation`` [rad], ``contact_area`` [m2],
 ``normal_force``, ``shear_force`` [N], ``force_point`` in the world frame [m] and ``state`` (0 intact, 1 opened, 2 slid, 3 separated, at
-that time). ``names.csv`` tells the names of blocks and groups by their numbers: as field data that lasts through all times, VTK 9.7
+that time). ``names.csv`` lists the names of blocks and groups by their numbers: as field data that lasts through all times, VTK 9.7
 fails to read texts from VTKHDF.
 """
 

@@ -13,7 +13,7 @@ from reports.extra import EXTRA
 
 
 def _list_of_numbers(value: object) -> object:
-    """A list as a tuple; anything else is told for what it should be."""
+    """A list as a tuple; of anything else it is said what it should be."""
     if isinstance(value, list):
         return tuple(value)
     raise ValueError("should be a list of numbers, [1.0, 2.5]")

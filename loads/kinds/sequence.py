@@ -135,13 +135,13 @@ def sequence(table: SequenceTable, grid: RunGrid, where: str) -> Part:
         return out
 
     end = pauses[-1].last if pauses else shocks[-1].last
-    told = [line for shock, said in zip(shocks, lines, strict=True) for line in _timed(shock, said, grid)]
+    timed = [line for shock, said in zip(shocks, lines, strict=True) for line in _timed(shock, said, grid)]
     if end > grid.steps:
-        told.append(f"{where} the run ends at {grid.end:g} s: run.duration = {end * grid.dt:g} would hold all shocks and rests")
+        timed.append(f"{where} the run ends at {grid.end:g} s: run.duration = {end * grid.dt:g} would hold all shocks and rests")
     return Part(
         motion=motion,
         delay=delay,
-        lines=tuple(told),
+        lines=tuple(timed),
         summary={"kind": "sequence", "rest": table.rest, "shocks": [_summary(s, r, grid) for s, r in zip(shocks, ready, strict=True)]},
         shocks=tuple(shock for shock in shocks if shock.first < grid.steps),
         pauses=tuple(replace(p, last=min(p.last, grid.steps)) for p in pauses if p.first < grid.steps and table.rest == "still"),
@@ -149,7 +149,7 @@ def sequence(table: SequenceTable, grid: RunGrid, where: str) -> Part:
 
 
 def _prepare(shock: ShockTable, grid: RunGrid, where: str, place: int) -> tuple[_Ready, list[str]]:
-    """Read and scale the components of a shock; with the lines that tell of them."""
+    """Read and scale the components of a shock; with the lines on them."""
     keys = [f"{where}.components[{j}]" for j in range(len(shock.components))]
     components = [_component(table, key) for table, key in zip(shock.components, keys, strict=True)]
     raw = [_read(component, grid, key) for component, key in zip(components, keys, strict=True)]
@@ -158,14 +158,14 @@ def _prepare(shock: ShockTable, grid: RunGrid, where: str, place: int) -> tuple[
     directions = [component.direction.turned(shock.rotate) for component in components]
     lines, length = [], 0.0
     for component, direction, one, key in zip(components, directions, scaled, keys, strict=True):
-        lines += _told(component, direction, one, factor, key)
+        lines += _described(component, direction, one, factor, key)
         fades = isinstance(component, Recorded) and component.correction == "none"
         length = max(length, one.after.duration + (FADE if fades else 0.0))
     return _Ready(shock.name or f"shock {place + 1}", tuple(zip(directions, scaled, strict=True)), factor, length), lines
 
 
-def _told(component: Recorded | Artificial, direction: Direction, processed: Processed, factor: float, where: str) -> list[str]:
-    """The lines that tell of a component at its final size."""
+def _described(component: Recorded | Artificial, direction: Direction, processed: Processed, factor: float, where: str) -> list[str]:
+    """The lines on a component at its final size."""
     how = f"along {direction.label}, times {factor:.6g}"
     if isinstance(component, Recorded):
         column = f" [{processed.column}]" if processed.column else ""

@@ -106,7 +106,7 @@ def _numbers(table: SinusoidalTable) -> dict[str, float]:
 
 
 def _lines(table: SinusoidalTable, grid: RunGrid, where: str, n: dict[str, Any]) -> tuple[str, ...]:
-    """What to tell the user."""
+    """Lines on the motion for the user."""
     end = table.start + table.length
     lines = [f"{where} sinusoidal along {table.direction.label}, {table.start:g} to {end:g} s: {describe(n)}"]
     if table.ramp > 0.0:

@@ -47,7 +47,7 @@ class History:
         return self.step * (len(self.acceleration) - 1)
 
     def scaled(self, factor: float) -> History:
-        """The same motion times a factor."""
+        """The motion times a factor."""
         return History(self.step, factor * self.acceleration, factor * self.velocity, factor * self.displacement)
 
     def velocity_at(self, since: np.ndarray) -> np.ndarray:

@@ -75,8 +75,8 @@ def _islands(scene: Scene, report: RunReport) -> str:
 
 def _solver(scene: Scene, report: RunReport) -> str:
     """Which methods were used how often, by the solver's own words."""
-    told = sorted(report.solver_reasons.items(), key=lambda item: -item[1])
-    words = ", ".join(f'"{reason}" in {count}' for reason, count in told[:4]) + (" and others" if len(told) > 4 else "")
+    by_count = sorted(report.solver_reasons.items(), key=lambda item: -item[1])
+    words = ", ".join(f'"{reason}" in {count}' for reason, count in by_count[:4]) + (" and others" if len(by_count) > 4 else "")
     if scene.run.solver == "auto":
         return f"solvers: auto takes what was cheapest in the steps before, others where that falls short: {words} of {report.steps} steps"
     return f"solvers: all but {scene.run.solver}, which the scene asks for: {words} of {report.steps} steps"

@@ -68,7 +68,7 @@ def _ties(case: Case, results: Results) -> dict[str, Any]:
 
 
 def outcome_lines(summary: dict[str, Any]) -> list[str]:
-    """The same in words."""
+    """Load factor, shocks and ties of a summary in words, one line each."""
     lines = [_shock_line(shock) for shock in summary.get("shocks", ())]
     if "load_factor" in summary:
         lines.append(_factor_line(summary["load_factor"]))

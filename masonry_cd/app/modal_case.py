@@ -26,7 +26,7 @@ from reports.modal.modes import METHODS, Modes, modal
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 START = 1e9  # modulus from which a fit starts where none is given [Pa]
-ALIKE = 0.8  # MAC below which a pair is told to be doubtful
+ALIKE = 0.8  # MAC below which a pair is reported as doubtful
 OUTPUTS = ("modal.json", "modal.csv", *(f"shapes_{m}.csv" for m in METHODS), *(f"modes_{m}.png" for m in METHODS), "mesh_convergence.csv")
 
 
@@ -164,7 +164,7 @@ def _result(blocks: Sequence[Block], method: str, asked: ModalOptions, measured:
 
 
 def _turned_like(modes: Modes, other: Modes) -> Modes:
-    """The same modes with the signs of the modes of another model that they resemble."""
+    """The modes, each with the sign of the mode of another model that it resembles most."""
     signs = np.ones(modes.count)
     for k, shape in enumerate(modes.shapes):
         nearest = max(range(other.count), key=lambda i: mac(shape, other.shapes[i]))

@@ -72,7 +72,7 @@ class Progress:
 
 
 def _bar(stream: TextIO) -> Bar:
-    """A bar that is drawn only when told, so that no thread of its own takes time from the run."""
+    """A bar that is drawn only on demand, so that no thread of its own takes time from the run."""
     from rich.console import Console
     from rich.progress import (
         BarColumn,
@@ -98,7 +98,7 @@ def _bar(stream: TextIO) -> Bar:
 
 @contextmanager
 def said_if_slow(message: str, seconds: float = 3.0, stream: TextIO | None = None) -> Iterator[None]:
-    """Print a message when the body takes longer than so many seconds."""
+    """Print a message when the body takes longer than some seconds."""
     timer = threading.Timer(seconds, lambda: print(message, file=stream or sys.stderr, flush=True))
     timer.daemon = True
     timer.start()
@@ -132,7 +132,7 @@ class Interrupt:
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self.number, self.at_once = 0, False
-        self._stream, self._told = stream, False
+        self._stream, self._acknowledged = stream, False
         self._former: dict[int, Any] = {}
 
     def __enter__(self) -> Interrupt:
@@ -155,7 +155,7 @@ class Interrupt:
         self.number = self.number or number
         if self.at_once:
             raise Interrupted(number)
-        if not self._told:
-            self._told = True
+        if not self._acknowledged:
+            self._acknowledged = True
             with suppress(OSError, RuntimeError, ValueError):  # a terminal that is gone, or one that is being written to
                 print("finishing the step; results are being written", file=self._stream or sys.stderr, flush=True)

@@ -80,7 +80,7 @@ class Scene:
         return self.path.parent
 
     def at_fault(self, error: InputError) -> InputError:
-        """The same error with file and line before it, where it begins with a key of this scene."""
+        """An error with file and line before it, where its message begins with a key of this scene; else the error itself."""
         message = str(error)
         key = re.match(r"((?:structure|material|loads|run|report|title)[^\s:]*)(?::| )", message)
         return InputError(f"{place_of(self.text, key.group(1), self.path)}: {message}") if key else error

@@ -19,7 +19,7 @@ from masonry_cd.solvers import cores
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
 
-TOLD = 1e-3  # share of the largest work from which on the closing lines tell what the correction of overlaps put in
+REPORTED = 1e-3  # share of the largest work from which on the closing lines report what the correction of overlaps put in
 
 
 def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
@@ -82,7 +82,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     s, solver, energy = summary, summary["solver"], summary["energy"]
     per_step = s["stepping_seconds"] / max(1, s["steps"])
     lifted = energy.get("lift_share", 0.0)
-    lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if lifted >= TOLD else ""
+    lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if lifted >= REPORTED else ""
     deep = f", of {s['penetration_where']}" if s.get("penetration_where") else ""
     bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
     return [

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, free_folder, told
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, errors_reported, free_folder
 
 
 def accuracy(
@@ -36,7 +36,7 @@ def accuracy(
       masonry-cd accuracy arch.toml -o out/accuracy --dts 4e-3,2e-3,1e-3 --tolerances 1e-3,1e-6
       masonry-cd accuracy arch.toml -o out/accuracy --duration 1.5 --seeds 8
     """
-    with told():
+    with errors_reported():
         from masonry_cd.studies.accuracy_case import OUTPUTS, accuracy_case
 
         free_folder(output, OUTPUTS, force)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, free_folder, told
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, free_folder
 
 if TYPE_CHECKING:
     from structures.geometry.checks import Unsound
@@ -39,7 +39,7 @@ def build(
       masonry-cd build scan.toml -o out/scan --repair shells --repair gaps=0.002
       masonry-cd build aqueduct.toml -o out/meshes --format obj --format vtkhdf
     """
-    with told():
+    with errors_reported():
         formats = _formats(format_)
         free_folder(output, tuple(f"blocks.{name}" for name in formats), force)
         from masonry_cd.app.scene import read_scene
@@ -95,7 +95,7 @@ def _repairs(asked: list[str] | None) -> list[str]:
 
 
 def _draw_problem(fault: Unsound, folder: Path) -> None:
-    """Draw problem.png where the libraries for it are installed; the error itself is told in any case."""
+    """Draw problem.png where the libraries for it are installed; the error itself is reported in any case."""
     from masonry_cd.errors import InputError
 
     try:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import told
+from masonry_cd.cli.shared import errors_reported
 
 
 def compare(
@@ -25,7 +25,7 @@ def compare(
       masonry-cd compare out/weak out/strong
       masonry-cd compare out/mu0.5 out/mu0.6 out/mu0.7 -o out/friction
     """
-    with told():
+    with errors_reported():
         from reports.compare import comparison, comparison_files
 
         found = comparison.compare(folders)

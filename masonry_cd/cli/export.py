@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import Folder, told
+from masonry_cd.cli.shared import Folder, errors_reported
 
 
 def export(
@@ -20,14 +20,14 @@ def export(
     """Write a run for ParaView: blocks and joints over time.
 
     OUT gets blocks and joints as VTKHDF, or as PVD collections of VTP files, with openings, slidings, forces, states and displacements,
-    and names.csv, which tells the names of blocks and groups by their numbers.
+    and names.csv, which lists the names of blocks and groups by their numbers.
 
     \b
     Examples:
       masonry-cd export out/aqueduct
       masonry-cd export out/aqueduct --format pvd -o out/view
     """
-    with told():
+    with errors_reported():
         from masonry_cd.io.results import Results
         from reports.settings import report_of
 

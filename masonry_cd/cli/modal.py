@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, free_folder, told
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, free_folder
 
 
 def modal(
@@ -43,7 +43,7 @@ def modal(
       masonry-cd modal church.toml -o out/modal --reference measured.csv --fit
       masonry-cd modal mortar.toml -o out/modal --nscd --sweep x
     """
-    with told():
+    with errors_reported():
         if nscd or sweep:
             _vibration(scene, output, {"modes": modes, "sweep": sweep, "velocity": velocity}, set_ or (), force)
             return

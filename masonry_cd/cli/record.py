@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import told
+from masonry_cd.cli.shared import errors_reported
 
 
 def record(
@@ -24,7 +24,7 @@ def record(
       masonry-cd record elcentro.AT2 -o elcentro.png
       masonry-cd record aqv.csv -o aqv.png --set column=ns_m_s2 --set window=[5.0,17.0]
     """
-    with told():
+    with errors_reported():
         from loads.picture import file_picture
         from masonry_cd.app.scene_text import parse_change
         from masonry_cd.errors import InputError

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import Folder, told
+from masonry_cd.cli.shared import Folder, errors_reported
 
 
 def report(
@@ -36,7 +36,7 @@ def report(
       masonry-cd report out/aqueduct --times 1,2,3 --cut y --thrust
       masonry-cd report out/aqueduct --html --no-crack-map
     """
-    with told():
+    with errors_reported():
         from masonry_cd.io.results import Results
         from reports.settings import report_of
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from masonry_cd.app.progress import Interrupted
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, free_folder, told
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, errors_reported, free_folder
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
@@ -32,7 +32,7 @@ def run(
     """Compute a scene and write its results.
 
     DIR gets result.h5, joints.csv, summary.json, and the pictures that the scene asks for. The whole scene is checked first; bad input
-    is told in one line, with exit code 2, and nothing is written. Ctrl-C, SIGTERM, SIGHUP and SIGQUIT end a run after its current step:
+    is reported in one line, with exit code 2, and nothing is written. Ctrl-C, SIGTERM, SIGHUP and SIGQUIT end a run after its current step:
     the results stay readable up to there, and --resume goes on to the same numbers as an unbroken run, as it does after a kill. Problems
     are written to problem_STEP.npz, or where impacts are solved apart to problem_STEP_forces.npz and problem_STEP_impacts.npz, for
     masonry-cd solve and accuracy.
@@ -44,7 +44,7 @@ def run(
       masonry-cd run aqueduct.toml -o out/strong --set loads[0].amplitude=0.4 --set run.duration=5
       masonry-cd run aqueduct.toml -o out/aqueduct --force --set run.solver=nlgs --set run.tolerance=1e-6
     """
-    with told():
+    with errors_reported():
         free_folder(output, ("result.h5", "summary.json"), force or resume)
         from masonry_cd.app.scene import read_scene
         from masonry_cd.io import checkpoint

@@ -1,4 +1,4 @@
-"""What the commands share: arguments of the same name and meaning, and how errors are told."""
+"""What the commands share: arguments of the same name and meaning, and how errors are reported."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def free_folder(folder: Path, marks: tuple[str, ...], force: bool) -> None:
 
 
 @contextmanager
-def told() -> Iterator[None]:
-    """Tell errors in one line and set the exit code."""
+def errors_reported() -> Iterator[None]:
+    """Report errors of the body in one line and set the exit code."""
     from masonry_cd.errors import InputError
 
     try:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import told
+from masonry_cd.cli.shared import errors_reported
 
 
 def solve(
@@ -22,14 +22,14 @@ def solve(
 ) -> None:
     """Solve one friction problem from a file and print how exactly.
 
-    The errors are measured outside the solver; a tolerance that was missed is told.
+    The errors are measured outside the solver; a tolerance that was missed is reported.
 
     \b
     Examples:
       masonry-cd solve KaplasTower-i1061-4.npz
       masonry-cd solve problem.hdf5 --solver admm --tolerance 1e-10 --json -o solution.npz
     """
-    with told():
+    with errors_reported():
         from masonry_cd.app.solve_file import solve_file
 
         found = solve_file(file, solver, tolerance, max_iterations, seed, output)

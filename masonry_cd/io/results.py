@@ -335,7 +335,7 @@ def _copy_rows(old: h5py.Dataset, file: h5py.File, name: str, count: int) -> Non
 
 
 def _mark(file: h5py.File, rows: Mapping[str, int]) -> str:
-    """A digest of the run's name and of the last of so many rows of each dataset."""
+    """A digest of the run's name and of the last of some number of rows of each dataset."""
     digest = hashlib.sha256(str(file.attrs.get("run", "")).encode())
     for name, count in sorted(rows.items()):
         digest.update(f"{name} {count} ".encode())

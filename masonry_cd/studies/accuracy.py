@@ -102,7 +102,7 @@ def solver_rows(problem: Problem, solvers: Sequence[str], tolerances: Sequence[f
         solvers: names in ``SOLVERS``.
         tolerances: from loose to tight.
         repeats: solves per row, but for those longer than LONG.
-        say: told before each solver.
+        say: called with a line before each solver.
     """
     rows: list[SolverRow] = []
     for name in solvers:
@@ -147,7 +147,7 @@ def run_rows(
         dts: time steps [s], each a whole fraction of the largest.
         tolerances: of the steps.
         repeats: of each run, for its time.
-        say: told before each run.
+        say: called with a line before each run.
 
     Raises:
         InputError: a scene that is wrong; time steps without common times.

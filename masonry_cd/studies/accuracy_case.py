@@ -29,7 +29,7 @@ def accuracy_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
         asked: ``solvers``, ``tolerances``, ``dts`` as typed or None; ``repeats``, ``duration``, ``seeds`` or None.
         overrides: changes to a scene, ``key=value``.
         folder: for the outputs.
-        say: told how far it is.
+        say: called with a line on how far it is.
 
     Returns:
         ``lines`` to print, ``warnings`` and the paths ``written``.

@@ -3,7 +3,7 @@
 The same scene is run with several seeds of the random sweep order of Gauss-Seidel. Each seed leads to another set of contact forces that
 holds the same weight, and every set is a correct answer of the model; which of them a building has is a matter of its making. Forces are
 means over the frames of the run, so that one jolt does not stand for a joint; openings and slidings the largest over all steps.
-What must not vary is the total on the supports, which equilibrium fixes as long as the motion is the same: it is told, as a check.
+What must not vary is the total on the supports, which equilibrium fixes as long as the motion is the same: it is reported, as a check.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
 
 MEASURES = ("normal_force", "shear_force", "opening", "sliding")  # [N], [N], [m], [m]
-LOADED = 0.01  # joints with less than this share of the largest mean normal force are not told as the most varying
+LOADED = 0.01  # joints with less than this share of the largest mean normal force are not reported as the most varying
 ORDERED = "nlgs"  # the solver whose answer depends on the order of its sweeps
 
 
@@ -60,7 +60,7 @@ def study_seeds(path: Path, overrides: Sequence[str], count: int, say: Callable[
         path: scene file.
         overrides: changes to it, ``key=value``.
         count: of seeds, two at least.
-        say: told before each run.
+        say: called with a line before each run.
 
     Raises:
         InputError: a scene that is wrong.

@@ -125,7 +125,7 @@ class _View:
 
 
 class _Watch:
-    """Goes through the frames and keeps what only the history tells: peaks of drift, and hinges that have closed again."""
+    """Goes through the frames and keeps what only the history shows: peaks of drift, and hinges that have closed again."""
 
     def __init__(self, view: _View) -> None:
         self._view = view

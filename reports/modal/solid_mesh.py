@@ -3,7 +3,7 @@
 The blocks are united first, so that the mesh does not have to follow the joints and may be as coarse as the structure allows; blocks
 of another density or stiffness stay apart, with a common face. Boolean operations of gmsh cost time with everything in its model:
 the union is therefore built from clusters of neighbours, each in a model of its own (1,254 blocks: 6 s instead of 56 s). Supports
-are not meshed: their imprint on the structure tells where it is held.
+are not meshed: their imprint on the structure shows where it is held.
 """
 
 from __future__ import annotations

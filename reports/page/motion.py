@@ -43,7 +43,7 @@ class Motion:
 
 
 def frames_shown(count: int, most: int) -> np.ndarray:
-    """At most so many frames, evenly spread, the first and the last always among them."""
+    """At most a number of frames, evenly spread, the first and the last always among them."""
     return np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(np.int64))
 
 

@@ -32,7 +32,7 @@ class FileTable(BaseModel):
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
-    """Read the block file that a [structure] table names; the notes tell what closing gaps has moved."""
+    """Read the block file that a [structure] table names; the notes say how far closing gaps has moved corners."""
     keys = parse_table(FileTable, table, "structure")
     path = Path(keys.path)
     if not is_file(folder / path):
