@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 Model = TypeVar("Model", bound=BaseModel)
 
 QUOTED = 300  # most characters of a value that a message quotes
+WORD = 400  # most characters of any other word
 
 
 class InputError(ValueError):
@@ -25,7 +26,7 @@ def one_line(message: str) -> str:
     """A message that a terminal can show: control characters and lone surrogates by their codes, quoted values and endless words cut."""
     shown = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in message)
     shown = re.sub(r'"([^"]*)"', lambda quoted: f'"{_cut(quoted.group(1), QUOTED)}"', shown)
-    return re.sub(r"\S+", lambda word: _cut(word.group(), 2 * QUOTED), shown)
+    return re.sub(r"\S+", lambda word: _cut(word.group(), WORD), shown)
 
 
 def _cut(text: str, most: int) -> str:

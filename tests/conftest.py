@@ -7,12 +7,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+from places import SHARED
+
+settings.register_profile("steady", derandomize=True, deadline=None, max_examples=50, database=None)  # the same examples in every run
+settings.register_profile("search", deadline=None, max_examples=2000, database=None)  # pytest tests/properties --hypothesis-profile search
+settings.load_profile("steady")
 
 
 @pytest.fixture(scope="session")
 def shared() -> Path:
     """The folder of reference data beside the checkout; tests that need it skip where it is absent."""
-    folder = Path(__file__).parents[1].parent / "shared"
+    folder = SHARED
     if not folder.is_dir():
         pytest.skip("the reference data are not beside this checkout")
     return folder

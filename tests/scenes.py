@@ -133,6 +133,15 @@ def wall(columns: int, courses: int, **kwargs: float) -> FrictionProblem:
     return boxes(np.array(low), np.array(high), **kwargs)
 
 
+def thrown(speed: float) -> FrictionProblem:
+    """A wall whose supports have suddenly taken on a horizontal velocity [m/s]."""
+    problem = wall(4, 6)
+    offset = problem.offset.copy()
+    ground = problem.bodies[:, 1] < 0
+    offset[ground] -= np.einsum("cij,j->ci", problem.jacobian[ground, 0, :, :3], np.array([speed, 0.0, 0.0]))
+    return replace(problem, offset=offset)
+
+
 def packing(cells: int, mu: float, speed: float, seed: int = 0, radius: float = 0.05, step: float = 1e-3) -> FrictionProblem:
     """Spheres in a box, on the places of a face-centred cubic lattice of so many cells along each side, some of them missing.
 

@@ -12,8 +12,7 @@ import structures
 from masonry_cd.gmsh_session import gmsh_session
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.joints import Joints
-from masonry_cd.model.polygon import polygon_area
-from structures.geometry import gaps
+from masonry_cd.model.polygon import loop_normal
 from structures.layout import wall_plan
 from structures.layout.openings import Closing, close
 
@@ -90,17 +89,35 @@ def exposed(blocks: Sequence[Block], assembly: Assembly, joints: Joints) -> floa
 
 def touching_area(blocks: Sequence[Block]) -> float:
     """Area over which faces of different blocks lie on each other, by clipping every pair: what the joints should add up to [m2]."""
-    parts = [(k, Block(f"{k}", p.vertices, p.faces, 1.0, fixed=block.fixed)) for k, block in enumerate(blocks) for p in block.convex_parts]
-    shells = [part for _, part in parts]
-    planes = gaps._planes(shells)
+    faces = [(k, part.vertices[list(face)]) for k, block in enumerate(blocks) for part in block.convex_parts for face in part.faces]
+    owner, fixed = np.array([k for k, _ in faces]), np.array([blocks[k].fixed for k, _ in faces])
+    normal = np.array([loop_normal(corners) for _, corners in faces])
+    height = np.array([n @ corners[0] for n, (_, corners) in zip(normal, faces, strict=True)])
+    low, high = (np.array([end(corners, axis=0) for _, corners in faces]) for end in (np.min, np.max))
     total = 0.0
-    for i, j in gaps._facing(shells, planes, 1e-6):
-        (a, one), (b, other) = (parts[planes.block[k]] for k in (i, j))
-        if a != b and not (one.fixed and other.fixed) and gaps._near(planes, i, j, 1e-6):
-            axes = np.linalg.svd(planes.normal[i][None])[2][1:]
-            common = gaps._overlap(*(gaps._hull(planes.polygon[k] @ axes.T) for k in (i, j)))
-            total += abs(polygon_area(common))
+    for i, (_, corners) in enumerate(faces):
+        opposed = (normal[i + 1 :] @ normal[i] < -1.0 + 1e-12) & (np.abs(height[i + 1 :] + height[i]) < 1e-6)
+        meet = (low[i + 1 :] <= high[i] + 1e-6).all(axis=1) & (high[i + 1 :] >= low[i] - 1e-6).all(axis=1)
+        for j in i + 1 + np.flatnonzero(opposed & meet & (owner[i + 1 :] != owner[i]) & ~(fixed[i + 1 :] & fixed[i])):
+            total += _common_area(corners, faces[j][1], normal[i])
     return total
+
+
+def _common_area(first: np.ndarray, second: np.ndarray, normal: np.ndarray) -> float:
+    """Area that two convex polygons (n, 3) in one plane share: the first, cut by the planes through the sides of the second [m2]."""
+    inner = second.mean(axis=0)
+    for a, b in zip(second, np.roll(second, -1, axis=0), strict=True):
+        inward = np.cross(normal, b - a)
+        depth = (first - a) @ (inward * np.sign((inner - a) @ inward))
+        kept = []
+        for p, q, f, g in zip(first, np.roll(first, -1, axis=0), depth, np.roll(depth, -1), strict=True):
+            kept += [p] if f >= 0.0 else []
+            kept += [p + f / (f - g) * (q - p)] if f * g < 0.0 else []
+        if len(kept) < 3:
+            return 0.0
+        first = np.array(kept)
+    spokes = first[1:] - first[0]
+    return 0.5 * float(np.linalg.norm(np.cross(spokes[:-1], spokes[1:]).sum(axis=0)))
 
 
 def moved_at_rest(blocks: Sequence[Block], seconds: float = 0.1, dt: float = 2e-3, friction: float = 0.6) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scenes
 from models import stepper, wall
-from test_extreme_problems import thrown
+from scenes import thrown
 
 from benchmarks import ours
 from benchmarks.scenes import arch

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from places import SHARED
 
 from loads.signal.baseline import ORDERS, correct, integrate
-
-SHARED = Path(__file__).parents[1].parent / "shared"
 
 
 def shaking(seconds: float = 20.0, step: float = 0.01) -> np.ndarray:

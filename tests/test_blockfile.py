@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from places import SHARED
 
 import structures
 from masonry_cd.errors import InputError
@@ -19,7 +20,7 @@ from structures.files import blockfile
 from structures.geometry.merge_coplanar import merge_coplanar
 from structures.geometry.prism import prism_xz, rectangle
 
-PEERS = Path(__file__).parents[1].parent / "shared" / "peers" / "scenes.py"
+PEERS = SHARED / "peers" / "scenes.py"
 
 
 def cube(**changes: Any) -> dict[str, Any]:

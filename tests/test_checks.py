@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -116,9 +115,8 @@ def test_boxes_whose_bounding_boxes_meet_but_which_are_apart() -> None:
     assert "overlap by 1 mm" in refused(lower, replace(upper, vertices=upper.vertices - [0, 0, 1e-3]))
 
 
-def test_five_thousand_blocks_in_under_two_seconds() -> None:
+def test_of_five_thousand_blocks_the_two_that_overlap_are_found() -> None:
     blocks = [box(f"{i}-{j}", i + 0.5 * (j % 2), j) for i in range(50) for j in range(100)]
-    check(blocks[:2])  # compilation apart
-    start = time.perf_counter()
     check(blocks)
-    assert time.perf_counter() - start < 2.0
+    blocks[2550] = replace(blocks[2550], vertices=blocks[2550].vertices + [2e-3, 0.0, 0.0])  # 25-50, into the next one of its course
+    assert refused(*blocks) == 'blocks "25-50" and "26-50" overlap by 2 mm'

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import math
 import os
@@ -15,18 +14,22 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from places import EXAMPLES
 from scipy import sparse
 from typer.testing import CliRunner
 
 from masonry_cd import __version__
 from masonry_cd.app.progress import Interrupt
+from masonry_cd.app.recorder import Recorder
 from masonry_cd.app.summary import closing_lines
 from masonry_cd.cli.app import app
+from masonry_cd.contact.detector import Detector
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
 from masonry_cd.friction.files import write_problem
 from masonry_cd.friction.problem import LocalProblem
-from masonry_cd.io.results import Results
+from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.solvers import SOLVERS
 from reports.damage import joint_files
 
 SUMMARY_KEYS = {
@@ -222,23 +225,24 @@ def test_ctrl_c_leaves_readable_results(block_on_plate, tmp_path):
         assert np.isfinite(results.position[results.frames - 1]).all()
 
 
-def signals_in(monkeypatch, place: str, call: int, number: int = signal.SIGINT, times: int = 3) -> None:
-    """Raise a signal several times at the end of the n-th call of a method within a run, in the midst of a step or of a write."""
-    module, owner, name = place.rsplit(".", 2)
-    kind = getattr(importlib.import_module(f"masonry_cd.{module}"), owner)
-    original, calls = getattr(kind, name), 0
+def signals_in(monkeypatch, owner: type | dict, name: str, call: int, number: int = signal.SIGINT, times: int = 3) -> None:
+    """Raise a signal several times at the end of the n-th call of a method or solver in a run, in the midst of a step or of a write."""
+    original, calls = owner[name] if isinstance(owner, dict) else getattr(owner, name), 0
 
-    def method(self, *args: object) -> object:
+    def called(*args: object) -> object:
         nonlocal calls
         calls += isinstance(getattr(signal.getsignal(number), "__self__", None), Interrupt)  # not those that compile the kernels
-        out = original(self, *args)
+        out = original(*args)
         if calls == call:
             calls += 1
             for _ in range(times):
                 signal.raise_signal(number)
         return out
 
-    monkeypatch.setattr(kind, name, method)
+    if isinstance(owner, dict):
+        monkeypatch.setitem(owner, name, called)
+    else:
+        monkeypatch.setattr(owner, name, called)
 
 
 def datasets(path: Path) -> dict[str, bytes]:
@@ -258,24 +262,24 @@ SHAKEN = {"friction": "friction = 0.3", "amplitude": "amplitude = 0.6", "duratio
 
 
 @pytest.mark.parametrize(
-    ("place", "call"),
+    ("owner", "name", "call"),
     [
-        ("contact.detector.Detector.detect", 77),
-        ("dynamics.islands.Islands.solve", 77),
-        ("app.recorder.Recorder.step", 77),
-        ("app.recorder.Recorder.frame", 3),
-        ("io.results.ResultWriter.append", 8),
-        ("io.results.ResultWriter.flush", 2),
+        (Detector, "detect", 77),
+        (SOLVERS, "nlgs", 77),
+        (Recorder, "step", 77),
+        (Recorder, "frame", 3),
+        (ResultWriter, "append", 8),
+        (ResultWriter, "flush", 2),
     ],
 )
-def test_interrupts_are_taken_between_steps_only(block_on_plate, tmp_path, monkeypatch, place, call):
+def test_interrupts_are_taken_between_steps_only(block_on_plate, tmp_path, monkeypatch, owner, name, call):
     """However often Ctrl-C is pressed, and wherever: the run goes on to the same bits."""
     scene = block_on_plate(**SHAKEN)
     assert masonry_cd("run", scene, "-o", tmp_path / "whole", "-q").exit_code == 0
     with monkeypatch.context() as pressed:
-        signals_in(pressed, place, call)
-        if place.endswith("flush"):
-            signals_in(pressed, "dynamics.moreau_jean.Stepper.step", 77, times=1)
+        signals_in(pressed, owner, name, call)
+        if name == "flush":
+            signals_in(pressed, Stepper, "step", 77, times=1)
         result = masonry_cd("run", scene, "-o", tmp_path / "out", "-q")
     assert result.exit_code == 130, result.output
     assert result.stderr.count("finishing the step; results are being written") == 1
@@ -292,7 +296,7 @@ def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path,
     former = signal.signal(number, signal.SIG_DFL)  # or else a signal that nohup has tests ignore stays ignored, as it should
     request.addfinalizer(lambda: signal.signal(number, former))
     scene, out = block_on_plate(**SHAKEN), tmp_path / "out"
-    signals_in(monkeypatch, "dynamics.moreau_jean.Stepper.step", 5, number)
+    signals_in(monkeypatch, Stepper, "step", 5, number)
     result = masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01")
     assert result.exit_code == 128 + number
     told = result.stderr.splitlines()[-1]
@@ -356,7 +360,7 @@ def test_a_damaged_checkpoint_is_one_line_or_gives_way_to_the_one_before(block_o
     scene, out = block_on_plate(**SHAKEN), tmp_path / "out"
     asked = ("run", scene, "-o", out, "-q", "--set", "run.checkpoint_every=0", "--set", "run.duration=0.02")
     with monkeypatch.context() as pressed:
-        signals_in(pressed, "dynamics.moreau_jean.Stepper.step", 7)
+        signals_in(pressed, Stepper, "step", 7)
         assert masonry_cd(*asked).exit_code == 130
     newest, older = out / "checkpoint.npz", out / "checkpoint_before.npz"
     data = bytearray(newest.read_bytes())
@@ -379,7 +383,7 @@ def test_a_checkpoint_goes_on_with_its_own_results_alone(block_on_plate, tmp_pat
     scene = block_on_plate(**SHAKEN)
     for name, call in (("one", 30), ("two", 40)):
         with monkeypatch.context() as pressed:
-            signals_in(pressed, "dynamics.moreau_jean.Stepper.step", call)
+            signals_in(pressed, Stepper, "step", call)
             assert masonry_cd("run", scene, "-o", tmp_path / name, "-q").exit_code == 130
     (tmp_path / "one" / "checkpoint.npz").replace(tmp_path / "two" / "checkpoint.npz")
     before = (tmp_path / "two" / "result.h5").read_bytes()
@@ -408,7 +412,7 @@ def test_a_folder_without_a_run_has_nothing_to_report(tmp_path):
 
 
 def test_build_writes_blocks_that_a_scene_reads_back(tmp_path):
-    arch = Path(__file__).parents[1] / "examples" / "arch.toml"
+    arch = EXAMPLES / "arch.toml"
     result = masonry_cd("build", arch, "-o", tmp_path, "--no-picture", "--set", "structure.voussoirs=9")
     assert result.exit_code == 0, result.output
     assert "9 blocks and 2 fixed ones, 10 joints" in result.stdout
@@ -422,7 +426,7 @@ def test_build_writes_blocks_that_a_scene_reads_back(tmp_path):
 
 
 def test_build_writes_the_formats_asked_for(tmp_path):
-    arch = Path(__file__).parents[1] / "examples" / "arch.toml"
+    arch = EXAMPLES / "arch.toml"
     result = masonry_cd("build", arch, "-o", tmp_path, "--no-picture", "--format", "obj", "--format", "vtkhdf", "--format", "obj")
     assert result.exit_code == 0, result.output
     assert sorted(path.name for path in tmp_path.iterdir()) == ["blocks.obj", "blocks.vtkhdf"]
@@ -496,7 +500,7 @@ def test_solve_refuses_what_is_no_problem(tmp_path):
 
 
 def test_modal_prints_both_models_and_refuses_what_it_does_not_know(tmp_path):
-    arch = Path(__file__).parents[1] / "examples" / "arch.toml"
+    arch = EXAMPLES / "arch.toml"
     asked = ("modal", arch, "-o", tmp_path / "m", "--set", "structure.voussoirs=7", "--modes", "2", "--pictures", "0", "--method", "joints")
     result = masonry_cd(*asked, "--young", "3e9")
     assert result.exit_code == 0, result.output

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from made_run import at_rest, box, turned, write_run
-from test_crack_map import model_area, opening_scale, pixels, shares
+from pictures import model_area, opening_scale, pixels, shares
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from places import EXAMPLES
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
 GRAVITY = 9.81
 
 

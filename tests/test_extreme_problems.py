@@ -73,15 +73,6 @@ def duplicated() -> FrictionProblem:
     return problem.subset(np.repeat(np.arange(problem.contacts), 3))
 
 
-def thrown(speed: float) -> FrictionProblem:
-    """A wall whose supports have suddenly taken on a horizontal velocity [m/s]."""
-    problem = scenes.wall(4, 6)
-    offset = problem.offset.copy()
-    ground = problem.bodies[:, 1] < 0
-    offset[ground] -= np.einsum("cij,j->ci", problem.jacobian[ground, 0, :, :3], np.array([speed, 0.0, 0.0]))
-    return replace(problem, offset=offset)
-
-
 SOLVABLE: dict[str, Callable[[], FrictionProblem]] = {
     "heavy on light 1e4": lambda: heavy_on_light(1e4),
     "light on heavy 1e8": lambda: light_on_heavy(1e8),
@@ -95,9 +86,9 @@ SOLVABLE: dict[str, Callable[[], FrictionProblem]] = {
     "column of 500": lambda: column(500),
     "lengths of 1e-3 m": lambda: scaled(1e-3),
     "lengths of 1e3 m": lambda: scaled(1e3),
-    "thrown at 1 mm/s": lambda: thrown(1e-3),
-    "thrown at 0.1 m/s": lambda: thrown(0.1),
-    "thrown at 10 m/s": lambda: thrown(10.0),
+    "thrown at 1 mm/s": lambda: scenes.thrown(1e-3),
+    "thrown at 0.1 m/s": lambda: scenes.thrown(0.1),
+    "thrown at 10 m/s": lambda: scenes.thrown(10.0),
 }
 
 
@@ -119,13 +110,13 @@ def low_rank(contacts: int, rank: int, mu: float) -> LocalProblem:
 
 def slippery_and_rough() -> LocalProblem:
     """A wall thrown at 1 cm/s, whose contacts have mu 0 or mu 10 at random."""
-    problem = thrown(0.01)
+    problem = scenes.thrown(0.01)
     return replace(problem, mu=np.random.default_rng(9).choice([0.0, 10.0], problem.contacts)).to_local()
 
 
 def with_still_contacts() -> LocalProblem:
     """A wall, and contacts between supports: no impulse moves them, and their rows of W are zero."""
-    problem = thrown(0.01).to_local()
+    problem = scenes.thrown(0.01).to_local()
     q = np.concatenate([problem.q, [[0.1, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]])
     return local(sparse.block_diag([problem.w, np.zeros((9, 9))]), q, np.append(problem.mu, [0.5, 0.5, 0.0]))
 
@@ -138,14 +129,16 @@ def frictionless_rows() -> LocalProblem:
 
 
 LOCAL: dict[str, Callable[[], LocalProblem]] = {
-    "in the impulses, thrown at 0.1 m/s": lambda: thrown(0.1).to_local(),
-    "thrown, every contact three times": lambda: thrown(0.01).subset(np.repeat(np.arange(thrown(0.01).contacts), 3)).to_local(),
+    "in the impulses, thrown at 0.1 m/s": lambda: scenes.thrown(0.1).to_local(),
+    "thrown, every contact three times": lambda: (
+        scenes.thrown(0.01).subset(np.repeat(np.arange(scenes.thrown(0.01).contacts), 3)).to_local()
+    ),
     "mu 0 and mu 10": slippery_and_rough,
     "in the impulses, heavy on light 1e4": lambda: heavy_on_light(1e4).to_local(),
     "rows of zeros": with_still_contacts,
     "normal rows only": frictionless_rows,
     "dense, of low rank": lambda: low_rank(60, 40, 0.5),
-    "in units a million times larger": lambda: replace(thrown(0.1).to_local(), w=1e6 * thrown(0.1).to_local().w),
+    "in units a million times larger": lambda: replace(scenes.thrown(0.1).to_local(), w=1e6 * scenes.thrown(0.1).to_local().w),
 }
 
 

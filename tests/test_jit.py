@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from numba.core import caching
+from places import ROOT
 
 from masonry_cd.jit import entry, has_cache, kept, kernel
 
@@ -79,7 +79,7 @@ def run_kernel(tmp_path):
     def run(factor: float, **environment: str) -> tuple[float, int]:
         (tmp_path / "kernel_below.py").write_text(CALLEE.format(factor=factor))
         (tmp_path / "kernel_above.py").write_text(CALLER)
-        root = str(Path(__file__).resolve().parents[1])
+        root = str(ROOT)
         paths = os.pathsep.join([str(tmp_path), root])
         settings = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(tmp_path / "cache")} | environment
         done = subprocess.run([sys.executable, "-c", PROGRAM], env=settings, capture_output=True, text=True, check=True)

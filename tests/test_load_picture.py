@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from places import ROOT
 
 from loads.picture import _thinned, file_picture, record_picture
 from loads.signal.baseline import integrate
@@ -64,5 +65,5 @@ def test_bad_keys_and_places_are_named(quake: Path) -> None:
 
 def test_loads_alone_bring_neither_matplotlib_nor_obspy() -> None:
     code = "import sys, loads, loads.picture; print([m for m in ('matplotlib', 'obspy', 'pandas') if m in sys.modules])"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=Path(__file__).parents[1])
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
     assert run.stdout.strip() == "[]"

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scenes
-from test_extreme_problems import thrown
+from scenes import thrown
 
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options, newton

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scenes
+from cones import project
 from scipy import sparse
-from test_friction import project
 
 from masonry_cd.friction.problem import LocalProblem, Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options, nlgs

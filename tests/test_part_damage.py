@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, turned, write_run
+from places import ROOT
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
@@ -271,7 +272,7 @@ def test_long_histories_are_thinned_out_but_keep_their_ends(tmp_path: Path, monk
 
 
 def test_the_readme_states_the_default_thresholds() -> None:
-    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
     for name in ("width", "drift", "lost"):
         (line,) = [line for line in text.splitlines() if line.startswith(f"| `{name}`, ")]
         assert tuple(float(cell) for cell in line.split("|")[2:7]) == getattr(grades.Grades(), name)

@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 import scenes
+from places import SHARED
 from scipy import sparse
 
 from masonry_cd.app.solve_file import solve_file
@@ -15,7 +16,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.friction.files import read_problem, write_problem
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 
-COLLECTED = Path(__file__).parents[1].parent / "shared" / "friction_problems"
+COLLECTED = SHARED / "friction_problems"
 needs_collection = pytest.mark.skipif(not COLLECTED.is_dir(), reason="the collected friction problems are not here")
 
 

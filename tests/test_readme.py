@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
+from places import ROOT
 from pydantic import BaseModel
 
 from loads.kinds.artificial import ArtificialTable
@@ -32,7 +32,7 @@ from structures.kinds.vault import VaultTable
 from structures.kinds.wall import WallTable
 from structures.schema import OpeningTable
 
-README = Path(__file__).parents[1] / "README.md"
+README = ROOT / "README.md"
 
 
 def fenced(language: str) -> str:

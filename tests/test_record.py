@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from places import SHARED
 
 import loads
 from loads.motion import STANDARD_GRAVITY
 from loads.signal.baseline import integrate
 from masonry_cd.errors import InputError
 
-RECORDS = Path(__file__).parents[1].parent / "shared" / "records"
+RECORDS = SHARED / "records"
 STEP = 0.01
 TIME = STEP * np.arange(1001)
 WAVE = 2.0 * np.sin(np.pi * TIME / 10.0) ** 2 * np.sin(2 * np.pi * 1.3 * TIME) + 0.03  # [m/s2], with an offset that drifts

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from datasets import contents
 from models import GRAVITY, box, gravity, ground, still
-from test_runner import contents
 
 from loads.kinds.sequence import Pause, Shock
 from masonry_cd.app import run_loop

@@ -1,17 +1,18 @@
 """The result file: what was written comes back, also after a kill."""
 
-import os
 import signal
 import subprocess
 import sys
 import textwrap
 import time
+import tracemalloc
 from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
 from models import stepper, tower
+from places import ROOT
 
 from masonry_cd.app.run_loop import run
 from masonry_cd.contact.find_joints import find_joints
@@ -41,11 +42,17 @@ def test_a_run_comes_back_as_it_was(tmp_path):
 
 
 def test_memory_of_the_writer_does_not_grow(tmp_path):
-    machine = stepper(tower(2), 1)
+    machine, row = stepper(tower(2), 1), np.zeros((3, 100))
     with ResultWriter(tmp_path / "r.h5", machine.assembly, find_joints(machine.assembly)) as writer:
-        for k in range(3000):
-            writer.append({"time": float(k), "position": np.full((3, 100), float(k))})
-            assert writer._pending_bytes <= 2 << 20
+        tracemalloc.start()
+        try:
+            for k in range(3000):
+                writer.append({"time": float(k), "position": row + k})
+            _, peak = tracemalloc.get_traced_memory()
+        finally:
+            tracemalloc.stop()
+    assert 3000 * row.nbytes > 2 * (3 << 20)
+    assert peak < 3 << 20  # what waits, and its copy while it is written
     with h5py.File(tmp_path / "r.h5") as file:
         assert (file["time"][...] == np.arange(3000)).all()
         assert (file["position"][:, 1, 7] == np.arange(3000)).all()
@@ -56,8 +63,8 @@ def test_what_a_killed_run_wrote_can_be_read(tmp_path):
         import sys, time
         sys.path.insert(0, sys.argv[2])
         from models import stepper, tower
-        from masonry_cd.joints import find_joints
-        from masonry_cd.results import ResultWriter
+        from masonry_cd.contact.joints import find_joints
+        from masonry_cd.io.results import ResultWriter
         machine = stepper(tower(2), 1)
         with ResultWriter(sys.argv[1], machine.assembly, find_joints(machine.assembly)) as writer:
             for k in range(10):
@@ -67,7 +74,7 @@ def test_what_a_killed_run_wrote_can_be_read(tmp_path):
             time.sleep(60)
     """)
     path = tmp_path / "result.h5"
-    here = os.path.dirname(__file__)
+    here = str(ROOT / "tests")
     with subprocess.Popen([sys.executable, "-c", script, str(path), here], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "written\n"

@@ -10,6 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from datasets import contents
 from models import gravity, stepper, still, tower, wall
 
 from masonry_cd.app import recorder, run_loop
@@ -30,20 +31,6 @@ def machine(columns: int = 2, **settings: float):
     velocity = still(STEPS)
     velocity[:, 0, 0] = 0.8 * np.sin(2 * np.pi * 8.0 * np.arange(STEPS + 1) * 1e-3)
     return stepper(wall(columns, 3), STEPS, support_velocity=velocity, tolerance=1e-6, max_iterations=300, **settings)
-
-
-def contents(path) -> dict[str, bytes]:
-    """All datasets but the seconds that steps took."""
-    found = {}
-
-    def visit(name: str, item: object) -> None:
-        if isinstance(item, h5py.Dataset):
-            found[name] = item[...].tobytes() if item.dtype != object else b"|".join(item[...])
-
-    with h5py.File(path) as file:
-        file.visititems(visit)
-    del found["solver/seconds"]
-    return found
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, turned, write_run
-from test_crack_map import COLUMN, opening_scale, pixels
+from pictures import COLUMN, opening_scale, pixels
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results

@@ -1,10 +1,9 @@
 """The step against closed forms: sliding, rocking, free flight, rest, and the balance of energy."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
+from places import EXAMPLES
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_loop import run
@@ -147,7 +146,7 @@ def test_a_blow_in_one_joint_does_not_part_others_under_thrust():
     """An arch that shakes slips by no more in a step so fine that its closing joints count as impacts than in one too coarse for that."""
     found = []
     for dt in (1e-3, 2.5e-4):
-        scene = read_scene(Path(__file__).parents[1] / "examples" / "arch.toml", [f"run.dt={dt}", "run.duration=0.4"])
+        scene = read_scene(EXAMPLES / "arch.toml", [f"run.dt={dt}", "run.duration=0.4"])
         made = prepare(scene)
         machine = Stepper(made.assembly, made.loading.support_velocity, made.loading.acceleration, scene.run)
         peaks, apart = JointPeaks(made.joints), 0

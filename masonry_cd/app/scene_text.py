@@ -31,15 +31,23 @@ def read_text(path: Path) -> str:
 def parse_toml(text: str, path: Path) -> dict[str, Any]:
     """Parse TOML; a syntax error names file and line."""
     try:
-        return tomllib.loads(text)
+        return _load_toml(text, str(path))
     except tomllib.TOMLDecodeError as failure:
         message = re.match(r"(.*?) \(at (?:line (\d+), column \d+|end of document)\)", str(failure))
         what, line = (message.group(1), message.group(2)) if message else (str(failure), None)
         raise InputError(f"{path}:{line or text.count(chr(10)) + 1}: not valid TOML: {what[0].lower()}{what[1:]}") from None
+
+
+def _load_toml(text: str, where: str) -> dict[str, Any]:
+    """Parse TOML; what Python's parser cannot hold is an InputError that names ``where``, other syntax errors are left to the caller."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
     except ValueError:  # of a number that Python does not convert
-        raise InputError(f"{path}: a number of more than {sys.get_int_max_str_digits()} digits") from None
+        raise InputError(f"{where}: a number of more than {sys.get_int_max_str_digits()} digits") from None
     except RecursionError:
-        raise InputError(f"{path}: lists or tables nested too deep") from None
+        raise InputError(f"{where}: lists or tables nested too deep") from None
 
 
 def override(tables: dict[str, Any], change: str) -> None:
@@ -60,7 +68,7 @@ def override(tables: dict[str, Any], change: str) -> None:
             raise InputError(f"--set {change}: there is no {key[: key.rfind('.')]} in the scene")
     if not isinstance(here, dict):
         raise InputError(f"--set {change}: {key[: key.rfind('.')]} is no table; a list is addressed as loads[0].amplitude")
-    here[str(parts[-1])] = _toml_value(value)
+    here[str(parts[-1])] = _toml_value(key, value)
 
 
 def parse_change(change: str) -> tuple[str, Any]:
@@ -72,13 +80,13 @@ def parse_change(change: str) -> tuple[str, Any]:
     key, equals, value = (part.strip() for part in change.partition("="))
     if not key or not equals:
         raise InputError(f"--set {change}: write key=value")
-    return key, _toml_value(value)
+    return key, _toml_value(key, value)
 
 
-def _toml_value(value: str) -> Any:
-    """A TOML value, or the bare text where it is none."""
+def _toml_value(key: str, value: str) -> Any:
+    """The TOML value given for a key, or the bare text where it is none."""
     try:
-        parsed = tomllib.loads(f"value = {value}")
+        parsed = _load_toml(f"value = {value}", f"--set {key}")
     except tomllib.TOMLDecodeError:
         return value
     return parsed["value"] if len(parsed) == 1 else value

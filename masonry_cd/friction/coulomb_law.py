@@ -28,6 +28,7 @@ from masonry_cd.jit import kernel
 OPEN, STICK, SLIP = 0, 1, 2  # status of a contact
 INVERSE_NN, COUPLING, SCHUR, NN, SCALE, START, MU, Q, P, C = 0, 1, 3, 6, 7, 8, 9, 10, 13, 16  # columns of a table of contacts
 ROW = 19
+FRICTIONLESS = 1e-60  # below this mu the impulse is that of no friction: |t| grows as 1 / mu, and its third power has to stay a number
 
 
 @kernel(inline="always")
@@ -93,7 +94,7 @@ def local_impulse(
     pn = -qn * winv - c1 * p1 - c2 * p2
     if pn >= 0.0 and p1 * p1 + p2 * p2 <= mu * mu * pn * pn:
         return pn, p1, p2, s
-    if mu < 1e-300:
+    if mu < FRICTIONLESS:
         return -qn * winv, 0.0, 0.0, s
     return slip_impulse(mu, qn, a1, a2, winv, c1, c2, s11, s12, s22, s)
 

@@ -29,9 +29,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from masonry_cd.dynamics import step_kernels
 from masonry_cd.friction.natural_map import natural_map_norms
-from masonry_cd.friction.operators import error_bodies
+from masonry_cd.friction.operators import error_bodies, new_velocity
 from masonry_cd.linalg.small_blocks import EPSILON
 
 if TYPE_CHECKING:
@@ -96,7 +95,7 @@ class FrictionProblem:
         """v = v_free + M^-1 H^T p, (B, n), for impulses (C, m)."""
         inverse_mass, v_free, bodies, jacobian, *_ = self.arrays()
         v = np.empty_like(v_free)
-        step_kernels.new_velocity(np.ascontiguousarray(impulse, dtype=np.float64), bodies, jacobian, inverse_mass, v_free, v)
+        new_velocity(np.ascontiguousarray(impulse, dtype=np.float64), bodies, jacobian, inverse_mass, v_free, v)
         return v
 
     def free_relative_velocity(self) -> np.ndarray:

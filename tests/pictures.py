@@ -1,0 +1,37 @@
+"""Pictures read back, and counted in their pixels."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from made_run import box
+
+from reports.drawing.figure import layout
+from reports.maps import crack_map
+
+BASE = box("base", (-1.5, -0.5, -0.3), (1.5, 0.5, 0), "base", fixed=True)
+COLUMN = [BASE, *(box(f"d{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1)) for k in range(3))]
+
+
+def pixels(path: Path) -> np.ndarray:
+    """The picture as (height, width, 3) uint8."""
+    import matplotlib.image
+
+    return (255 * matplotlib.image.imread(path)[..., :3]).round().astype(np.uint8)
+
+
+def shares(image: np.ndarray, colours: np.ndarray) -> np.ndarray:
+    """Number of pixels of exactly each colour (N, 3)."""
+    return np.array([(image == colour).all(axis=2).sum() for colour in colours])
+
+
+def model_area(image: np.ndarray, aspect: float) -> np.ndarray:
+    """The part of a sheet that shows the model."""
+    left, bottom, width, height = layout(aspect).model
+    top = image.shape[0] - bottom - height
+    return image[top : top + height, left : left + width]
+
+
+def opening_scale() -> crack_map.Scale:
+    return crack_map.Scale(1e-4, 0.05, crack_map.OPENING_COLOURS)

@@ -1,0 +1,9 @@
+"""Where the checkout is, and what lies in it and beside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+EXAMPLES = ROOT / "examples"
+SHARED = ROOT.parent / "shared"  # reference data beside the checkout; tests that need them skip where they are absent
