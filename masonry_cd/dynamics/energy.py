@@ -57,7 +57,7 @@ def account(system: System, last: Motion, made: StepProblem, impulse: np.ndarray
     totals["friction"] += friction
     totals["impact"] += impact
     totals["base_work"] += base
-    totals["gravity_work"] += float(np.where(system.free, system.assembly.mass, 0.0) @ moved @ loads.acceleration)
+    totals["gravity_work"] += float(system.free_mass @ moved @ loads.acceleration)
     if predicted.force_impulse is not None:
         totals["force_work"] += 0.5 * float(np.sum(predicted.force_impulse * both))
     totals["balance"] = begun + sum(totals[name] for name in WORKS) - sum(totals[name] for name in LOSSES)

@@ -46,7 +46,7 @@ from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_e
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State, rotation_matrices
-from masonry_cd.solvers import SOLVERS, Options, cores
+from masonry_cd.solvers import SOLVERS, Options
 
 __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
 
@@ -84,10 +84,9 @@ class Solved:
 
 def detect(system: System, detector: Detector, predicted: Prediction) -> ContactSet:
     """The contacts at q_m. What moves with the supports has not moved for the broad phase."""
-    h, assembly, state = system.constants.step, system.assembly, predicted.state
-    slack = 4.0 * h * h * predicted.pull + assembly.laws.stretch
-    support = int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1
-    moved = state.position[support] - assembly.centre[support] if support >= 0 else np.zeros(3)
+    h, support, state = system.constants.step, system.support, predicted.state
+    slack = 4.0 * h * h * predicted.pull + system.stretch
+    moved = state.position[support] - system.assembly.centre[support] if support >= 0 else np.zeros(3)
     return detector.detect(state.position, predicted.rotation, state.velocity, h, slack, moved)
 
 
@@ -111,7 +110,7 @@ def _shifted(impulse: np.ndarray, normal: np.ndarray) -> np.ndarray:
 def _solve_cones(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None) -> Solved:
     """Find the impulses of contacts whose cones begin at zero, impacts apart from forces."""
     s, problem, start = system.settings, made.problem, made.start
-    options = Options(s.tolerance, s.max_iterations, s.seed + number - 1, min(s.threads, cores()))
+    options = Options(s.tolerance, s.max_iterations, s.seed + number - 1, system.threads)
     impact = _impact(system, made)
     islands.link(problem, start.impulse, s.tolerance)
     if impact is None:

@@ -27,12 +27,11 @@ SWEEPS = 20  # of Gauss-Seidel
 
 def correct_overlaps(system: System, made: StepProblem, state: State) -> np.ndarray | None:
     """Take a share of the overlaps away by moving the blocks of a state, in place; return the shifts (B, 3) [m], None for none."""
-    rigid, allowed = made.rigid, OVERLAP * system.width
-    gap, problem = made.gap[rigid], made.problem
+    gap, problem, allowed = made.rigid_gap, made.problem, OVERLAP * system.width
     if gap.min(initial=0.0) > -allowed:
         return None
-    if len(rigid) < problem.contacts:
-        problem = problem.subset(rigid)
+    if len(gap) < problem.contacts:
+        problem = problem.subset(made.rigid)
     shift = np.empty_like(problem.v_free)
     lift(gap, problem.bodies, problem.jacobian, problem.inverse_mass, allowed, shift)
     velocity = np.zeros_like(state.velocity)
@@ -44,12 +43,11 @@ def correct_overlaps(system: System, made: StepProblem, state: State) -> np.ndar
 
 def deepest_overlap(made: StepProblem) -> tuple[float, tuple[int, int]]:
     """The largest overlap of rigid contacts at q_m, at least 0 [m], and the two blocks; -1 where there are none."""
-    rigid = made.rigid
-    if not len(rigid):
+    gap = made.rigid_gap
+    if not len(gap):
         return 0.0, (-1, -1)
-    gap = made.gap[rigid]
     at = int(np.argmin(gap))
-    first, second = made.rows.blocks[rigid[at]].tolist()
+    first, second = made.rows.blocks[made.rigid[at]].tolist()
     return max(0.0, -float(gap[at])), (first, second)
 
 

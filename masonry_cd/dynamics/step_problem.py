@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -29,7 +30,7 @@ class StepProblem:
         """(C,) places of the problem's contacts among those found."""
         return self.rows.active
 
-    @property
+    @cached_property
     def gap(self) -> np.ndarray:
         """(C,) gaps at q_m [m]."""
         return self.found.gap[self.rows.active]
@@ -39,7 +40,12 @@ class StepProblem:
         """(C,) which pair of parts each contact belongs to."""
         return self.found.pair[self.rows.active]
 
-    @property
+    @cached_property
     def rigid(self) -> np.ndarray:
         """Indices of the contacts that are no springs: the overlap of a spring is the shortening of its joint."""
         return np.flatnonzero(~self.springs.elastic)
+
+    @cached_property
+    def rigid_gap(self) -> np.ndarray:
+        """Their gaps at q_m [m]."""
+        return self.gap[self.rigid] if len(self.rigid) < len(self.gap) else self.gap

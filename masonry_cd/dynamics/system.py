@@ -13,6 +13,7 @@ from masonry_cd.dynamics.planar import Plane, find_plane
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.state import State
+from masonry_cd.solvers.options import cores
 
 TOUCHING = 1e-8  # gaps up to this share of the smallest width count as closed
 
@@ -82,6 +83,11 @@ class System:
     reach: np.ndarray  # (F,) farthest corner of each free block from its centre [m]
     width: float  # of the thinnest free block [m]
     gravity: float  # largest body acceleration of the run [m/s2]
+    free_mass: np.ndarray  # (B,) [kg]; 0: a support
+    stretch: float  # by which an intact joint can open at the most [m]
+    support: int  # the first support; -1: none
+    rows: int  # of a contact, m: 3 in space (normal, two tangents), 2 in a plane
+    threads: int  # for the solver
 
     @classmethod
     def of(cls, assembly: Assembly, settings: Run, loads: Loads, plane: Plane | None) -> System:
@@ -110,12 +116,12 @@ class System:
             reach=assembly.reach[free],
             width=width,
             gravity=float(np.linalg.norm(loads.acceleration, axis=1).max()),
+            free_mass=np.where(assembly.fixed, 0.0, assembly.mass),
+            stretch=assembly.laws.stretch,
+            support=int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1,
+            rows=3 if plane is None else 2,
+            threads=min(settings.threads, cores()),
         )
-
-    @property
-    def rows(self) -> int:
-        """Rows of a contact, m: 3 in space (normal, two tangents), 2 in a plane."""
-        return 3 if self.plane is None else 2
 
     @property
     def turning(self) -> np.ndarray:
