@@ -3,7 +3,7 @@
 # make test    set-up, then the tests
 # make check   set-up, then lint, format, types, and which room imports which
 # make test-portable   set-up, then the numerical tests with kernels compiled for other processors than this one: rounding differs there
-# make clean   drops what numba has compiled; old versions of kernels would stay else
+# make clean   drops what numba has compiled
 # A second run skips what is done. Another Python: make setup PYTHON=python3.13
 
 PYTHON ?= python3

@@ -27,7 +27,6 @@ DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "benchmarks" / "README.md"])
 EXAMPLES = dict(re.findall(r"The whole file, `([\w/]+\.py)`:\n\n```python\n(.*?)```", (DOCS / "architecture.md").read_text(), re.DOTALL))
 STACK, JACOBI = "structures/kinds/stack.py", "masonry_cd/solvers/jacobi.py"
-NOT_YET = "kinds and solvers have to be listed by hand until registration by file name is merged"
 
 
 def loaded(path: Path, name: str) -> ModuleType:
@@ -120,7 +119,6 @@ def test_the_example_of_a_solver_solves(example: ModuleType, problem: Problem) -
     assert missed.iterations == 40
 
 
-@pytest.mark.xfail(strict=False, reason=NOT_YET)
 @pytest.mark.usefixtures("added")
 def test_one_file_adds_a_kind_and_one_a_solver() -> None:
     blocks = structures.build({"kind": "stack", "cubes": 2}, 2000.0, ROOT)

@@ -6,11 +6,10 @@ r"""Save the results of short scenes, change the code, and check that not a bit 
 
 Each scene is run by the command line, ``python -m masonry_cd run``, in a process of its own, so nothing but the commands and the files that
 they write has to stay as it is. ``save`` keeps a hash of every dataset of result.h5, every column of every table, every key of
-summary.json, of dumped friction problems and of their solutions; times of the clock and versions are left out. ``check`` tells
+summary.json, of dumped friction problems and of their solutions; times of the clock and versions are left out. ``check`` says
 what differs, from which row on, and by how much. Exit codes: 0 the same, 1 a difference or a scene that fails, 2 bad input.
 
-A baseline belongs to one machine and one set of package versions; ``check`` says so when they differ. numba may not notice that
-a kernel in another file has changed: give a fresh NUMBA_CACHE_DIR, or ``make clean`` first.
+A baseline belongs to one machine and one set of package versions; ``check`` says so when they differ.
 """
 
 from __future__ import annotations
