@@ -55,7 +55,7 @@ def test_the_files_are_sound_before_they_are_changed(tmp_path: Path) -> None:
         ("[run]", f"[report]\ngrades = {'{a=' * 1500}1{'}' * 1500}\n[run]", "scene.toml: lists or tables nested too deep"),
         ('"file"', '["file"]', "scene.toml:3: structure.kind: unknown kind"),
         ('"file"', "{a = 1}", "scene.toml:3: structure.kind: unknown kind"),
-        ('"file"', f'"{"y" * 6000}"', f'scene.toml:3: structure.kind: unknown kind "{"y" * 300} ..."; one of arch'),
+        ('"file"', f'"{"y" * 6000}"', f'scene.toml:3: structure.kind: unknown kind "{"y" * 300} ..."; one of aqueduct, arch'),
         ('"b.json"', '["b.json"]', "scene.toml:4: structure.path: input should be a valid string"),
         ('"b.json"', '"b\\u0000.json"', 'scene.toml:4: structure.path: no file "b\\x00.json"'),
         ('"b.json"', f'"{"x" * 6000}"', f'scene.toml:4: structure.path: no file "{"x" * 300} ..."'),
