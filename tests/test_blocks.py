@@ -7,6 +7,7 @@ from models import box, ground, tower
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.geometry import mass_properties
+from masonry_cd.model.polygon import clip, clip_loops
 from masonry_cd.model.state import rotation_matrices
 
 
@@ -56,3 +57,14 @@ def test_two_blocks_of_one_name_are_refused():
         Assembly.from_blocks([box("b", (0, 0, 0), (1, 1, 1)), box("b", (2, 0, 0), (3, 1, 1))], 0.6)
     with pytest.raises(InputError, match="no free block"):
         Assembly.from_blocks([ground()], 0.6)
+
+
+def test_polygons_are_clipped_corner_by_corner_and_those_beyond_the_plane_go():
+    square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
+    points, start = np.concatenate([square, square + [5.0, 0.0], square - [1.5, 0.0]]), np.array([0, 4, 8, 12])
+    left, starts, rows = clip_loops(points, start, 1.0 - points[:, 0])  # what lies at x < 1
+    assert rows.tolist() == [0, 2]
+    assert starts.tolist() == [0, 4, 8]
+    assert left[:4].tolist() == [[0, 0], [1, 0], [1, 1], [0, 1]]  # the point on a side follows the corner before it
+    assert left[4:].tolist() == (square - [1.5, 0.0]).tolist()
+    assert clip(square, np.array([1.0, -1e-9, -1e-9, 1.0]), 1e-8).tolist() == square.tolist()  # on the plane
