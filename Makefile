@@ -13,7 +13,7 @@ DEMO   := out/demo/crack_map.png
 CODE   := $(wildcard masonry_cd/*.py masonry_cd/*/*.py structures/*.py loads/*.py loads/*/*.py reports/*.py reports/*/*.py structures/*/*.py reports/page/*)
 
 # Tests whose outcome could depend on rounding, and so on whether kernels multiply and add in one instruction
-NUMERICAL := $(patsubst %,tests/test_%.py,friction problem interior newton admm nlgs auto extreme_problems elastic_contacts stepping detection)
+NUMERICAL := tests/friction tests/linalg tests/solvers tests/contact tests/dynamics/test_stepping.py
 V3        := +avx2,+fma,+bmi,+bmi2,+f16c,+lzcnt,+movbe
 as         = NUMBA_CPU_NAME=$(1) NUMBA_CPU_FEATURES=$(2) NUMBA_CACHE_DIR=$(CURDIR)/.cache/numba-$(1) $(VENV)/bin/python -m pytest
 

@@ -22,7 +22,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.friction.problem import Problem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "benchmarks" / "README.md"])
 EXAMPLES = dict(re.findall(r"The whole file, `([\w/]+\.py)`:\n\n```python\n(.*?)```", (DOCS / "architecture.md").read_text(), re.DOTALL))
