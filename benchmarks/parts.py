@@ -38,7 +38,7 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
     "broad phase": ((detector, "_list_holds"), (detector.Detector, "_rebuild")),
     "narrow phase": ((detector, "_look"), (detector, "_write_down")),
     "motion": (
-        (moreau_jean, "rotation_matrices"), (step_kernels, "drift"), (step_kernels, "free_motion"), (step_kernels, "new_velocity"),
+        (moreau_jean, "rotation_matrices"), (step_kernels, "drift"), (step_kernels, "free_motion"), (moreau_jean, "new_velocity"),
         (step_kernels, "finish"), (step_kernels, "position_correction"),
     ),
     "contact rows": ((step_kernels, "contact_rows"),),

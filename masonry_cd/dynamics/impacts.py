@@ -142,9 +142,9 @@ def _handover(
     impacts: FrictionProblem, force: np.ndarray, blow: np.ndarray, is_open: np.ndarray, gap: np.ndarray, step: float
 ) -> np.ndarray:
     """(f - 1/2) H^T p' of the contacts that the impacts open, (B, n), with f of the hardest blow on either body of the contact."""
-    _, v_free, bodies, jacobian, offset, _, _ = impacts.arrays()
-    out, after = np.zeros_like(v_free), impacts.body_velocity(blow)
-    _hand_over(bodies, jacobian, offset, impacts.compliance, v_free, after, force, blow, is_open, gap, step, out)
+    a = impacts.arrays()
+    out, after = np.zeros_like(a.v_free), impacts.body_velocity(blow)
+    _hand_over(a.bodies, a.jacobian, a.offset, impacts.compliance, a.v_free, after, force, blow, is_open, gap, step, out)
     return out
 
 

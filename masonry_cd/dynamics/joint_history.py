@@ -6,7 +6,7 @@ The law is told in ``elastic``. What a joint hands on from step to step is its e
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -72,8 +72,8 @@ class JointSprings:
         """Whether a joint is elastic or bonded."""
         return self._laws is not None
 
-    def load(self, problem: FrictionProblem, at: Touching, v: np.ndarray, bonding: float, step: float) -> None:
-        """Put springs and bonds into a friction problem of rigid contacts, in place.
+    def load(self, problem: FrictionProblem, at: Touching, v: np.ndarray, bonding: float, step: float) -> FrictionProblem:
+        """The problem with springs and bonds, from one of rigid contacts.
 
         Args:
             problem: of the step.
@@ -84,14 +84,16 @@ class JointSprings:
         """
         self.now = Springs.none(problem.contacts, problem.dimension)
         if self._laws is None:
-            return
+            return problem
         a, s, found = self._assembly, self.now, at.found
+        compliance, offset = problem.compliance.copy(), problem.offset.copy()
         joint_law.spring_rows(
             self._laws, at.chosen, found.bodies, a.group_of, found.point, found.gap, found.area, found.previous, at.frames, *at.mirror,
             at.closed, bonding, self.slip, self.bonded, at.rotation, problem.bodies, problem.jacobian, v, at.before, at.after,
             a.support_of, step,
-            problem.compliance, problem.offset, s.area, s.elastic, s.bonded, s.bond, s.slip, s.before,
+            compliance, offset, s.area, s.elastic, s.bonded, s.bond, s.slip, s.before,
         )  # fmt: skip
+        return replace(problem, compliance=compliance, offset=offset)
 
     def unload(self, problem: FrictionProblem, at: Touching, v: np.ndarray, impulse: np.ndarray, still: float, step: float) -> np.ndarray:
         """Carry slips and bonds over the step; return its work.

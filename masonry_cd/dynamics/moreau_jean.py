@@ -38,6 +38,7 @@ from masonry_cd.dynamics.islands import Islands
 from masonry_cd.dynamics.joint_history import CREEP, JointSprings, Touching, pretensioned
 from masonry_cd.dynamics.planar import Plane, find_plane
 from masonry_cd.friction.infeasibility import Closing
+from masonry_cd.friction.operators import new_velocity
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.io.checkpoint import part, prefixed
 from masonry_cd.model.blocks import Assembly
@@ -329,7 +330,7 @@ class Stepper:
         self.chosen, self._frames = chosen[:count], frames[:count]
         rigid = np.zeros((count, m))
         problem = FrictionProblem(self._inverse_mass, self._v_free, bodies[:count], jacobian[:count], offset[:count], mu[:count], rigid)
-        self.springs.load(problem, self._touching(), self._v, OVERLAP * self.width if self.steps == 0 else -1.0, h)
+        problem = self.springs.load(problem, self._touching(), self._v, OVERLAP * self.width if self.steps == 0 else -1.0, h)
         return problem, Solution(impulse[:count], self._v, 0)
 
     def _apply_forces(self) -> None:
@@ -401,7 +402,7 @@ class Stepper:
         self._impulse = np.zeros((max(1, self.contacts.count), self.rows))
         self._impulse[self.chosen] = impulse
         self._v_old, self._v = self._v, self._v_old
-        step_kernels.new_velocity(impulse, problem.bodies, problem.jacobian, problem.inverse_mass, problem.v_free, self._v)
+        new_velocity(problem.arrays(), impulse, self._v)
         self.energy["kinetic"] = step_kernels.finish(
             self._v, problem.v_free, self._columns, self._free_index, a.support_of, self._support_velocity[self.load_step + 1],
             self._rotation, a.mass, a.inertia, self.state.velocity, self._spin,

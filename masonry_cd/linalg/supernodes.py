@@ -1,10 +1,31 @@
-"""The squares and panels of supernodes: where they are stored, and rows scattered into and gathered from them."""
+"""A block matrix and its factors: the squares and panels of supernodes, and rows scattered into and gathered from them."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from masonry_cd.jit import entry, kernel
+from masonry_cd.linalg.symbolic import SymbolicFactor
+
+
+class BlockMatrix(NamedTuple):
+    """A sparse matrix A of (n, n) blocks with a symmetric pattern: N nodes in order of elimination, E blocks below the diagonal."""
+
+    diagonal: np.ndarray  # (N or more, n, n) A_jj
+    lower: np.ndarray  # (E, n, n) A_ij below the diagonal, where the symbolic factor has them
+    upper: np.ndarray  # (E, n, n) A_ji^T; of a symmetric matrix ``lower``
+
+
+class Factor(NamedTuple):
+    """The factors of a block matrix, A = L D U."""
+
+    symbolic: SymbolicFactor
+    squares: np.ndarray  # D^-1, flat
+    panels: np.ndarray  # L, flat
+    others: np.ndarray  # D U, flat; not used where A is symmetric
+    size: tuple[int, ...]  # n zeros, see small_blocks.py
 
 
 @kernel()
@@ -34,10 +55,28 @@ def view_block(values, start, rows, columns, n):
 
 
 @entry()
-def allocate_factors(plan, size_n):
-    """Room for the squares and the panels of L and of D U; what is not touched, as the last for a symmetric matrix, costs nothing."""
-    blocks = len(size_n) * len(size_n)
-    return np.empty(plan.square[-1] * blocks), np.empty(plan.panel[-1] * blocks), np.empty(plan.panel[-1] * blocks)
+def allocate_factors(symbolic, size):
+    """Room for a :class:`Factor`; what is not touched, as the panels of D U for a symmetric matrix, costs nothing."""
+    blocks = len(size) * len(size)
+    squares, panels = np.empty(symbolic.square[-1] * blocks), np.empty(symbolic.panel[-1] * blocks)
+    return Factor(symbolic, squares, panels, np.empty(symbolic.panel[-1] * blocks), size)
+
+
+@kernel()
+def allocate_matrix(symbolic, size):
+    """Room for an unsymmetric :class:`BlockMatrix`."""
+    n, nodes, pairs = len(size), len(symbolic.column) - 1, len(symbolic.row)
+    return BlockMatrix(np.empty((nodes, n, n)), np.empty((pairs, n, n)), np.empty((pairs, n, n)))
+
+
+@kernel()
+def view_supernode(factor, s):
+    """The square (width, width) of supernode s, and its panels (width, length) of L and of D U."""
+    symbolic, n = factor.symbolic, len(factor.size)
+    width, length = n * (symbolic.first[s + 1] - symbolic.first[s]), n * (symbolic.start[s + 1] - symbolic.start[s])
+    square = view_block(factor.squares, symbolic.square[s], width, width, n)
+    low = view_block(factor.panels, symbolic.panel[s], width, length, n)
+    return square, low, view_block(factor.others, symbolic.panel[s], width, length, n)
 
 
 @kernel()

@@ -133,9 +133,9 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     k = _next_k(memory.tally)
     fresh = bool(memory.tally[1]) or k != memory.tally[0]
     pattern, plan = memory.pattern, memory.pattern.plan
-    turns, desk = partition_contacts(index, spot, plan), _desk(pattern, *arrays[3:])
+    turns, desk = partition_contacts(index, spot, plan), _desk(pattern, *arrays[3:7])
     iterations, error, k_end, factorisations, rate = together(
-        admm_bodies, options.threads, plan, *arrays, pattern.order, plan, turns, desk, memory.squares, memory.panels,
+        admm_bodies, options.threads, plan, *arrays[:7], pattern.order, plan, turns, desk, memory.squares, memory.panels,
         memory.rho, impulse, velocity, k, fresh, moving, memory.tally[6], options.tolerance, limit, (0,) * m, (0,) * n,
     )  # fmt: skip
     memory.tally[6] = rate

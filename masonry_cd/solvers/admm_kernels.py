@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.friction.natural_map import size_of
-from masonry_cd.friction.operators import measure_scales, put_in_order, relative_velocity_of
+from masonry_cd.friction.operators import OrderedProblem, measure_scales, put_in_order, relative_velocity_of
 from masonry_cd.jit import entry
 from masonry_cd.linalg.ghost_rows import share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat
@@ -47,8 +47,10 @@ def admm_bodies(
     q0, q1 = share_of(team, plan.level[0], plan.level[1])
     begin, end = share_of_subtrees(team, plan)
     patience = PATIENCE if rate != 1.0 else PATIENCE // 2
-    problem = (desk.jacobian, turns.place, desk.offset, desk.mu, desk.compliance)
     v, trial, p, new, best, d, sums = desk.v, desk.trial, desk.even, desk.odd, desk.best, desk.d, desk.sums
+    problem = OrderedProblem(
+        desk.inverse, desk.mass, desk.free, turns.place, turns.spot, desk.jacobian, desk.offset, desk.mu, desk.compliance, d, size_m, size_n
+    )
     put_in_order(inverse_mass, v_free, order, b0, b1, desk.inverse, desk.mass, desk.free, size_n)
     copy_flat(desk.free[b0:b1], v[b0:b1])
     v[count] = 0.0
@@ -59,13 +61,13 @@ def admm_bodies(
         first, last = turns.start[q], turns.start[q + 1]
         sort_contacts(turns, jacobian, offset, mu, compliance, p_out, first, last, desk, size_m, size_n)
         copy_flat(p[first:last], best[first:last])
-        measure_scales(desk.inverse, desk.jacobian, turns.place, desk.compliance, first, last, d, size_m, size_n)
-        relative_velocity_of(desk.jacobian, turns.place, desk.offset, v, first, last, desk.carried, size_m, size_n)
+        measure_scales(problem, first, last)
+        relative_velocity_of(problem, v, first, last, desk.carried)
         clear_generalised_impulse(plan, q, desk.push)
         add_generalised_impulse_of(desk.jacobian, turns, q, p, desk.push, size_m, size_n)
     velocity_by_team(team, plan, desk.inverse, desk.free, desk.push, v, size_n)
     size = size_of(desk.carried, d)
-    error = map_norm_by_team(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size
+    error = map_norm_by_team(team, plan, turns, problem, p, v, sums[2]) / size
     copy_flat(v[b0:b1], desk.best_v[b0:b1])
     if moving and error > 1.0:  # the impulses fit worse than none would
         for b in range(b0, b1):
@@ -116,7 +118,7 @@ def admm_bodies(
             clear_generalised_impulse(plan, q, desk.push)
             carry_impulses(desk.jacobian, turns, q, rho, new, p, desk.x, desk.carried, desk.push, size_m, size_n)
         velocity_by_team(team, plan, desk.inverse, desk.free, desk.push, trial, size_n)
-        error = map_norm_by_team(team, plan, turns, *problem, d, desk.carried, trial, sums[2], size_m, size_n) / size
+        error = map_norm_by_team(team, plan, turns, problem, desk.carried, trial, sums[2]) / size
         checked = iterations
         rate = error / change if change > 0.0 else 1.0
         if error < smallest:
@@ -130,7 +132,7 @@ def admm_bodies(
         ends = iterations == limit and smallest > tolerance  # the next step begins with a k that suits this one better
         if ends or iterations - switched >= 40 or (iterations - switched >= 20 and error > before):
             if ends or not error < 0.1 * before:
-                share = map_norm_by_team(team, plan, turns, *problem, d, p, v, sums[2], size_m, size_n) / size / error
+                share = map_norm_by_team(team, plan, turns, problem, p, v, sums[2]) / size / error
                 if share > ALL and not ends:
                     k, fresh = min(5.0 * k, 1e6), True
                 elif share < BALANCE:

@@ -58,12 +58,12 @@ def add_generalised_impulse_of(jacobian, turns, q, p, out, size_m, size_n):
 
 
 @kernel()
-def map_norm_by_team(team, plan, turns, jacobian, index, offset, mu, compliance, d, p, v, sums, size_m, size_n):
+def map_norm_by_team(team, plan, turns, problem, p, v, sums):
     """Norm of the natural map residual by a team; sums (K,) is where they put their shares."""
     begin, end = share_of_subtrees(team, plan)
     for q in range(begin, end):
         first, last = turns.start[q], turns.start[q + 1]
-        sums[q] = squared_map_norm_of(jacobian, index, offset, mu, compliance, d, p, v, first, last, size_m, size_n)
+        sums[q] = squared_map_norm_of(problem, p, v, first, last)
     wait(team)
     total = np.sqrt(sums.sum())
     wait(team)

@@ -1,21 +1,19 @@
-"""Gauss-Seidel, ADMM and Newton for problems given by W alone."""
+"""Gauss-Seidel and ADMM for problems given by W alone."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from masonry_cd.friction.coulomb_law import ROW, START, local_impulse, own_velocity, prepare_law, tangent_length
-from masonry_cd.friction.local_operators import delassus_product, local_norm, local_residual, place_blocks, row_velocity
+from masonry_cd.friction.local_operators import LocalArrays, delassus_product, local_norm, local_residual, place_blocks, row_velocity
 from masonry_cd.friction.natural_map import project_to_cone, size_of, squared_residual
 from masonry_cd.friction.random_order import seeded, shuffle
 from masonry_cd.jit import entry
 from masonry_cd.linalg.cholesky import factorise_cholesky
-from masonry_cd.linalg.ldu import factorise_ldu
-from masonry_cd.linalg.small_blocks import copy_flat, identities, invert, multiply
-from masonry_cd.linalg.supernodes import allocate_factors
-from masonry_cd.linalg.triangular import solve_cholesky, solve_ldu
+from masonry_cd.linalg.small_blocks import copy_flat, identities
+from masonry_cd.linalg.supernodes import BlockMatrix, allocate_factors
+from masonry_cd.linalg.triangular import solve_cholesky
 from masonry_cd.solvers.admm_kernels import SOFTEST
-from masonry_cd.solvers.newton_kernels import damp, linearise_law
 
 
 @entry()
@@ -44,7 +42,7 @@ def nlgs_local(data, indices, indptr, diagonal, q, mu, p, tolerance, limit, seed
                 qn = row_velocity(data, indices, indptr, q, p, c, 0) - own_n
                 q1 = row_velocity(data, indices, indptr, q, p, c, 1) - own_1
                 q2 = row_velocity(data, indices, indptr, q, p, c, 2) - own_2 if m == 3 else 0.0
-                pn, p1, p2, law[c, START] = local_impulse(qn, q1, q2, law[c, 0], c1, c2, s11, s12, s22, mu[c], law[c, START])
+                pn, p1, p2, law[c, START] = local_impulse((qn, q1, q2), (law[c, 0], c1, c2, s11, s12, s22), mu[c], law[c, START])
                 p[c, 0], p[c, 1] = pn, p1
                 if m == 3:
                     p[c, 2] = p2
@@ -60,15 +58,17 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolera
     """
     count, m = len(mu), len(size_m)
     diagonal, lower = np.empty((count, m, m)), np.empty((len(plan.row), m, m))
-    squares, panels, _ = allocate_factors(plan, size_m)
+    problem, matrix = LocalArrays(data, indices, indptr, q, mu, d, place, size_m), BlockMatrix(diagonal, lower, lower)
+    factor = allocate_factors(plan, size_m)
+    squares, panels = factor.squares, factor.panels
     scale = identities(count, size_m)
     size = size_of(q, d)
     pi, u, right, best = p.copy(), np.empty(p.shape), np.empty(p.shape), p.copy()
-    smallest = before = local_norm(data, indices, indptr, q, mu, d, p, u, size_m) / size
+    smallest = before = local_norm(problem, p, u) / size
     iterations, checked, switched, fresh = 0, 0, 0, True
     while iterations < limit and smallest > tolerance:
         if fresh:
-            place_blocks(data, indices, indptr, scale, place, plan, True, diagonal, lower, lower, size_m)
+            place_blocks(problem, scale, plan, True, matrix)
             for i in range(count):
                 for r in range(m):
                     diagonal[i, r, r] += d[order[i]] / k
@@ -96,7 +96,7 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolera
         iterations += 1
         if iterations - checked >= 5 or iterations == limit:
             checked = iterations
-            error = local_norm(data, indices, indptr, q, mu, d, p, u, size_m) / size
+            error = local_norm(problem, p, u) / size
             if error < smallest:
                 smallest = error
                 copy_flat(p, best)
@@ -105,7 +105,7 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolera
                 copy_flat(best, pi)
             if iterations - switched >= 40:
                 if not error < 0.1 * before:
-                    delassus_product(data, indices, indptr, pi, u, size_m)
+                    delassus_product(problem, pi, u)
                     total = 0.0
                     for c in range(count):
                         for i in range(m):
@@ -116,72 +116,9 @@ def admm_local(data, indices, indptr, q, mu, d, order, place, plan, p, k, tolera
                     k = min(5.0 * k, 1e6) if own > 0.02 * error else max(0.2 * k, 1.0)
                     fresh = True
                 switched, before = iterations, error
-        delassus_product(data, indices, indptr, pi, u, size_m)
+        delassus_product(problem, pi, u)
         for c in range(count):
             for i in range(m):
                 u[c, i] += q[c, i]
     copy_flat(best, p)
     return iterations, smallest
-
-
-@entry()
-def newton_local(data, indices, indptr, own, q, mu, d, place, plan, p, stiffness, tolerance, limit, size_m):
-    """Semismooth Newton over a LocalProblem: (I + B W) (p+ - p) = g - p, its rows scaled to unit diagonal blocks.
-
-    own (C, m, m) are the blocks W_cc. p holds the start and then the best answer. Returns iterations, error, error at the start.
-    """
-    count, m = len(mu), len(size_m)
-    diagonal, lower, upper = np.empty((count, m, m)), np.empty((len(plan.row), m, m)), np.empty((len(plan.row), m, m))
-    squares, panels, others = allocate_factors(plan, size_m)
-    scale, right, unit = np.empty((count, m, m)), np.empty(p.shape), np.empty((count, m, m))
-    target, block, work, inverse = np.zeros((1, m)), np.zeros((1, m, m)), np.empty((m, m)), np.empty((m, m))
-    small = np.empty((m, m))
-    size = size_of(q, d)
-    u, best, hold = np.empty(p.shape), p.copy(), p.copy()
-    smallest = error = begin = local_norm(data, indices, indptr, q, mu, d, p, u, size_m) / size
-    iterations, refused = 0, 0
-    while iterations < limit and smallest > tolerance and refused < 8:
-        regular = True
-        for c in range(count):
-            p2, u2 = (p[c, 2], u[c, 2]) if m == 3 else (0.0, 0.0)
-            linearise_law(p[c, 0], p[c, 1], p2, u[c, 0], u[c, 1], u2, mu[c], d[c], stiffness, block, target, 0, size_m)
-            for i in range(m):
-                for j in range(m):
-                    small[i, j] = block[0, i, j]
-            multiply(small, own[c], False, work, size_m)
-            for i in range(m):
-                work[i, i] += 1.0
-            regular = regular and invert(work, inverse, diagonal[0], size_m)
-            multiply(inverse, small, False, scale[c], size_m)
-            for i in range(m):
-                total = 0.0
-                for j in range(m):
-                    total += inverse[i, j] * (target[0, j] - p[c, j])
-                    unit[place[c], i, j] = inverse[i, j]
-                right[place[c], i] = total
-        place_blocks(data, indices, indptr, scale, place, plan, False, diagonal, lower, upper, size_m)
-        for i in range(count):
-            for r in range(m):
-                for s in range(m):
-                    diagonal[i, r, s] += unit[i, r, s]
-        iterations += 1
-        new = np.inf
-        if regular and factorise_ldu(plan, diagonal, lower, upper, squares, panels, others, size_m):
-            solve_ldu(plan, squares, panels, others, right, size_m)
-            for c in range(count):
-                for i in range(m):
-                    p[c, i] += right[place[c], i]
-            new = local_norm(data, indices, indptr, q, mu, d, p, u, size_m) / size
-        accepted, stiffness = damp(new, error, iterations == 1, stiffness)
-        if accepted:
-            error, refused = new, 0
-            copy_flat(p, hold)
-        else:
-            refused += 1
-            copy_flat(hold, p)
-            local_norm(data, indices, indptr, q, mu, d, p, u, size_m)
-        if error < smallest:
-            smallest = error
-            copy_flat(p, best)
-    copy_flat(best, p)
-    return iterations, smallest, begin

@@ -38,10 +38,13 @@ from math import inf
 
 import numpy as np
 
+from masonry_cd.friction.local_operators import LocalArrays
 from masonry_cd.friction.problem import LocalProblem, Problem, Solution
+from masonry_cd.linalg.small_blocks import size_tuple
 from masonry_cd.solvers import admm, nlgs
 from masonry_cd.solvers.interior_kernels import NEWTON, linearised_bodies
-from masonry_cd.solvers.local_kernels import newton_local
+from masonry_cd.solvers.linearised import Elimination, Settings
+from masonry_cd.solvers.local_newton_kernels import newton_local
 from masonry_cd.solvers.options import Options
 
 LIMIT = 50  # iterations
@@ -68,13 +71,12 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     limit = LIMIT if options.max_iterations is None else options.max_iterations
     if isinstance(problem, LocalProblem):
         return _solve_local(problem, options, start, limit)
-    arrays, n = problem.arrays(), problem.v_free.shape[1]
-    memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
-    impulse, velocity, pattern = start.impulse.copy(), np.empty(problem.v_free.shape), memory.pattern
-    m, settings = problem.dimension, (0.0, memory.tally[5], 0.0, options.tolerance, limit)  # of them all, see there
-    iterations, error, begin, stiffness = linearised_bodies(
-        NEWTON, *arrays, pattern.order, pattern.plan, index, spot, impulse, velocity, *settings, (0,) * m, (0,) * n, (0,) * (m + 1)
-    )
+    arrays, (bodies, n) = problem.arrays(), problem.v_free.shape
+    memory, index, spot = admm.recall(arrays.bodies, bodies, n, start)
+    impulse, velocity, pattern = start.impulse.copy(), np.empty((bodies, n)), memory.pattern
+    settings = Settings(0.0, float(memory.tally[5]), 0.0, options.tolerance, limit, size_tuple(problem.dimension + 1))
+    elimination = Elimination(pattern.order, pattern.plan, index, spot)
+    iterations, error, begin, stiffness = linearised_bodies(NEWTON, arrays, elimination, settings, impulse, velocity)
     memory.tally[5], memory.tally[7] = _next_stiffness(memory.tally[5], stiffness, memory.tally[7], iterations, error <= options.tolerance)
     return Solution(impulse, velocity, iterations, _reason(error, begin, options), memory.arrays())
 
@@ -103,10 +105,10 @@ def _solve_local(problem: LocalProblem, options: Options, start: Solution, limit
     """Newton in the impulses: (I + B W) (p+ - p) = g - p, with W as it is given."""
     blocks, indices, indptr, own = nlgs.block_arrays(problem)
     pattern, impulse = admm.contact_pattern(indices, indptr), start.impulse.copy()
-    iterations, error, begin = newton_local(
-        blocks, indices, indptr, own, problem.q, problem.mu, problem.scales(), pattern.place, pattern.plan, impulse, admm.FIRST_STIFFNESS,
-        options.tolerance, limit, (0,) * problem.dimension,
-    )  # fmt: skip
+    size, scales = size_tuple(problem.dimension), problem.scales()
+    arrays = LocalArrays(blocks, indices, indptr, problem.q, problem.mu, scales, pattern.place, size)
+    settings = Settings(0.0, admm.FIRST_STIFFNESS, 0.0, options.tolerance, limit, size)
+    iterations, error, begin = newton_local(arrays, own, pattern.plan, settings, impulse)
     return Solution(impulse, None, iterations, _reason(error, begin, options))
 
 

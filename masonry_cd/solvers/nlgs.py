@@ -46,7 +46,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return _solve_coloured(problem, options, impulse, limit)
     if isinstance(problem, FrictionProblem):
         velocity = np.empty(problem.v_free.shape)
-        sweeps, error = nlgs_bodies(*problem.arrays(), impulse, velocity, options.tolerance, limit, options.seed, EVERY)
+        sweeps, error = nlgs_bodies(*problem.arrays()[:7], impulse, velocity, options.tolerance, limit, options.seed, EVERY)
         return Solution(impulse, velocity, sweeps, _reason(error, options))
     sweeps, error = nlgs_local(*block_arrays(problem), problem.q, problem.mu, impulse, options.tolerance, limit, options.seed, EVERY)
     return Solution(impulse, None, sweeps, _reason(error, options))
@@ -54,7 +54,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
 def _solve_coloured(problem: FrictionProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
     """Sweep colour by colour, on as many threads as asked for."""
-    factor, g, index, law = prepare_sweeps(*problem.arrays(), impulse)
+    factor, g, index, law = prepare_sweeps(*problem.arrays()[:7], impulse)
     bodies, n = problem.v_free.shape
     start, order, ends = colour_joints(index, bodies)
     colours = np.flatnonzero(np.diff(ends))
