@@ -76,7 +76,8 @@ def _shake_cubes(solver: str, planar: bool, by_area: bool) -> None:
 
 def _is_kept(planar: bool) -> bool:
     """Whether the largest kernel is in the cache."""
-    return any(len(kinds[-1]) == (3 if planar else 4) for kinds in kept(linearised_bodies))
+    problems = [kinds[1] for kinds in kept(linearised_bodies)]  # numba's types of ProblemArrays
+    return any(len(problem.types[problem.fields.index("m")]) == (2 if planar else 3) for problem in problems)
 
 
 @contextmanager

@@ -187,8 +187,7 @@ def _measure(
     problem: FrictionProblem, impulse: np.ndarray, tolerance: float, group: np.ndarray, groups: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What impulses leave in each group, what they may leave, and its size, see the head of this file; (G,) each."""
-    sizes = (0,) * problem.dimension, (0,) * problem.v_free.shape[1]
-    residual, size = errors_by_group(*problem.arrays(), np.ascontiguousarray(impulse), group, groups, *sizes)
+    residual, size = errors_by_group(problem.arrays(), np.ascontiguousarray(impulse), group, groups)
     share = np.bincount(group, minlength=groups) / max(problem.contacts, 1)
     return residual, tolerance * np.sqrt(0.5 * (size**2 + (size @ size) * share)), size
 

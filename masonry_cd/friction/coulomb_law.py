@@ -37,14 +37,17 @@ def tangent_length(x: float, y: float) -> float:
     return np.sqrt(x * x + y * y)
 
 
+Vector = tuple[float, float, float]  # normal, first tangent, second tangent
+Row = tuple[float, float, float, float, float, float]  # 1/W_nn, c = w/W_nn (2), A (3: 11, 12, 22), the first six of a row of the table
+
+
 @kernel()
-def slip_impulse(
-    mu: float, qn: float, a1: float, a2: float, winv: float, c1: float, c2: float, s11: float, s12: float, s22: float, s: float
-) -> tuple[float, float, float, float]:
-    """Solve the slip equation from a first guess of s; a = (a1, a2), A = [[s11, s12], [s12, s22]], c = w / W_nn. Returns p and s.
+def slip_impulse(qn: float, a1: float, a2: float, row: Row, mu: float, s: float) -> tuple[float, float, float, float]:
+    """Solve the slip equation from a first guess of s, see the head of this file; a = (a1, a2). Returns p and s.
 
     With t = det(A + s I) p_t, which is linear in s, and N = mu det(A + s I) p_n it reads N / |t| = 1: one root and one division a step.
     """
+    winv, c1, c2, s11, s12, s22 = row
     low, high = 0.0, np.inf
     push = -qn * winv
     x1, x2 = s12 * a2 - s22 * a1, s12 * a1 - s11 * a2  # t at s = 0
@@ -77,13 +80,12 @@ def slip_impulse(
 
 
 @kernel(inline="always")
-def local_impulse(
-    qn: float, q1: float, q2: float, winv: float, c1: float, c2: float, s11: float, s12: float, s22: float, mu: float, s: float
-) -> tuple[float, float, float, float]:
-    """The exact answer (p, s) of one contact to the velocity (qn, q1, q2) that it sees without its own impulse, by its row of the table.
+def local_impulse(q: Vector, row: Row, mu: float, s: float) -> tuple[float, float, float, float]:
+    """The exact answer (p, s) of one contact to the velocity q that it sees without its own impulse.
 
     The slip equation is solved from where the search of the last sweep ended: mostly one step, instead of three from s = 0.
     """
+    (qn, q1, q2), (winv, c1, c2, s11, s12, s22) = q, row
     if qn >= 0.0:
         return 0.0, 0.0, 0.0, s
     a1 = q1 - c1 * qn
@@ -96,7 +98,7 @@ def local_impulse(
         return pn, p1, p2, s
     if mu < FRICTIONLESS:
         return -qn * winv, 0.0, 0.0, s
-    return slip_impulse(mu, qn, a1, a2, winv, c1, c2, s11, s12, s22, s)
+    return slip_impulse(qn, a1, a2, row, mu, s)
 
 
 @kernel()

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.friction.local_operators import LocalArrays
 from masonry_cd.friction.problem import LocalProblem
 from masonry_cd.linalg.ordering import Pattern
+from masonry_cd.linalg.small_blocks import size_tuple
 
 
 def block_arrays(problem: LocalProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -29,3 +31,16 @@ def contact_pattern(indices: np.ndarray, indptr: np.ndarray) -> Pattern:
     """The pattern of W, contact by contact."""
     count = len(indptr) - 1
     return Pattern.of(count, np.repeat(np.arange(count), np.diff(indptr)), indices, in_subtrees=False)
+
+
+def local_arrays(problem: LocalProblem) -> tuple[LocalArrays, np.ndarray]:
+    """A local problem as the kernels take it, eliminated contact by contact in order, and the diagonal blocks of :func:`block_arrays`."""
+    blocks, indices, indptr, own = block_arrays(problem)
+    place, size = np.arange(problem.contacts), size_tuple(problem.dimension)
+    return LocalArrays(blocks, indices, indptr, problem.q, problem.mu, problem.scales(), place, size), own
+
+
+def in_elimination_order(given: LocalArrays) -> tuple[LocalArrays, Pattern]:
+    """A local problem with its contacts placed in an order of elimination with little fill-in, and the pattern of W in that order."""
+    pattern = contact_pattern(given.indices, given.indptr)
+    return given._replace(place=pattern.place), pattern

@@ -3,6 +3,8 @@ map."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from masonry_cd.friction.coulomb_law import SCALE
@@ -11,7 +13,20 @@ from masonry_cd.jit import entry, kernel
 from masonry_cd.linalg.cholesky import factorise_cholesky
 from masonry_cd.linalg.single_columns import SYMMETRIC
 from masonry_cd.linalg.small_blocks import identities, multiply
-from masonry_cd.linalg.supernodes import allocate_factors, view_block
+from masonry_cd.linalg.supernodes import BlockMatrix, allocate_factors, view_supernode
+
+
+class LocalArrays(NamedTuple):
+    """A LocalProblem as the kernels take it: C contacts with m rows each."""
+
+    data: np.ndarray  # (nnz, m, m) blocks of W
+    indices: np.ndarray  # (nnz,) contacts by which the blocks of a row are multiplied
+    indptr: np.ndarray  # (C + 1,) starts of the rows
+    q: np.ndarray  # (C, m)
+    mu: np.ndarray  # (C,)
+    d: np.ndarray  # (C,) trace(W_cc) / m
+    place: np.ndarray  # (C,) place of each contact in the order of elimination
+    m: tuple[int, ...]  # m zeros, see small_blocks.py
 
 
 @kernel(inline="always")
@@ -41,9 +56,9 @@ def local_residual(data, indices, indptr, q, mu, p, law):
 
 
 @kernel()
-def delassus_product(data, indices, indptr, p, out, size_m):
-    """out = W p."""
-    m = len(size_m)
+def delassus_product(problem, p, out):
+    """out = W p (C, m)."""
+    data, indices, indptr, m = problem.data, problem.indices, problem.indptr, len(problem.m)
     for c in range(len(p)):
         for i in range(m):
             total = 0.0
@@ -54,15 +69,29 @@ def delassus_product(data, indices, indptr, p, out, size_m):
 
 
 @kernel()
-def local_norm(data, indices, indptr, q, mu, d, p, u, size_m):
-    """u = W p + q, and the norm of the natural map residual."""
-    m, total = len(size_m), 0.0
-    delassus_product(data, indices, indptr, p, u, size_m)
+def local_velocity(problem, p, u):
+    """u = W p + q (C, m)."""
+    delassus_product(problem, p, u)
     for c in range(len(p)):
-        for i in range(m):
-            u[c, i] += q[c, i]
-        total += squared_residual(p[c, 0], p[c, 1], p[c, 2] if m == 3 else 0.0, u[c, 0], u[c, 1], u[c, 2] if m == 3 else 0.0, mu[c], d[c])
-    return np.sqrt(total)
+        for i in range(len(problem.m)):
+            u[c, i] += problem.q[c, i]
+
+
+@kernel()
+def squared_residuals(problem, p, u):
+    """Sum of the squared natural map residuals of impulses p and velocities u, (C, m)."""
+    total, m = 0.0, len(problem.m)
+    for c in range(len(p)):
+        p2, u2 = (p[c, 2], u[c, 2]) if m == 3 else (0.0, 0.0)
+        total += squared_residual(p[c, 0], p[c, 1], p2, u[c, 0], u[c, 1], u2, problem.mu[c], problem.d[c])
+    return total
+
+
+@kernel()
+def local_norm(problem, p, u):
+    """Norm of the natural map residual for impulses p (C, m) and their velocities u = W p + q (C, m), which it fills."""
+    local_velocity(problem, p, u)
+    return np.sqrt(squared_residuals(problem, p, u))
 
 
 @kernel()
@@ -72,9 +101,10 @@ def block_at(column: np.ndarray, row: np.ndarray, low: int, high: int) -> int:
 
 
 @kernel()
-def place_blocks(data, indices, indptr, scale, place, plan, symmetric, diagonal, lower, upper, size_m):
-    """Diagonal, lower and transposed upper blocks of S W, S one block per contact; or the symmetric part of W into lower alone."""
-    m = len(size_m)
+def place_blocks(problem, scale, symbolic, symmetric, matrix):
+    """The BlockMatrix of S W, S one block per contact, the first rows of ``scale`` (C, m or more, m); or of the symmetric part of S W."""
+    data, indices, indptr, place, m = problem.data, problem.indices, problem.indptr, problem.place, len(problem.m)
+    diagonal, lower, upper = matrix.diagonal, matrix.lower, matrix.upper
     diagonal[:] = 0.0
     lower[:] = 0.0
     upper[:] = 0.0
@@ -82,8 +112,8 @@ def place_blocks(data, indices, indptr, scale, place, plan, symmetric, diagonal,
     for c in range(len(place)):
         for k in range(indptr[c], indptr[c + 1]):
             i, j = place[c], place[indices[k]]
-            multiply(scale[c], data[k], False, block, size_m)
-            at = 0 if i == j else block_at(plan.column, plan.row, min(i, j), max(i, j))
+            multiply(scale[c], data[k], False, block, problem.m)
+            at = 0 if i == j else block_at(symbolic.column, symbolic.row, min(i, j), max(i, j))
             for r in range(m):
                 for s in range(m):
                     if i == j:
@@ -96,26 +126,35 @@ def place_blocks(data, indices, indptr, scale, place, plan, symmetric, diagonal,
                         upper[at, s, r] += block[r, s]
 
 
+@kernel()
+def has_positive_pivots(square):
+    """Whether a symmetric matrix is positive definite, by elimination, which uses it up."""
+    width = len(square)
+    for k in range(width):
+        if not square[k, k] > 0.0:
+            return False
+        for i in range(k + 1, width):
+            share = square[i, k] / square[k, k]
+            for j in range(k + 1, width):
+                square[i, j] -= share * square[k, j]
+    return True
+
+
 @entry()
-def is_definite(data, indices, indptr, shift, place, plan, size_m):
+def is_definite(data, indices, indptr, shift, place, symbolic, size_m):
     """Whether the symmetric part of W, with shift added to its diagonal, is positive definite: all squares of D are (Sylvester)."""
     count, m = len(place), len(size_m)
-    diagonal, lower = np.empty((count, m, m)), np.empty((len(plan.row), m, m))
-    squares, panels, _ = allocate_factors(plan, size_m)
-    place_blocks(data, indices, indptr, identities(count, size_m), place, plan, SYMMETRIC, diagonal, lower, lower, size_m)
+    problem = LocalArrays(data, indices, indptr, np.empty((0, m)), np.empty(0), np.empty(0), place, size_m)
+    lower = np.empty((len(symbolic.row), m, m))
+    matrix, factor = BlockMatrix(np.empty((count, m, m)), lower, lower), allocate_factors(symbolic, size_m)
+    place_blocks(problem, identities(count, size_m), symbolic, SYMMETRIC, matrix)
     for i in range(count):
         for r in range(m):
-            diagonal[i, r, r] += shift
-    if not factorise_cholesky(plan, diagonal, lower, squares, panels, size_m):
+            matrix.diagonal[i, r, r] += shift
+    if not factorise_cholesky(symbolic, matrix.diagonal, lower, factor.squares, factor.panels, size_m):
         return False
-    for s in range(len(plan.first) - 1):
-        width = m * (plan.first[s + 1] - plan.first[s])
-        left = view_block(squares, plan.square[s], width, width, m).copy()
-        for k in range(width):
-            if not left[k, k] > 0.0:
-                return False
-            for i in range(k + 1, width):
-                factor = left[i, k] / left[k, k]
-                for j in range(k + 1, width):
-                    left[i, j] -= factor * left[k, j]
+    for s in range(len(symbolic.first) - 1):
+        square, _, _ = view_supernode(factor, s)
+        if not has_positive_pivots(square.copy()):
+            return False
     return True

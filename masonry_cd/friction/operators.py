@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from masonry_cd.friction.natural_map import natural_map_norms, squared_residual
@@ -9,18 +11,54 @@ from masonry_cd.jit import entry, kernel
 from masonry_cd.linalg.small_blocks import copy_flat, invert
 
 
+class ProblemArrays(NamedTuple):
+    """A FrictionProblem as the kernels take it: contiguous arrays of C contacts with m rows each and B free bodies with n unknowns each."""
+
+    inverse_mass: np.ndarray  # (B, n, n)
+    v_free: np.ndarray  # (B, n)
+    bodies: np.ndarray  # (C, 2) candidate and antagonist body; -1: a support
+    jacobian: np.ndarray  # (C, 2, m, n)
+    offset: np.ndarray  # (C, m)
+    mu: np.ndarray  # (C,)
+    compliance: np.ndarray  # (C, m); (0, m) where all contacts are rigid
+    m: tuple[int, ...]  # m zeros, see small_blocks.py
+    n: tuple[int, ...]  # n zeros
+
+
+class OrderedProblem(NamedTuple):
+    """A friction problem whose bodies are in order of elimination. The supports are one more body, the last, with velocity zero."""
+
+    inverse: np.ndarray  # (B, n, n) M^-1
+    mass: np.ndarray  # (B, n, n) M
+    free: np.ndarray  # (B, n) v_free
+    places: np.ndarray  # (C, 2) places of the bodies; B: a support
+    block: np.ndarray  # (C,) the block of M + H^T R H that couples them, below the diagonal; -1: none
+    jacobian: np.ndarray  # (C, 2, m, n)
+    offset: np.ndarray  # (C, m)
+    mu: np.ndarray  # (C,)
+    compliance: np.ndarray  # (C, m) or (0, m)
+    d: np.ndarray  # (C,) trace(W_cc + C_cc) / m
+    m: tuple[int, ...]  # m zeros
+    n: tuple[int, ...]  # n zeros
+
+
 @kernel()
-def in_order(inverse_mass, v_free, order, size_n):
-    """M^-1, M and v_free with the bodies in elimination order."""
-    bodies, n = len(order), len(size_n)
+def in_order(problem, order, places, block):
+    """The :class:`OrderedProblem` of ProblemArrays; ``order`` (B,) is the body at each place, places and block are its fields."""
+    bodies, n = len(order), len(problem.n)
     inverse, mass, free = np.empty((bodies, n, n)), np.empty((bodies, n, n)), np.empty((bodies, n))
-    put_in_order(inverse_mass, v_free, order, 0, bodies, inverse, mass, free, size_n)
-    return inverse, mass, free
+    put_in_order(problem.inverse_mass, problem.v_free, order, 0, bodies, inverse, mass, free, problem.n)
+    ordered = OrderedProblem(
+        inverse, mass, free, places, block, problem.jacobian, problem.offset, problem.mu, problem.compliance, np.empty(len(places)),
+        problem.m, problem.n,
+    )  # fmt: skip
+    measure_scales(ordered, 0, len(places))
+    return ordered
 
 
 @kernel()
 def put_in_order(inverse_mass, v_free, order, first, end, inverse, mass, free, size_n):
-    """The same for places first to end of given arrays."""
+    """M^-1, M (N, n, n) and v_free (N, n) of the bodies at places first to end of an order."""
     n = len(size_n)
     work = np.empty((n, n))
     for b in range(first, end):
@@ -39,17 +77,10 @@ def put_in_order(inverse_mass, v_free, order, first, end, inverse, mass, free, s
 
 
 @kernel(fastmath={"contract"})
-def contact_scales(inverse, jacobian, index, compliance, size_m, size_n):
-    """d_c = trace(W_cc + C_cc) / m."""
-    d = np.empty(len(index))
-    measure_scales(inverse, jacobian, index, compliance, 0, len(index), d, size_m, size_n)
-    return d
-
-
-@kernel(fastmath={"contract"})
-def measure_scales(inverse, jacobian, index, compliance, first, end, d, size_m, size_n):
-    """The same for contacts first to end."""
-    m, n, bodies = len(size_m), len(size_n), len(inverse)
+def measure_scales(problem, first, end):
+    """Fill d_c = trace(W_cc + C_cc) / m of the contacts first to end."""
+    inverse, jacobian, index, compliance = problem.inverse, problem.jacobian, problem.places, problem.compliance
+    m, n, bodies, d = len(problem.m), len(problem.n), len(inverse), problem.d
     for c in range(first, end):
         a, b, trace = index[c, 0], index[c, 1], 0.0
         for side in range(2):
@@ -71,15 +102,15 @@ def measure_scales(inverse, jacobian, index, compliance, first, end, d, size_m, 
 
 
 @kernel()
-def relative_velocity(jacobian, index, offset, v, u, size_m, size_n):
-    """u = H v + b; v (bodies + 1, n) with a last row of zeros for the supports."""
-    relative_velocity_of(jacobian, index, offset, v, 0, len(index), u, size_m, size_n)
+def relative_velocity(problem, v, u):
+    """u = H v + b (C, m) for body velocities v (B + 1, n)."""
+    relative_velocity_of(problem, v, 0, len(problem.places), u)
 
 
 @kernel()
-def relative_velocity_of(jacobian, index, offset, v, first, end, u, size_m, size_n):
-    """The same for contacts first to end."""
-    m, n = len(size_m), len(size_n)
+def relative_velocity_of(problem, v, first, end, u):
+    """u = H v + b for the contacts first to end."""
+    jacobian, index, offset, m, n = problem.jacobian, problem.places, problem.offset, len(problem.m), len(problem.n)
     for c in range(first, end):
         a, b = index[c, 0], index[c, 1]
         for i in range(m):
@@ -89,10 +120,30 @@ def relative_velocity_of(jacobian, index, offset, v, first, end, u, size_m, size
             u[c, i] = total
 
 
+@kernel(inline="always")
+def change_at(jacobian, index, c, i, change, n):
+    """Component i of H dv at contact c for a change of the velocities (B + 1, n)."""
+    a, b, total = index[c, 0], index[c, 1], 0.0
+    for k in range(n):
+        total += jacobian[c, 0, i, k] * change[a, k] + jacobian[c, 1, i, k] * change[b, k]
+    return total
+
+
+@kernel()
+def law_velocity(problem, v, p, w):
+    """w = H v + b + C p (C, m), the velocity that the law is about."""
+    relative_velocity(problem, v, w)
+    compliance = problem.compliance
+    if len(compliance):
+        for c in range(len(p)):
+            for i in range(len(problem.m)):
+                w[c, i] += compliance[c, i] * p[c, i]
+
+
 @kernel(fastmath={"contract"})
-def add_generalised_impulse(jacobian, index, p, out, size_m, size_n):
-    """out += H^T p; the last row of out, of the supports, is of no use."""
-    m, n = len(size_m), len(size_n)
+def add_generalised_impulse(problem, p, out):
+    """out += H^T p (B + 1, n); its last row, of the supports, is of no use."""
+    jacobian, index, m, n = problem.jacobian, problem.places, len(problem.m), len(problem.n)
     for c in range(len(index)):
         a, b = index[c, 0], index[c, 1]
         for i in range(m):
@@ -103,30 +154,30 @@ def add_generalised_impulse(jacobian, index, p, out, size_m, size_n):
 
 
 @kernel(fastmath={"contract"})
-def body_velocity(inverse, free, jacobian, index, p, push, v, size_m, size_n):
-    """v = v_free + M^-1 H^T p, with a last row of zeros."""
-    n = len(size_n)
-    push[:] = 0.0
-    add_generalised_impulse(jacobian, index, p, push, size_m, size_n)
+def body_velocity(problem, p, room, v):
+    """v = v_free + M^-1 H^T p (B + 1, n) of impulses (C, m), with a last row of zeros; ``room`` (B + 1, n) gets H^T p."""
+    inverse, free, n = problem.inverse, problem.free, len(problem.n)
+    room[:] = 0.0
+    add_generalised_impulse(problem, p, room)
     for b in range(len(inverse)):
         for i in range(n):
             total = free[b, i]
             for k in range(n):
-                total += inverse[b, i, k] * push[b, k]
+                total += inverse[b, i, k] * room[b, k]
             v[b, i] = total
     v[-1] = 0.0
 
 
 @kernel()
-def missing_momentum(mass, free, v, out, size_n):
-    """out = M (v_free - v)."""
-    missing_momentum_of(mass, free, v, 0, len(mass), out, size_n)
+def missing_momentum(problem, v, out):
+    """out = M (v_free - v) (B + 1, n)."""
+    missing_momentum_of(problem.mass, problem.free, v, 0, len(problem.mass), out, problem.n)
     out[-1] = 0.0
 
 
 @kernel()
 def missing_momentum_of(mass, free, v, first, end, out, size_n):
-    """The same for bodies first to end."""
+    """out = M (v_free - v) for the bodies first to end."""
     n = len(size_n)
     for b in range(first, end):
         for i in range(n):
@@ -137,15 +188,16 @@ def missing_momentum_of(mass, free, v, first, end, out, size_n):
 
 
 @kernel(fastmath={"contract"})
-def map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n):
-    """Norm of the natural map residual for impulses p and body velocities v."""
-    return np.sqrt(squared_map_norm_of(jacobian, index, offset, mu, compliance, d, p, v, 0, len(index), size_m, size_n))
+def map_norm(problem, p, v):
+    """Norm of the natural map residual for impulses p (C, m) and body velocities v (B + 1, n)."""
+    return np.sqrt(squared_map_norm_of(problem, p, v, 0, len(problem.places)))
 
 
 @kernel(fastmath={"contract"})
-def squared_map_norm_of(jacobian, index, offset, mu, compliance, d, p, v, first, end, size_m, size_n):
-    """Its square, of the contacts first to end."""
-    m, n = len(size_m), len(size_n)
+def squared_map_norm_of(problem, p, v, first, end):
+    """Square of the norm of the natural map residual, of the contacts first to end."""
+    jacobian, index, offset, compliance = problem.jacobian, problem.places, problem.offset, problem.compliance
+    m, n, mu, d = len(problem.m), len(problem.n), problem.mu, problem.d
     total = 0.0
     for c in range(first, end):
         a, b = index[c, 0], index[c, 1]
@@ -175,62 +227,76 @@ def put_back(v, order, out):
             out[order[b], i] = v[b, i]
 
 
+# --- error measures over the bodies in the order of the problem ---------------------------------------------------------------------
+
+
 @kernel()
-def law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, scaled, size_m, size_n):
-    """w = H v + b + C p of impulses p, q = H v_free + b, and d, which is 1 if not ``scaled``."""
-    count, contacts, m, n = len(v_free), len(p), len(size_m), len(size_n)
+def as_given(problem):
+    """ProblemArrays as an :class:`OrderedProblem` whose bodies keep their order, and without M, for the operators that do not need it."""
+    contacts, count = len(problem.mu), len(problem.v_free)
     index = np.empty((contacts, 2), dtype=np.int64)
     for c in range(contacts):
         for side in range(2):
-            index[c, side] = bodies[c, side] if bodies[c, side] >= 0 else count
-    v, push, q, w = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((contacts, m)), np.empty((contacts, m))
-    copy_flat(v_free, v)
-    relative_velocity(jacobian, index, offset, v, q, size_m, size_n)
-    body_velocity(inverse_mass, v_free, jacobian, index, p, push, v, size_m, size_n)
-    relative_velocity(jacobian, index, offset, v, w, size_m, size_n)
-    if len(compliance):
-        for c in range(contacts):
-            for i in range(m):
-                w[c, i] += compliance[c, i] * p[c, i]
-    d = contact_scales(inverse_mass, jacobian, index, compliance, size_m, size_n) if scaled else np.ones(contacts)
-    return w, q, d
+            index[c, side] = problem.bodies[c, side] if problem.bodies[c, side] >= 0 else count
+    return OrderedProblem(
+        problem.inverse_mass, np.empty((0, len(problem.n), len(problem.n))), problem.v_free, index, np.empty(0, dtype=np.int64),
+        problem.jacobian, problem.offset, problem.mu, problem.compliance, np.ones(contacts), problem.m, problem.n,
+    )  # fmt: skip
+
+
+@kernel()
+def law_terms(given, p, scaled):
+    """w = H v + b + C p of impulses p, q = H v_free + b, and d, which is 1 if not ``scaled``."""
+    problem = as_given(given)
+    rows, contacts = (len(problem.free) + 1, len(problem.n)), (len(p), len(problem.m))
+    v, room, q, w = np.zeros(rows), np.empty(rows), np.empty(contacts), np.empty(contacts)
+    copy_flat(problem.free, v)
+    relative_velocity(problem, v, q)
+    body_velocity(problem, p, room, v)
+    law_velocity(problem, v, p, w)
+    if scaled:
+        measure_scales(problem, 0, len(p))
+    return w, q, problem.d
 
 
 @entry()
-def error_bodies(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, scaled, size_m, size_n):
-    """Norms of the natural map residual and of q for impulses p over a FrictionProblem; scaled by d, or with d = 1."""
-    w, q, d = law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, scaled, size_m, size_n)
-    return natural_map_norms(p, w, q, mu, d)
+def new_velocity(problem, p, v):
+    """v = v_free + M^-1 H^T p (B, n) of impulses p (C, m) over ProblemArrays.
 
-
-@entry()
-def errors_by_group(inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, p, group, groups, size_m, size_n):
-    """The same norms, scaled, over each group of contacts: (G,) and (G,); ``group`` (C,) is the number of each contact's."""
-    w, q, d = law_terms(inverse_mass, v_free, bodies, jacobian, offset, compliance, p, True, size_m, size_n)
-    residual, size, m = np.zeros(groups), np.zeros(groups), len(size_m)
+    Additions are not fused, unlike those of :func:`body_velocity`, so a processor that cannot do so hands on the same bits.
+    """
+    bodies, jacobian, m, n = problem.bodies, problem.jacobian, len(problem.m), len(problem.n)
+    impulse = np.zeros(v.shape)
     for c in range(len(p)):
-        p2, w2 = (p[c, 2], w[c, 2]) if m == 3 else (0.0, 0.0)
-        residual[group[c]] += squared_residual(p[c, 0], p[c, 1], p2, w[c, 0], w[c, 1], w2, mu[c], d[c])
-        for i in range(m):
-            size[group[c]] += q[c, i] * q[c, i] / d[c]
-    return np.sqrt(residual), np.sqrt(size)
-
-
-@entry()
-def new_velocity(impulse, bodies, jacobian, inverse_mass, v_free, v):
-    """v = v_free + M^-1 H^T p, (B, n)."""
-    contacts, m, n = impulse.shape[0], jacobian.shape[2], jacobian.shape[3]
-    push = np.zeros_like(v_free)
-    for c in range(contacts):
         for side in range(2):
             b = bodies[c, side]
             if b >= 0:
                 for i in range(m):
                     for j in range(n):
-                        push[b, j] += jacobian[c, side, i, j] * impulse[c, i]
-    for b in range(v_free.shape[0]):
+                        impulse[b, j] += jacobian[c, side, i, j] * p[c, i]
+    for b in range(len(v)):
         for j in range(n):
-            value = v_free[b, j]
+            value = problem.v_free[b, j]
             for k in range(n):
-                value += inverse_mass[b, j, k] * push[b, k]
+                value += problem.inverse_mass[b, j, k] * impulse[b, k]
             v[b, j] = value
+
+
+@entry()
+def error_bodies(problem, p, scaled):
+    """Norms of the natural map residual and of q for impulses p over ProblemArrays; scaled by d, or with d = 1."""
+    w, q, d = law_terms(problem, p, scaled)
+    return natural_map_norms(p, w, q, problem.mu, d)
+
+
+@entry()
+def errors_by_group(problem, p, group, groups):
+    """Norms of the scaled natural map residual and of q over each group of contacts, (G,) each; ``group`` (C,) numbers them."""
+    w, q, d = law_terms(problem, p, True)
+    residual, size, m = np.zeros(groups), np.zeros(groups), len(problem.m)
+    for c in range(len(p)):
+        p2, w2 = (p[c, 2], w[c, 2]) if m == 3 else (0.0, 0.0)
+        residual[group[c]] += squared_residual(p[c, 0], p[c, 1], p2, w[c, 0], w[c, 1], w2, problem.mu[c], d[c])
+        for i in range(m):
+            size[group[c]] += q[c, i] * q[c, i] / d[c]
+    return np.sqrt(residual), np.sqrt(size)

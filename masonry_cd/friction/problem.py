@@ -30,8 +30,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from masonry_cd.friction.natural_map import natural_map_norms
-from masonry_cd.friction.operators import error_bodies, new_velocity
-from masonry_cd.linalg.small_blocks import EPSILON
+from masonry_cd.friction.operators import ProblemArrays, error_bodies, new_velocity
+from masonry_cd.linalg.small_blocks import EPSILON, size_tuple
 
 if TYPE_CHECKING:
     from scipy import sparse
@@ -62,18 +62,18 @@ class FrictionProblem:
         """Rows per contact m."""
         return int(self.offset.shape[1])
 
-    def arrays(self) -> tuple[np.ndarray, ...]:
-        """The arrays as the compiled kernels take them."""
+    def arrays(self) -> ProblemArrays:
+        """The problem as the compiled kernels take it."""
         return self._arrays
 
     @cached_property
-    def _arrays(self) -> tuple[np.ndarray, ...]:
+    def _arrays(self) -> ProblemArrays:
         """The arrays in the order and layout of the compiled kernels: contiguous, so that each kernel is compiled once.
 
         If all contacts are rigid the compliance is left out, as (0, m): the kernels then save reading it.
         """
         compliance = self.compliance if self.compliance.any() else self.compliance[:0]
-        return (
+        return ProblemArrays(
             np.ascontiguousarray(self.inverse_mass, dtype=np.float64),
             np.ascontiguousarray(self.v_free, dtype=np.float64),
             np.ascontiguousarray(self.bodies, dtype=np.int64),
@@ -81,6 +81,8 @@ class FrictionProblem:
             np.ascontiguousarray(self.offset, dtype=np.float64),
             np.ascontiguousarray(self.mu, dtype=np.float64),
             np.ascontiguousarray(compliance, dtype=np.float64),
+            size_tuple(self.dimension),
+            size_tuple(self.v_free.shape[1]),
         )
 
     def relative_velocity(self, v: np.ndarray) -> np.ndarray:
@@ -93,9 +95,8 @@ class FrictionProblem:
 
     def body_velocity(self, impulse: np.ndarray) -> np.ndarray:
         """v = v_free + M^-1 H^T p, (B, n), for impulses (C, m)."""
-        inverse_mass, v_free, bodies, jacobian, *_ = self.arrays()
-        v = np.empty_like(v_free)
-        new_velocity(np.ascontiguousarray(impulse, dtype=np.float64), bodies, jacobian, inverse_mass, v_free, v)
+        v = np.empty(self.v_free.shape)
+        new_velocity(self.arrays(), np.ascontiguousarray(impulse, dtype=np.float64), v)
         return v
 
     def free_relative_velocity(self) -> np.ndarray:
@@ -146,7 +147,7 @@ class FrictionProblem:
         return sparse.csr_matrix(entries, (self.contacts * m, self.v_free.size))
 
     def to_local(self) -> LocalProblem:
-        """The same problem with W + C assembled as a sparse matrix."""
+        """The problem in the impulses alone, with W + C assembled as a sparse matrix."""
         from scipy import sparse
 
         h, n, blocks = self.jacobian_matrix(), self.v_free.shape[1], len(self.inverse_mass)
@@ -227,7 +228,7 @@ def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True
         return 0.0
     impulse = np.ascontiguousarray(impulse, dtype=np.float64)
     if isinstance(problem, FrictionProblem):
-        residual, size = error_bodies(*problem.arrays(), impulse, scaled, (0,) * problem.dimension, (0,) * problem.v_free.shape[1])
+        residual, size = error_bodies(problem.arrays(), impulse, scaled)
     else:
         scale = problem.scales() if scaled else np.ones(problem.contacts)
         residual, size = natural_map_norms(impulse, problem.apply(impulse), problem.q, problem.mu, scale)

@@ -9,7 +9,16 @@ from masonry_cd.linalg.dense import gemm, inverse_cholesky
 from masonry_cd.linalg.ghost_rows import share_of_subtrees
 from masonry_cd.linalg.single_columns import SYMMETRIC, factorise_columns
 from masonry_cd.linalg.small_blocks import copy_flat
-from masonry_cd.linalg.supernodes import end_inside, extent, has_single_columns, number_rows, subtract_product, view_block
+from masonry_cd.linalg.supernodes import (
+    BlockMatrix,
+    Factor,
+    end_inside,
+    extent,
+    has_single_columns,
+    number_rows,
+    subtract_product,
+    view_block,
+)
 from masonry_cd.linalg.threads import share_of, wait
 
 
@@ -123,7 +132,7 @@ def factorise_cholesky(symbolic, diagonal, lower, squares, panels, size_n):
     Returns False when A is not positive definite; if all columns are single, when a diagonal block cannot be inverted.
     """
     if has_single_columns(symbolic):
-        return factorise_columns(symbolic, diagonal, lower, lower, squares, panels, panels, SYMMETRIC, size_n)
+        return factorise_columns(BlockMatrix(diagonal, lower, lower), Factor(symbolic, squares, panels, panels, size_n), SYMMETRIC)
     n, count = len(size_n), len(symbolic.first) - 1
     ok = factorise_supernodes(symbolic, 0, count, diagonal, lower, squares, panels, n)
     if ok:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from masonry_cd.jit import kernel
-from masonry_cd.linalg.supernodes import view_block
+from masonry_cd.linalg.supernodes import view_supernode
 
 
 @kernel()
-def determinant_sign(plan, squares, size_n):
-    """Sign of the determinant of a factorised matrix, from the inverses of its diagonal squares."""
+def determinant_sign(factor):
+    """Sign of the determinant of a factorised matrix, 1.0 or -1.0, from the inverses of its diagonal squares."""
     sign = 1.0
-    for s in range(len(plan.first) - 1):
-        width = len(size_n) * (plan.first[s + 1] - plan.first[s])
-        work = view_block(squares, plan.square[s], width, width, len(size_n)).copy()
+    for s in range(len(factor.symbolic.first) - 1):
+        square, _, _ = view_supernode(factor, s)
+        work = square.copy()
+        width = len(work)
         for k in range(width):
             best = k
             for i in range(k + 1, width):
@@ -25,7 +26,7 @@ def determinant_sign(plan, squares, size_n):
             if work[k, k] < 0.0:
                 sign = -sign
             for i in range(k + 1, width):
-                factor = work[i, k] / work[k, k]
+                share = work[i, k] / work[k, k]
                 for j in range(k + 1, width):
-                    work[i, j] -= factor * work[k, j]
+                    work[i, j] -= share * work[k, j]
     return sign

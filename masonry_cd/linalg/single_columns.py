@@ -7,7 +7,7 @@ import numpy as np
 from masonry_cd.jit import kernel
 from masonry_cd.linalg.small_blocks import invert
 
-SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix; likewise
+SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
 
 
 @kernel(fastmath={"contract"})
@@ -34,65 +34,93 @@ def subtract_block_product(c, at, a, i, b, size_n):
                 c[at, p, q] = total
 
 
+@kernel(inline="always")
+def load_column(matrix, symbolic, j, where, square, lows, ups, symmetric, n):
+    """Blocks of A in column j into ``square`` (1, n, n) and the blocks of L and of U^T; ``where`` (N,) numbers their rows."""
+    for t in range(symbolic.start[j], symbolic.start[j + 1]):
+        where[symbolic.below[t]] = t
+    for t in range(symbolic.column[j], symbolic.column[j + 1]):
+        i = where[symbolic.row[t]]
+        for p in range(n):
+            for q in range(n):
+                lows[i, p, q] = matrix.lower[t, p, q]
+        if not symmetric:
+            for p in range(n):
+                for q in range(n):
+                    ups[i, p, q] = matrix.upper[t, p, q]
+    for p in range(n):
+        for q in range(n):
+            square[0, p, q] = matrix.diagonal[j, p, q]
+
+
+@kernel(fastmath={"contract"}, inline="always")
+def multiply_transposed(a, i, b, t, out, n):
+    """out = a[i] b[t]^T for blocks."""
+    for p in range(n):
+        for q in range(n):
+            total = 0.0
+            for r in range(n):
+                total += a[i, q, r] * b[t, p, r]
+            out[q, p] = total
+
+
+@kernel(fastmath={"contract"}, inline="always")
+def transpose_of_product(b, t, a, i, out, n):
+    """out = (b[t] a[i])^T for blocks."""
+    for p in range(n):
+        for q in range(n):
+            total = 0.0
+            for r in range(n):
+                total += b[t, p, r] * a[i, r, q]
+            out[q, p] = total
+
+
+@kernel(inline="always")
+def put_transposed(block, blocks, t, n):
+    """blocks[t] = block^T."""
+    for p in range(n):
+        for q in range(n):
+            blocks[t, p, q] = block[q, p]
+
+
 @kernel(fastmath={"contract"})
-def factorise_columns(plan, diagonal, lower, upper, inverse, low, up, symmetric, size_n):
-    """:func:`factorise_ldu` where each run is one node: blocks of L and of U^T one after another, all loops over them unrolled."""
-    n, size, first, below = len(size_n), len(plan.column) - 1, plan.start, plan.below
-    squares, lows, ups = inverse.reshape((size, n, n)), low.reshape((len(below), n, n)), up.reshape((len(below), n, n))
-    head, following, at = np.full(size, -1), np.full(size, -1), np.empty(size, dtype=np.int64)
-    where = np.empty(size, dtype=np.int64)
-    square, turned, other, work = np.empty((1, n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
+def factorise_columns(matrix, factor, symmetric):
+    """:func:`factorise_ldu` where each supernode is one node: blocks of L and of U^T one after another, all loops over them unrolled.
+
+    Of a symmetric matrix the panels of D U are left alone. Columns whose next block is in row j wait in a list that begins with head[j].
+    """
+    symbolic, size = factor.symbolic, factor.size
+    n, count, first, below = len(size), len(symbolic.column) - 1, symbolic.start, symbolic.below
+    squares, lows = factor.squares.reshape((count, n, n)), factor.panels.reshape((len(below), n, n))
+    ups = factor.others.reshape((len(below), n, n))
+    head, following, at = np.full(count, -1), np.full(count, -1), np.empty(count, dtype=np.int64)
+    where, work = np.empty(count, dtype=np.int64), np.empty((n, n))
+    square, turned, other = np.empty((1, n, n)), np.empty((n, n)), np.empty((n, n))
     lows[:] = 0.0
     if not symmetric:
         ups[:] = 0.0
-    for j in range(size):
-        for t in range(first[j], first[j + 1]):
-            where[below[t]] = t
-        for t in range(plan.column[j], plan.column[j + 1]):
-            i = where[plan.row[t]]
-            for p in range(n):
-                for q in range(n):
-                    lows[i, p, q] = lower[t, p, q]
-            if not symmetric:
-                for p in range(n):
-                    for q in range(n):
-                        ups[i, p, q] = upper[t, p, q]
-        for p in range(n):
-            for q in range(n):
-                square[0, p, q] = diagonal[j, p, q]
+    for j in range(count):
+        load_column(matrix, symbolic, j, where, square, lows, ups, symmetric, n)
         k = head[j]
         while k >= 0:  # all columns k < j with a block in row j
             coming, t0, end = following[k], at[k], first[k + 1]
-            for p in range(n):
-                for q in range(n):
-                    total = 0.0
-                    for r in range(n):
-                        total += squares[k, q, r] * (lows[t0, p, r] if symmetric else ups[t0, p, r])
-                    turned[q, p] = total
-            subtract_block_product(square, 0, lows, t0, turned, size_n)
+            multiply_transposed(squares, k, lows if symmetric else ups, t0, turned, n)
+            subtract_block_product(square, 0, lows, t0, turned, size)
             for t in range(t0 + 1, end):
-                subtract_block_product(lows, where[below[t]], lows, t, turned, size_n)
+                subtract_block_product(lows, where[below[t]], lows, t, turned, size)
             if symmetric:
-                for p in range(n):
-                    for q in range(n):
-                        lows[t0, p, q] = turned[q, p]
+                put_transposed(turned, lows, t0, n)
             else:
-                for p in range(n):
-                    for q in range(n):
-                        total = 0.0
-                        for r in range(n):
-                            total += lows[t0, p, r] * squares[k, r, q]
-                        other[q, p] = total
+                transpose_of_product(lows, t0, squares, k, other, n)
                 for t in range(t0 + 1, end):
-                    subtract_block_product(ups, where[below[t]], ups, t, other, size_n)
-                for p in range(n):
-                    for q in range(n):
-                        lows[t0, p, q], ups[t0, p, q] = other[q, p], turned[q, p]
+                    subtract_block_product(ups, where[below[t]], ups, t, other, size)
+                put_transposed(other, lows, t0, n)
+                put_transposed(turned, ups, t0, n)
             if t0 + 1 < end:
                 at[k], following[k] = t0 + 1, head[below[t0 + 1]]
                 head[below[t0 + 1]] = k
             k = coming
-        if not invert(square[0], squares[j], work, size_n):
+        if not invert(square[0], squares[j], work, size):
             return False
         if first[j] < first[j + 1]:
             at[j], following[j] = first[j], head[below[first[j]]]
@@ -101,12 +129,12 @@ def factorise_columns(plan, diagonal, lower, upper, inverse, low, up, symmetric,
 
 
 @kernel(fastmath={"contract"})
-def forward_columns(plan, low, x, size_n):
-    """:func:`forward_substitution` where each run is one node."""
-    n, below = len(size_n), plan.below
+def forward_columns(symbolic, low, x, size_n):
+    """:func:`forward_substitution` where each supernode is one node."""
+    n, below = len(size_n), symbolic.below
     lows = low.reshape((len(below), n, n))
-    for j in range(len(plan.column) - 1):
-        for t in range(plan.start[j], plan.start[j + 1]):
+    for j in range(len(symbolic.column) - 1):
+        for t in range(symbolic.start[j], symbolic.start[j + 1]):
             i = below[t]
             for p in range(n):
                 total = x[i, p]
@@ -116,9 +144,9 @@ def forward_columns(plan, low, x, size_n):
 
 
 @kernel(fastmath={"contract"})
-def backward_columns(plan, inverse, up, x, size_n):
-    """:func:`backward_substitution` where each run is one node."""
-    n, below, size = len(size_n), plan.below, len(plan.column) - 1
+def backward_columns(symbolic, inverse, up, x, size_n):
+    """:func:`backward_substitution` where each supernode is one node."""
+    n, below, size = len(size_n), symbolic.below, len(symbolic.column) - 1
     squares, ups, y = inverse.reshape((size, n, n)), up.reshape((len(below), n, n)), np.empty(n, dtype=up.dtype)
     for j in range(size):
         for p in range(n):
@@ -129,7 +157,7 @@ def backward_columns(plan, inverse, up, x, size_n):
         for p in range(n):
             x[j, p] = y[p]
     for j in range(size - 1, -1, -1):
-        for t in range(plan.start[j], plan.start[j + 1]):
+        for t in range(symbolic.start[j], symbolic.start[j + 1]):
             i = below[t]
             for q in range(n):
                 total = x[j, q]

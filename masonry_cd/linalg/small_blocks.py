@@ -1,7 +1,6 @@
 """Small dense blocks, one per body or contact, and plain copies.
 
-``size_n`` (or ``size_m``) is a tuple of as many zeros as a block has rows: its length is part of its type, so that the compiler knows it
-and unrolls the loops.
+``size_n`` (or ``size_m``) is a tuple of as many zeros as a block has rows, see :func:`size_tuple`.
 """
 
 from __future__ import annotations
@@ -11,6 +10,14 @@ import numpy as np
 from masonry_cd.jit import kernel
 
 EPSILON = 2.2e-16  # relative rounding error of a float
+
+
+def size_tuple(n: int) -> tuple[int, ...]:
+    """n zeros. The length of a tuple is part of its type, so the compiler knows how many rows a block has, and unrolls the loops over them.
+
+    Such tuples are fields of problems and factors.
+    """
+    return (0,) * n
 
 
 @kernel()

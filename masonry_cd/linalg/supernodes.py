@@ -1,10 +1,31 @@
-"""The squares and panels of supernodes: where they are stored, and rows scattered into and gathered from them."""
+"""A block matrix and its factors: the squares and panels of supernodes, and rows scattered into and gathered from them."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from masonry_cd.jit import entry, kernel
+from masonry_cd.linalg.symbolic import SymbolicFactor
+
+
+class BlockMatrix(NamedTuple):
+    """A sparse matrix A of (n, n) blocks with a symmetric pattern: N nodes in order of elimination, E blocks below the diagonal."""
+
+    diagonal: np.ndarray  # (N or more, n, n) A_jj
+    lower: np.ndarray  # (E, n, n) A_ij below the diagonal, where the symbolic factor has them
+    upper: np.ndarray  # (E, n, n) A_ji^T; of a symmetric matrix ``lower``
+
+
+class Factor(NamedTuple):
+    """The factors of a block matrix, A = L D U."""
+
+    symbolic: SymbolicFactor
+    squares: np.ndarray  # D^-1, flat
+    panels: np.ndarray  # L, flat
+    others: np.ndarray  # D U, flat; not used where A is symmetric
+    size: tuple[int, ...]  # n zeros, see small_blocks.py
 
 
 @kernel()
@@ -34,76 +55,94 @@ def view_block(values, start, rows, columns, n):
 
 
 @entry()
-def allocate_factors(plan, size_n):
-    """Room for the squares and the panels of L and of D U; what is not touched, as the last for a symmetric matrix, costs nothing."""
-    blocks = len(size_n) * len(size_n)
-    return np.empty(plan.square[-1] * blocks), np.empty(plan.panel[-1] * blocks), np.empty(plan.panel[-1] * blocks)
+def allocate_factors(symbolic, size):
+    """Room for a :class:`Factor`; what is not touched, as the panels of D U for a symmetric matrix, costs nothing."""
+    blocks = len(size) * len(size)
+    squares, panels = np.empty(symbolic.square[-1] * blocks), np.empty(symbolic.panel[-1] * blocks)
+    return Factor(symbolic, squares, panels, np.empty(symbolic.panel[-1] * blocks), size)
 
 
 @kernel()
-def has_single_columns(plan):
-    """Whether each run is one node, all of them in one part."""
-    return len(plan.first) == len(plan.column) and len(plan.subtree) == 2
+def allocate_matrix(symbolic, size):
+    """Room for an unsymmetric :class:`BlockMatrix`."""
+    n, nodes, pairs = len(size), len(symbolic.column) - 1, len(symbolic.row)
+    return BlockMatrix(np.empty((nodes, n, n)), np.empty((pairs, n, n)), np.empty((pairs, n, n)))
 
 
 @kernel()
-def extent(plan, first, last, n):
-    """Most rows and longest line of the squares and panels that a factorisation of runs first to last meets."""
+def view_supernode(factor, s):
+    """The square (width, width) of supernode s, and its panels (width, length) of L and of D U."""
+    symbolic, n = factor.symbolic, len(factor.size)
+    width, length = n * (symbolic.first[s + 1] - symbolic.first[s]), n * (symbolic.start[s + 1] - symbolic.start[s])
+    square = view_block(factor.squares, symbolic.square[s], width, width, n)
+    low = view_block(factor.panels, symbolic.panel[s], width, length, n)
+    return square, low, view_block(factor.others, symbolic.panel[s], width, length, n)
+
+
+@kernel()
+def has_single_columns(symbolic):
+    """Whether each supernode is one node, all of them in one subtree."""
+    return len(symbolic.first) == len(symbolic.column) and len(symbolic.subtree) == 2
+
+
+@kernel()
+def extent(symbolic, first, last, n):
+    """Most rows and longest line of the squares and panels of supernodes first to last, and of what updates them."""
     widest, longest = 0, 0
     for s in range(first, last):
-        width = plan.first[s + 1] - plan.first[s]
-        widest, longest = max(widest, n * width), max(longest, n * max(width, plan.start[s + 1] - plan.start[s]))
-        for e in range(plan.update_start[s], plan.update_start[s + 1]):
-            d = plan.updater[e]
+        width = symbolic.first[s + 1] - symbolic.first[s]
+        widest, longest = max(widest, n * width), max(longest, n * max(width, symbolic.start[s + 1] - symbolic.start[s]))
+        for e in range(symbolic.update_start[s], symbolic.update_start[s + 1]):
+            d = symbolic.updater[e]
             widest, longest = (
-                max(widest, n * (plan.first[d + 1] - plan.first[d])),
-                max(longest, n * (plan.start[d + 1] - plan.update_first[e])),
+                max(widest, n * (symbolic.first[d + 1] - symbolic.first[d])),
+                max(longest, n * (symbolic.start[d + 1] - symbolic.update_first[e])),
             )
     return widest, longest
 
 
 @kernel()
-def number_rows(plan, s, where):
-    """``where`` the nodes of run s and the rows below it stand in its square and its panel."""
-    for i in range(plan.first[s], plan.first[s + 1]):
-        where[i] = i - plan.first[s]
-    for t in range(plan.start[s], plan.start[s + 1]):
-        where[plan.below[t]] = t - plan.start[s]
+def number_rows(symbolic, s, where):
+    """Into ``where`` (N,) the places of the nodes of supernode s in its square, and of the rows below it in its panel."""
+    for i in range(symbolic.first[s], symbolic.first[s + 1]):
+        where[i] = i - symbolic.first[s]
+    for t in range(symbolic.start[s], symbolic.start[s + 1]):
+        where[symbolic.below[t]] = t - symbolic.start[s]
 
 
 @kernel()
-def end_inside(plan, e, end):
-    """The end of those rows of the e-th puller that are before node ``end``."""
-    t, last = plan.update_first[e], plan.start[plan.updater[e] + 1]
-    while t < last and plan.below[t] < end:
+def end_inside(symbolic, e, end):
+    """The end of those rows of the e-th updater that are before node ``end``."""
+    t, last = symbolic.update_first[e], symbolic.start[symbolic.updater[e] + 1]
+    while t < last and symbolic.below[t] < end:
         t += 1
     return t
 
 
 @kernel()
-def longest_line(plan, first, last, n):
-    """Entries of the longest line of a panel or square of runs first to last."""
+def longest_line(symbolic, first, last, n):
+    """Entries of the longest line of a panel or square of supernodes first to last."""
     longest = 0
     for s in range(first, last):
-        longest = max(longest, n * max(plan.first[s + 1] - plan.first[s], plan.start[s + 1] - plan.start[s]))
+        longest = max(longest, n * max(symbolic.first[s + 1] - symbolic.first[s], symbolic.start[s + 1] - symbolic.start[s]))
     return longest
 
 
 @kernel()
-def gather_rows(plan, s, x, y, n):
-    """y = the rows of x below run s."""
+def gather_rows(symbolic, s, x, y, n):
+    """y = the rows of x below supernode s."""
     k = 0
-    for t in range(plan.start[s], plan.start[s + 1]):
+    for t in range(symbolic.start[s], symbolic.start[s + 1]):
         for p in range(n):
-            y[k] = x[plan.below[t], p]
+            y[k] = x[symbolic.below[t], p]
             k += 1
 
 
 @kernel()
-def subtract_rows(plan, s, row, y, x, n):
-    """Take y off the rows of x below run s; ``row`` says where these are: plan.below, or plan.target."""
+def subtract_rows(symbolic, s, row, y, x, n):
+    """Take y off the rows of x below supernode s; ``row`` says where these are: symbolic.below, or symbolic.target."""
     k = 0
-    for t in range(plan.start[s], plan.start[s + 1]):
+    for t in range(symbolic.start[s], symbolic.start[s + 1]):
         for p in range(n):
             x[row[t], p] -= y[k]
             k += 1

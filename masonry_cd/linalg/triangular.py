@@ -55,26 +55,27 @@ def add_rows(lines, at, length, factors, sign, out, size_n):
 
 
 @entry()
-def solve_ldu(symbolic, inverse, low, up, x, size_n):
+def solve_ldu(factor, x):
     """Solve L D U x = x in place, x (N or more, n)."""
+    symbolic, size, low, up = factor.symbolic, factor.size, factor.panels, factor.others
     if has_single_columns(symbolic):
-        forward_columns(symbolic, low, x, size_n)
-        backward_columns(symbolic, inverse, up, x, size_n)
+        forward_columns(symbolic, low, x, size)
+        backward_columns(symbolic, factor.squares, up, x, size)
         return
-    n, count = len(size_n), len(symbolic.first) - 1
+    n, count = len(size), len(symbolic.first) - 1
     longest, blocks, flat = longest_line(symbolic, 0, count, n), n * n, x.reshape(x.size)
     y, z = np.empty(longest), np.empty(longest)
     for s in range(count):
         own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
-        add_columns(low, symbolic.panel[s] * blocks, length, own, y, size_n)
+        add_columns(low, symbolic.panel[s] * blocks, length, own, y, size)
         subtract_rows(symbolic, s, symbolic.below, y, x, n)
     for s in range(count - 1, -1, -1):
         own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
         gather_rows(symbolic, s, x, y, n)
-        add_rows(up, symbolic.panel[s] * blocks, length, y, -1.0, own, size_n)
+        add_rows(up, symbolic.panel[s] * blocks, length, y, -1.0, own, size)
         copy_flat(own, z)
         own[:] = 0.0
-        add_rows(inverse, symbolic.square[s] * blocks, len(own), z, 1.0, own, size_n)
+        add_rows(factor.squares, symbolic.square[s] * blocks, len(own), z, 1.0, own, size)
 
 
 @kernel()

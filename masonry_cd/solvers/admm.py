@@ -49,11 +49,10 @@ from operator import itemgetter
 
 import numpy as np
 
-from masonry_cd.friction.local_blocks import contact_pattern
+from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
 from masonry_cd.linalg.ordering import FIELDS, Pattern
 from masonry_cd.linalg.threads import run_by_team
-from masonry_cd.solvers import nlgs
 from masonry_cd.solvers.admm_kernels import admm_bodies
 from masonry_cd.solvers.admm_workspace import AdmmSettings, allocate_workspace
 from masonry_cd.solvers.contact_partition import partition_contacts
@@ -180,7 +179,7 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     given, n = problem.arrays(), problem.v_free.shape[1]
     moving = start is not None and start.velocity is not None
     velocity = start.velocity.copy() if start is not None and start.velocity is not None else np.empty(problem.v_free.shape)
-    memory, index, block = recall(given[2], len(velocity), n, start)
+    memory, index, block = recall(given.bodies, len(velocity), n, start)
     pattern, tally, k = memory.pattern, memory.tally, memory.tally.next_k()
     settings = AdmmSettings(k, tally.stale or k != tally.k, moving, tally.rate, options.tolerance, limit)
     partition = partition_contacts(index, block, pattern.symbolic)
@@ -219,7 +218,7 @@ def _reason(error: float, options: Options) -> str:
 
 def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:
     """ADMM in the impulses: the same iteration by Woodbury's identity, with (W + R^-1) in place of (M + H^T R H)."""
-    given, _ = nlgs.local_arrays(problem)
-    pattern = contact_pattern(given.indices, given.indptr)
-    iterations, error = admm_local(given, pattern.order, pattern.place, pattern.symbolic, impulse, LOCAL_K, options.tolerance, limit)
+    given, _ = local_arrays(problem)
+    given, pattern = in_elimination_order(given)
+    iterations, error = admm_local(given, pattern.order, pattern.symbolic, impulse, LOCAL_K, options.tolerance, limit)
     return Solution(impulse, None, iterations, _reason(error, options))

@@ -17,7 +17,7 @@ def factorise_augmented(team, work, k):
     """Factorise M + H^T R H, R by k, by a team; the factors are in single precision. False if it is not positive definite."""
     problem = work.problem
     symbolic, squares, panels, rho, diagonal, lower, double_squares, double_panels = work.factor
-    n, (begin, end) = len(problem.size_n), share_of_subtrees(team, symbolic)
+    n, (begin, end) = len(problem.n), share_of_subtrees(team, symbolic)
     first, last = share_of(team, 0, len(rho))
     choose_stiffness(k, problem.d, problem.compliance, first, last, rho)
     wait(team)
@@ -30,7 +30,7 @@ def factorise_augmented(team, work, k):
     blocks = diagonal.reshape((len(diagonal), n, n))
     if not has_single_columns(symbolic):
         return factorise_by_team(team, symbolic, blocks, lower, squares, panels, n)
-    ok = factorise_cholesky(symbolic, blocks, lower, double_squares, double_panels, problem.size_n)  # one subtree, so one thread
+    ok = factorise_cholesky(symbolic, blocks, lower, double_squares, double_panels, problem.n)  # one subtree, so one thread
     copy_flat(double_squares, squares)
     copy_flat(double_panels, panels)
     return ok
@@ -50,9 +50,9 @@ def choose_stiffness(k, d, compliance, first, end, rho):
 @kernel(fastmath={"contract"})
 def augment(work, q):
     """Blocks of M + H^T R H in the columns of subtree q; what its contacts add to diagonal blocks of later ones goes to ghost rows."""
-    symbolic, mass, jacobian, partition = work.factor.symbolic, work.problem.mass, work.problem.jacobian, work.problem.partition
-    rho, diagonal, lower = work.factor.rho, work.factor.diagonal, work.factor.lower
-    m, n, bodies, (first, last) = len(work.problem.size_m), len(work.problem.size_n), len(mass), nodes_of(symbolic, q)
+    symbolic, mass, jacobian, partition = work.factor.symbolic, work.problem.mass, work.problem.jacobian, work.partition
+    places, block, rho, diagonal, lower = work.problem.places, work.problem.block, work.factor.rho, work.factor.diagonal, work.factor.lower
+    m, n, bodies, (first, last) = len(work.problem.m), len(work.problem.n), len(mass), nodes_of(symbolic, q)
     lower[symbolic.column[first] : symbolic.column[last]] = 0.0
     clear_ghosts(symbolic, q, diagonal)
     for b in range(first, last):
@@ -72,8 +72,6 @@ def augment(work, q):
                 if a == b != bodies:
                     for t in range(n):
                         diagonal[a, n * p + t] += x * jacobian[c, 1, i, t] + y * jacobian[c, 0, i, t]
-                if partition.block[c] >= 0:
+                if block[c] >= 0:
                     for t in range(n):
-                        lower[partition.block[c], p, t] += (
-                            x * jacobian[c, 1, i, t] if partition.place[c, 0] > partition.place[c, 1] else y * jacobian[c, 0, i, t]
-                        )
+                        lower[block[c], p, t] += x * jacobian[c, 1, i, t] if places[c, 0] > places[c, 1] else y * jacobian[c, 0, i, t]

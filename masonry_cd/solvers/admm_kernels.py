@@ -30,7 +30,7 @@ SOFTEST = 1e-3  # k at which a factorisation that fails is not tried at a tenth 
 
 @entry()
 def admm_bodies(team, given, order, work, settings, p_out, v_out):
-    """ADMM over the arrays of a FrictionProblem, with its bodies in the given order of elimination (N,), by a team.
+    """ADMM over ProblemArrays, with its bodies in the given order of elimination (N,), by a team.
 
     p_out (C, m) and v_out (N, n) hold the start and then the best answer found. The factor of the workspace is used as it is unless
     ``settings.fresh`` is set. It is in single precision: it yields corrections, which become small, of velocities and impulses in double
@@ -83,32 +83,30 @@ def start_iterates(team, given, order, work, settings, p_out, v_out):
 
     Returns |q / sqrt(d)|, by which errors are divided, and the natural map error of the start.
     """
-    problem, iterates, d, place = work.problem, work.iterates, work.problem.d, work.problem.partition.place
+    problem, partition, iterates = work.problem, work.partition, work.iterates
     b0, b1 = share_of(team, 0, len(order))
     begin, end = share_of_subtrees(team, work.factor.symbolic)
-    put_in_order(given[0], given[1], order, b0, b1, problem.inverse, problem.mass, problem.free, problem.size_n)
+    put_in_order(given.inverse_mass, given.v_free, order, b0, b1, problem.inverse, problem.mass, problem.free, problem.n)
     copy_flat(problem.free[b0:b1], iterates.v[b0:b1])
     iterates.v[len(order)] = 0.0
     iterates.trial[len(order)] = 0.0
     iterates.correction[len(order)] = 0.0
     wait(team)
     for q in range(begin, end):  # all of a subtree while it is in the cache
-        first, last = problem.partition.start[q], problem.partition.start[q + 1]
+        first, last = partition.start[q], partition.start[q + 1]
         sort_contacts(given, work, p_out, first, last)
         copy_flat(iterates.even[first:last], iterates.best[first:last])
-        measure_scales(problem.inverse, problem.jacobian, place, problem.compliance, first, last, d, problem.size_m, problem.size_n)
-        relative_velocity_of(
-            problem.jacobian, place, problem.offset, iterates.v, first, last, iterates.carried, problem.size_m, problem.size_n
-        )
+        measure_scales(problem, first, last)
+        relative_velocity_of(problem, iterates.v, first, last, iterates.carried)
         clear_momentum(work, q)
         add_momentum(work, q, iterates.even)
     velocity_of_momentum(team, work, iterates.v)
-    size = size_of(iterates.carried, d)
+    size = size_of(iterates.carried, problem.d)
     error = map_norm(team, work, iterates.even, iterates.v) / size
     copy_flat(iterates.v[b0:b1], iterates.best_v[b0:b1])
     if settings.moving and error > 1.0:  # the impulses fit worse than none would
         for b in range(b0, b1):
-            for i in range(len(problem.size_n)):
+            for i in range(len(problem.n)):
                 iterates.v[b, i] = v_out[order[b], i]
         wait(team)
     return size, error
@@ -120,16 +118,16 @@ def sort_contacts(given, work, p, first, end):
 
     Where there is one subtree the workspace has the arrays of the problem, and only p is copied.
     """
-    jacobian, offset, mu, compliance = given[3:]
-    problem, partition = work.problem, work.problem.partition
-    m, n, moved = len(problem.size_m), len(problem.size_n), len(partition.start) > 2
+    jacobian, offset, compliance = given.jacobian, given.offset, given.compliance
+    problem, partition = work.problem, work.partition
+    m, n, moved = len(problem.m), len(problem.n), len(partition.start) > 2
     for c in range(first, end):
         old = partition.contact[c]
         for i in range(m):
             work.iterates.even[c, i] = p[old, i]
         if not moved:
             continue
-        problem.mu[c] = mu[old]
+        problem.mu[c] = given.mu[old]
         for i in range(m):
             problem.offset[c, i] = offset[old, i]
             if len(compliance):
@@ -190,7 +188,7 @@ def measure_carried(team, work, last, p):
 def velocity_of_momentum(team, work, v):
     """v = v_free + M^-1 (generalised impulses of all subtrees), into v (N + 1, n)."""
     inverse, free, momentum, symbolic = work.problem.inverse, work.problem.free, work.iterates.momentum, work.factor.symbolic
-    n, (begin, end) = len(work.problem.size_n), share_of_subtrees(team, symbolic)
+    n, (begin, end) = len(work.problem.n), share_of_subtrees(team, symbolic)
     wait(team)
     for q in range(begin, end):
         first, last = nodes_of(symbolic, q)
@@ -207,11 +205,10 @@ def velocity_of_momentum(team, work, v):
 @kernel()
 def map_norm(team, work, p, v):
     """Norm of the natural map residual of impulses p (C, m) and velocities v (N + 1, n)."""
-    jacobian, offset, mu, compliance, d, partition, size_m, size_n = work.problem[3:]
-    sums, place, (begin, end) = work.sums[2], partition.place, share_of_subtrees(team, work.factor.symbolic)
+    problem, partition, sums, (begin, end) = work.problem, work.partition, work.sums[2], share_of_subtrees(team, work.factor.symbolic)
     for q in range(begin, end):
         first, last = partition.start[q], partition.start[q + 1]
-        sums[q] = squared_map_norm_of(jacobian, place, offset, mu, compliance, d, p, v, first, last, size_m, size_n)
+        sums[q] = squared_map_norm_of(problem, p, v, first, last)
     wait(team)
     total = np.sqrt(sums.sum())
     wait(team)
@@ -252,9 +249,9 @@ def write_answer(team, order, work, p_out, v_out):
     c0, c1 = share_of(team, 0, len(p_out))
     b0, b1 = share_of(team, 0, len(order))
     for c in range(c0, c1):
-        old = work.problem.partition.contact[c]
-        for i in range(len(work.problem.size_m)):
+        old = work.partition.contact[c]
+        for i in range(len(work.problem.m)):
             p_out[old, i] = work.iterates.best[c, i]
     for b in range(b0, b1):
-        for i in range(len(work.problem.size_n)):
+        for i in range(len(work.problem.n)):
             v_out[order[b], i] = work.iterates.best_v[b, i]

@@ -21,23 +21,23 @@ def eliminate_subtree(work, q, coming, p, new):
     problem, symbolic, panels = work.problem, work.factor.symbolic, work.factor.panels
     v, momentum, x = work.iterates.v, work.iterates.momentum, work.iterates.correction
     first, last = nodes_of(symbolic, q)
-    missing_momentum_of(problem.mass, problem.free, v, first, last, momentum, problem.size_n)
+    missing_momentum_of(problem.mass, problem.free, v, first, last, momentum, problem.n)
     clear_ghosts(symbolic, q, momentum)
     add_ghosts(symbolic, q, momentum)
-    ahead = panels_of(symbolic, coming, len(problem.size_n)) if coming >= 0 else (0, 0)
-    change = meet_contacts(problem, q, work.factor.rho, v, p, new, momentum, panels, ahead)
+    ahead = panels_of(symbolic, coming, len(problem.n)) if coming >= 0 else (0, 0)
+    change = meet_contacts(problem, work.partition, q, work.factor.rho, v, p, new, momentum, panels, ahead)
     copy_flat(momentum[first:last], x[first:last])
     clear_ghosts(symbolic, q, x)
     add_ghosts(symbolic, q, x)
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
-    forward_substitution(symbolic, begin, end, symbolic.target, panels, x, problem.size_n)
+    forward_substitution(symbolic, begin, end, symbolic.target, panels, x, problem.n)
     return change
 
 
 @kernel(inline="always")
 def update_subtree(work, q):
     """v <- v + L^-T D^-1 x for the bodies of subtree q, x from :func:`eliminate_subtree`, after all later subtrees."""
-    symbolic, size_n = work.factor.symbolic, work.problem.size_n
+    symbolic, size_n = work.factor.symbolic, work.problem.n
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
     backward_substitution(symbolic, begin, end, work.factor.squares, work.factor.panels, work.iterates.correction, size_n)
     first, last = nodes_of(symbolic, q)
@@ -56,14 +56,14 @@ def panels_of(symbolic, q, n):
 
 
 @kernel(fastmath={"contract"})
-def meet_contacts(problem, q, rho, v, p, new, momentum, panels, ahead):
+def meet_contacts(problem, partition, q, rho, v, p, new, momentum, panels, ahead):
     """new = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, momentum += H^T (2 new - p), for the contacts of subtree q.
 
     There is more to calculate than to fetch, so the panels between the two entries ``ahead``, which the next backward substitution needs,
     are fetched on the way. Returns the squared scaled change of p.
     """
-    jacobian, offset, mu, compliance, d, partition, size_m, size_n = problem[3:]
-    m, n, index, target = len(size_m), len(size_n), partition.place, partition.target
+    jacobian, offset, mu, compliance, d = problem.jacobian, problem.offset, problem.mu, problem.compliance, problem.d
+    m, n, index, target = len(problem.m), len(problem.n), problem.places, partition.target
     line, end = ahead
     change, contacts = 0.0, max(partition.start[q + 1] - partition.start[q], 1)
     share = (end - line + contacts - 1) // contacts
@@ -117,8 +117,8 @@ def clear_momentum(work, q):
 @kernel(fastmath={"contract"})
 def add_momentum(work, q, p):
     """momentum += H^T p of the contacts of subtree q."""
-    jacobian, partition, momentum = work.problem.jacobian, work.problem.partition, work.iterates.momentum
-    m, n = len(work.problem.size_m), len(work.problem.size_n)
+    jacobian, partition, momentum = work.problem.jacobian, work.partition, work.iterates.momentum
+    m, n = len(work.problem.m), len(work.problem.n)
     for c in range(partition.start[q], partition.start[q + 1]):
         a, b = partition.target[c, 0], partition.target[c, 1]
         for i in range(m):
@@ -134,11 +134,11 @@ def carry_impulses(work, q, last, p):
 
     For the contacts of subtree q; last (C, m) and p (C, m) are the impulses before and after the iteration.
     """
-    jacobian, partition, rho = work.problem.jacobian, work.problem.partition, work.factor.rho
+    jacobian, places, partition, rho = work.problem.jacobian, work.problem.places, work.partition, work.factor.rho
     step, carried, momentum = work.iterates.correction, work.iterates.carried, work.iterates.momentum
-    m, n = len(work.problem.size_m), len(work.problem.size_n)
+    m, n = len(work.problem.m), len(work.problem.n)
     for c in range(partition.start[q], partition.start[q + 1]):
-        a, b = partition.place[c, 0], partition.place[c, 1]
+        a, b = places[c, 0], places[c, 1]
         to, other = partition.target[c, 0], partition.target[c, 1]
         for i in range(m):
             gain = 0.0

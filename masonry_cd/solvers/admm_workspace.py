@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.friction.operators import OrderedProblem, ProblemArrays
 from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.solvers.contact_partition import ContactPartition
@@ -20,22 +21,6 @@ class AdmmSettings(NamedTuple):
     rate: float  # error over the change of p, as measured last, or 1
     tolerance: float  # natural map error
     limit: int  # iterations
-
-
-class SubtreeProblem(NamedTuple):
-    """A FrictionProblem with its N bodies in the order of elimination and its contacts subtree by subtree."""
-
-    inverse: np.ndarray  # (N, n, n) M^-1
-    mass: np.ndarray  # (N, n, n) M
-    free: np.ndarray  # (N, n) v_free
-    jacobian: np.ndarray  # (C, 2, m, n) H
-    offset: np.ndarray  # (C, m) b
-    mu: np.ndarray  # (C,)
-    compliance: np.ndarray  # (C, m), or (0, m) where all contacts are rigid
-    d: np.ndarray  # (C,) scales
-    partition: ContactPartition
-    size_m: tuple[int, ...]  # m zeros: its length is known to the compiler
-    size_n: tuple[int, ...]  # n zeros
 
 
 class Iterates(NamedTuple):
@@ -68,33 +53,34 @@ class AdmmFactor(NamedTuple):
 class AdmmWorkspace(NamedTuple):
     """All that the threads of a team work on."""
 
-    problem: SubtreeProblem
+    problem: OrderedProblem  # its contacts subtree by subtree
+    partition: ContactPartition  # which says of each of them where it was
     iterates: Iterates
     factor: AdmmFactor
     sums: np.ndarray  # (3, K) partial sums of the subtrees: changes of p after even and odd iterations, squared residuals
 
 
 def allocate_workspace(
-    given: tuple[np.ndarray, ...], pattern: Pattern, partition: ContactPartition, kept: tuple[np.ndarray, np.ndarray, np.ndarray]
+    given: ProblemArrays, pattern: Pattern, partition: ContactPartition, kept: tuple[np.ndarray, np.ndarray, np.ndarray]
 ) -> AdmmWorkspace:
     """Arrays to work in; untouched memory costs nothing.
 
     Args:
-        given: arrays of a FrictionProblem. Those of its contacts serve as they are where there is one subtree.
+        given: the problem. The arrays of its contacts serve as they are where there is one subtree.
         pattern: of M + H^T R H.
         partition: of the contacts.
         kept: squares, panels and rho of a factorisation.
     """
-    jacobian, offset, mu, compliance = given[3:]
+    jacobian, offset, mu, compliance = given.jacobian, given.offset, given.mu, given.compliance
     symbolic, count, (contacts, _, m, n) = pattern.symbolic, pattern.nodes, jacobian.shape
     rows = count + 1 + len(symbolic.node_ghost)
     if len(symbolic.subtree) > 2:
         jacobian, offset, mu, compliance = (np.empty_like(array) for array in (jacobian, offset, mu, compliance))
     blocks, bodies, impulses, subtrees = (count, n, n), (count + 1, n), (contacts, m), len(symbolic.subtree) - 1
     doubles = [n * n * int(starts[-1]) if pattern.has_single_columns else 0 for starts in (symbolic.square, symbolic.panel)]
-    problem = SubtreeProblem(
-        np.empty(blocks), np.empty(blocks), np.empty((count, n)), jacobian, offset, mu, compliance, np.empty(contacts), partition,
-        (0,) * m, (0,) * n,
+    problem = OrderedProblem(
+        np.empty(blocks), np.empty(blocks), np.empty((count, n)), partition.place, partition.block, jacobian, offset, mu, compliance,
+        np.empty(contacts), given.m, given.n,
     )  # fmt: skip
     iterates = Iterates(
         np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(bodies), np.empty(bodies),
@@ -102,4 +88,4 @@ def allocate_workspace(
     )  # fmt: skip
     matrix = np.empty((rows, n * n)), np.empty((len(symbolic.row), n, n))
     factor = AdmmFactor(symbolic, *kept, *matrix, *(np.empty(size) for size in doubles))
-    return AdmmWorkspace(problem, iterates, factor, np.empty((3, subtrees)))
+    return AdmmWorkspace(problem, partition, iterates, factor, np.empty((3, subtrees)))

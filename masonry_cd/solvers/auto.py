@@ -33,6 +33,7 @@ from math import isnan, nan
 
 import numpy as np
 
+from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
 from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.solvers import admm, interior, newton, nlgs
@@ -274,11 +275,11 @@ def _costs(problem: Problem, tally: Tally, start: Solution | None) -> tuple[Cost
     memory = {} if start is None else start.memory
     if tally.contacts != problem.contacts:
         if not isinstance(problem, FrictionProblem):
-            pattern = admm.contact_pattern(*nlgs.block_arrays(problem)[1:3])
+            _, pattern = in_elimination_order(local_arrays(problem)[0])
         else:
             last = admm.Memory.read(memory)
             if last is None:
-                last, *_ = admm.recall(problem.arrays()[2], len(problem.v_free), problem.v_free.shape[1], start)
+                last, *_ = admm.recall(problem.arrays().bodies, len(problem.v_free), problem.v_free.shape[1], start)
                 memory = memory | last.arrays()
             pattern = last.pattern
         tally.contacts, tally.costs = problem.contacts, tuple((np.array(ITERATION + CALL) @ work(problem, pattern)).tolist())

@@ -3,16 +3,67 @@ cones."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from masonry_cd.friction.coulomb_law import tangent_length
-from masonry_cd.friction.natural_map import size_of
-from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, map_norm, relative_velocity
+from masonry_cd.friction.operators import add_generalised_impulse, relative_velocity
 from masonry_cd.jit import kernel
 from masonry_cd.linalg.small_blocks import copy_flat, invert
 from masonry_cd.linalg.triangular import solve_ldu
 
 STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
+
+
+class Cones(NamedTuple):
+    """The cones of the contacts."""
+
+    mu: np.ndarray  # (C,) friction, nowhere zero: a cone without width has no inside
+    m: tuple[int, ...]  # m zeros
+    k: tuple[int, ...]  # m + 1 zeros: as many products as a contact has
+
+
+class Iterate(NamedTuple):
+    """A point inside the cones, or a direction in which to move it."""
+
+    w: np.ndarray  # (C, m)
+    p: np.ndarray  # (C, m)
+    gamma: np.ndarray  # (C,) sliding speeds
+    v: np.ndarray  # (B + 1, n) body velocities
+
+
+class Linearisation(NamedTuple):
+    """The products of each contact and their linearisation: (dp, dgamma) = inverse r - gain (du + miss) changes them by r."""
+
+    product: np.ndarray  # (C, k) w_n p_n and (gamma, w_t) o (mu p_n, p_t)
+    wanted: np.ndarray  # (C, k) r
+    inverse: np.ndarray  # (C, k, k)
+    gain: np.ndarray  # (C, k, m)
+    soft: np.ndarray  # (C, m) compliance of the spring in series, the contact's own and that of the damping
+    miss: np.ndarray  # (C, m) H v + b + C p - w, and on the path by its length less tau times that of the start
+    far: np.ndarray  # (C, m) that of the start, zero without such a path
+
+
+@kernel()
+def cones_of(mu, m, k):
+    """The :class:`Cones` of contacts with friction mu (C,)."""
+    return Cones(np.maximum(mu, 1e-6), m, k)
+
+
+@kernel()
+def allocate_iterate(shape, rows):
+    """Zeros for an :class:`Iterate` of so many contacts by m, and bodies by n."""
+    return Iterate(np.zeros(shape), np.zeros(shape), np.zeros(shape[0]), np.zeros(rows))
+
+
+@kernel()
+def allocate_linearisation(contacts, cones):
+    """Room for a :class:`Linearisation`."""
+    m, k = len(cones.m), len(cones.k)
+    product, wanted = np.empty((contacts, k)), np.empty((contacts, k))
+    inverse, gain = np.empty((contacts, k, k)), np.empty((contacts, k, m))
+    return Linearisation(product, wanted, inverse, gain, np.empty((contacts, m)), np.empty((contacts, m)), np.zeros((contacts, m)))
 
 
 @kernel(inline="always")
@@ -78,11 +129,8 @@ def central_start(p, u, mu, d, shift, w, inner, m):
 
 
 @kernel()
-def linearise_products(w, p, gamma, mu, soft, inverse, gain, work, size_m, size_k):
-    """Linearised products of a contact whose w is that of the velocities, softened by its compliance and by the damping.
-
-    (dp, dgamma) = inverse r - gain (du + miss) changes them by r. work (3, k, k). False if they cannot be solved for that.
-    """
+def linearise_contact(w, p, gamma, mu, soft, inverse, gain, work, size_m, size_k):
+    """Fill inverse (k, k) and gain (k, m) of one contact, see :class:`Linearisation`; work (3, k, k). False if they do not exist."""
     m, k = len(size_m), len(size_k)
     change, by_w = work[0], work[1]
     change[:], by_w[:] = 0.0, 0.0
@@ -105,29 +153,52 @@ def linearise_products(w, p, gamma, mu, soft, inverse, gain, work, size_m, size_
 
 
 @kernel()
-def interior_direction(
-    momentum, jacobian, index, wanted, inverse, gain, miss, soft, plan, factors, out, dw, dp, dgamma, size_m, size_n, size_k
-):
-    """The step that changes the products as wanted and takes all other residuals away: out (of v), dw, dp, dgamma.
+def linearise_products(cones, here, linear):
+    """Fill the products of all contacts and their linearisation. False if one cannot be solved for its impulse."""
+    k, regular = len(cones.k), True
+    work = np.empty((3, k, k))
+    for c in range(len(cones.mu)):
+        w, p, gamma, mu = here.w[c], here.p[c], here.gamma[c], cones.mu[c]
+        complementarity(w, p, gamma, mu, len(cones.m), linear.product[c])
+        inverse, gain = linear.inverse[c], linear.gain[c]
+        regular = linearise_contact(w, p, gamma, mu, linear.soft[c], inverse, gain, work, cones.m, cones.k) and regular
+    return regular
 
-    momentum is H^T p - M (v - v_free), miss = H v + b + C p - w, factors those of M + H^T B H with B the first rows of gain.
+
+@kernel()
+def soften(problem, stiffness, linear):
+    """The springs in series with the products, C + d / K."""
+    compliance, d, soft = problem.compliance, problem.d, linear.soft
+    for c in range(len(d)):
+        for i in range(len(problem.m)):
+            soft[c, i] = (compliance[c, i] if len(compliance) else 0.0) + d[c] / stiffness
+
+
+@kernel()
+def missing_velocity(problem, here, tau, linear):
+    """What w misses, H v + b + C p - w - tau far."""
+    compliance, miss, far = problem.compliance, linear.miss, linear.far
+    relative_velocity(problem, here.v, miss)
+    for c in range(len(miss)):
+        for i in range(len(problem.m)):
+            own = compliance[c, i] if len(compliance) else 0.0
+            miss[c, i] += own * here.p[c, i] - here.w[c, i] - tau * far[c, i]
+
+
+@kernel()
+def interior_direction(problem, factor, momentum, linear, way):
+    """The direction that changes the products as wanted and takes all other residuals away.
+
+    momentum (B + 1, n) is H^T p - M (v - v_free); the factors are those of M + H^T B H with B the first rows of the gains.
     """
-    m, n, k = len(size_m), len(size_n), len(size_k)
-    for c in range(len(index)):
-        for i in range(k):
-            total = 0.0
-            for j in range(k):
-                total += inverse[c, i, j] * wanted[c, j]
-            for j in range(m):
-                total -= gain[c, i, j] * miss[c, j]
-            if i < m:
-                dp[c, i] = total
-            else:
-                dgamma[c] = total
+    m, n, k = len(problem.m), len(problem.n), linear.product.shape[1]
+    start_direction(linear, way, m, k)
+    dw, dp, dgamma, out = way.w, way.p, way.gamma, way.v
     copy_flat(momentum, out)
-    add_generalised_impulse(jacobian, index, dp, out, size_m, size_n)
-    solve_ldu(plan, factors[0], factors[1], factors[2], out, size_n)
+    add_generalised_impulse(problem, dp, out)
+    solve_ldu(factor, out)
     out[-1] = 0.0
+    jacobian, index, gain, miss, soft = problem.jacobian, problem.places, linear.gain, linear.miss, linear.soft
     for c in range(len(index)):
         a, b, h = index[c, 0], index[c, 1], jacobian[c]
         for j in range(m):
@@ -142,20 +213,27 @@ def interior_direction(
             dw[c, i] += soft[c, i] * dp[c, i]
 
 
-@kernel()
-def largest(x):
-    """Largest size of an entry."""
-    most = 0.0
-    for c in range(len(x)):
-        for i in range(x.shape[1]):
-            most = max(most, abs(x[c, i]))
-    return most
+@kernel(inline="always")
+def start_direction(linear, way, m, k):
+    """dp and dgamma of a direction as far as they do not depend on the change of the velocities."""
+    for c in range(len(way.p)):
+        for i in range(k):
+            total = 0.0
+            for j in range(k):
+                total += linear.inverse[c, i, j] * linear.wanted[c, j]
+            for j in range(m):
+                total -= linear.gain[c, i, j] * linear.miss[c, j]
+            if i < m:
+                way.p[c, i] = total
+            else:
+                way.gamma[c] = total
 
 
 @kernel()
-def longest_step(w, p, gamma, mu, dw, dp, dgamma, size_m):
-    """Largest step that keeps every contact inside its cones."""
-    m, longest = len(size_m), 1e10
+def longest_step(here, way, cones):
+    """Largest step along a direction that keeps every contact inside its cones."""
+    (w, p, gamma, _), (dw, dp, dgamma, _) = here, way
+    mu, m, longest = cones.mu, len(cones.m), 1e10
     for c in range(len(mu)):
         if dw[c, 0] < 0.0:
             longest = min(longest, -w[c, 0] / dw[c, 0])
@@ -166,72 +244,39 @@ def longest_step(w, p, gamma, mu, dw, dp, dgamma, size_m):
 
 
 @kernel()
-def corrector_rhs(dw, dp, dgamma, mu, product, target, second, wanted, size_m, size_k):
-    """The changes of the products that lead to ``target``, with the second order of the last direction if ``second`` is set."""
-    m, k = len(size_m), len(size_k)
-    for c in range(len(mu)):
-        if second:
-            complementarity(dw[c], dp[c], dgamma[c], mu[c], m, wanted[c])
-        for i in range(k):
-            wanted[c, i] = (target if i < 2 else 0.0) - product[c, i] - (wanted[c, i] if second else 0.0)
-
-
-@kernel()
-def centring_share(dw, dp, dgamma, mu, product, gap, undone, longest, step, room, size_m):
-    """Share of the gap to aim at, from what the predictor would leave of it, and more after a short step; ``room`` (C, k) is used up.
-
-    ``undone`` measures what w misses in the units of the gap: the gap is not to vanish before it.
-    """
-    contacts, ahead, reach = len(mu), 0.0, min(1.0, longest)
-    for c in range(contacts):
-        complementarity(dw[c], dp[c], dgamma[c], mu[c], len(size_m), room[c])
-        ahead += 0.5 * (1.0 - reach) * (product[c, 0] + product[c, 1]) / contacts
-        ahead += 0.5 * reach * reach * (room[c, 0] + room[c, 1]) / contacts
-    left = max(min(1.0, max(ahead / gap, 0.0)) ** 3, min(1.0, 0.3 * undone / gap))
-    return max(left, 1e-6 if step > 0.2 else (0.5 if step > 0.05 else 1.0))
-
-
-@kernel()
-def take_impulse(p, friction, impulse, size_m):
-    """impulse = p, without a tangential part where there is no friction."""
+def take_impulse(p, friction, impulse):
+    """impulse = p (C, m), without a tangential part where there is no friction."""
     for c in range(len(friction)):
-        for i in range(len(size_m)):
+        for i in range(p.shape[1]):
             impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
 
 
 @kernel()
-def advance(w, p, gamma, dw, dp, dgamma, step, friction, impulse, size_m):
-    """Go a share of the direction; ``impulse`` gets p, without friction where there is none."""
-    for c in range(len(friction)):
-        gamma[c] += step * dgamma[c]
-        for i in range(len(size_m)):
-            w[c, i] += step * dw[c, i]
-            p[c, i] += step * dp[c, i]
-    take_impulse(p, friction, impulse, size_m)
+def add_flat(x, step, change):
+    """x += step change, both contiguous and of one shape."""
+    x, change = x.reshape(x.size), change.reshape(change.size)
+    for i in range(len(x)):
+        x[i] += step * change[i]
 
 
 @kernel()
-def stiffness_after(step, stiffness):
-    """Long steps can do with stiffer contacts, short ones need softer."""
-    if step > 0.5:
-        return min(4.0 * stiffness, STIFFEST)
-    return max(0.25 * stiffness, 1.0) if step < 0.1 else stiffness
+def advance(here, step, way):
+    """Go a share of a direction."""
+    add_flat(here.w, step, way.w)
+    add_flat(here.p, step, way.p)
+    add_flat(here.gamma, step, way.gamma)
+    add_flat(here.v, step, way.v)
 
 
 @kernel()
-def begin_inside(
-    inverse, free, jacobian, index, offset, friction, compliance, d, mu, distance, impulse, v, u, push, w, p, gamma, size_m, size_n
-):
-    """The start: fill w, p and gamma from inside the cones, at a distance from their walls, v with the velocities of the impulses.
+def begin_inside(problem, answer, cones, distance, here, u):
+    """The start: fill w, p and gamma from inside the cones, near the answer, and v with its velocities; u (C, m) is room.
 
-    u (C, m) and push (bodies + 1, n) are room. Returns the size of the problem, the shift, and the natural map error of the impulses.
+    Returns the distance from the walls as a speed, ``distance`` times the largest without impulses.
     """
-    copy_flat(free, v)
-    relative_velocity(jacobian, index, offset, v, u, size_m, size_n)
-    size, shift = size_of(u, d), distance * largest(u)
-    body_velocity(inverse, free, jacobian, index, impulse, push, v, size_m, size_n)
-    error = map_norm(jacobian, index, offset, friction, compliance, d, impulse, v, size_m, size_n) / size
-    relative_velocity(jacobian, index, offset, v, u, size_m, size_n)
-    for c in range(len(mu)):
-        gamma[c] = central_start(impulse[c], u[c], mu[c], d[c], shift, w[c], p[c], len(size_m))
-    return size, shift, error
+    shift, impulse = distance * answer.speed, answer.impulse
+    copy_flat(answer.velocity, here.v)
+    relative_velocity(problem, here.v, u)
+    for c in range(len(cones.mu)):
+        here.gamma[c] = central_start(impulse[c], u[c], cones.mu[c], problem.d[c], shift, here.w[c], here.p[c], len(cones.m))
+    return shift

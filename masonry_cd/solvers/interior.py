@@ -52,9 +52,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
+from masonry_cd.friction.local_operators import LocalArrays
 from masonry_cd.friction.problem import LocalProblem, Problem, Solution
+from masonry_cd.linalg.small_blocks import size_tuple
+from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.solvers import admm, nlgs
 from masonry_cd.solvers.interior_kernels import INTERIOR, PATH, PROXIMAL, linearised_bodies
+from masonry_cd.solvers.linearised import Elimination, Settings
 from masonry_cd.solvers.local_interior_kernels import interior_local, proximal_local
 from masonry_cd.solvers.options import Options
 
@@ -68,6 +73,7 @@ RIGID = 1e8  # K of the other
 WIDE = 0.5  # how far products may be off the path, relative to those on it: much more, and it takes other branches for its own
 CLOSE = 1e-6  # natural map error at which the path by its length is left
 Method = Callable[[np.ndarray, float, int], tuple[int, float]]  # improves impulses (C, m) from a distance: iterations, error
+LocalKernel = Callable[[LocalArrays, SymbolicFactor, Settings, np.ndarray], tuple[int, float]]
 Try = tuple[np.ndarray, float, tuple[tuple[Method, int], ...]]  # impulses to start from, distance, and methods with limits of iterations
 
 
@@ -83,16 +89,15 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return nlgs.solve(problem, options, start)
     if isinstance(problem, LocalProblem):
         return _solve_local(problem, options, start)
-    arrays, n, m = problem.arrays(), problem.v_free.shape[1], problem.dimension
-    memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
-    pattern = memory.pattern
-    given = (*arrays, pattern.order, pattern.symbolic, index, spot)
-    sizes, velocity = ((0,) * m, (0,) * n, (0,) * (m + 1)), np.empty(problem.v_free.shape)
+    arrays, (bodies, n), m = problem.arrays(), problem.v_free.shape, problem.dimension
+    memory, index, block = admm.recall(arrays.bodies, bodies, n, start)
+    elimination = Elimination(memory.pattern.order, memory.pattern.symbolic, index, block)
+    velocity = np.empty((bodies, n))
 
     def method(kind: int, stiffness: float, tolerance: float) -> Method:
         def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
-            tail = (distance, stiffness, WIDE, tolerance, allowed, *sizes)
-            iterations, error, _, _ = linearised_bodies(kind, *given, impulse, velocity, *tail)
+            settings = Settings(distance, stiffness, WIDE, tolerance, allowed, size_tuple(m + 1))
+            iterations, error, _, _ = linearised_bodies(kind, arrays, elimination, settings, impulse, velocity)
             return iterations, error
 
         return improve
@@ -108,29 +113,29 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
 
 def _solve_local(problem: LocalProblem, options: Options, start: Solution | None) -> Solution:
-    """The same in the impulses, with W scaled to unit diagonal blocks in the mean: a centre is the same for all contacts then."""
-    blocks, indices, indptr, _ = nlgs.block_arrays(problem)
-    m, root, row = problem.dimension, np.sqrt(problem.scales())[:, None], np.repeat(np.arange(problem.contacts), np.diff(indptr))
-    pattern = admm.contact_pattern(indices, indptr)
-    scaled = blocks / (root[row] * root[indices])[:, :, None]
-    given = (scaled, indices, indptr, problem.q / root, problem.mu, pattern.place, pattern.symbolic)
+    """Both methods in the impulses, with W scaled to unit diagonal blocks in the mean: a centre is the same for all contacts then."""
+    given, _ = local_arrays(problem)
+    ordered, pattern = in_elimination_order(given)
+    m, root, row = problem.dimension, np.sqrt(problem.scales())[:, None], np.repeat(np.arange(problem.contacts), np.diff(given.indptr))
+    scaled = given.data / (root[row] * root[given.indices])[:, :, None]
+    arrays = ordered._replace(data=scaled, q=problem.q / root, d=np.ones(problem.contacts))
 
-    def interior(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
-        tail = (distance, STIFFNESS, options.tolerance, allowed, (0,) * m, (0,) * (m + 1))
-        return interior_local(*given, impulse, *tail)
+    def method(kernel: LocalKernel) -> Method:
+        def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
+            settings = Settings(distance, STIFFNESS, WIDE, options.tolerance, allowed, size_tuple(m + 1))
+            return kernel(arrays, pattern.symbolic, settings, impulse)
 
-    def proximal(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
-        return proximal_local(*given, impulse, options.tolerance, allowed, (0,) * m)
+        return improve
 
     begin = np.zeros((problem.contacts, m)) if start is None else start.impulse * root
-    methods = ((interior, TURN), (proximal, TURN))
+    methods = ((method(interior_local), TURN), (method(proximal_local), TURN))
     farther: list[Try] = [(np.zeros_like(begin), distance, methods) for distance in FARTHER[1:]]
     best, iterations, error = _search([*_starts(begin, methods), *farther], options)
     return Solution(best / root, None, iterations, _reason(error, options))
 
 
 def _starts(begin: np.ndarray, methods: tuple[tuple[Method, int], ...]) -> list[Try]:
-    """The same methods from near some impulses (C, m), unless there are none, and last from nothing."""
+    """The methods from near some impulses (C, m), unless there are none, and last from nothing."""
     near: list[Try] = [(begin, distance, methods) for distance in DISTANCES if begin.any()]
     return [*near, (np.zeros_like(begin), FAR, methods)]
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
 from masonry_cd.friction.local_operators import delassus_product, local_norm, place_blocks
 from masonry_cd.friction.natural_map import size_of
 from masonry_cd.jit import entry, kernel
@@ -16,130 +15,130 @@ from masonry_cd.linalg.inertia import determinant_sign
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.single_columns import UNSYMMETRIC
 from masonry_cd.linalg.small_blocks import copy_flat
-from masonry_cd.linalg.supernodes import allocate_factors
+from masonry_cd.linalg.supernodes import allocate_factors, allocate_matrix
 from masonry_cd.linalg.triangular import solve_ldu
 from masonry_cd.solvers.central_path import (
     advance,
+    allocate_iterate,
+    allocate_linearisation,
     central_start,
-    centring_share,
-    complementarity,
-    corrector_rhs,
+    cones_of,
     linearise_products,
     longest_step,
-    stiffness_after,
+    start_direction,
+    take_impulse,
 )
-from masonry_cd.solvers.proximal_kernels import FREE, HELD, first_change, spring_blocks
+from masonry_cd.solvers.interior_kernels import centring_share, corrector_rhs, mean_miss, mean_product, stiffness_after
+from masonry_cd.solvers.linearised import largest
+from masonry_cd.solvers.proximal_kernels import (
+    FOLDS,
+    FREE,
+    HELD,
+    add_step,
+    allocate_springs,
+    first_change,
+    project_trial,
+    spring_block,
+    stiffness_after_springs,
+)
+
+MOST_LOCAL = 60  # iterations for one problem with springs
 
 
 @kernel()
-def factorise_local(data, indices, indptr, blocks, place, plan, diagonal, lower, upper, factors, size_m):
-    """Factorise I + S W, S one block per contact. False if that fails."""
-    place_blocks(data, indices, indptr, blocks, place, plan, UNSYMMETRIC, diagonal, lower, upper, size_m)
-    for i in range(len(place)):
-        for r in range(len(size_m)):
-            diagonal[i, r, r] += 1.0
-    return factorise_ldu(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], size_m)
+def factorise_local(problem, blocks, symbolic, matrix, factor):
+    """Factorise I + S W, S the first rows of ``blocks`` (C, m or more, m). False if that fails."""
+    place_blocks(problem, blocks, symbolic, UNSYMMETRIC, matrix)
+    for i in range(len(problem.place)):
+        for r in range(len(problem.m)):
+            matrix.diagonal[i, r, r] += 1.0
+    return factorise_ldu(matrix, factor)
 
 
 @kernel()
-def solve_local(plan, factors, place, right, x, size_m):
+def solve_local(problem, factor, right, x):
     """x <- (I + S W)^-1 x, by contact; right (C, m) is room for x in the order of elimination."""
-    m = len(size_m)
+    m, place = len(problem.m), problem.place
     for c in range(len(place)):
         for i in range(m):
             right[place[c], i] = x[c, i]
-    solve_ldu(plan, factors[0], factors[1], factors[2], right, size_m)
+    solve_ldu(factor, right)
     for c in range(len(place)):
         for i in range(m):
             x[c, i] = right[place[c], i]
 
 
 @kernel()
-def interior_direction_local(
-    data, indices, indptr, wanted, inverse, gain, miss, soft, plan, factors, place, right, dw, dp, dgamma, size_m, size_k
-):
-    """The step that changes the products as wanted and takes the other residual away, miss = W p + q - w: dw, dp, dgamma."""
-    m, k = len(size_m), len(size_k)
-    for c in range(len(dp)):
-        for i in range(k):
-            total = 0.0
-            for j in range(k):
-                total += inverse[c, i, j] * wanted[c, j]
-            for j in range(m):
-                total -= gain[c, i, j] * miss[c, j]
-            if i < m:
-                dp[c, i] = total
-            else:
-                dgamma[c] = total
-    solve_local(plan, factors, place, right, dp, size_m)
-    delassus_product(data, indices, indptr, dp, dw, size_m)
-    for c in range(len(dp)):
+def missing_velocity_local(problem, here, linear):
+    """What w misses, W p + q - w."""
+    delassus_product(problem, here.p, linear.miss)
+    for c in range(len(here.p)):
+        for i in range(len(problem.m)):
+            linear.miss[c, i] += problem.q[c, i] - here.w[c, i]
+
+
+@kernel()
+def interior_direction_local(problem, factor, linear, right, way):
+    """The direction that changes the products as wanted and takes the other residual away; ``right`` (C, m) is room."""
+    m, k = len(problem.m), linear.product.shape[1]
+    start_direction(linear, way, m, k)
+    solve_local(problem, factor, right, way.p)
+    delassus_product(problem, way.p, way.w)
+    for c in range(len(way.p)):
         for j in range(m):
-            dgamma[c] -= gain[c, m, j] * dw[c, j]
+            way.gamma[c] -= linear.gain[c, m, j] * way.w[c, j]
         for i in range(m):
-            dw[c, i] += miss[c, i] + soft[c, i] * dp[c, i]
+            way.w[c, i] += linear.miss[c, i] + linear.soft[c, i] * way.p[c, i]
+
+
+@kernel()
+def predict_and_correct_local(problem, factor, cones, here, linear, right, step, way):
+    """:func:`predict_and_correct` in the impulses; ``right`` (C, m) is room."""
+    gap, undone = mean_product(linear), mean_miss(here, linear)
+    centring, longest = 0.0, 0.0
+    for turn in range(3):
+        if turn == 2 and longest >= 0.1:
+            break
+        corrector_rhs(cones, way, linear, centring * gap, turn == 1)
+        interior_direction_local(problem, factor, linear, right, way)
+        longest = longest_step(here, way, cones)
+        if turn == 0:
+            centring = centring_share(cones, way, linear, gap, undone, longest, step)
+    return longest
 
 
 @entry()
-def interior_local(
-    data, indices, indptr, q, friction, place, plan, impulse, distance, stiffness, tolerance, limit, size_m, size_k
-):  # fmt: skip
-    """Interior point method over a scaled LocalProblem, as :func:`interior_bodies`: (I + G W) dp = r, G the first rows of the gains.
+def interior_local(problem, symbolic, settings, impulse):
+    """Interior point method over scaled LocalArrays, as :func:`interior_bodies`: (I + G W) dp = r, G the first rows of the gains.
 
     impulse holds the start and then the best answer found. Returns iterations and natural map error.
     """
-    contacts, m, k = len(friction), len(size_m), len(size_k)
-    d = np.ones(contacts)
-    u, soft, right = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m))
-    w, p, gamma = np.empty((contacts, m)), np.empty((contacts, m)), np.empty(contacts)
-    dw, dp, dgamma = np.empty((contacts, m)), np.empty((contacts, m)), np.empty(contacts)
-    product, wanted, gain = np.empty((contacts, k)), np.empty((contacts, k)), np.empty((contacts, k, m))
-    undo, work, blocks = np.empty((contacts, k, k)), np.empty((3, k, k)), np.empty((contacts, m, m))
-    diagonal, lower, upper = np.empty((contacts, m, m)), np.empty((len(plan.row), m, m)), np.empty((len(plan.row), m, m))
-    factors = allocate_factors(plan, size_m)
-    mu = np.maximum(friction, 1e-6)  # a cone without width has no inside
-    size, shift = size_of(q, d), distance * np.abs(q).max()
-    best = impulse.copy()
-    smallest = local_norm(data, indices, indptr, q, friction, d, best, u, size_m) / size
+    contacts, m, cones = len(impulse), len(problem.m), cones_of(problem.mu, problem.m, settings.k)
+    matrix, factor = allocate_matrix(symbolic, problem.m), allocate_factors(symbolic, problem.m)
+    rows = impulse[:0].shape  # no bodies
+    here, way = allocate_iterate(impulse.shape, rows), allocate_iterate(impulse.shape, rows)
+    linear, u, right = allocate_linearisation(contacts, cones), np.empty(impulse.shape), np.empty(impulse.shape)
+    size, shift, best = size_of(problem.q, problem.d), settings.distance * largest(problem.q), impulse.copy()
+    smallest = local_norm(problem, best, u) / size
     for c in range(contacts):
-        gamma[c] = central_start(best[c], u[c], mu[c], 1.0, shift, w[c], p[c], m)
-    step, iterations, short = 1.0, 0, 0
-    while iterations < limit and smallest > tolerance and short < 6:
+        here.gamma[c] = central_start(best[c], u[c], cones.mu[c], 1.0, shift, here.w[c], here.p[c], m)
+    step, stiffness, iterations, short = 1.0, settings.stiffness, 0, 0
+    while iterations < settings.limit and smallest > settings.tolerance and short < 6:
         iterations += 1
-        delassus_product(data, indices, indptr, p, u, size_m)
-        gap, undone, regular = 0.0, 0.0, True
-        for c in range(contacts):
-            for i in range(m):
-                soft[c, i] = 1.0 / stiffness
-                u[c, i] += q[c, i] - w[c, i]  # what w misses
-                undone += abs(u[c, i] * p[c, i]) / contacts
-            complementarity(w[c], p[c], gamma[c], mu[c], m, product[c])
-            gap += 0.5 * (product[c, 0] + product[c, 1]) / contacts
-            regular = linearise_products(w[c], p[c], gamma[c], mu[c], soft[c], undo[c], gain[c], work, size_m, size_k) and regular
-            copy_flat(gain[c, :m], blocks[c])
-        if not (gap > 0.0 and regular) or not factorise_local(
-            data, indices, indptr, blocks, place, plan, diagonal, lower, upper, factors, size_m
-        ):
+        missing_velocity_local(problem, here, linear)
+        linear.soft[:] = 1.0 / stiffness
+        regular = linearise_products(cones, here, linear)
+        if not (mean_product(linear) > 0.0 and regular) or not factorise_local(problem, linear.gain, symbolic, matrix, factor):
             break
-        if determinant_sign(plan, factors[0], size_m) < 0.0 and stiffness > 1.0:
+        if determinant_sign(factor) < 0.0 and stiffness > 1.0:
             stiffness = max(0.1 * stiffness, 1.0)  # beyond a turning point of the path
             continue
-        centring, longest = 0.0, 0.0
-        for turn in range(3):
-            if turn == 2 and longest >= 0.1:
-                break
-            corrector_rhs(dw, dp, dgamma, mu, product, centring * gap, turn == 1, wanted, size_m, size_k)
-            interior_direction_local(
-                data, indices, indptr, wanted, undo, gain, u, soft, plan, factors, place, right, dw, dp, dgamma, size_m, size_k
-            )
-            longest = longest_step(w, p, gamma, mu, dw, dp, dgamma, size_m)
-            if turn == 0:
-                centring = centring_share(dw, dp, dgamma, mu, product, gap, undone, longest, step, wanted, size_m)
-        step = min(1.0, 0.99 * longest)
-        advance(w, p, gamma, dw, dp, dgamma, step, friction, impulse, size_m)
+        step = min(1.0, 0.99 * predict_and_correct_local(problem, factor, cones, here, linear, right, step, way))
+        advance(here, step, way)
         short = short + 1 if step < 0.02 else 0
         stiffness = stiffness_after(step, stiffness)
-        error = local_norm(data, indices, indptr, q, friction, d, impulse, dw, size_m) / size
+        take_impulse(here.p, problem.mu, impulse)
+        error = local_norm(problem, impulse, u) / size
         if error < smallest:
             smallest = error
             copy_flat(impulse, best)
@@ -150,110 +149,116 @@ def interior_local(
 
 
 @kernel()
-def spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, held, status, x, p, out, size_m):
-    """Trial impulses x and impulses p of the springs at velocities u (C, m), and out = W p + q - u; returns its norm.
-
-    The status of the contacts follows x, or is held as it is.
-    """
-    m, total = len(size_m), 0.0
-    for c in range(len(mu)):
+def spring_residual_local(problem, springs, stiffness, u, held, out):
+    """Fill x and p of the springs at velocities u (C, m), and out = W p + q - u (C, m); returns its norm."""
+    m, total, x = len(problem.m), 0.0, springs.x
+    for c in range(len(u)):
         for i in range(m):
-            x[c, i] = centre[c, i] - stiffness * u[c, i]
-        length = tangent_length(x[c, 1], x[c, 2] if m == 3 else 0.0)
-        if not held:
-            status[c] = OPEN if x[c, 0] <= 0.0 else (STICK if length <= mu[c] * x[c, 0] else SLIP)
-        share = mu[c] * x[c, 0] / length if status[c] == SLIP and length > 0.0 else 1.0
+            x[c, i] = springs.centre[c, i] - stiffness * u[c, i]
+        project_trial(springs, problem.mu, c, held, m)
+    delassus_product(problem, springs.p, out)
+    for c in range(len(u)):
         for i in range(m):
-            p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
-    delassus_product(data, indices, indptr, p, out, size_m)
-    for c in range(len(mu)):
-        for i in range(m):
-            out[c, i] += q[c, i] - u[c, i]
+            out[c, i] += problem.q[c, i] - u[c, i]
             total += out[c, i] * out[c, i]
     return np.sqrt(total)
 
 
+@kernel()
+def spring_direction_local(problem, factor, springs, out, right, change):
+    """The Newton step of u, du = r + W dp with (I + B W) dp = -B r, r = ``out`` (C, m); ``right`` (C, m) is room."""
+    m = len(problem.m)
+    for c in range(len(out)):
+        for i in range(m):
+            change[c, i] = 0.0
+            for j in range(m):
+                change[c, i] -= springs.block[c, i, j] * out[c, j]
+    solve_local(problem, factor, right, change)  # that of p
+    delassus_product(problem, change, right)
+    for c in range(len(out)):
+        for i in range(m):
+            change[c, i] = out[c, i] + right[c, i]
+
+
+@kernel()
+def shorten_step_local(problem, springs, stiffness, u, norm, change, trial, out):
+    """:func:`shorten_step` in the velocities u (C, m) of the contacts."""
+    step, new = 2.0, np.inf
+    while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
+        step *= 0.5
+        add_step(u, step, change, trial)
+        new = spring_residual_local(problem, springs, stiffness, trial, FREE, out)
+    return new, new < (1.0 - 0.1 * step) * norm
+
+
+@kernel()
+def turn_first_local(problem, springs, stiffness, u, change, out):
+    """:func:`turn_first` in the velocities u (C, m) of the contacts."""
+    copy_flat(springs.held, springs.status)
+    spring_residual_local(problem, springs, stiffness, u, HELD, out)
+    for c in range(len(u)):
+        for i in range(len(problem.m)):
+            springs.dx[c, i] = -stiffness * change[c, i]
+    step, which, other = first_change(problem.mu, springs.status, springs.x, springs.dx, problem.m)
+    if step < 1.0:
+        springs.status[which] = other
+    add_step(u, min(step, 0.5) if step >= 1.0 else step, change, u)
+    return spring_residual_local(problem, springs, stiffness, u, HELD, out), which, step
+
+
+@kernel()
+def settle_springs_local(problem, symbolic, matrix, factor, springs, stiffness, goal, most, u):
+    """:func:`settle_springs` in the velocities u (C, m) of the contacts, from those given."""
+    out, change, trial, right = np.empty(u.shape), np.empty(u.shape), np.empty(u.shape), np.empty(u.shape)
+    norm = spring_residual_local(problem, springs, stiffness, u, FREE, out)
+    spent, turned, last = 0, 0, -1
+    while norm > goal and spent < most and turned < FOLDS:
+        for c in range(len(u)):
+            spring_block(springs, problem.mu[c], 1.0 / stiffness, 1.0 / stiffness, c, problem.m)
+        spent += 1
+        if not factorise_local(problem, springs.block, symbolic, matrix, factor):
+            break
+        spring_direction_local(problem, factor, springs, out, right, change)
+        copy_flat(springs.status, springs.held)
+        new, enough = shorten_step_local(problem, springs, stiffness, u, norm, change, trial, out)
+        if enough:
+            copy_flat(trial, u)
+            norm, last, turned = new, -1, 0
+            continue
+        norm, which, step = turn_first_local(problem, springs, stiffness, u, change, out)
+        if step < 1.0:
+            turned, last = turned + 1 if which == last and step < 1e-9 else 0, which
+    return norm <= goal, spent
+
+
 @entry()
-def proximal_local(data, indices, indptr, q, mu, place, plan, p, tolerance, limit, size_m):
-    """Proximal points over a scaled LocalProblem, as :func:`proximal_bodies` but in u: du = r + W dp, (I + B W) dp = -B r, r = W p + q - u.
+def proximal_local(problem, symbolic, settings, p):
+    """Proximal points over scaled LocalArrays, as :func:`proximal_bodies` but in u: du = r + W dp, (I + B W) dp = -B r, r = W p + q - u.
 
     p holds the start and then the best answer found. Returns iterations (one factorisation each) and natural map error.
     """
-    contacts, m = len(mu), len(size_m)
-    d, u, out = np.ones(contacts), np.empty(p.shape), np.empty(p.shape)
-    change, trial, right = np.empty(p.shape), np.empty(p.shape), np.empty(p.shape)
-    x, dx, blocks, rigid = np.empty(p.shape), np.empty(p.shape), np.empty((contacts, m, m)), np.empty((0, m))
-    diagonal, lower, upper = np.empty((contacts, m, m)), np.empty((len(plan.row), m, m)), np.empty((len(plan.row), m, m))
-    factors = allocate_factors(plan, size_m)
-    status, held = np.zeros(contacts, dtype=np.int64), np.zeros(contacts, dtype=np.int64)
-    size = size_of(q, d)
-    smallest = error = local_norm(data, indices, indptr, q, mu, d, p, u, size_m) / size
-    best, centre, centre_u = p.copy(), p.copy(), u.copy()
+    matrix, factor = allocate_matrix(symbolic, problem.m), allocate_factors(symbolic, problem.m)
+    u, trial, springs, size = np.empty(p.shape), np.empty(p.shape), allocate_springs(p), size_of(problem.q, problem.d)
+    smallest = error = local_norm(problem, p, u) / size
+    centre_u = u.copy()
     stiffness = min(max(1.0 / max(error, 1e-300), 1e2), 1e6)
     iterations, failed = 0, 0
-    while iterations < limit and smallest > tolerance and failed < 16:
-        # the springs' problem to a hundredth of the error, from the centre
-        goal = size * max(1e-2 * error, 1e-3 * tolerance)
+    while iterations < settings.limit and smallest > settings.tolerance and failed < 16:
+        goal = size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
         copy_flat(centre_u, u)
-        norm = spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, FREE, status, x, p, out, size_m)
-        begun, turned, last = iterations, 0, -1
-        while norm > goal and iterations < min(limit, begun + 60) and turned < 3:
-            spring_blocks(mu, rigid, d, stiffness, status, x, blocks, size_m)
-            iterations += 1
-            if not factorise_local(data, indices, indptr, blocks, place, plan, diagonal, lower, upper, factors, size_m):
-                break
-            for c in range(contacts):
-                for i in range(m):
-                    change[c, i] = 0.0
-                    for j in range(m):
-                        change[c, i] -= blocks[c, i, j] * out[c, j]
-            solve_local(plan, factors, place, right, change, size_m)  # that of p
-            delassus_product(data, indices, indptr, change, trial, size_m)
-            for c in range(contacts):
-                for i in range(m):
-                    change[c, i] = out[c, i] + trial[c, i]
-            step, new = 2.0, np.inf
-            copy_flat(status, held)
-            while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
-                step *= 0.5
-                for c in range(contacts):
-                    for i in range(m):
-                        trial[c, i] = u[c, i] + step * change[c, i]
-                new = spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, trial, FREE, status, x, p, out, size_m)
-            if new < (1.0 - 0.1 * step) * norm:
-                copy_flat(trial, u)
-                norm, last, turned = new, -1, 0
-                continue
-            # no progress across the kinks: as far as the first of them, and the contact there changes its status
-            copy_flat(held, status)
-            spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, HELD, status, x, p, out, size_m)
-            for c in range(contacts):
-                for i in range(m):
-                    dx[c, i] = -stiffness * change[c, i]
-            step, which, other = first_change(mu, status, x, dx, size_m)
-            if step < 1.0:
-                turned = turned + 1 if which == last and step < 1e-9 else 0
-                status[which], last = other, which
-            share = min(step, 0.5) if step >= 1.0 else step
-            for c in range(contacts):
-                for i in range(m):
-                    u[c, i] += share * change[c, i]
-            norm = spring_residual_local(data, indices, indptr, q, mu, stiffness, centre, u, HELD, status, x, p, out, size_m)
-        solved, spent = norm <= goal, iterations - begun
-        new = local_norm(data, indices, indptr, q, mu, d, p, trial, size_m) / size
+        most = min(settings.limit - iterations, MOST_LOCAL)
+        solved, spent = settle_springs_local(problem, symbolic, matrix, factor, springs, stiffness, goal, most, u)
+        iterations += spent
+        new = local_norm(problem, springs.p, trial) / size
         if not solved and not new < error:
             stiffness, failed = max(0.125 * stiffness, 1.0), failed + 1
             continue
-        if not solved:
-            stiffness *= 0.25
-        elif spent <= 8:
-            stiffness *= 16.0 if new > 0.5 * error and spent < 4 else 4.0
+        stiffness = stiffness_after_springs(stiffness, solved, spent, new > 0.5 * error)
         error = new
         stiffness = min(stiffness, max(1e13 * error, 1e4))  # or else rounding, EPSILON times it, shows
-        copy_flat(p, centre)
+        copy_flat(springs.p, springs.centre)
         copy_flat(u, centre_u)
         if error < smallest:
             smallest = error
-            copy_flat(p, best)
-    copy_flat(best, p)
+            copy_flat(springs.p, p)
     return iterations, smallest

@@ -38,10 +38,13 @@ from math import inf
 
 import numpy as np
 
+from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.friction.problem import LocalProblem, Problem, Solution
+from masonry_cd.linalg.small_blocks import size_tuple
 from masonry_cd.solvers import admm, nlgs
 from masonry_cd.solvers.interior_kernels import NEWTON, linearised_bodies
-from masonry_cd.solvers.local_kernels import newton_local
+from masonry_cd.solvers.linearised import Elimination, Settings
+from masonry_cd.solvers.local_newton_kernels import newton_local
 from masonry_cd.solvers.options import Options
 
 LIMIT = 50  # iterations
@@ -68,17 +71,12 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     limit = LIMIT if options.max_iterations is None else options.max_iterations
     if isinstance(problem, LocalProblem):
         return _solve_local(problem, options, start, limit)
-    arrays, n = problem.arrays(), problem.v_free.shape[1]
-    memory, index, spot = admm.recall(arrays[2], len(problem.v_free), n, start)
-    impulse, velocity, pattern = start.impulse.copy(), np.empty(problem.v_free.shape), memory.pattern
-    m, tally, settings = (
-        problem.dimension,
-        memory.tally,
-        (0.0, memory.tally.newton_stiffness, 0.0, options.tolerance, limit),
-    )  # of them all, see there
-    iterations, error, begin, stiffness = linearised_bodies(
-        NEWTON, *arrays, pattern.order, pattern.symbolic, index, spot, impulse, velocity, *settings, (0,) * m, (0,) * n, (0,) * (m + 1)
-    )
+    arrays, (bodies, n) = problem.arrays(), problem.v_free.shape
+    memory, index, block = admm.recall(arrays.bodies, bodies, n, start)
+    impulse, velocity, pattern, tally = start.impulse.copy(), np.empty((bodies, n)), memory.pattern, memory.tally
+    settings = Settings(0.0, tally.newton_stiffness, 0.0, options.tolerance, limit, size_tuple(problem.dimension + 1))
+    elimination = Elimination(pattern.order, pattern.symbolic, index, block)
+    iterations, error, begin, stiffness = linearised_bodies(NEWTON, arrays, elimination, settings, impulse, velocity)
     tally.newton_stiffness, tally.newton_iterations = _next_stiffness(
         tally.newton_stiffness, stiffness, tally.newton_iterations, iterations, error <= options.tolerance
     )
@@ -107,12 +105,10 @@ def _next_stiffness(begin: float, end: float, before: float, iterations: int, co
 
 def _solve_local(problem: LocalProblem, options: Options, start: Solution, limit: int) -> Solution:
     """Newton in the impulses: (I + B W) (p+ - p) = g - p, with W as it is given."""
-    blocks, indices, indptr, own = nlgs.block_arrays(problem)
-    pattern, impulse = admm.contact_pattern(indices, indptr), start.impulse.copy()
-    iterations, error, begin = newton_local(
-        blocks, indices, indptr, own, problem.q, problem.mu, problem.scales(), pattern.place, pattern.symbolic, impulse,
-        admm.FIRST_STIFFNESS, options.tolerance, limit, (0,) * problem.dimension,
-    )  # fmt: skip
+    given, own = local_arrays(problem)
+    arrays, pattern = in_elimination_order(given)
+    impulse, settings = start.impulse.copy(), Settings(0.0, admm.FIRST_STIFFNESS, 0.0, options.tolerance, limit, arrays.m)
+    iterations, error, begin = newton_local(arrays, own, pattern.symbolic, settings, impulse)
     return Solution(impulse, None, iterations, _reason(error, begin, options))
 
 

@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from masonry_cd.friction.coulomb_law import tangent_length
-from masonry_cd.friction.natural_map import size_of
-from masonry_cd.friction.operators import (
-    add_generalised_impulse,
-    body_velocity,
-    contact_scales,
-    in_order,
-    map_norm,
-    missing_momentum,
-    put_back,
-    relative_velocity,
-)
+from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, change_at, law_velocity, map_norm, missing_momentum
 from masonry_cd.jit import kernel
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat, invert, multiply
-from masonry_cd.linalg.supernodes import allocate_factors
 from masonry_cd.linalg.triangular import solve_ldu
+from masonry_cd.solvers.linearised import augment_blocks, keep_better
+
+
+class LinearisedLaw(NamedTuple):
+    """The law of each contact, linearised: p+ = target - block (u+ - u)."""
+
+    target: np.ndarray  # (C, m) g
+    block: np.ndarray  # (C, m, m) B
+    m: tuple[int, ...]  # m zeros
 
 
 @kernel()
-def linearise_law(pn, p1, p2, un, u1, u2, mu, d, stiffness, block, target, c, size_m):
-    """Linearised law of contact c, p+ = target[c] - block[c] (u+ - u), for contact stiffness ``stiffness`` / d; see solvers/newton.py."""
-    m = len(size_m)
+def linearise_law(p, u, mu, d, stiffness, law, c):
+    """Linearise the law of contact c for contact stiffness ``stiffness`` / d, see newton.py; p and u have 3 components, in a plane too."""
+    (pn, p1, p2), (un, u1, u2) = p, u
+    m, target, block = len(law.m), law.target, law.block
     spatial = m == 3
     for i in range(m):
         target[c, i] = 0.0
@@ -80,49 +81,6 @@ def take_share(share, target, p0, p1, p2, size_m):
         target[i] = (p0, p1, p2)[i] + share[i, 0] * r0 + share[i, 1] * r1 + share[i, m - 1] * r2
 
 
-@kernel(fastmath={"contract"})
-def augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n):
-    """Diagonal, lower and transposed upper blocks of M + H^T B H, B one (m, m) block per contact."""
-    m, n, bodies = len(size_m), len(size_n), len(mass)
-    copy_flat(mass, diagonal)
-    lower[:] = 0.0
-    upper[:] = 0.0
-    turned = np.empty((2, m, n))
-    for c in range(len(index)):
-        a, b = index[c, 0], index[c, 1]
-        for side in range(2):
-            for i in range(m):
-                for q in range(n):
-                    total = 0.0
-                    for k in range(m):
-                        total += blocks[c, i, k] * jacobian[c, side, k, q]
-                    turned[side, i, q] = total
-            body = index[c, side]
-            if body < bodies:
-                for p in range(n):
-                    for q in range(n):
-                        total = 0.0
-                        for i in range(m):
-                            total += jacobian[c, side, i, p] * turned[side, i, q]
-                        diagonal[body, p, q] += total
-        if a == b < bodies:
-            for p in range(n):
-                for q in range(n):
-                    for i in range(m):
-                        diagonal[a, p, q] += jacobian[c, 0, i, p] * turned[1, i, q] + jacobian[c, 1, i, p] * turned[0, i, q]
-        if spot[c] >= 0:
-            low = 1 if a > b else 0
-            high = 1 - low
-            for p in range(n):
-                for q in range(n):
-                    one, other = 0.0, 0.0
-                    for i in range(m):
-                        one += jacobian[c, high, i, p] * turned[low, i, q]
-                        other += jacobian[c, low, i, q] * turned[high, i, p]
-                    lower[spot[c], p, q] += one
-                    upper[spot[c], p, q] += other
-
-
 @kernel()
 def damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool, float]:
     """Whether a Newton step that changed the error so is accepted, and the stiffness of the next one."""
@@ -134,63 +92,58 @@ def damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool,
 
 
 @kernel()
-def newton_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, p, v_out, stiffness, tolerance, limit,
-    size_m, size_n,
-):  # fmt: skip
-    """Semismooth Newton over a FrictionProblem, see solvers/newton.py. p holds the start and then the best answer found.
-
-    Returns iterations, natural map error, the error at the start, and the stiffness at the end.
-    """
-    count, m, n, contacts = len(order), len(size_m), len(size_n), len(mu)
-    inverse, mass, free = in_order(inverse_mass, v_free, order, size_n)
-    d = contact_scales(inverse, jacobian, index, compliance, size_m, size_n)
-    v, out, best_v = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.empty((count + 1, n))
-    w, target, blocks = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m, m))
-    copy_flat(free, v)
-    relative_velocity(jacobian, index, offset, v, w, size_m, size_n)
-    size = size_of(w, d)
-    body_velocity(inverse, free, jacobian, index, p, out, v, size_m, size_n)
-    best = p.copy()
-    copy_flat(v, best_v)
-    smallest = error = begin = map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
-    hold, hold_v = p.copy(), v.copy()
-    diagonal, lower, upper = np.empty((count, n, n)), np.empty((len(plan.row), n, n)), np.empty((len(plan.row), n, n))
-    squares, panels, others = allocate_factors(plan, size_n)
+def linearise_contacts(problem, p, w, stiffness, law):
+    """Linearise the law of all contacts at impulses p and velocities w (C, m), see :class:`LinearisedLaw`."""
+    m, mu, d, compliance = len(problem.m), problem.mu, problem.d, problem.compliance
     share, softer, work = np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
-    iterations, refused = 0, 0
-    while iterations < limit and smallest > tolerance and refused < 8:
-        relative_velocity(jacobian, index, offset, v, w, size_m, size_n)
-        for c in range(contacts):
-            if len(compliance):
-                for i in range(m):
-                    w[c, i] += compliance[c, i] * p[c, i]
-            p2, w2 = (p[c, 2], w[c, 2]) if m == 3 else (0.0, 0.0)
-            linearise_law(p[c, 0], p[c, 1], p2, w[c, 0], w[c, 1], w2, mu[c], d[c], stiffness, blocks, target, c, size_m)
-            if len(compliance):
-                in_series(blocks[c], compliance[c], share, softer, work, size_m)
-                take_share(share, target[c], p[c, 0], p[c, 1], p2, size_m)
-                copy_flat(softer, blocks[c])
-        augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
+    for c in range(len(p)):
+        p2, w2 = (p[c, 2], w[c, 2]) if m == 3 else (0.0, 0.0)
+        linearise_law((p[c, 0], p[c, 1], p2), (w[c, 0], w[c, 1], w2), mu[c], d[c], stiffness, law, c)
+        if len(compliance):
+            in_series(law.block[c], compliance[c], share, softer, work, problem.m)
+            take_share(share, law.target[c], p[c, 0], p[c, 1], p2, problem.m)
+            copy_flat(softer, law.block[c])
+
+
+@kernel()
+def take_newton_step(problem, factor, law, p, v, room):
+    """Impulses p and velocities v <- those that solve the linearised problem, by the factors of M + H^T B H; ``room`` (B + 1, n)."""
+    m, n = len(problem.m), len(problem.n)
+    missing_momentum(problem, v, room)
+    add_generalised_impulse(problem, law.target, room)
+    solve_ldu(factor, room)
+    room[-1] = 0.0
+    jacobian, index = problem.jacobian, problem.places
+    for c in range(len(p)):
+        for i in range(m):
+            p[c, i] = law.target[c, i]
+        for i in range(m):
+            change = change_at(jacobian, index, c, i, room, n)
+            for k in range(m):
+                p[c, k] -= law.block[c, k, i] * change
+    body_velocity(problem, p, room, v)
+
+
+@kernel()
+def newton_bodies(problem, matrix, factor, answer, settings):
+    """Semismooth Newton over an OrderedProblem, see newton.py, from ``answer`` on, which gets better.
+
+    Returns iterations, the error at the start, and the stiffness at the end.
+    """
+    p, v = answer.impulse.copy(), answer.velocity.copy()
+    hold, hold_v, w, room = p.copy(), v.copy(), np.empty(p.shape), np.empty(v.shape)
+    law = LinearisedLaw(np.empty(p.shape), np.empty((len(p), len(problem.m), len(problem.m))), problem.m)
+    error = begin = answer.error[0]
+    stiffness, iterations, refused = settings.stiffness, 0, 0
+    while iterations < settings.limit and answer.error[0] > settings.tolerance and refused < 8:
+        law_velocity(problem, v, p, w)
+        linearise_contacts(problem, p, w, stiffness, law)
+        augment_blocks(problem, law.block, matrix)
         iterations += 1
         new = np.inf
-        if factorise_ldu(plan, diagonal, lower, upper, squares, panels, others, size_n):
-            missing_momentum(mass, free, v, out, size_n)
-            add_generalised_impulse(jacobian, index, target, out, size_m, size_n)
-            solve_ldu(plan, squares, panels, others, out, size_n)
-            out[count] = 0.0
-            for c in range(contacts):
-                a, b = index[c, 0], index[c, 1]
-                for i in range(m):
-                    p[c, i] = target[c, i]
-                for i in range(m):
-                    change = 0.0
-                    for k in range(n):
-                        change += jacobian[c, 0, i, k] * out[a, k] + jacobian[c, 1, i, k] * out[b, k]
-                    for k in range(m):
-                        p[c, k] -= blocks[c, k, i] * change
-            body_velocity(inverse, free, jacobian, index, p, out, v, size_m, size_n)
-            new = map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
+        if factorise_ldu(matrix, factor):
+            take_newton_step(problem, factor, law, p, v, room)
+            new = map_norm(problem, p, v) / answer.size
         accepted, stiffness = damp(new, error, iterations == 1, stiffness)
         if accepted:
             error, refused = new, 0
@@ -200,10 +153,5 @@ def newton_bodies(
             refused += 1
             copy_flat(hold, p)
             copy_flat(hold_v, v)
-        if error < smallest:
-            smallest = error
-            copy_flat(p, best)
-            copy_flat(v, best_v)
-    copy_flat(best, p)
-    put_back(best_v, order, v_out)
-    return iterations, smallest, begin, stiffness
+        keep_better(answer, p, v, error)
+    return iterations, begin, stiffness

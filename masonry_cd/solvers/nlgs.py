@@ -18,9 +18,9 @@ from __future__ import annotations
 import numpy as np
 from numba import config, set_num_threads
 
-from masonry_cd.friction.local_blocks import block_arrays
-from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
-from masonry_cd.solvers.local_kernels import LocalArrays, nlgs_local
+from masonry_cd.friction.local_blocks import local_arrays
+from masonry_cd.friction.problem import FrictionProblem, Problem, Solution
+from masonry_cd.solvers.local_kernels import nlgs_local
 from masonry_cd.solvers.nlgs_kernels import (
     NlgsSettings,
     begin_sweeps,
@@ -74,14 +74,8 @@ def _solve_coloured(problem: FrictionProblem, options: Options, impulse: np.ndar
             sweep_coloured(scaled, joints, random.permutation(colours), CHUNK)
             sweeps += 1
         error = error_after_sweeps(scaled)
-    end_sweeps(scaled, given[1], impulse, velocity)
+    end_sweeps(scaled, given.v_free, impulse, velocity)
     return Solution(impulse, velocity, sweeps, _reason(error, options))
-
-
-def local_arrays(problem: LocalProblem) -> tuple[LocalArrays, np.ndarray]:
-    """A local problem as the kernels take it, and its diagonal blocks (C, m, m) as of :func:`block_arrays`."""
-    blocks, indices, indptr, own = block_arrays(problem)
-    return LocalArrays(blocks, indices, indptr, problem.q, problem.mu, problem.scales(), (0,) * problem.dimension), own
 
 
 def _reason(error: float, options: Options) -> str:

@@ -35,7 +35,7 @@ class ColouredJoints(NamedTuple):
 
 @entry()
 def nlgs_bodies(given, p, v, settings):
-    """Gauss-Seidel over the arrays of a FrictionProblem. p (C, m) holds the start and then the answer, v (B, n) the velocities.
+    """Gauss-Seidel over ProblemArrays. p (C, m) holds the start and then the answer, v (B, n) the velocities.
 
     Returns the sweeps made and the natural map error measured last.
     """
@@ -49,7 +49,7 @@ def nlgs_bodies(given, p, v, settings):
             sweep(scaled.jacobian, scaled.y, scaled.bodies, scaled.table, starts, order, 1)
             sweeps += 1
         error = measure_error(scaled)
-    read_answer(scaled, given[1], p, v)
+    read_answer(scaled, given.v_free, p, v)
     return sweeps, error
 
 
@@ -112,7 +112,7 @@ def sweep_coloured(scaled, joints, colours, chunk):
 
 @entry()
 def begin_sweeps(given, p):
-    """The :class:`ScaledProblem` of the arrays of a FrictionProblem and impulses p (C, m), and their natural map error."""
+    """The :class:`ScaledProblem` of ProblemArrays and impulses p (C, m), and their natural map error."""
     scaled = scaled_problem(given, p)
     return scaled, measure_error(scaled)
 

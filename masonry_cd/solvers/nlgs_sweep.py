@@ -77,7 +77,7 @@ def sweep_spatial(g, y, index, law, starts, order, ahead):
             q0 = (law[c, Q] + law[c, C] * old_n - own_n) + u0
             q1 = (law[c, Q + 1] + law[c, C + 1] * old_1 - own_1) + u1
             q2 = (law[c, Q + 2] + law[c, C + 2] * old_2 - own_2) + u2
-            pn, p1, p2, law[c, START] = local_impulse(q0, q1, q2, inverse_nn, c1, c2, s11, s12, s22, law[c, MU], law[c, START])
+            pn, p1, p2, law[c, START] = local_impulse((q0, q1, q2), (inverse_nn, c1, c2, s11, s12, s22), law[c, MU], law[c, START])
             d0, d1, d2 = pn - old_n, p1 - old_1, p2 - old_2
             law[c, P], law[c, P + 1], law[c, P + 2] = pn, p1, p2
             y[a, 0] = a0 + (g[c, 0, 0, 0] * d0 + g[c, 0, 1, 0] * d1 + g[c, 0, 2, 0] * d2)
@@ -110,7 +110,7 @@ def sweep_any(g, y, index, law, starts, order):
                 for k in range(n):
                     seen[i] += g[c, 0, i, k] * y[a, k] + g[c, 1, i, k] * y[b, k]
             impulse[0], impulse[1], impulse[2], law[c, START] = local_impulse(
-                seen[0], seen[1], seen[2], inverse_nn, c1, c2, s11, s12, s22, law[c, MU], law[c, START]
+                (seen[0], seen[1], seen[2]), (inverse_nn, c1, c2, s11, s12, s22), law[c, MU], law[c, START]
             )
             for i in range(m):
                 change = impulse[i] - law[c, P + i]

@@ -93,11 +93,10 @@ def contact_table(g, q, index, mu, compliance, p):
 
 @kernel()
 def scaled_problem(given, p):
-    """The :class:`ScaledProblem` of the arrays of a FrictionProblem and of impulses p (C, m); y is not yet set."""
-    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance = given
-    factor, g, q, index = scale_by_mass(inverse_mass, v_free, bodies, jacobian, offset)
-    y = np.empty((v_free.shape[0] + 1, v_free.shape[1]))
-    return ScaledProblem(factor, g, index, contact_table(g, q, index, mu, compliance, p), y)
+    """The :class:`ScaledProblem` of ProblemArrays and impulses p (C, m); y is not yet set."""
+    factor, g, q, index = scale_by_mass(given.inverse_mass, given.v_free, given.bodies, given.jacobian, given.offset)
+    y = np.empty((len(given.v_free) + 1, len(given.n)))
+    return ScaledProblem(factor, g, index, contact_table(g, q, index, given.mu, given.compliance, p), y)
 
 
 @kernel(inline="always")

@@ -2,44 +2,53 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from masonry_cd.friction.operators import (
-    add_generalised_impulse,
-    body_velocity,
-    contact_scales,
-    in_order,
-    map_norm,
-    missing_momentum,
-    put_back,
-    relative_velocity,
-)
+from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, map_norm, missing_momentum
 from masonry_cd.jit import kernel
 from masonry_cd.linalg.inertia import determinant_sign
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat
-from masonry_cd.linalg.supernodes import allocate_factors
 from masonry_cd.solvers.central_path import (
+    Iterate,
+    advance,
+    allocate_iterate,
+    allocate_linearisation,
     begin_inside,
     complementarity,
+    cones_of,
     interior_direction,
     linearise_products,
     longest_step,
+    missing_velocity,
+    soften,
     take_impulse,
 )
-from masonry_cd.solvers.newton_kernels import augment_blocks
+from masonry_cd.solvers.linearised import augment_blocks, keep_better
+
+
+class PathWays(NamedTuple):
+    """The directions of a step along the path."""
+
+    back: Iterate  # to the path, with tau held
+    tangent: Iterate  # by d(log tau)
+    bend: Iterate  # second order
+    ahead: Iterate  # the step
 
 
 @kernel()
-def way_product(a, b, w, p, gamma, mu, size_m):
-    """Inner product of two changes (dw, dp, dgamma), each relative to what it changes, mean over the contacts."""
-    m, total = len(size_m), 0.0
+def way_product(a, b, here, cones):
+    """Inner product of two directions, each relative to what it changes, mean over the contacts."""
+    mu, m, total = cones.mu, len(cones.m), 0.0
+    w, p, gamma, _ = here
     for c in range(len(mu)):
         slide, bound = 1.0 / gamma[c], 1.0 / (mu[c] * p[c, 0])
-        total += a[0][c, 0] * b[0][c, 0] / (w[c, 0] * w[c, 0]) + a[1][c, 0] * b[1][c, 0] / (p[c, 0] * p[c, 0])
-        total += a[2][c] * b[2][c] * slide * slide
+        total += a.w[c, 0] * b.w[c, 0] / (w[c, 0] * w[c, 0]) + a.p[c, 0] * b.p[c, 0] / (p[c, 0] * p[c, 0])
+        total += a.gamma[c] * b.gamma[c] * slide * slide
         for i in range(1, m):
-            total += a[0][c, i] * b[0][c, i] * slide * slide + a[1][c, i] * b[1][c, i] * bound * bound
+            total += a.w[c, i] * b.w[c, i] * slide * slide + a.p[c, i] * b.p[c, i] * bound * bound
     return total / len(mu)
 
 
@@ -53,33 +62,11 @@ def combine(x, a, y, b, z, out):
 
 @kernel()
 def combine_ways(x, a, y, b, z, out):
-    """The same for changes of (w, p, gamma, v)."""
-    combine(x[0], a, y[0], b, z[0], out[0])
-    combine(x[1], a, y[1], b, z[1], out[1])
-    combine(x[2], a, y[2], b, z[2], out[2])
-    combine(x[3], a, y[3], b, z[3], out[3])
-
-
-@kernel()
-def step_ahead(w, p, gamma, mu, back, tangent, bend, drop, sign, curve, wide, tau, level, way, trial, size_m):
-    """way = back + h tangent + h^2 bend with the largest h that stays inside the cones and near the path.
-
-    The change of tau goes along, tau drop + h sign + h^2 curve. Near: no product of a contact is off tau times its level by more than
-    ``wide`` times that. trial (k,) is room. Returns the relative change of tau.
-    """
-    m, h = len(size_m), 2.0 if sign > 0.0 else 0.97
-    for _ in range(40):
-        combine_ways(back, h * sign, tangent, h * h, bend, way)
-        change = drop + h * sign + h * h * curve
-        if change > -0.98 and longest_step(w, p, gamma, mu, way[0], way[1], way[2], size_m) > 1.02:
-            off = 0.0
-            for c in range(len(mu)):
-                complementarity(w[c] + way[0][c], p[c] + way[1][c], gamma[c] + way[2][c], mu[c], m, trial)
-                off = max(off, off_path(trial, tau * (1.0 + change) * level[c]))
-            if off < wide:
-                break
-        h *= 0.75
-    return change
+    """out = x + a y + b z for points or directions."""
+    combine(x.w, a, y.w, b, z.w, out.w)
+    combine(x.p, a, y.p, b, z.p, out.p)
+    combine(x.gamma, a, y.gamma, b, z.gamma, out.gamma)
+    combine(x.v, a, y.v, b, z.v, out.v)
 
 
 @kernel()
@@ -92,100 +79,113 @@ def off_path(product, goal):
 
 
 @kernel()
-def path_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, friction, compliance, order, plan, index, spot, impulse, v_out, distance,
-    stiffness, wide, tolerance, limit, size_m, size_n, size_k,
-):  # fmt: skip
-    """The central path followed by its length over a FrictionProblem, see solvers/interior.py. impulse holds the start and then the best.
-
-    size_k is a tuple of m + 1 zeros. Returns iterations and natural map error.
-    """
-    count, m, n, k, contacts = len(order), len(size_m), len(size_n), len(size_k), len(friction)
-    inverse, mass, free = in_order(inverse_mass, v_free, order, size_n)
-    d = contact_scales(inverse, jacobian, index, compliance, size_m, size_n)
-    v, own_v = np.zeros((count + 1, n)), np.zeros((count + 1, n))
-    momentum, still = np.empty((count + 1, n)), np.zeros((count + 1, n))
-    miss, far, soft = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m))
-    w, p, gamma, level = np.empty((contacts, m)), np.empty((contacts, m)), np.empty(contacts), np.empty(contacts)
-    ways = [(np.zeros((contacts, m)), np.zeros((contacts, m)), np.zeros(contacts), np.zeros((count + 1, n))) for _ in range(4)]
-    back, tangent, bend, way = ways[0], ways[1], ways[2], ways[3]
-    product, wanted, gain = np.empty((contacts, k)), np.empty((contacts, k)), np.empty((contacts, k, m))
-    undo, work, trial = np.empty((contacts, k, k)), np.empty((3, k, k)), np.empty(k)
-    diagonal, lower, upper = np.empty((count, n, n)), np.empty((len(plan.row), n, n)), np.empty((len(plan.row), n, n))
-    factors = allocate_factors(plan, size_n)
-    mu = np.maximum(friction, 1e-6)  # a cone without width has no inside
-    # start: a point on the path at tau = 1, where w is off by far
-    size, shift, smallest = begin_inside(
-        inverse, free, jacobian, index, offset, friction, compliance, d, mu, distance, impulse, v, miss, momentum, w, p, gamma,
-        size_m, size_n,
-    )  # fmt: skip
-    best, best_v = impulse.copy(), v.copy()
-    for c in range(contacts):
-        level[c] = shift * shift / d[c]
-    body_velocity(inverse, free, jacobian, index, p, momentum, v, size_m, size_n)
-    relative_velocity(jacobian, index, offset, v, far, size_m, size_n)
-    for c in range(contacts):
+def path_directions(problem, factor, cones, here, linear, level, tau, ways, momentum):
+    """Fill ``back``, ``tangent`` and ``bend``; the products on the path are tau times ``level`` (C,). ``momentum`` (B + 1, n) is room."""
+    m, wanted = len(cones.m), linear.wanted
+    missing_momentum(problem, here.v, momentum)
+    add_generalised_impulse(problem, here.p, momentum)
+    for c in range(len(level)):
+        for i in range(m + 1):
+            wanted[c, i] = (tau * level[c] if i < 2 else 0.0) - linear.product[c, i]
+    interior_direction(problem, factor, momentum, linear, ways.back)
+    momentum[:] = 0.0
+    for c in range(len(level)):
+        for i in range(m + 1):
+            wanted[c, i] = tau * level[c] if i < 2 else 0.0
         for i in range(m):
-            own = compliance[c, i] if len(compliance) else 0.0
-            soft[c, i] = own + d[c] / stiffness
-            far[c, i] += own * p[c, i] - w[c, i]
+            linear.miss[c, i] = -tau * linear.far[c, i]
+    interior_direction(problem, factor, momentum, linear, ways.tangent)
+    dw, dp, dgamma, _ = ways.tangent
+    for c in range(len(level)):
+        complementarity(dw[c], dp[c], dgamma[c], cones.mu[c], m, wanted[c])
+        for i in range(m + 1):
+            wanted[c, i] = -wanted[c, i]
+        for i in range(m):
+            linear.miss[c, i] = 0.0
+    interior_direction(problem, factor, momentum, linear, ways.bend)
+
+
+@kernel()
+def turn_across(ways, here, cones):
+    """Turn ``back`` and ``bend`` across the tangent: this is what lets the path turn back. Returns the relative changes of tau in them."""
+    back, tangent, bend = ways.back, ways.tangent, ways.bend
+    length = 1.0 + way_product(tangent, tangent, here, cones)
+    drop = -way_product(back, tangent, here, cones) / length
+    curve = -way_product(bend, tangent, here, cones) / length
+    combine_ways(back, drop, tangent, 0.0, tangent, back)
+    combine_ways(bend, curve, tangent, 0.0, tangent, bend)
+    return drop, curve
+
+
+@kernel()
+def step_ahead(here, ways, cones, level, tau, changes, wide):
+    """ahead = back + h tangent + h^2 bend with the largest h that stays inside the cones and near the path.
+
+    ``changes`` are those of tau that go along, drop, sign and curve: drop + h sign + h^2 curve. Near: no product of a contact is off tau
+    times its level by more than ``wide`` times that. Returns the relative change of tau.
+    """
+    (drop, sign, curve), m, trial = changes, len(cones.m), np.empty(len(cones.k))
+    way, h = ways.ahead, 2.0 if sign > 0.0 else 0.97
+    for _ in range(40):
+        combine_ways(ways.back, h * sign, ways.tangent, h * h, ways.bend, way)
+        change = drop + h * sign + h * h * curve
+        if change > -0.98 and longest_step(here, way, cones) > 1.02:
+            off = 0.0
+            for c in range(len(level)):
+                w, p, gamma = here.w[c] + way.w[c], here.p[c] + way.p[c], here.gamma[c] + way.gamma[c]
+                complementarity(w, p, gamma, cones.mu[c], m, trial)
+                off = max(off, off_path(trial, tau * (1.0 + change) * level[c]))
+            if off < wide:
+                break
+        h *= 0.75
+    return change
+
+
+@kernel()
+def choose_step(here, ways, cones, level, tau, sign, wide):
+    """Fill ``ahead``: back to the path first, and along it from near; returns the relative change of tau, whose sign is given."""
+    drop, curve = turn_across(ways, here, cones)
+    longest = 0.9 * longest_step(here, ways.back, cones)
+    if longest < 1.0:
+        combine_ways(ways.back, longest - 1.0, ways.back, 0.0, ways.back, ways.ahead)
+        return longest * drop
+    return step_ahead(here, ways, cones, level, tau, (drop, sign, curve), wide)
+
+
+@kernel()
+def path_bodies(problem, matrix, factor, answer, settings):
+    """The central path followed by its length over an OrderedProblem, see interior.py, from near ``answer``, which gets better.
+
+    Returns the iterations.
+    """
+    impulse, v, room = answer.impulse.copy(), np.zeros(answer.velocity.shape), np.empty(answer.velocity.shape)
+    cones, rows, shape = cones_of(problem.mu, problem.m, settings.k), v.shape, impulse.shape
+    here, linear = allocate_iterate(shape, rows), allocate_linearisation(len(impulse), cones)
+    back, tangent = allocate_iterate(shape, rows), allocate_iterate(shape, rows)
+    ways = PathWays(back, tangent, allocate_iterate(shape, rows), allocate_iterate(shape, rows))
+    # a point on the path at tau = 1, where w is off by far
+    shift = begin_inside(problem, answer, cones, settings.distance, here, linear.miss)
+    level = shift * shift / problem.d
+    body_velocity(problem, here.p, room, here.v)
+    missing_velocity(problem, here, 0.0, linear)
+    copy_flat(linear.miss, linear.far)
+    soften(problem, settings.stiffness, linear)
     tau, iterations = 1.0, 0
-    while iterations < limit and smallest > tolerance:
+    while iterations < settings.limit and answer.error[0] > settings.tolerance:
         iterations += 1
-        relative_velocity(jacobian, index, offset, v, miss, size_m, size_n)
-        regular = True
-        for c in range(contacts):
-            for i in range(m):
-                own = compliance[c, i] if len(compliance) else 0.0
-                miss[c, i] += own * p[c, i] - w[c, i] - tau * far[c, i]
-            complementarity(w[c], p[c], gamma[c], mu[c], m, product[c])
-            regular = linearise_products(w[c], p[c], gamma[c], mu[c], soft[c], undo[c], gain[c], work, size_m, size_k) and regular
-        augment_blocks(mass, jacobian, index, spot, gain, diagonal, lower, upper, size_m, size_n)
-        if not regular or not factorise_ldu(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], size_n):
+        missing_velocity(problem, here, tau, linear)
+        regular = linearise_products(cones, here, linear)
+        augment_blocks(problem, linear.gain, matrix)
+        if not regular or not factorise_ldu(matrix, factor):
             break
-        sign = -determinant_sign(plan, factors[0], size_n)  # of the change of tau on the way
-        # back to the path with tau held; the tangent, by d(log tau); and how it bends
-        missing_momentum(mass, free, v, momentum, size_n)
-        add_generalised_impulse(jacobian, index, p, momentum, size_m, size_n)
-        for turn in range(3):
-            for c in range(contacts):
-                if turn == 2:
-                    complementarity(tangent[0][c], tangent[1][c], tangent[2][c], mu[c], m, wanted[c])
-                for i in range(k):
-                    goal = tau * level[c] if i < 2 else 0.0
-                    wanted[c, i] = goal - product[c, i] if turn == 0 else (goal if turn == 1 else -wanted[c, i])
-                for i in range(m):
-                    if turn > 0:
-                        miss[c, i] = -tau * far[c, i] if turn == 1 else 0.0
-            dw, dp, dgamma, out = ways[turn]
-            interior_direction(
-                momentum if turn == 0 else still, jacobian, index, wanted, undo, gain, miss, soft, plan, factors, out, dw, dp, dgamma,
-                size_m, size_n, size_k,
-            )  # fmt: skip
-        # both corrections across the tangent: this is what lets the path turn back
-        length = 1.0 + way_product(tangent, tangent, w, p, gamma, mu, size_m)
-        drop = -way_product(back, tangent, w, p, gamma, mu, size_m) / length
-        curve = -way_product(bend, tangent, w, p, gamma, mu, size_m) / length
-        combine_ways(back, drop, tangent, 0.0, tangent, back)
-        combine_ways(bend, curve, tangent, 0.0, tangent, bend)
-        longest = 0.9 * longest_step(w, p, gamma, mu, back[0], back[1], back[2], size_m)
-        if longest < 1.0:  # back to the path first
-            change = longest * drop
-            combine_ways(back, longest - 1.0, back, 0.0, back, way)
-        else:
-            change = step_ahead(w, p, gamma, mu, back, tangent, bend, drop, sign, curve, wide, tau, level, way, trial, size_m)
-        here = (w, p, gamma, v)
-        combine_ways(here, 1.0, way, 0.0, way, here)
+        path_directions(problem, factor, cones, here, linear, level, tau, ways, room)
+        change = choose_step(here, ways, cones, level, tau, -determinant_sign(factor), settings.wide)
+        advance(here, 1.0, ways.ahead)
         tau *= 1.0 + change
-        take_impulse(p, friction, impulse, size_m)
-        body_velocity(inverse, free, jacobian, index, impulse, momentum, own_v, size_m, size_n)
-        error = map_norm(jacobian, index, offset, friction, compliance, d, impulse, own_v, size_m, size_n) / size
-        if error < smallest:
-            smallest = error
-            copy_flat(impulse, best)
-            copy_flat(own_v, best_v)
+        take_impulse(here.p, problem.mu, impulse)
+        body_velocity(problem, impulse, room, v)
+        error = map_norm(problem, impulse, v) / answer.size
+        keep_better(answer, impulse, v, error)
         if not error < np.inf:
             break
-    copy_flat(best, impulse)
-    put_back(best_v, order, v_out)
-    return iterations, smallest
+    return iterations

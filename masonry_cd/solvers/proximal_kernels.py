@@ -2,29 +2,51 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
-from masonry_cd.friction.natural_map import size_of
 from masonry_cd.friction.operators import (
+    OrderedProblem,
     add_generalised_impulse,
     body_velocity,
-    contact_scales,
-    in_order,
+    change_at,
     map_norm,
     missing_momentum,
-    put_back,
     relative_velocity,
 )
 from masonry_cd.jit import entry, kernel
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat
-from masonry_cd.linalg.supernodes import allocate_factors
 from masonry_cd.linalg.triangular import solve_ldu
 from masonry_cd.solvers.central_path import STIFFEST
-from masonry_cd.solvers.newton_kernels import augment_blocks
+from masonry_cd.solvers.linearised import augment_blocks, keep_better
 
 FREE, HELD = np.bool_(False), np.bool_(True)  # whether a status may change; for plain False and True numba would compile the code twice
+MOST = 25  # iterations for one problem with springs
+FOLDS = 3  # times that the same contact turns at once, after which such a problem is given up
+
+
+class Springs(NamedTuple):
+    """The problem with springs that are at rest in the centre, and an iterate of it."""
+
+    centre: np.ndarray  # (C, m) impulses
+    x: np.ndarray  # (C, m) trial impulses
+    p: np.ndarray  # (C, m) impulses
+    status: np.ndarray  # (C,) OPEN, STICK or SLIP
+    held: np.ndarray  # (C,) a status to come back to
+    dx: np.ndarray  # (C, m) change of the trial impulses
+    block: np.ndarray  # (C, m, m) B = -dp/du
+
+
+@kernel()
+def allocate_springs(centre):
+    """:class:`Springs` at rest in impulses (C, m), which are copied."""
+    contacts, m = centre.shape
+    x, p, dx = np.empty(centre.shape), centre.copy(), np.empty(centre.shape)
+    status, held = np.zeros(contacts, dtype=np.int64), np.zeros(contacts, dtype=np.int64)
+    return Springs(centre.copy(), x, p, status, held, dx, np.empty((contacts, m, m)))
 
 
 @kernel(inline="always")
@@ -35,72 +57,79 @@ def softness(compliance, scale, c, m):
     return scale, scale
 
 
-@kernel()
-def spring_residual(model, mu, compliance, d, stiffness, centre, v, held, status, x, p, out, size_m, size_n):
-    """Trial impulses x and impulses p of the springs at velocities v, and out = M (v_free - v) + H^T p; returns its norm in M^-1.
+@kernel(inline="always")
+def project_trial(springs, mu, c, held, m):
+    """Impulse p of contact c from its trial impulse x, by its status, which follows x or is ``held`` as it is."""
+    x, p, status = springs.x, springs.p, springs.status
+    length = tangent_length(x[c, 1], x[c, 2] if m == 3 else 0.0)
+    if not held:
+        status[c] = OPEN if x[c, 0] <= 0.0 else (STICK if length <= mu[c] * x[c, 0] else SLIP)
+    share = mu[c] * x[c, 0] / length if status[c] == SLIP and length > 0.0 else 1.0
+    for i in range(m):
+        p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
 
-    model holds the mass, its inverse, v_free, H by contact, the places of the bodies and b. The status of the contacts follows x, or is
-    held as it is.
-    """
-    mass, inverse, free, jacobian, index, offset = model
-    m, n = len(size_m), len(size_n)
-    relative_velocity(jacobian, index, offset, v, x, size_m, size_n)
-    for c in range(len(mu)):
+
+@kernel()
+def spring_residual(problem, springs, stiffness, v, held, out):
+    """Fill x and p of the springs at velocities v, and out = M (v_free - v) + H^T p (B + 1, n); returns the norm of that in M^-1."""
+    m, n, compliance, d = len(problem.m), len(problem.n), problem.compliance, problem.d
+    x, centre = springs.x, springs.centre
+    relative_velocity(problem, v, x)
+    for c in range(len(d)):
         soft_n, soft_t = softness(compliance, d[c] / stiffness, c, m)
         for i in range(m):
             soft = soft_n if i == 0 else soft_t
             own = compliance[c, i] if len(compliance) else 0.0
             x[c, i] = ((soft - own) * centre[c, i] - x[c, i]) / soft
-        length = tangent_length(x[c, 1], x[c, 2] if m == 3 else 0.0)
-        if not held:
-            status[c] = OPEN if x[c, 0] <= 0.0 else (STICK if length <= mu[c] * x[c, 0] else SLIP)
-        share = mu[c] * x[c, 0] / length if status[c] == SLIP and length > 0.0 else 1.0
-        for i in range(m):
-            p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
-    missing_momentum(mass, free, v, out, size_n)
-    add_generalised_impulse(jacobian, index, p, out, size_m, size_n)
+        project_trial(springs, problem.mu, c, held, m)
+    missing_momentum(problem, v, out)
+    add_generalised_impulse(problem, springs.p, out)
     out[-1] = 0.0
     total = 0.0
-    for b in range(len(mass)):
+    for b in range(len(problem.inverse)):
         for i in range(n):
             for j in range(n):
-                total += out[b, i] * inverse[b, i, j] * out[b, j]
+                total += out[b, i] * problem.inverse[b, i, j] * out[b, j]
     return np.sqrt(max(total, 0.0))
 
 
-@kernel()
-def spring_blocks(mu, compliance, d, stiffness, status, x, blocks, size_m):
-    """B = -dp/du of the springs."""
-    m = len(size_m)
-    blocks[:] = 0.0
-    for c in range(len(mu)):
-        if status[c] == OPEN:
-            continue
-        soft_n, soft_t = softness(compliance, d[c] / stiffness, c, m)
+@kernel(inline="always")
+def spring_block(springs, mu, soft_n, soft_t, c, size_m):
+    """Fill B = -dp/du of the springs of contact c, from its trial impulse and status."""
+    m, x, blocks, status = len(size_m), springs.x, springs.block, springs.status
+    for i in range(m):
+        for j in range(m):
+            blocks[c, i, j] = 0.0
+    if status[c] != OPEN:
         blocks[c, 0, 0] = 1.0 / soft_n
         length = tangent_length(x[c, 1], x[c, 2] if m == 3 else 0.0)
-        share = mu[c] * max(x[c, 0], 0.0) / length if length > 0.0 else 1.0
+        share = mu * max(x[c, 0], 0.0) / length if length > 0.0 else 1.0
         for i in range(1, m):
             if status[c] == STICK:
                 blocks[c, i, i] = 1.0 / soft_t
             elif length > 0.0:
-                blocks[c, i, 0] = mu[c] * x[c, i] / (length * soft_n)
+                blocks[c, i, 0] = mu * x[c, i] / (length * soft_n)
                 for j in range(1, m):  # zero in a plane
                     across = (1.0 if i == j else 0.0) - x[c, i] * x[c, j] / (length * length)
                     blocks[c, i, j] = min(share, 1.0) / soft_t * across
 
 
 @kernel()
-def spring_changes(jacobian, index, compliance, d, stiffness, change, dx, size_m, size_n):
-    """Change of the trial impulses with the velocities."""
-    m, n = len(size_m), len(size_n)
+def spring_blocks(problem, springs, stiffness):
+    """B = -dp/du of the springs (C, m, m)."""
+    for c in range(len(problem.mu)):
+        soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, len(problem.m))
+        spring_block(springs, problem.mu[c], soft_n, soft_t, c, problem.m)
+
+
+@kernel()
+def spring_changes(problem, springs, stiffness, change):
+    """Change dx of the trial impulses with a change of the velocities (B + 1, n)."""
+    m, n, d, jacobian, index = len(problem.m), len(problem.n), problem.d, problem.jacobian, problem.places
     for c in range(len(d)):
-        soft_n, soft_t = softness(compliance, d[c] / stiffness, c, m)
+        soft_n, soft_t = softness(problem.compliance, d[c] / stiffness, c, m)
         for i in range(m):
-            total = 0.0
-            for k in range(n):
-                total += jacobian[c, 0, i, k] * change[index[c, 0], k] + jacobian[c, 1, i, k] * change[index[c, 1], k]
-            dx[c, i] = -total / (soft_n if i == 0 else soft_t)
+            springs.dx[c, i] = -change_at(jacobian, index, c, i, change, n) / (soft_n if i == 0 else soft_t)
 
 
 @entry()
@@ -134,94 +163,113 @@ def first_change(mu, status, x, dx, size_m):
 
 
 @kernel()
-def add_step(v, step, change, size_n, out):
-    """out = v + step change."""
+def add_step(v, step, change, out):
+    """out = v + step change (B or B + 1, n)."""
     for b in range(len(v)):
-        for i in range(len(size_n)):
+        for i in range(v.shape[1]):
             out[b, i] = v[b, i] + step * change[b, i]
 
 
 @kernel()
-def proximal_bodies(
-    inverse_mass, v_free, bodies, jacobian, offset, mu, compliance, order, plan, index, spot, p, v_out, tolerance, limit, size_m,
-    size_n,
-):  # fmt: skip
-    """Proximal points over a FrictionProblem, see solvers/interior.py. p holds the start and then the best answer found.
+def shorten_step(problem, springs, stiffness, v, norm, change, trial, out):
+    """trial = v + step change with the first of the steps 1, 1/2, .. 1/16 that makes enough progress.
 
-    Returns iterations (one factorisation each) and natural map error.
+    Returns the norm of the residual there, and whether that is enough.
     """
-    count, m, n, contacts = len(order), len(size_m), len(size_n), len(mu)
-    inverse, mass, free = in_order(inverse_mass, v_free, order, size_n)
-    left, slip = np.empty((count, n)), np.empty((contacts, m))
-    model = (mass, inverse, left, jacobian, index, slip)  # of the change of velocity from that of the centre, which rounding spares
-    d = contact_scales(inverse, jacobian, index, compliance, size_m, size_n)
-    v, out, change, trial = np.zeros((count + 1, n)), np.empty((count + 1, n)), np.zeros((count + 1, n)), np.zeros((count + 1, n))
-    x, dx, blocks = np.empty((contacts, m)), np.empty((contacts, m)), np.empty((contacts, m, m))
-    diagonal, lower, upper = np.empty((count, n, n)), np.empty((len(plan.row), n, n)), np.empty((len(plan.row), n, n))
-    factors = allocate_factors(plan, size_n)
-    status, held = np.zeros(contacts, dtype=np.int64), np.zeros(contacts, dtype=np.int64)
-    copy_flat(free, v)
-    relative_velocity(jacobian, index, offset, v, x, size_m, size_n)
-    size = size_of(x, d)
-    body_velocity(inverse, free, jacobian, index, p, out, v, size_m, size_n)
-    smallest = error = map_norm(jacobian, index, offset, mu, compliance, d, p, v, size_m, size_n) / size
-    best, best_v, centre, centre_v, own_v = p.copy(), v.copy(), p.copy(), v.copy(), v.copy()
+    step, new = 2.0, np.inf
+    while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
+        step *= 0.5
+        add_step(v, step, change, trial)
+        new = spring_residual(problem, springs, stiffness, trial, FREE, out)
+    return new, new < (1.0 - 0.1 * step) * norm
+
+
+@kernel()
+def turn_first(problem, springs, stiffness, v, change, out):
+    """Go along a change of the velocities as far as the first kink on the way, where a contact changes its status, or half of it.
+
+    Returns the norm of the residual there, that contact or -1, and the step.
+    """
+    copy_flat(springs.held, springs.status)
+    spring_residual(problem, springs, stiffness, v, HELD, out)
+    spring_changes(problem, springs, stiffness, change)
+    step, which, other = first_change(problem.mu, springs.status, springs.x, springs.dx, problem.m)
+    if step < 1.0:
+        springs.status[which] = other
+    add_step(v, min(step, 0.5) if step >= 1.0 else step, change, v)
+    return spring_residual(problem, springs, stiffness, v, HELD, out), which, step
+
+
+@kernel()
+def settle_springs(problem, matrix, factor, springs, stiffness, goal, most, v):
+    """Semismooth Newton for the problem with springs: its impulses, and velocities v (B + 1, n) beginning at zero.
+
+    Ends at a norm of ``goal`` or after ``most`` factorisations; returns whether it is solved and the number of these.
+    """
+    out, change, trial = np.empty(v.shape), np.zeros(v.shape), np.zeros(v.shape)
+    v[:] = 0.0
+    norm = spring_residual(problem, springs, stiffness, v, FREE, out)
+    spent, turned, last = 0, 0, -1
+    while norm > goal and spent < most and turned < FOLDS:
+        spring_blocks(problem, springs, stiffness)
+        augment_blocks(problem, springs.block, matrix)
+        spent += 1
+        if not factorise_ldu(matrix, factor):
+            break
+        solve_ldu(factor, out)
+        copy_flat(out[: len(out) - 1], change)
+        copy_flat(springs.status, springs.held)
+        new, enough = shorten_step(problem, springs, stiffness, v, norm, change, trial, out)
+        if enough:
+            copy_flat(trial, v)
+            norm, last, turned = new, -1, 0
+            continue
+        norm, which, step = turn_first(problem, springs, stiffness, v, change, out)
+        if step < 1.0:
+            turned, last = turned + 1 if which == last and step < 1e-9 else 0, which
+    return norm <= goal, spent
+
+
+@kernel()
+def stiffness_after_springs(stiffness, solved, spent, slow):
+    """The next K after ``spent`` iterations: stiffer after few, and more so if that was ``slow`` and took very few; else softer."""
+    if not solved:
+        return 0.25 * stiffness
+    if spent > 8:
+        return stiffness
+    return stiffness * (16.0 if slow and spent < 4 else 4.0)
+
+
+@kernel()
+def proximal_bodies(problem, matrix, factor, answer, settings):
+    """Proximal points over an OrderedProblem, see interior.py, from ``answer`` on, which gets better; returns the iterations.
+
+    Velocities are counted from those of the centre, which spares rounding: ``moved`` is the problem in their change.
+    """
+    moved = OrderedProblem(
+        problem.inverse, problem.mass, np.empty(problem.free.shape), problem.places, problem.block, problem.jacobian,
+        np.empty(problem.offset.shape), problem.mu, problem.compliance, problem.d, problem.m, problem.n,
+    )  # fmt: skip
+    springs = allocate_springs(answer.impulse)
+    centre_v, own_v = answer.velocity.copy(), answer.velocity.copy()
+    v, room = np.zeros(own_v.shape), np.empty(own_v.shape)
+    error = answer.error[0]
     stiffness = min(max(1.0 / max(error, 1e-300), 1e2), 1e6)
     iterations, failed = 0, 0
-    while iterations < limit and smallest > tolerance and failed < 8:
-        # the springs' problem to a hundredth of the error, from the centre
-        goal = size * max(1e-2 * error, 1e-3 * tolerance)
-        add_step(free, -1.0, centre_v, size_n, left)
-        relative_velocity(jacobian, index, offset, centre_v, slip, size_m, size_n)
-        add_step(centre_v, -1.0, centre_v, size_n, v)
-        norm = spring_residual(model, mu, compliance, d, stiffness, centre, v, FREE, status, x, p, out, size_m, size_n)
-        begun, turned, last = iterations, 0, -1
-        while norm > goal and iterations < min(limit, begun + 25) and turned < 3:
-            spring_blocks(mu, compliance, d, stiffness, status, x, blocks, size_m)
-            augment_blocks(mass, jacobian, index, spot, blocks, diagonal, lower, upper, size_m, size_n)
-            iterations += 1
-            if not factorise_ldu(plan, diagonal, lower, upper, factors[0], factors[1], factors[2], size_n):
-                break
-            solve_ldu(plan, factors[0], factors[1], factors[2], out, size_n)
-            copy_flat(out[:count], change)
-            step, new = 2.0, np.inf
-            copy_flat(status, held)
-            while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
-                step *= 0.5
-                add_step(v, step, change, size_n, trial)
-                new = spring_residual(model, mu, compliance, d, stiffness, centre, trial, FREE, status, x, p, out, size_m, size_n)
-            if new < (1.0 - 0.1 * step) * norm:
-                copy_flat(trial, v)
-                norm, last, turned = new, -1, 0
-                continue
-            # no progress across the kinks: as far as the first of them, and the contact there changes its status
-            copy_flat(held, status)
-            spring_residual(model, mu, compliance, d, stiffness, centre, v, HELD, status, x, p, out, size_m, size_n)
-            spring_changes(jacobian, index, compliance, d, stiffness, change, dx, size_m, size_n)
-            step, which, other = first_change(mu, status, x, dx, size_m)
-            if step < 1.0:
-                turned = turned + 1 if which == last and step < 1e-9 else 0
-                status[which], last = other, which
-            add_step(v, min(step, 0.5) if step >= 1.0 else step, change, size_n, v)
-            norm = spring_residual(model, mu, compliance, d, stiffness, centre, v, HELD, status, x, p, out, size_m, size_n)
-        solved, spent = norm <= goal, iterations - begun
-        body_velocity(inverse, free, jacobian, index, p, out, own_v, size_m, size_n)
-        new = map_norm(jacobian, index, offset, mu, compliance, d, p, own_v, size_m, size_n) / size
+    while iterations < settings.limit and answer.error[0] > settings.tolerance and failed < 8:
+        goal = answer.size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
+        add_step(problem.free, -1.0, centre_v, moved.free)
+        relative_velocity(problem, centre_v, moved.offset)
+        solved, spent = settle_springs(moved, matrix, factor, springs, stiffness, goal, min(settings.limit - iterations, MOST), v)
+        iterations += spent
+        body_velocity(problem, springs.p, room, own_v)
+        new = map_norm(problem, springs.p, own_v) / answer.size
         if not solved and not new < error:
             stiffness, failed = max(0.125 * stiffness, 1.0), failed + 1
             continue
-        if not solved:
-            stiffness *= 0.25
-        elif spent <= 8:
-            stiffness *= 16.0 if new > 0.5 * error and spent < 4 else 4.0
+        stiffness = min(stiffness_after_springs(stiffness, solved, spent, new > 0.5 * error), STIFFEST)
         error, failed = new, 0
-        stiffness = min(stiffness, STIFFEST)
-        copy_flat(p, centre)
-        add_step(centre_v, 1.0, v, size_n, centre_v)
-        if error < smallest:
-            smallest = error
-            copy_flat(p, best)
-            copy_flat(own_v, best_v)
-    copy_flat(best, p)
-    put_back(best_v, order, v_out)
-    return iterations, smallest
+        copy_flat(springs.p, springs.centre)
+        add_step(centre_v, 1.0, v, centre_v)
+        keep_better(answer, springs.p, own_v, error)
+    return iterations

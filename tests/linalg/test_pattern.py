@@ -10,7 +10,7 @@ from masonry_cd.linalg.cholesky import factorise_cholesky
 from masonry_cd.linalg.elimination_tree import SUBTREE, partition_tree
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.ordering import Pattern
-from masonry_cd.linalg.supernodes import allocate_factors
+from masonry_cd.linalg.supernodes import BlockMatrix, allocate_factors
 from masonry_cd.linalg.symbolic import analyse
 from masonry_cd.linalg.triangular import solve_cholesky, solve_ldu
 
@@ -104,14 +104,14 @@ def test_a_factorised_matrix_solves_as_a_dense_one_does(
     dense[column, :, symbolic.row, :] = upper.transpose(0, 2, 1)
     matrix, right = dense.reshape(nodes * n, nodes * n), random.normal(size=(nodes, n))
     size = (0,) * n
-    squares, panels, others = allocate_factors(symbolic, size)
+    factor = allocate_factors(symbolic, size)
     x = right.copy()
     if symmetric:
-        assert factorise_cholesky(symbolic, diagonal, lower, squares, panels, size)
-        solve_cholesky(symbolic, squares, panels, x, size)
+        assert factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size)
+        solve_cholesky(symbolic, factor.squares, factor.panels, x, size)
     else:
-        assert factorise_ldu(symbolic, diagonal, lower, upper, squares, panels, others, size)
-        solve_ldu(symbolic, squares, panels, others, x, size)
+        assert factorise_ldu(BlockMatrix(diagonal, lower, upper), factor)
+        solve_ldu(factor, x)
     np.testing.assert_allclose(x.ravel(), np.linalg.solve(matrix, right.ravel()), rtol=0.0, atol=1e-12 * np.abs(x).max())
 
 
@@ -121,6 +121,6 @@ def test_a_singular_block_is_reported(graph: tuple[int, np.ndarray, np.ndarray])
     symbolic, size = Pattern.of(nodes, first, second).symbolic, (0, 0)
     diagonal, lower = np.tile(np.eye(2), (nodes, 1, 1)), np.zeros((len(symbolic.row), 2, 2))
     diagonal[4] = 0.0
-    squares, panels, others = allocate_factors(symbolic, size)
-    assert not factorise_ldu(symbolic, diagonal, lower, lower, squares, panels, others, size)
-    assert not factorise_cholesky(symbolic, diagonal, lower, squares, panels, size)
+    factor = allocate_factors(symbolic, size)
+    assert not factorise_ldu(BlockMatrix(diagonal, lower, lower), factor)
+    assert not factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size)

@@ -13,7 +13,7 @@ from masonry_cd.linalg import ordering
 from masonry_cd.linalg.cholesky import factorise_cholesky
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.ordering import Pattern
-from masonry_cd.linalg.supernodes import allocate_factors
+from masonry_cd.linalg.supernodes import BlockMatrix, allocate_factors
 from masonry_cd.linalg.triangular import solve_cholesky, solve_ldu
 
 
@@ -34,21 +34,21 @@ def solution(matrix: Matrix, symmetric: bool) -> np.ndarray | None:
     """x (N, n) by the block factors, None where the factorisation reports that there are none. All calls of linalg are here."""
     nodes, n = matrix.right.shape
     pattern = Pattern.of(nodes, matrix.edges[:, 0], matrix.edges[:, 1])
-    plan, order = pattern.plan, pattern.order
-    column = np.repeat(np.arange(nodes), np.diff(plan.column))
+    symbolic, order = pattern.symbolic, pattern.order
+    column = np.repeat(np.arange(nodes), np.diff(symbolic.column))
     diagonal = matrix.dense[order, :, order, :].copy()
-    lower = matrix.dense[order[plan.row], :, order[column], :].copy()
-    upper = matrix.dense[order[column], :, order[plan.row], :].transpose(0, 2, 1).copy()
+    lower = matrix.dense[order[symbolic.row], :, order[column], :].copy()
+    upper = matrix.dense[order[column], :, order[symbolic.row], :].transpose(0, 2, 1).copy()
     size, x = (0,) * n, matrix.right[order].copy()
-    squares, panels, others = allocate_factors(plan, size)
+    factor = allocate_factors(symbolic, size)
     if symmetric:
-        if not factorise_cholesky(plan, diagonal, lower, squares, panels, size):
+        if not factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size):
             return None
-        solve_cholesky(plan, squares, panels, x, size)
+        solve_cholesky(symbolic, factor.squares, factor.panels, x, size)
     else:
-        if not factorise_ldu(plan, diagonal, lower, upper, squares, panels, others, size):
+        if not factorise_ldu(BlockMatrix(diagonal, lower, upper), factor):
             return None
-        solve_ldu(plan, squares, panels, others, x, size)
+        solve_ldu(factor, x)
     return x[pattern.place]
 
 

@@ -1,0 +1,119 @@
+"""What the methods that linearise the law share: their settings, the best answer so far, and the matrix M + H^T B H."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.friction.natural_map import size_of
+from masonry_cd.friction.operators import body_velocity, map_norm, relative_velocity
+from masonry_cd.jit import kernel
+from masonry_cd.linalg.small_blocks import copy_flat
+from masonry_cd.linalg.symbolic import SymbolicFactor
+
+
+class Elimination(NamedTuple):
+    """The order in which bodies are eliminated, and where the contacts stand in it."""
+
+    order: np.ndarray  # (B,) body at each place
+    symbolic: SymbolicFactor
+    places: np.ndarray  # (C, 2) places of the bodies; B: a support
+    block: np.ndarray  # (C,) the block that couples them, -1: none
+
+
+class Settings(NamedTuple):
+    """What a method is to do. Not each of them needs all."""
+
+    distance: float  # of the start from the walls of the cones, relative to the largest speed
+    stiffness: float  # K to begin with
+    wide: float  # how far products may be off the central path, relative to those on it
+    tolerance: float  # natural map error at which to stop
+    limit: int  # iterations, one factorisation each
+    k: tuple[int, ...]  # m + 1 zeros: as many products as a contact has
+
+
+class Answer(NamedTuple):
+    """The best answer so far; its arrays are overwritten by a better one."""
+
+    impulse: np.ndarray  # (C, m)
+    velocity: np.ndarray  # (B + 1, n)
+    error: np.ndarray  # (1,) natural map error
+    size: float  # |q / sqrt(d)|, by which errors are divided
+    speed: float  # largest component of q
+
+
+@kernel()
+def first_answer(problem, impulse):
+    """The :class:`Answer` with which a method begins: ``impulse`` (C, m) itself, and its velocities and error."""
+    rows = (len(problem.free) + 1, len(problem.n))
+    v, room, q, error = np.zeros(rows), np.empty(rows), np.empty(impulse.shape), np.empty(1)
+    copy_flat(problem.free, v)
+    relative_velocity(problem, v, q)
+    size = size_of(q, problem.d)
+    body_velocity(problem, impulse, room, v)
+    error[0] = map_norm(problem, impulse, v) / size
+    return Answer(impulse, v, error, size, largest(q))
+
+
+@kernel()
+def largest(x):
+    """Largest size of an entry of x (C, m)."""
+    most = 0.0
+    for c in range(len(x)):
+        for i in range(x.shape[1]):
+            most = max(most, abs(x[c, i]))
+    return most
+
+
+@kernel()
+def keep_better(answer, p, v, error):
+    """Take impulses p and velocities v as the answer if their error is less than that of the best so far."""
+    if error < answer.error[0]:
+        answer.error[0] = error
+        copy_flat(p, answer.impulse)
+        copy_flat(v, answer.velocity)
+
+
+@kernel(fastmath={"contract"})
+def augment_blocks(problem, blocks, matrix):
+    """The :class:`BlockMatrix` of M + H^T B H; B has one (m, m) block per contact, the first rows of ``blocks`` (C, m or more, m)."""
+    jacobian, index, block, bodies = problem.jacobian, problem.places, problem.block, len(problem.mass)
+    diagonal, lower, upper, m, n = matrix.diagonal, matrix.lower, matrix.upper, len(problem.m), len(problem.n)
+    copy_flat(problem.mass, diagonal)
+    lower[:] = 0.0
+    upper[:] = 0.0
+    turned = np.empty((2, m, n))
+    for c in range(len(index)):
+        a, b = index[c, 0], index[c, 1]
+        for side in range(2):
+            for i in range(m):
+                for q in range(n):
+                    total = 0.0
+                    for k in range(m):
+                        total += blocks[c, i, k] * jacobian[c, side, k, q]
+                    turned[side, i, q] = total
+            body = index[c, side]
+            if body < bodies:
+                for p in range(n):
+                    for q in range(n):
+                        total = 0.0
+                        for i in range(m):
+                            total += jacobian[c, side, i, p] * turned[side, i, q]
+                        diagonal[body, p, q] += total
+        if a == b < bodies:
+            for p in range(n):
+                for q in range(n):
+                    for i in range(m):
+                        diagonal[a, p, q] += jacobian[c, 0, i, p] * turned[1, i, q] + jacobian[c, 1, i, p] * turned[0, i, q]
+        if block[c] >= 0:
+            low = 1 if a > b else 0
+            high = 1 - low
+            for p in range(n):
+                for q in range(n):
+                    one, other = 0.0, 0.0
+                    for i in range(m):
+                        one += jacobian[c, high, i, p] * turned[low, i, q]
+                        other += jacobian[c, low, i, q] * turned[high, i, p]
+                    lower[block[c], p, q] += one
+                    upper[block[c], p, q] += other
