@@ -30,6 +30,7 @@ from scipy.sparse.linalg import splu
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.friction.local_operators import is_definite
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, natural_map_error
+from masonry_cd.linalg.small_blocks import size_tuple
 from masonry_cd.solvers import SOLVERS, Options, admm, nlgs
 
 UNSYMMETRIC = 1e-2  # of the largest entry: published problems reach 1e-3
@@ -340,7 +341,7 @@ def _check_definite(path: Path, problem: LocalProblem) -> None:
         raise InputError(f"{path}: W is indefinite: no entry of its diagonal is positive")
     blocks, indices, indptr, _ = nlgs.block_arrays(problem)
     pattern = admm.contact_pattern(indices, indptr)
-    if not is_definite(blocks, indices, indptr, shift, pattern.place, pattern.plan, (0,) * problem.dimension):
+    if not is_definite(blocks, indices, indptr, shift, pattern.place, pattern.plan, size_tuple(problem.dimension)):
         raise InputError(f"{path}: W is indefinite: it has eigenvalues below -{shift:.1e}")
 
 
