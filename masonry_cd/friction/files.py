@@ -29,6 +29,7 @@ from masonry_cd.errors import InputError, suggest
 from masonry_cd.friction.local_blocks import block_arrays, contact_pattern
 from masonry_cd.friction.local_operators import is_definite
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem
+from masonry_cd.linalg.small_blocks import size_tuple
 
 UNSYMMETRIC = 1e-2  # of the largest entry: published problems reach 1e-3
 INDEFINITE = 1e-4  # of the largest diagonal entry
@@ -279,7 +280,7 @@ def _check_definite(path: Path, problem: LocalProblem) -> None:
         raise InputError(f"{path}: W is indefinite: no entry of its diagonal is positive")
     blocks, indices, indptr, _ = block_arrays(problem)
     pattern = contact_pattern(indices, indptr)
-    if not is_definite(blocks, indices, indptr, shift, pattern.place, pattern.symbolic, (0,) * problem.dimension):
+    if not is_definite(blocks, indices, indptr, shift, pattern.place, pattern.symbolic, size_tuple(problem.dimension)):
         raise InputError(f"{path}: W is indefinite: it has eigenvalues below -{shift:.1e}")
 
 

@@ -234,10 +234,10 @@ def put_back(v, order, out):
 def as_given(problem):
     """ProblemArrays as an :class:`OrderedProblem` whose bodies keep their order, and without M, for the operators that do not need it."""
     contacts, count = len(problem.mu), len(problem.v_free)
-    index = np.empty((contacts, 2), dtype=np.int64)
+    index, bodies = np.empty((contacts, 2), dtype=np.int64), problem.bodies
     for c in range(contacts):
         for side in range(2):
-            index[c, side] = problem.bodies[c, side] if problem.bodies[c, side] >= 0 else count
+            index[c, side] = bodies[c, side] if bodies[c, side] >= 0 else count
     return OrderedProblem(
         problem.inverse_mass, np.empty((0, len(problem.n), len(problem.n))), problem.v_free, index, np.empty(0, dtype=np.int64),
         problem.jacobian, problem.offset, problem.mu, problem.compliance, np.ones(contacts), problem.m, problem.n,

@@ -14,6 +14,8 @@ from masonry_cd.linalg.supernodes import end_inside, extent, has_single_columns,
 def load_blocks(matrix, factor, s, where):
     """Blocks of A in the columns of supernode s into its square and its panels; ``where`` (N,) numbers their rows."""
     symbolic, n = factor.symbolic, len(factor.size)
+    diagonal, lower, upper = matrix
+    column, row = symbolic.column, symbolic.row
     square, low, up = view_supernode(factor, s)
     begin, end = symbolic.first[s], symbolic.first[s + 1]
     square[:] = 0.0
@@ -23,15 +25,15 @@ def load_blocks(matrix, factor, s, where):
         k = (j - begin) * n
         for p in range(n):
             for q in range(n):
-                square[k + p, k + q] = matrix.diagonal[j, p, q]
-        for t in range(symbolic.column[j], symbolic.column[j + 1]):
-            i = where[symbolic.row[t]] * n
+                square[k + p, k + q] = diagonal[j, p, q]
+        for t in range(column[j], column[j + 1]):
+            i = where[row[t]] * n
             for p in range(n):
                 for q in range(n):
-                    if symbolic.row[t] < end:
-                        square[i + p, k + q], square[k + q, i + p] = matrix.lower[t, p, q], matrix.upper[t, p, q]
+                    if row[t] < end:
+                        square[i + p, k + q], square[k + q, i + p] = lower[t, p, q], upper[t, p, q]
                     else:
-                        low[k + q, i + p], up[k + q, i + p] = matrix.lower[t, p, q], matrix.upper[t, p, q]
+                        low[k + q, i + p], up[k + q, i + p] = lower[t, p, q], upper[t, p, q]
 
 
 @kernel()

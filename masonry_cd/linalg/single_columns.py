@@ -37,20 +37,21 @@ def subtract_block_product(c, at, a, i, b, size_n):
 @kernel(inline="always")
 def load_column(matrix, symbolic, j, where, square, lows, ups, symmetric, n):
     """Blocks of A in column j into ``square`` (1, n, n) and the blocks of L and of U^T; ``where`` (N,) numbers their rows."""
+    (diagonal, lower, upper), row, below = matrix, symbolic.row, symbolic.below
     for t in range(symbolic.start[j], symbolic.start[j + 1]):
-        where[symbolic.below[t]] = t
+        where[below[t]] = t
     for t in range(symbolic.column[j], symbolic.column[j + 1]):
-        i = where[symbolic.row[t]]
+        i = where[row[t]]
         for p in range(n):
             for q in range(n):
-                lows[i, p, q] = matrix.lower[t, p, q]
+                lows[i, p, q] = lower[t, p, q]
         if not symmetric:
             for p in range(n):
                 for q in range(n):
-                    ups[i, p, q] = matrix.upper[t, p, q]
+                    ups[i, p, q] = upper[t, p, q]
     for p in range(n):
         for q in range(n):
-            square[0, p, q] = matrix.diagonal[j, p, q]
+            square[0, p, q] = diagonal[j, p, q]
 
 
 @kernel(fastmath={"contract"}, inline="always")

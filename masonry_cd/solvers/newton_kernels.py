@@ -113,14 +113,14 @@ def take_newton_step(problem, factor, law, p, v, room):
     add_generalised_impulse(problem, law.target, room)
     solve_ldu(factor, room)
     room[-1] = 0.0
-    jacobian, index = problem.jacobian, problem.places
+    jacobian, index, target, block = problem.jacobian, problem.places, law.target, law.block
     for c in range(len(p)):
         for i in range(m):
-            p[c, i] = law.target[c, i]
+            p[c, i] = target[c, i]
         for i in range(m):
             change = change_at(jacobian, index, c, i, room, n)
             for k in range(m):
-                p[c, k] -= law.block[c, k, i] * change
+                p[c, k] -= block[c, k, i] * change
     body_velocity(problem, p, room, v)
 
 
