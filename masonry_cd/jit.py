@@ -1,4 +1,4 @@
-"""Compiled kernels: numba's njit with a cache that never goes stale and a first run that takes half as long. No other file knows how.
+"""Compiled kernels: numba's njit with a cache that never goes stale, and a first run that takes half as long.
 
 **Cache.** numba keeps compiled code and drops it when the file of the function changes, but not when a kernel that it calls, in another
 file, does. Here an entry is stamped by a hash over the sources that it reaches: its own file and all that this one imports, and so on.
@@ -13,13 +13,13 @@ kind. Together they save half of the time of a first run.
 What a kernel is compiled to must not depend on which kernel called it first, or else neither would its results. So it has its own
 ``fastmath``, which numba would have it inherit from that caller.
 
-All of this reaches into numba beyond its public interface. With a newer version of numba than ``NEWEST``, or with MASONRY_CD_PLAIN_NJIT set
-in the environment, kernels are compiled by plain ``numba.njit`` in each run instead, and nothing is kept; the program says so.
+All of this reaches into numba beyond its public interface; ``numba_internals.py`` alone does so. With a newer version of numba than
+``NEWEST``, or with MASONRY_CD_PLAIN_NJIT set in the environment, that file is not imported: kernels are compiled by plain ``numba.njit`` in
+each run, and nothing is kept; the program says so.
 """
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import os
 import re
@@ -31,18 +31,15 @@ from types import ModuleType
 from typing import Any
 
 import numba
-from numba.core import caching
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler, Flags
-from numba.core.compiler_machinery import register_pass
-from numba.core.typed_passes import NativeLowering
-from numba.core.types.misc import unliteral
 
-NEWEST = (0, 68)  # numba's minor version that this file was last tried with
+NEWEST = (0, 68)  # minor version of numba that numba_internals.py was last tried with
 SWITCH = "MASONRY_CD_PLAIN_NJIT"  # environment variable: whether to use numba's own njit
 PLAIN = bool(os.environ.get(SWITCH)) or numba.version_info[:2] > NEWEST
-HASH = hash(Flags())  # that of all settings, by numba's definition
+DISPATCHER = type(numba.njit(lambda: None))  # what a compiled function is
 IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n#]*)|import[ \t]+([^\n#]*))", re.MULTILINE)
+
+if not PLAIN:
+    from masonry_cd import numba_internals
 
 
 def entry(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -74,16 +71,7 @@ def _compile(options: dict[str, Any], function: Callable[..., Any], called: bool
     if PLAIN:
         chosen.pop("_nrt", None)  # no public option
         return numba.njit(**chosen)(function)
-    pipeline = _Pipeline if called else _Inner
-    compiled = numba.njit(pipeline_class=pipeline, no_cfunc_wrapper=True, no_cpython_wrapper=not called, **chosen)(function)
-    _take_numbers_by_kind(compiled)
-    if not called:
-        compiled._insert = _nothing  # numba would list an entry that is not there, and Python jump to it
-        compiled._compile_for_args = _refused
-        return compiled
-    with contextlib.suppress(RuntimeError):  # neither the package's folder nor the user's takes a cache
-        compiled._cache = _StampedCache(function)
-    return compiled
+    return numba_internals.compile_kernel(function, chosen, called, _stamp(function.__module__) if called else "")
 
 
 def has_cache(kernel: Any) -> bool:
@@ -100,33 +88,10 @@ def why_nothing_is_kept() -> str:
 
 def kept(kernel: Any) -> list[tuple[Any, ...]]:
     """The kinds of arguments for which the cache holds an entry, as it is to be compiled on this machine."""
-    if not has_cache(kernel):
-        return []
-    cache, target = kernel._cache, kernel.targetctx.codegen()
-    return [key[0] for key in cache._cache_file._load_index() if key == cache._index_key(key[0], target)]
+    return numba_internals.kept(kernel) if has_cache(kernel) else []
 
 
-# --- the cache -------------------------------------------------------------------------------------------------------------
-
-
-class _StampedCache(caching.FunctionCache):
-    """numba's cache of a function, whose entries are stamped by all the sources that the function reaches."""
-
-    def __init__(self, function: Callable[..., Any]) -> None:
-        super().__init__(function)
-        stamp = _stamp(function.__module__)
-        self._cache_file = caching.IndexDataCacheFile(
-            cache_path=self._cache_path, filename_base=self._impl.filename_base, source_stamp=stamp
-        )
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The kept entry, or None where there is none that can be read."""
-        try:
-            return super().load_overload(sig, target_context)
-        except Exception:  # whatever a damaged file makes pickle or LLVM raise
-            with contextlib.suppress(OSError):
-                self.flush()
-            return None
+# --- what an entry of the cache is stamped by -------------------------------------------------------------------------------------
 
 
 def _stamp(module: str) -> str:
@@ -172,82 +137,4 @@ def _has_kernels(module: ModuleType) -> bool:
     """Whether a module holds compiled functions, and is none of numba's."""
     if module.__name__.partition(".")[0] in ("numba", "llvmlite", "numpy", "scipy"):
         return False
-    return any(isinstance(value, numba.core.dispatcher.Dispatcher) for value in vars(module).values())
-
-
-# --- compiling -------------------------------------------------------------------------------------------------------------
-def _take_numbers_by_kind(kernel: Any) -> None:
-    """Let a kernel that calls this one with a number, say 0, get the version for all integers."""
-    template = kernel.get_call_template
-
-    def get_call_template(args: Any, kws: Any) -> Any:
-        return template(tuple(map(unliteral, args)), {name: unliteral(kind) for name, kind in kws.items()})
-
-    kernel.get_call_template = get_call_template
-
-
-def _nothing(*_: Any) -> None:
-    """Stand in for what is not to be done."""
-
-
-def _refused(*_: Any, **__: Any) -> None:
-    raise TypeError("this kernel is called by other kernels alone; with @entry Python may call it too")
-
-
-class _Flags(Flags):
-    """numba's settings of a compilation. It compares them, option by option, for each operator that it finds in a function."""
-
-    def __hash__(self) -> int:
-        return HASH
-
-    def __eq__(self, other: object) -> bool:
-        if isinstance(other, Flags) and self._values.keys() == other._values.keys():
-            return bool(self._values == other._values)
-        return Flags.__eq__(self, other)
-
-
-class _Pipeline(Compiler):
-    """numba's compiler, with settings that are quick to compare."""
-
-    def __init__(self, typing: Any, target: Any, library: Any, args: Any, result: Any, flags: Flags, names: Any) -> None:
-        super().__init__(typing, target, library, args, result, _Flags(flags), names)
-
-
-class _Inner(_Pipeline):
-    """The compiler of kernels that other kernels alone call: it ends with intermediate code."""
-
-    def define_pipelines(self) -> Any:
-        pipelines = super().define_pipelines()
-        for pipeline in pipelines:
-            pipeline.passes = [(_InnerLowering if step is NativeLowering else step, name) for step, name in pipeline.passes]
-        return pipelines
-
-
-@register_pass(mutates_CFG=True, analysis_only=False)
-class _InnerLowering(NativeLowering):
-    """Lowers to intermediate code, for other kernels to take in."""
-
-    _name = "inner_lowering"
-
-    def run_pass(self, state: Any) -> bool:
-        state.library = _IntermediateCode(state.targetctx.codegen(), state.func_id.func_qualname)
-        state.flags.no_compile = True
-        super().run_pass(state)
-        lowered = state["cr"]
-        name = _Name()
-        state.targetctx.insert_user_function(name, lowered.fndesc, [state.library])
-        state["cr"] = lowered._replace(cfunc=name)
-        return True
-
-
-class _Name:
-    """What numba knows a compiled version of a kernel by."""
-
-
-class _IntermediateCode(JITCodeLibrary):
-    """A kernel and all that it calls, to be optimised and translated where Python enters."""
-
-    def finalize(self) -> None:
-        for library in dict.fromkeys(self._linking_libraries):
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
-        self._finalized = True
+    return any(isinstance(value, DISPATCHER) for value in vars(module).values())
