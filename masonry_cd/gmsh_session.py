@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -21,7 +23,8 @@ def gmsh_session() -> Iterator[Any]:
 
         running = bool(gmsh.isInitialized())
         if not running:  # not interruptible: the handler of Ctrl-C stays ours
-            gmsh.initialize(readConfigFiles=False, interruptible=False)
+            with _signals_as_they_are():
+                gmsh.initialize(readConfigFiles=False, interruptible=False)
     except (ImportError, OSError, AttributeError) as failure:
         reason = str(failure).splitlines()[0] if str(failure) else type(failure).__name__
         from masonry_cd.errors import InputError
@@ -35,3 +38,14 @@ def gmsh_session() -> Iterator[Any]:
     finally:
         if not running:
             gmsh.finalize()
+
+
+@contextmanager
+def _signals_as_they_are() -> Iterator[None]:
+    """Keep how the process takes signals: gmsh would have a hangup end it under nohup, and a closed pipe without a word."""
+    handlers = {number: signal.getsignal(number) for number in signal.valid_signals()}
+    yield
+    if threading.current_thread() is threading.main_thread():  # elsewhere signals cannot be handled
+        for number, handler in handlers.items():
+            if handler not in (None, signal.SIG_DFL):
+                signal.signal(number, handler)
