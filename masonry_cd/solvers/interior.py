@@ -42,8 +42,8 @@ springs' problem is solved, and counts velocities from that of the centre, which
 A local problem is solved in the same way in the impulses, u = W p + q, after scaling it so that all d = 1, but without the path by its
 length: the damped path begins at its distances in turn.
 
-The damped path from near the impulses of the last step is the cheapest; if that fails the other one is followed, from nothing, at one
-distance after the other, and then the first from farther and nearer.
+The damped path from near the impulses of the last step is the cheapest; if that fails the other one is followed, from nothing, then the
+first from farther and nearer, and at last the other from farther and farther.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     nothing = np.zeros((problem.contacts, m))
     first, *others = _starts(nothing if start is None else start.impulse, (damped, finish))
     paths: list[Try] = [(nothing, distance, (path, finish)) for distance in FARTHER]
-    best, iterations, error = _search([first, *paths, *others], options)
+    best, iterations, error = _search([first, paths[0], *others, *paths[1:]], options)
     return Solution(best, problem.body_velocity(best), iterations, _reason(error, options), memory.arrays())
 
 
