@@ -65,9 +65,9 @@ from masonry_cd.solvers.options import Options
 
 DISTANCES = (1e-2, 1e-1, 1e-3)  # of the start from the walls of the cones, if there are impulses to start from
 FAR = 1.0  # without
-FARTHER = (1.0, 10.0, 3.0, 30.0)  # of the starts of the path by its length: each has a path of its own, some with fewer folds
+FARTHER = (FAR, 10.0, 3.0, 30.0)  # of the starts of the path by its length: each has a path of its own, some with fewer folds
 TURN = 60  # iterations of the damped path, and then of proximal points
-FOLLOW = 250  # iterations of the path by its length; proximal points then have as many as after the other
+FOLLOW, FINISH = 250, 240  # iterations of the path by its length, and of proximal points after the first: stiff springs settle slowly
 STIFFNESS = 1e4  # K at the start of the damped path
 RIGID = 1e8  # K of the other
 WIDE = 0.5  # how far products may be off the path, relative to those on it: much more, and it takes other branches for its own
@@ -102,12 +102,12 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
         return improve
 
-    finish = (method(PROXIMAL, STIFFNESS, options.tolerance), TURN)
+    proximal = method(PROXIMAL, STIFFNESS, options.tolerance)
     damped = (method(INTERIOR, STIFFNESS, options.tolerance), TURN)
     path = (method(PATH, RIGID, max(CLOSE, options.tolerance)), FOLLOW)
     nothing = np.zeros((problem.contacts, m))
-    first, *others = _starts(nothing if start is None else start.impulse, (damped, finish))
-    paths: list[Try] = [(nothing, distance, (path, finish)) for distance in FARTHER]
+    first, *others = _starts(nothing if start is None else start.impulse, (damped, (proximal, TURN)))
+    paths: list[Try] = [(nothing, distance, (path, (proximal, FINISH if distance == FAR else TURN))) for distance in FARTHER]
     best, iterations, error = _search([first, paths[0], *others, *paths[1:]], options)
     return Solution(best, problem.body_velocity(best), iterations, _reason(error, options), memory.arrays())
 
@@ -158,7 +158,7 @@ def _search(tries: list[Try], options: Options) -> tuple[np.ndarray, int, float]
 
 def affordable(iterations: float) -> int:
     """A limit of iterations not far above a number of them: the first start at least, all starts at most."""
-    return int(min(max(iterations, 2 * TURN), 2 * TURN * (len(DISTANCES) + 1) + (FOLLOW + TURN) * len(FARTHER)))
+    return int(min(max(iterations, 2 * TURN), 2 * TURN * (len(DISTANCES) + 1) + (FOLLOW + TURN) * len(FARTHER) + FINISH - TURN))
 
 
 def _reason(error: float, options: Options) -> str:
