@@ -24,12 +24,12 @@ from masonry_cd.app.recorder import Recorder
 from masonry_cd.app.summary import closing_lines
 from masonry_cd.cli.app import app
 from masonry_cd.contact.detector import Detector
+from masonry_cd.dynamics.islands import Islands
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
 from masonry_cd.friction.files import write_problem
 from masonry_cd.friction.problem import LocalProblem
 from masonry_cd.io.results import Results, ResultWriter
-from masonry_cd.solvers import SOLVERS
 from reports.damage import joint_files
 
 SUMMARY_KEYS = {
@@ -225,9 +225,9 @@ def test_ctrl_c_leaves_readable_results(block_on_plate, tmp_path):
         assert np.isfinite(results.position[results.frames - 1]).all()
 
 
-def signals_in(monkeypatch, owner: type | dict, name: str, call: int, number: int = signal.SIGINT, times: int = 3) -> None:
-    """Raise a signal several times at the end of the n-th call of a method or solver in a run, in the midst of a step or of a write."""
-    original, calls = owner[name] if isinstance(owner, dict) else getattr(owner, name), 0
+def signals_in(monkeypatch, owner: type, name: str, call: int, number: int = signal.SIGINT, times: int = 3) -> None:
+    """Raise a signal several times at the end of the n-th call of a method in a run, in the midst of a step or of a write."""
+    original, calls = getattr(owner, name), 0
 
     def called(*args: object) -> object:
         nonlocal calls
@@ -239,10 +239,7 @@ def signals_in(monkeypatch, owner: type | dict, name: str, call: int, number: in
                 signal.raise_signal(number)
         return out
 
-    if isinstance(owner, dict):
-        monkeypatch.setitem(owner, name, called)
-    else:
-        monkeypatch.setattr(owner, name, called)
+    monkeypatch.setattr(owner, name, called)
 
 
 def datasets(path: Path) -> dict[str, bytes]:
@@ -265,7 +262,7 @@ SHAKEN = {"friction": "friction = 0.3", "amplitude": "amplitude = 0.6", "duratio
     ("owner", "name", "call"),
     [
         (Detector, "detect", 77),
-        (SOLVERS, "nlgs", 77),
+        (Islands, "solve", 77),
         (Recorder, "step", 77),
         (Recorder, "frame", 3),
         (ResultWriter, "append", 8),

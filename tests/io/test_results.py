@@ -63,7 +63,7 @@ def test_what_a_killed_run_wrote_can_be_read(tmp_path):
         import sys, time
         sys.path.insert(0, sys.argv[2])
         from models import stepper, tower
-        from masonry_cd.contact.joints import find_joints
+        from masonry_cd.contact.find_joints import find_joints
         from masonry_cd.io.results import ResultWriter
         machine = stepper(tower(2), 1)
         with ResultWriter(sys.argv[1], machine.assembly, find_joints(machine.assembly)) as writer:

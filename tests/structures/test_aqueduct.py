@@ -133,13 +133,13 @@ def test_tall_piers_without_abutments_cannot_carry_the_thrust_but_abutments_do()
 
 def test_the_geometry_kernel_is_asked_as_often_for_three_hundred_blocks_as_for_a_few(monkeypatch: pytest.MonkeyPatch) -> None:
     """Once for the whole figure, whatever the number of spans: each call starts the kernel anew."""
-    calls, kernel = [0], solid.kernel
+    calls, session = [0], solid.gmsh_session
 
     def counted() -> AbstractContextManager:
         calls[-1] += 1
-        return kernel()
+        return session()
 
-    monkeypatch.setattr(solid, "kernel", counted)
+    monkeypatch.setattr(solid, "gmsh_session", counted)
     few = build(spans=1)
     calls.append(0)
     assert len(build(spans=5)) > max(300, 2 * len(few))
