@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def part_of(path: Path) -> Path:
-    """Where a file is written until it is whole, ``result.part.h5``: the same folder and ending, by which formats are told."""
+    """Where a file is written until it is whole, ``result.part.h5``: the same folder and ending, by which a format is recognised."""
     return path.with_name(f"{path.stem}.part{path.suffix}")
 
 

@@ -153,7 +153,7 @@ class _Rows(NamedTuple):
 
     @classmethod
     def allocate(cls, count: int) -> _Rows:
-        """For so many contacts."""
+        """Room for a number of contacts."""
         one, three, index = (count,), (count, 3), np.int64
         return cls(
             np.empty((count, 2), index), np.empty(three), np.empty(three), np.empty(one), np.empty(one), np.empty(one, index),
@@ -174,7 +174,7 @@ class Workspace(NamedTuple):
 
     @classmethod
     def allocate(cls, shapes: Shapes, corners: int) -> Workspace:
-        """For parts whose faces have so many corners at most."""
+        """Room for parts, by the largest number of corners of a face."""
         manifold = Manifold.allocate(corners)
         vertices, faces = (int(np.diff(start).max()) for start in (shapes.solids.vertex_start, shapes.solids.face_start))
         place = np.empty(len(manifold.point), dtype=np.int64)

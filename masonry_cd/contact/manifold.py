@@ -43,7 +43,7 @@ class Manifold(NamedTuple):
 
     @classmethod
     def allocate(cls, corners: int) -> Manifold:
-        """For faces of so many corners at most."""
+        """Room for faces, by their largest number of corners."""
         most = 2 * corners + 8
         return cls(np.empty((most, 3)), np.empty(most), np.empty(most), np.empty((most, 3)))
 

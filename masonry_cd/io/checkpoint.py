@@ -1,7 +1,7 @@
 """Checkpoints: all that a run needs to go on to the bit as if it had not been stopped.
 
 ``checkpoint.npz`` lies beside result.h5 and is replaced as a whole, so a kill at any moment leaves the last one intact; the one before it
-is kept as ``checkpoint_before.npz``. It says how many rows of result.h5 belong to it, with a mark by which these are told from others;
+is kept as ``checkpoint_before.npz``. It says how many rows of result.h5 belong to it, with a mark that distinguishes these from others;
 what the file holds beyond them is computed again. A checksum tells a damaged one.
 """
 

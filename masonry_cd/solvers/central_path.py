@@ -53,7 +53,7 @@ def cones_of(mu, m, k):
 
 @kernel()
 def allocate_iterate(shape, rows):
-    """Zeros for an :class:`Iterate` of so many contacts by m, and bodies by n."""
+    """An :class:`Iterate` of zeros for numbers of contacts and of bodies; m rows a contact, n unknowns a body."""
     return Iterate(np.zeros(shape), np.zeros(shape), np.zeros(shape[0]), np.zeros(rows))
 
 
