@@ -10,6 +10,8 @@ intermediate code here, which is optimised and translated once, in each kernel t
 Further, a number written in a call is a type of its own for numba, and the function called is compiled again for it; here it is one of its
 kind. Together they save half of the time of a first run.
 
+**Calls.** NamedTuples among the arguments of a kernel that Python calls are passed field by field, see ``flat_calls.py``.
+
 What a kernel is compiled to must not depend on which kernel called it first, or else neither would its results. So it has its own
 ``fastmath``, which numba would have it inherit from that caller.
 
@@ -31,10 +33,15 @@ from types import ModuleType
 from typing import Any
 
 import numba
+from numba.extending import typeof_impl
+from numba.types import Dispatcher
+
+from masonry_cd.flat_calls import FlatCall, named_tuples
 
 NEWEST = (0, 68)  # minor version of numba that numba_internals.py was last tried with
 SWITCH = "MASONRY_CD_PLAIN_NJIT"  # environment variable: whether to use numba's own njit
 PLAIN = bool(os.environ.get(SWITCH)) or numba.version_info[:2] > NEWEST
+COMMON = {"nogil": True, "error_model": "numpy", "fastmath": False}  # options of all kernels
 DISPATCHER = type(numba.njit(lambda: None))  # what a compiled function is
 IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n#]*)|import[ \t]+([^\n#]*))", re.MULTILINE)
 
@@ -44,6 +51,8 @@ if not PLAIN:
 
 def entry(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """Compile a kernel that Python calls, and other kernels too; what is compiled is kept for later runs.
+
+    Arguments that are NamedTuples are annotated with their classes.
 
     Args:
         options: those of ``numba.njit``, beside ``nogil`` and numpy's error model, which all kernels have.
@@ -60,23 +69,34 @@ def borrower(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """Compile a kernel that other kernels alone call and that makes no arrays: it counts no references to those that it is given.
 
     numba counts references to all arrays of a NamedTuple in each call, which costs more than a short kernel does. Only another borrower may
-    call one that returns arrays. The options are those of :func:`entry`.
+    call one that returns arrays, and it may not call a kernel that does. The options are those of :func:`entry`.
     """
     return partial(_compile, {"_nrt": False} | options, called=False)
 
 
 def _compile(options: dict[str, Any], function: Callable[..., Any], called: bool) -> Any:
     """numba's dispatcher of a function."""
-    chosen = {"nogil": True, "error_model": "numpy", "fastmath": False} | options
+    chosen = COMMON | options
     if PLAIN:
         chosen.pop("_nrt", None)  # no public option
         return numba.njit(**chosen)(function)
-    return numba_internals.compile_kernel(function, chosen, called, _stamp(function.__module__) if called else "")
+    if not called:
+        return numba_internals.compile_kernel(function, chosen)
+    stamp = _stamp(function.__module__)
+    if chosen.get("parallel") or not any(named_tuples(function)):
+        return numba_internals.compile_entry(function, chosen, stamp)
+    inner = numba_internals.compile_kernel(function, chosen)
+    return FlatCall(function, inner, partial(numba_internals.compile_entry, options=COMMON, stamp=stamp))
+
+
+def compiled(kernel: Any) -> Any:
+    """numba's dispatcher of an entry: it knows the versions that were compiled."""
+    return kernel.flat if isinstance(kernel, FlatCall) else kernel
 
 
 def has_cache(kernel: Any) -> bool:
     """Whether there is a folder to keep an entry in."""
-    return kernel.stats.cache_path is not None
+    return compiled(kernel).stats.cache_path is not None
 
 
 def why_nothing_is_kept() -> str:
@@ -87,8 +107,16 @@ def why_nothing_is_kept() -> str:
 
 
 def kept(kernel: Any) -> list[tuple[Any, ...]]:
-    """The kinds of arguments for which the cache holds an entry, as it is to be compiled on this machine."""
-    return numba_internals.kept(kernel) if has_cache(kernel) else []
+    """The kinds of arguments for which the cache holds an entry, as it is to be compiled on this machine; NamedTuples hold those of their
+    fields."""
+    found = numba_internals.kept(compiled(kernel)) if has_cache(kernel) else []
+    return [kernel.regrouped(kinds) for kinds in found] if isinstance(kernel, FlatCall) else found
+
+
+@typeof_impl.register(FlatCall)
+def _in_kernels(call: FlatCall, _: Any) -> Any:
+    """numba's type of an entry that a kernel calls: that of the kernel itself."""
+    return Dispatcher(call.kernel)
 
 
 # --- what an entry of the cache is stamped by -------------------------------------------------------------------------------------
@@ -137,4 +165,4 @@ def _has_kernels(module: ModuleType) -> bool:
     """Whether a module holds compiled functions, and is none of numba's."""
     if module.__name__.partition(".")[0] in ("numba", "llvmlite", "numpy", "scipy"):
         return False
-    return any(isinstance(value, DISPATCHER) for value in vars(module).values())
+    return any(isinstance(value, (DISPATCHER, FlatCall)) for value in vars(module).values())

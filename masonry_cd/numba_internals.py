@@ -21,24 +21,31 @@ from numba.core.types.misc import unliteral
 HASH = hash(Flags())  # that of all settings, by numba's definition
 
 
-def compile_kernel(function: Callable[..., Any], options: dict[str, Any], called: bool, stamp: str) -> Any:
-    """numba's dispatcher of a function.
+def compile_kernel(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """numba's dispatcher of a function that kernels alone call, compiled as part of them; the options are those of ``numba.njit``."""
+    compiled = _dispatcher(function, options, _Inner, no_cpython_wrapper=True)
+    compiled._insert = _nothing  # numba would list an entry that is not there, and Python jump to it
+    compiled._compile_for_args = _refused
+    return compiled
+
+
+def compile_entry(function: Callable[..., Any], options: dict[str, Any], stamp: str) -> Any:
+    """numba's dispatcher of a function that Python calls, to be compiled at its first call.
 
     Args:
-        function: to be compiled at its first call.
+        function: to be compiled.
         options: those of ``numba.njit``.
-        called: whether Python calls it; else other kernels alone do.
         stamp: of its entries in the cache; others are not used.
     """
-    pipeline = _Pipeline if called else _Inner
-    compiled = numba.njit(pipeline_class=pipeline, no_cfunc_wrapper=True, no_cpython_wrapper=not called, **options)(function)
-    _take_numbers_by_kind(compiled)
-    if not called:
-        compiled._insert = _nothing  # numba would list an entry that is not there, and Python jump to it
-        compiled._compile_for_args = _refused
-        return compiled
+    compiled = _dispatcher(function, options, _Pipeline)
     with contextlib.suppress(RuntimeError):  # neither the package's folder nor the user's takes a cache
         compiled._cache = _StampedCache(function, stamp)
+    return compiled
+
+
+def _dispatcher(function: Callable[..., Any], options: dict[str, Any], pipeline: type[Compiler], **more: Any) -> Any:
+    compiled = numba.njit(pipeline_class=pipeline, no_cfunc_wrapper=True, **more, **options)(function)
+    _take_numbers_by_kind(compiled)
     return compiled
 
 

@@ -40,7 +40,7 @@ def report(blocks: Sequence[Block]) -> dict[str, Any]:
     assembly = Assembly.from_blocks(blocks, 0.5)
     joints = find_joints(assembly)
     found = _contacts(assembly)
-    pairs, contacts = np.unique(found.bodies, axis=0).reshape(-1, 2), found.count
+    pairs, contacts = np.unique(found.bodies, axis=0).reshape(-1, 2), len(found.gap)
     free = ~assembly.fixed
     _check_loose(assembly, pairs)
     graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (assembly.count, assembly.count))

@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from typing import NamedTuple
 
+import numpy as np
 import pytest
 from numba.core import caching
 from places import ROOT
@@ -28,6 +30,32 @@ def _eighth(x):
     return _half(quarter(x))
 
 
+class Line(NamedTuple):
+    """A line y = slope x + offset, at some places."""
+
+    places: np.ndarray
+    slope: float
+    offset: float
+
+
+class Drawing(NamedTuple):
+    """A line, and how often it is drawn: a number of zeros."""
+
+    line: Line
+    times: tuple[int, ...]
+
+
+@entry()
+def heights(drawing: Drawing, scale: float) -> np.ndarray:
+    line = drawing.line
+    return scale * len(drawing.times) * (line.slope * line.places + line.offset)
+
+
+@entry()
+def total_height(drawing: Drawing, line: Line) -> float:
+    return heights(drawing, 1.0).sum() + heights(Drawing(line, (0,)), 1.0).sum()
+
+
 def third(x):
     return x / 3.0
 
@@ -42,6 +70,21 @@ def test_python_is_refused_where_there_is_no_entry_compiled_or_not():
         with pytest.raises(TypeError, match="called by other kernels alone"):
             _half(argument)
     assert quarter(8) == 2.0
+
+
+def test_named_tuples_are_put_together_again():
+    line = Line(np.array([0.0, 1.0, 2.0]), 3.0, 1.0)
+    drawing = Drawing(line, (0, 0))
+    assert heights(drawing, 0.5).tolist() == [1.0, 4.0, 7.0]
+    assert heights(Drawing(line, (0, 0, 0)), 0.5).tolist() == [1.5, 6.0, 10.5]
+    assert total_height(drawing, line) == 24.0 + 12.0  # kernels pass them on as they are
+
+
+def test_what_is_kept_is_listed_by_field():
+    heights(Drawing(Line(np.zeros(2), 1.0, 0.0), (0, 0)), 1.0)
+    first = [drawing for drawing, _ in kept(heights)]
+    assert all(isinstance(drawing, Drawing) and isinstance(drawing.line, Line) for drawing in first)
+    assert 2 in {len(drawing.times) for drawing in first}
 
 
 def test_kernels_do_without_a_folder_for_their_cache(monkeypatch):

@@ -77,7 +77,7 @@ def _shake_cubes(solver: str, planar: bool, by_area: bool) -> None:
 def _is_kept(planar: bool) -> bool:
     """Whether the largest kernel is in the cache."""
     problems = [kinds[1] for kinds in kept(linearised_bodies)]  # numba's types of ProblemArrays
-    return any(len(problem.types[problem.fields.index("m")]) == (2 if planar else 3) for problem in problems)
+    return any(len(problem.m) == (2 if planar else 3) for problem in problems)
 
 
 @contextmanager

@@ -60,7 +60,7 @@ def overlapping_boxes(boxes: np.ndarray, owner: np.ndarray, fixed: np.ndarray) -
 
 
 @entry()
-def list_holds(listing, shapes, motion, origin):
+def list_holds(listing: Listing, shapes: Shapes, motion: Motion, origin: np.ndarray) -> bool:
     """Whether no part has moved, nor may move within the step, by more than its allowance.
 
     ``origin`` (3,) is the displacement of the supports since the start [m].
@@ -82,7 +82,7 @@ def list_holds(listing, shapes, motion, origin):
 
 
 @entry()
-def grown_boxes(listing, shapes, motion, skin, boxes):
+def grown_boxes(listing: Listing, shapes: Shapes, motion: Motion, skin: float, boxes: np.ndarray) -> None:
     """Fill ``boxes`` (P, 6) with low and high corners, grown by the allowances, filled too: skin and reach within the step [m]."""
     solids, allowance = shapes.solids, listing.allowance
     position, rotation, vertices = listing.position, listing.rotation, solids.vertices

@@ -14,7 +14,6 @@ pair has no points and may move by FAR of its width, they are those of its pose 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -34,8 +33,7 @@ FAR = 0.05  # a pair that may move by more than this share of the smaller part's
 APART, KEPT, CLIPPED, SEARCHED = 0, 1, 2, 3  # what was done with a pair: nothing, points carried along, points found, feature found
 
 
-@dataclass(frozen=True, eq=False)
-class ContactSet:
+class ContactSet(NamedTuple):
     """C contacts. The normal points from the antagonist (second body) to the candidate (first body)."""
 
     bodies: np.ndarray  # (C, 2) candidate and antagonist block
@@ -46,15 +44,14 @@ class ContactSet:
     pair: np.ndarray  # (C,) row of the detector's pair list
     previous: np.ndarray  # (C,) the same contact in the last set, -1 for a new one
 
-    @property
-    def count(self) -> int:
-        """Number of contacts C."""
-        return len(self.gap)
-
     @classmethod
-    def none(cls) -> ContactSet:
-        """No contacts."""
-        return cls(*_Rows.allocate(0))
+    def allocate(cls, count: int) -> ContactSet:
+        """Room for a number of contacts, to be filled."""
+        one, three, index = (count,), (count, 3), np.int64
+        return cls(
+            np.empty((count, 2), index), np.empty(three), np.empty(three), np.empty(one), np.empty(one), np.empty(one, index),
+            np.empty(one, index),
+        )  # fmt: skip
 
 
 class Detector:
@@ -106,9 +103,10 @@ class Detector:
         motion = Motion(position, rotation, velocity, float(step), float(slack))
         if not list_holds(self._listing, self._shapes, motion, origin):
             self._rebuild(motion, origin)
-        rows = _Rows.allocate(update_pairs(self._memory, self._shapes, motion, self._pair_by_area, self._work, self.tally))
-        write_contacts(self._memory, self._shapes.part_block, position, rotation, rows)
-        return ContactSet(*rows)
+        count = update_pairs(self._memory, self._shapes, motion, self._pair_by_area, self._work, self.tally)
+        found = ContactSet.allocate(count)
+        write_contacts(self._memory, self._shapes.part_block, position, rotation, found)
+        return found
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """What the detector remembers, as arrays for a checkpoint."""
@@ -140,27 +138,6 @@ class Detector:
         return self._corners[pairs].sum(axis=1) + 1
 
 
-class _Rows(NamedTuple):
-    """The arrays of a contact set, to be filled; see :class:`ContactSet`."""
-
-    bodies: np.ndarray
-    point: np.ndarray
-    normal: np.ndarray
-    gap: np.ndarray
-    area: np.ndarray
-    pair: np.ndarray
-    previous: np.ndarray
-
-    @classmethod
-    def allocate(cls, count: int) -> _Rows:
-        """Room for a number of contacts."""
-        one, three, index = (count,), (count, 3), np.int64
-        return cls(
-            np.empty((count, 2), index), np.empty(three), np.empty(three), np.empty(one), np.empty(one), np.empty(one, index),
-            np.empty(one, index),
-        )  # fmt: skip
-
-
 class Workspace(NamedTuple):
     """Scratch arrays for one pair after another."""
 
@@ -182,7 +159,7 @@ class Workspace(NamedTuple):
 
 
 @entry()
-def update_pairs(memory, shapes, motion, by_area, work, tally):
+def update_pairs(memory: PairMemory, shapes: Shapes, motion: Motion, by_area: np.ndarray, work: Workspace, tally: np.ndarray) -> int:
     """Bring the points of all P pairs up to date, and the gap of each, inf where it is beyond the margin; return how many are within.
 
     ``by_area`` (P,) whether the law of the joint goes by area; ``tally`` (4,) counts what was done.
@@ -257,8 +234,8 @@ def _look_ahead(memory, k, shapes, motion, margin, width, work):
 
 
 @entry()
-def write_contacts(memory, part_block, position, rotation, rows):
-    """Fill the rows of a contact set with the points within the margin, in the world frame, and note the row of each."""
+def write_contacts(memory: PairMemory, part_block: np.ndarray, position: np.ndarray, rotation: np.ndarray, rows: ContactSet) -> None:
+    """Fill the rows of a set with the points within the margin, in the world frame, and note the row of each."""
     total = 0
     for k in range(memory.parts.shape[0]):
         if memory.point_count[k] == 0:

@@ -38,5 +38,5 @@ def _touching(assembly: Assembly) -> tuple[ContactSet, list[np.ndarray], np.ndar
     still = np.zeros((assembly.count, 6))
     contacts = detector.detect(state.position, rotation_matrices(state.orientation), still, 0.0, 0.0, np.zeros(3))
     starts = np.flatnonzero(np.diff(contacts.pair, prepend=-1))
-    pieces = np.split(np.arange(contacts.count), starts[1:]) if contacts.count else []
+    pieces = np.split(np.arange(len(contacts.gap)), starts[1:]) if len(contacts.gap) else []
     return contacts, [piece for piece in pieces if len(piece) >= 3], detector.pairs

@@ -143,7 +143,7 @@ def depths(solids: Polyhedra, pairs: np.ndarray, enough: np.ndarray) -> np.ndarr
 
 
 @entry()
-def _depths(solids, pairs, enough, out):
+def _depths(solids: Polyhedra, pairs: np.ndarray, enough: np.ndarray, out: np.ndarray) -> None:
     """Fill ``out`` (n,), see :func:`depths`."""
     placed = Placed(solids.vertices, solids.normals, WHOLE, WHOLE)
     for k in range(pairs.shape[0]):

@@ -14,35 +14,43 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.contact.detector import ContactSet
-from masonry_cd.dynamics.contact_arrays import ContactRows, FoundArrays
+from masonry_cd.dynamics.block_arrays import BlockArrays, StepConstants
+from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.free_motion import Prediction
 from masonry_cd.dynamics.joint_history import with_springs
-from masonry_cd.dynamics.joint_law import Springs
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import Motion, System
 from masonry_cd.friction.problem import FrictionProblem, Solution
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry
 
 
 def assemble(system: System, last: Motion, predicted: Prediction, found: ContactSet) -> StepProblem:
     """The friction problem of the contacts found, and the impulses and velocities of the last step to start from."""
-    m, n = system.rows, len(system.blocks.columns)
-    room = ContactRows.room(found.count, m, n)
+    room = ContactRows.allocate(len(found.gap), system.rows, len(system.blocks.columns))
     count = fill_rows(
-        FoundArrays.of(found), system.blocks, system.constants, predicted.state.position, predicted.loads.support_after,
-        system.assembly.friction, last.impulse, room,
+        found, system.blocks, system.constants, predicted.state.position, predicted.loads.support_after, system.assembly.friction,
+        last.impulse, room,
     )  # fmt: skip
     rows = room.first(count)
     rigid = FrictionProblem(
-        predicted.inverse_mass, predicted.v_free, rows.bodies, rows.jacobian, rows.offset, rows.mu, compliance=np.zeros((count, m))
+        predicted.inverse_mass, predicted.v_free, rows.bodies, rows.jacobian, rows.offset, rows.mu, compliance=np.zeros(rows.offset.shape)
     )
-    start = Solution(rows.start, last.v, 0)
-    return with_springs(system, last, StepProblem(predicted, found, rows, Springs.none(rigid), rigid, start))
+    made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0))
+    return made if system.laws is None else with_springs(system, system.laws, last, made)
 
 
 @entry()
-def fill_rows(found, blocks, constants, position, support_velocity, friction, last_impulse, rows):
-    """Fill ``rows``, a ContactRows with room for all contacts found, as of rigid contacts; return how many the friction problem has.
+def fill_rows(
+    found: ContactSet,
+    blocks: BlockArrays,
+    constants: StepConstants,
+    position: np.ndarray,
+    support_velocity: np.ndarray,
+    friction: np.ndarray,
+    last_impulse: np.ndarray,
+    rows: ContactRows,
+) -> int:
+    """Fill ``rows``, with room for all contacts found, as of rigid joints; return how many the friction problem has.
 
     Positions (B, 3) at q_m [m], velocities of the supports (S, 3) at the end of the step [m/s], coefficients of friction (G, G) by group,
     impulses of all contacts of the last set (., m) [N s].
@@ -62,14 +70,14 @@ def fill_rows(found, blocks, constants, position, support_velocity, friction, la
     for c in range(gap.shape[0]):
         if plane_axis >= 0 and point[c, plane_axis] > plane_at + (closed if area[c] > 0.0 else 0.0):
             continue
-        rows.active[count] = c
+        rows.active[count], rows.gap[count], rows.pair[count] = c, gap[c], found.pair[c]
         _frame(found.normal, c, plane_axis, frames, count)
         for i in range(m):
             offset[count, i] = 0.0
             rows.start[count, i] = last_impulse[previous[c], i] if previous[c] >= 0 else 0.0
         offset[count, 0] = gap[c] / step if gap[c] > closed else 0.0
         for side in range(2):
-            block, sign = found.blocks[c, side], 1.0 - 2.0 * side
+            block, sign = found.bodies[c, side], 1.0 - 2.0 * side
             rows.blocks[count, side], rows.groups[count, side] = block, group_of[block]
             rows.bodies[count, side], rows.supports[count, side] = free_index[block], support_of[block]
             for d in range(3):
@@ -91,7 +99,7 @@ def fill_rows(found, blocks, constants, position, support_velocity, friction, la
     return count
 
 
-@kernel()
+@borrower()
 def _frame(normal, c, plane_axis, frames, at):
     """Fill frames[at] with the rows n, t1, t2 of contact c.
 

@@ -14,17 +14,17 @@ the implicit midpoint rule, which is reversible, so that a tumbling block does n
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.dynamics.block_arrays import BlockArrays
 from masonry_cd.dynamics.system import Motion, StepLoads, System
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry
 from masonry_cd.model.state import State, rotation_matrices
 
 
-@dataclass(frozen=True, eq=False)
-class Prediction:
+class Prediction(NamedTuple):
     """The blocks at q_m, and their motion without contact."""
 
     loads: StepLoads
@@ -47,8 +47,7 @@ def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:
     bodies, n = len(system.reach), len(blocks.columns)
     inverse_mass, v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
     free_velocity(blocks, rotation, state.velocity, last.angular_momentum, loads.acceleration, h, inverse_mass, v_free)
-    momentum = last.angular_momentum.copy()
-    free = Prediction(loads, state, rotation, inverse_mass, v_free, momentum, system.gravity, last.tensions)
+    free = Prediction(loads, state, rotation, inverse_mass, v_free, last.angular_momentum, system.gravity, last.tensions)
     return _with_carried_impulse(system, _with_forces(system, free), last.carried_impulse)
 
 
@@ -62,7 +61,7 @@ def _with_forces(system: System, free: Prediction) -> Prediction:
     pull = system.gravity + float((np.linalg.norm(wrench[:, :3], axis=1) / system.assembly.mass[system.free]).max())
     impulse = system.constants.step * wrench[:, system.blocks.columns]
     pushed = _pushed(system, free, impulse, np.einsum("bij,bj->bi", free.inverse_mass, impulse))
-    return replace(pushed, pull=pull, tensions=forces.tensions(*now), force_impulse=impulse)
+    return pushed._replace(pull=pull, tensions=forces.tensions(*now), force_impulse=impulse)
 
 
 def _with_carried_impulse(system: System, free: Prediction, carried: np.ndarray | None) -> Prediction:
@@ -77,14 +76,14 @@ def _with_carried_impulse(system: System, free: Prediction, carried: np.ndarray 
     turning = system.turning
     speed = np.linalg.norm(gain[:, ~turning], axis=1) + np.linalg.norm(gain[:, turning], axis=1) * system.reach
     share = np.minimum(1.0, free.pull * system.constants.step / np.maximum(speed, 1e-300))[:, None]
-    return replace(_pushed(system, free, share * carried, share * gain), carried_impulse=share * carried)
+    return _pushed(system, free, share * carried, share * gain)._replace(carried_impulse=share * carried)
 
 
 def _pushed(system: System, free: Prediction, impulse: np.ndarray, gain: np.ndarray) -> Prediction:
     """Add a generalised impulse (F, n) and the velocities that it gives (F, n)."""
     momentum = free.angular_momentum.copy()
     momentum[system.turning_axes] += impulse[:, system.turning]
-    return replace(free, v_free=free.v_free + gain, angular_momentum=momentum)
+    return free._replace(v_free=free.v_free + gain, angular_momentum=momentum)
 
 
 # --- kernels ---------------------------------------------------------------------------------------------------------------
@@ -113,7 +112,16 @@ def drift(position, orientation, velocity, time):
 
 
 @entry()
-def free_velocity(blocks, rotation, velocity, momentum, acceleration, step, inverse_mass, v_free):
+def free_velocity(
+    blocks: BlockArrays,
+    rotation: np.ndarray,
+    velocity: np.ndarray,
+    momentum: np.ndarray,
+    acceleration: np.ndarray,
+    step: float,
+    inverse_mass: np.ndarray,
+    v_free: np.ndarray,
+) -> None:
     """Fill M^-1 (F, n, n) and the velocities without contact (F, n) of the free blocks, see the head of this file.
 
     Rotations (B, 3, 3) at q_m, velocities (B, 6), angular momenta (B, 3), one body acceleration (3,) [m/s2].
@@ -136,7 +144,18 @@ def free_velocity(blocks, rotation, velocity, momentum, acceleration, step, inve
                 inverse_mass[i, j, k] = full[columns[j], columns[k]]
 
 
-@kernel()
+@entry()
+def angular_momenta(blocks: BlockArrays, rotation: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Angular momenta I w (B, 3) [kg m2/s] of blocks with rotations (B, 3, 3) and velocities (B, 6)."""
+    momentum, world = np.empty((len(rotation), 3)), np.empty((3, 3))
+    for b in range(len(rotation)):
+        turned_tensor(rotation[b], blocks.inertia[b], world)
+        for d in range(3):
+            momentum[b, d] = world[d, 0] * velocity[b, 3] + world[d, 1] * velocity[b, 4] + world[d, 2] * velocity[b, 5]
+    return momentum
+
+
+@borrower()
 def _midpoint_rotation(inverse_inertia, momentum, step, planar, w):
     """Solve w = I(exp(h w / 2) q_m)^-1 L for w (3,) by fixed point; about a fixed axis, as in a plane, I does not change.
 
@@ -163,7 +182,7 @@ def _midpoint_rotation(inverse_inertia, momentum, step, planar, w):
             return
 
 
-@kernel()
+@borrower()
 def _turn(x, y, z, ax, ay, az, c, s):
     """Rodrigues' rotation of (x, y, z) about the unit axis a by the angle with cosine c and sine s; three numbers."""
     along = (1.0 - c) * (ax * x + ay * y + az * z)
@@ -174,7 +193,7 @@ def _turn(x, y, z, ax, ay, az, c, s):
     )
 
 
-@kernel()
+@borrower()
 def turned_tensor(r, tensor, out):
     """Fill out (3, 3) with R T R^T."""
     for i in range(3):

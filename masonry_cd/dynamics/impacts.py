@@ -101,7 +101,7 @@ def open_among(
 
 
 @entry()
-def find_impacts(contacts, pair, v_free, step, gravity, struck):
+def find_impacts(contacts: ImpactContacts, pair: np.ndarray, v_free: np.ndarray, step: float, gravity: float, struck: np.ndarray) -> bool:
     """Fill ``contacts.is_open`` and ``struck`` (C,), see :func:`open_contacts`; return whether there is an impact.
 
     ``contacts``: ImpactContacts, those of a pair one after the other; pairs (C,), free velocities (F, n), h [s], gravity [m/s2].
@@ -161,7 +161,9 @@ def _error(problem: FrictionProblem, solution: Solution) -> float:
 
 
 @entry()
-def carried_impulse(contacts, before, after, force, blow, step):
+def carried_impulse(
+    contacts: ImpactContacts, before: np.ndarray, after: np.ndarray, force: np.ndarray, blow: np.ndarray, step: float
+) -> np.ndarray:
     """(f - 1/2) H^T p' of the contacts that the impacts open, (F, n), with f of the hardest blow on either body of the contact.
 
     ``contacts``: ImpactContacts; velocities without and with the blows (F, n), impulses p' of the forces and of the blows (C, m) [N s].

@@ -29,7 +29,7 @@ import numpy as np
 
 from masonry_cd.friction.operators import errors_by_group
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry
 from masonry_cd.solvers import Options, Solver
 
 REVIEW = 20  # steps
@@ -189,10 +189,10 @@ def _measure(
     """What impulses leave in each group, what they may leave, and its size, see the head of this file; (G,) each."""
     residual, size = errors_by_group(problem.arrays(), np.ascontiguousarray(impulse), group, groups)
     share = np.bincount(group, minlength=groups) / max(problem.contacts, 1)
-    return residual, tolerance * np.sqrt(0.5 * (size**2 + (size @ size) * share)), size
+    return residual, tolerance * np.sqrt(0.5 * (size**2 + np.sum(size**2) * share)), size
 
 
-@kernel()
+@borrower()
 def _find(root, body):
     """First block of the group of a body, by way of what ``root`` says so far."""
     while root[body] != body:
@@ -231,7 +231,7 @@ def _gather(first, kind, contacts, full, root):
         root[b] = leader[root[b]]
 
 
-@kernel()
+@borrower()
 def _host(pair):
     """The block, or one of the two, that a contact is on."""
     return pair[0] if pair[0] >= 0 else pair[1]

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.dynamics.contact_arrays import FoundArrays
+from masonry_cd.contact.detector import ContactSet
+from masonry_cd.dynamics.block_arrays import StepConstants
+from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import System
 from masonry_cd.jit import entry
@@ -19,12 +21,20 @@ def joint_forces(
     ``pair_joint`` names the joint of each pair of parts or -1.
     """
     force, point = np.empty((2, joints)), np.empty((joints, 3))
-    add_up(made.rows, FoundArrays.of(made.found), system.constants, impulse, pair_joint, force, point)
+    add_up(made.rows, made.found, system.constants, impulse, pair_joint, force, point)
     return force, point
 
 
 @entry()
-def add_up(rows, found, constants, impulse, pair_joint, force, at):
+def add_up(
+    rows: ContactRows,
+    found: ContactSet,
+    constants: StepConstants,
+    impulse: np.ndarray,
+    pair_joint: np.ndarray,
+    force: np.ndarray,
+    at: np.ndarray,
+) -> None:
     """Fill normal and shear force [N] of each joint, (2, J), and where their resultant crosses its plane, (J, 3) [m].
 
     The contacts of a joint lie in its plane, so their tangential parts turn about its normal alone: the point about which the moment in the
@@ -34,8 +44,7 @@ def add_up(rows, found, constants, impulse, pair_joint, force, at):
     total = np.zeros((at.shape[0], 4))  # tangential force, normal impulse
     force[:], at[:] = 0.0, 0.0
     for c in range(impulse.shape[0]):
-        k = rows.active[c]
-        joint = pair_joint[found.pair[k]]
+        k, joint = rows.active[c], pair_joint[rows.pair[c]]
         if joint < 0:
             continue
         force[0, joint] += impulse[c, 0] / step

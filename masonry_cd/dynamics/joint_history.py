@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.dynamics.contact_arrays import FoundArrays, Velocities
-from masonry_cd.dynamics.joint_law import JointMemory, Springs, bonded_area, load_springs, unload_springs
+from masonry_cd.dynamics.contact_arrays import Velocities
+from masonry_cd.dynamics.joint_law import JointLawArrays, JointMemory, Springs, bonded_area, load_springs, unload_springs
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import Motion, System
 from masonry_cd.friction.problem import FrictionProblem
@@ -30,19 +30,16 @@ class SpringWork(NamedTuple):
     before: float = 0.0  # and before it
 
 
-def with_springs(system: System, last: Motion, rigid: StepProblem) -> StepProblem:
+def with_springs(system: System, laws: JointLawArrays, last: Motion, rigid: StepProblem) -> StepProblem:
     """Give contacts of elastic and bonded joints their law in a problem of rigid contacts."""
-    if system.laws is None:
-        return rigid
-    zero, loads, rows = Springs.none(rigid.problem), rigid.predicted.loads, rigid.rows
-    springs = zero._replace(compliance=zero.compliance.copy(), offset=zero.offset.copy())
+    springs, loads, rows = Springs.none(rigid.problem), rigid.predicted.loads, rigid.rows
     load_springs(
-        system.laws, FoundArrays.of(rigid.found), rows, system.constants, rigid.predicted.rotation,
+        laws, rigid.found, rows, system.constants, rigid.predicted.rotation,
         Velocities(last.v, loads.support_before), loads.support_after, last.joints, AT_START * system.width if last.steps == 0 else -1.0,
         springs,
     )  # fmt: skip
     problem = replace(rigid.problem, compliance=springs.compliance, offset=springs.offset)
-    return replace(rigid, springs=springs, problem=problem)
+    return rigid._replace(springs=springs, problem=problem)
 
 
 def carried_over(system: System, last: Motion, made: StepProblem, v: np.ndarray, impulse: np.ndarray) -> tuple[JointMemory, SpringWork]:
@@ -55,12 +52,12 @@ def carried_over(system: System, last: Motion, made: StepProblem, v: np.ndarray,
         v: (F, n) velocities at its end.
         impulse: (C, m) of it [N s].
     """
-    if system.laws is None:
+    if system.laws is None or made.springs is None:
         return last.joints, SpringWork()
-    memory, loads = JointMemory.empty(made.found.count), made.predicted.loads
+    memory, loads = JointMemory.empty(len(made.found.gap)), made.predicted.loads
     still = max(CREEP, system.settings.tolerance) * made.predicted.pull * system.constants.step
     work = unload_springs(
-        system.laws, FoundArrays.of(made.found), made.rows, system.constants, made.springs, made.predicted.rotation,
+        system.laws, made.found, made.rows, system.constants, made.springs, made.predicted.rotation,
         Velocities(v, loads.support_after), impulse, still, memory,
     )  # fmt: skip
     return memory, SpringWork(*work.tolist())
@@ -76,5 +73,6 @@ def pretensioned(problem: FrictionProblem, bond: np.ndarray) -> FrictionProblem:
 def bonded_shares(made: StepProblem, memory: JointMemory, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
     """Share of the area of each joint that is bonded after a step, (J,); ``pair_joint`` names the joint of each pair or -1."""
     whole = np.zeros(joints.count)
-    bonded_area(made.active, made.found.pair, pair_joint, made.springs.area, memory.bonded, whole)
+    if made.springs is not None:
+        bonded_area(made.rows.active, made.found.pair, pair_joint, made.springs.area, memory.bonded, whole)
     return np.minimum(1.0, whole / joints.area)

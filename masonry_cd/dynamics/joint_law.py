@@ -40,9 +40,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.contact.detector import ContactSet
+from masonry_cd.dynamics.block_arrays import StepConstants
+from masonry_cd.dynamics.contact_arrays import ContactRows, Velocities
 from masonry_cd.dynamics.relative_velocity import of_bodies, of_both, of_supports
 from masonry_cd.friction.problem import FrictionProblem
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry
 from masonry_cd.model.materials import JointLaws
 
 AT_LIMIT = 1e-6  # an impulse this close to the cone, as a share of it, is on it
@@ -84,10 +87,13 @@ class Springs(NamedTuple):
 
     @classmethod
     def none(cls, problem: FrictionProblem) -> Springs:
-        """Contacts that are all rigid and dry."""
+        """Contacts that are all rigid and dry, to be filled."""
         c, m = problem.contacts, problem.dimension
         off = np.zeros(c, dtype=np.bool_)
-        return cls(np.zeros(c), off, off.copy(), np.zeros(c), np.zeros((c, m - 1)), np.zeros((c, m)), problem.compliance, problem.offset)
+        return cls(
+            np.zeros(c), off, off.copy(), np.zeros(c), np.zeros((c, m - 1)), np.zeros((c, m)), problem.compliance.copy(),
+            problem.offset.copy(),
+        )  # fmt: skip
 
     @property
     def whole(self) -> np.ndarray:
@@ -101,10 +107,21 @@ def law_arrays(laws: JointLaws) -> JointLawArrays:
 
 
 @entry()
-def load_springs(laws, found, rows, constants, rotation, before, support_after, memory, bonding, springs):
+def load_springs(
+    laws: JointLawArrays,
+    found: ContactSet,
+    rows: ContactRows,
+    constants: StepConstants,
+    rotation: np.ndarray,
+    before: Velocities,
+    support_after: np.ndarray,
+    memory: JointMemory,
+    bonding: float,
+    springs: Springs,
+) -> None:
     """Fill ``springs`` for the contacts whose law goes by area, see the head of this file.
 
-    ``found``, ``rows``: FoundArrays and ContactRows of the step; rotations (B, 3, 3) at q_m; ``before``: Velocities at the beginning of
+    ``found``, ``rows``: ContactSet and ContactRows of the step; rotations (B, 3, 3) at q_m; ``before``: Velocities at the beginning of
     the step; velocities of the supports (S, 3) at its end; ``memory``: JointMemory of the last set; ``bonding``: gaps up to which new
     contacts are bonded [m], negative after the first step.
     """
@@ -143,7 +160,7 @@ def load_springs(laws, found, rows, constants, rotation, before, support_after, 
             springs.offset[c, i] = base[i] + (slip + theta * (1.0 - theta) * h * u[i]) / (theta * theta * h)
 
 
-@kernel()
+@borrower()
 def _whole_area(share, point, k, constants):
     """Area that contact k of those found stands for [m2]: in a plane also that of its mirror image, where it is not its own."""
     axis = constants.plane_axis
@@ -151,7 +168,7 @@ def _whole_area(share, point, k, constants):
     return 2.0 * share[k] if mirrored else share[k]
 
 
-@kernel()
+@borrower()
 def _remembered(last_slip, old, rotation, antagonist, frame, c, i):
     """Slip of contact ``old`` of the last set along row i of contact c [m]: its vector has turned with the antagonist."""
     slip = 0.0
@@ -166,7 +183,18 @@ def _remembered(last_slip, old, rotation, antagonist, frame, c, i):
 
 
 @entry()
-def unload_springs(laws, found, rows, constants, springs, rotation, after, impulse, still, memory):
+def unload_springs(
+    laws: JointLawArrays,
+    found: ContactSet,
+    rows: ContactRows,
+    constants: StepConstants,
+    springs: Springs,
+    rotation: np.ndarray,
+    after: Velocities,
+    impulse: np.ndarray,
+    still: float,
+    memory: JointMemory,
+) -> np.ndarray:
     """Carry slips and bonds over the step: fill ``memory``, a JointMemory of all contacts found.
 
     ``springs`` are those of the step, ``after`` the Velocities at its end, impulses (C, m) [N s]; ``still`` is the slip that counts as
@@ -189,7 +217,7 @@ def unload_springs(laws, found, rows, constants, springs, rotation, after, impul
     first = 0
     while first < contacts:  # interface by interface, whose contacts follow each other: they break together
         last, holds = first, True
-        while last < contacts and found.pair[rows.active[last]] == found.pair[rows.active[first]]:
+        while last < contacts and rows.pair[last] == rows.pair[first]:
             if springs.bonded[last]:
                 strength = constants.step * laws.tension[groups[last, 0], groups[last, 1]] * springs.area[last]
                 holds = holds and not slips[last] and _holds(impulse[last, 0], springs.bond[last], strength, w[last, 0] > still)
@@ -225,20 +253,20 @@ def unload_springs(laws, found, rows, constants, springs, rotation, after, impul
     return work
 
 
-@kernel()
+@borrower()
 def _holds(impulse, bond, strength, opens):
     """Whether a bonded contact neither parts nor passes its tensile strength [N s] under a normal impulse."""
     parts = opens and impulse + bond <= AT_LIMIT * bond
     return not (parts or -impulse > (1.0 + AT_LIMIT) * strength)
 
 
-@kernel()
+@borrower()
 def _stored(stiffness, stretch, bonded):
     """Energy [J] of a spring of a stiffness [N/m]: one that is not bonded has none when it is open, stretch > 0 [m]."""
     return 0.5 * stiffness * stretch * stretch if stretch < 0.0 or bonded else 0.0
 
 
-@kernel()
+@borrower()
 def _remember(keeps, slip, turn, frame, out):
     """Add to out (3,), in the frame of the antagonist with rotation ``turn`` (3, 3), a share of a slip along rows 1 and on of ``frame``."""
     for i in range(slip.shape[0]):
@@ -247,7 +275,7 @@ def _remember(keeps, slip, turn, frame, out):
                 out[d] += turn[e, d] * keeps * slip[i] * frame[i + 1, e]
 
 
-@kernel()
+@borrower()
 def _size(x):
     """Length of a short vector."""
     total = 0.0

@@ -20,7 +20,8 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Mapping
 from copy import deepcopy
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from masonry_cd.dynamics import joint_forces
 from masonry_cd.dynamics.block_forces import BlockForces
 from masonry_cd.dynamics.contact_rows import assemble
 from masonry_cd.dynamics.energy import ENERGIES, account, at_start
-from masonry_cd.dynamics.free_motion import Prediction, predict
+from masonry_cd.dynamics.free_motion import Prediction, angular_momenta, predict
 from masonry_cd.dynamics.impacts import open_among, open_contacts, solve_apart
 from masonry_cd.dynamics.islands import Islands
 from masonry_cd.dynamics.joint_history import bonded_shares, pretensioned
@@ -53,8 +54,7 @@ __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
 Watch = Callable[[int, str, FrictionProblem], None]  # the step, and a problem solved in it by name: "" where it is the only one
 
 
-@dataclass(frozen=True)
-class StepReport:
+class StepReport(NamedTuple):
     """What one step cost and how well it was solved."""
 
     iterations: int
@@ -70,8 +70,7 @@ class StepReport:
     closing: Closing | None = None  # what a step that missed its tolerance has left closing
 
 
-@dataclass(frozen=True, eq=False)
-class Solved:
+class Solved(NamedTuple):
     """The solution of the friction problem of a step."""
 
     solution: Solution
@@ -92,12 +91,12 @@ def detect(system: System, detector: Detector, predicted: Prediction) -> Contact
 
 def solve(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None = None) -> Solved:
     """Find the impulses of step ``number``, counted from 1. Bonded contacts are solved in impulses whose cones begin at zero."""
-    bond = made.springs.bond
-    if not bond.any():
+    if made.springs is None or not made.springs.bond.any():
         return _solve_cones(system, made, islands, number, watch)
+    bond = made.springs.bond
     start = replace(made.start, impulse=_shifted(made.start.impulse, bond))
-    solved = _solve_cones(system, replace(made, problem=pretensioned(made.problem, bond), start=start), islands, number, watch)
-    return replace(solved, solution=replace(solved.solution, impulse=_shifted(solved.solution.impulse, -bond)))
+    solved = _solve_cones(system, made._replace(problem=pretensioned(made.problem, bond), start=start), islands, number, watch)
+    return solved._replace(solution=replace(solved.solution, impulse=_shifted(solved.solution.impulse, -bond)))
 
 
 def _shifted(impulse: np.ndarray, normal: np.ndarray) -> np.ndarray:
@@ -120,7 +119,7 @@ def _solve_cones(system: System, made: StepProblem, islands: Islands, number: in
     else:
         is_open, struck = impact
         both = solve_apart(
-            problem, is_open, ~struck, made.gap, s.dt, start, lambda part, begin, kind: islands.solve(part, options, begin, kind)
+            problem, is_open, ~struck, made.rows.gap, s.dt, start, lambda part, begin, kind: islands.solve(part, options, begin, kind)
         )
         shown = {"forces": both.forces, "impacts": both.impacts}
         solved = Solved(both.solution, both.error, both.carried_impulse)
@@ -135,10 +134,10 @@ def _impact(system: System, made: StepProblem) -> tuple[np.ndarray, np.ndarray] 
 
     Elastic and bonded contacts are never hit: their law spans the whole step.
     """
-    whole, h, pull = made.springs.whole, system.constants.step, made.predicted.pull
-    if whole.any():
-        return open_among(np.flatnonzero(~whole), made.problem, made.gap, made.pair, h, pull)
-    return open_contacts(made.problem, made.gap, made.pair, h, pull)
+    rows, h, pull = made.rows, system.constants.step, made.predicted.pull
+    if made.springs is not None and made.springs.whole.any():
+        return open_among(np.flatnonzero(~made.springs.whole), made.problem, rows.gap, rows.pair, h, pull)
+    return open_contacts(made.problem, rows.gap, rows.pair, h, pull)
 
 
 # --- step after step -----------------------------------------------------------------------------------------------------------
@@ -193,7 +192,7 @@ class Stepper:
         solved = solve(system, made, self.islands, last.steps + 1, self.watch)
         new = update(system, last, made, solved.solution.impulse, solved.carried_impulse)
         energy = account(system, last, made, solved.solution.impulse, new)
-        self.motion, self.last, self.solution = replace(new.motion, energy=energy), made, solved.solution
+        self.motion, self.last, self.solution = new.motion._replace(energy=energy), made, solved.solution
         self.load_step += 1
         return self._report(made, solved, begin)
 
@@ -249,19 +248,18 @@ class Stepper:
     def kick(self, velocity: np.ndarray) -> None:
         """Add velocities (B, 6) to those of the free blocks [m/s, rad/s], before a run."""
         free, state, momentum = self.system.free, self.state.copy(), self.motion.angular_momentum.copy()
-        turn = rotation_matrices(state.orientation[free])
-        inertia = turn @ self.assembly.inertia[free] @ turn.transpose(0, 2, 1)
-        state.velocity[free] += velocity[free]
-        momentum[free] += np.einsum("bij,bj->bi", inertia, velocity[free, 3:])
+        added = np.where(free[:, None], velocity, 0.0)
+        state.velocity += added
+        momentum += angular_momenta(self.system.blocks, rotation_matrices(state.orientation), added)
         v = self.motion.v + velocity[free][:, self.system.blocks.columns]
-        self.motion = replace(self.motion, state=state, angular_momentum=momentum, v=v, energy=at_start(self.system, state, momentum))
+        self.motion = self.motion._replace(state=state, angular_momentum=momentum, v=v, energy=at_start(self.system, state, momentum))
 
     def halt(self) -> None:
         """Take all motion out, and begin again at the time zero."""
         m = self.motion
         state = State(0.0, m.state.position, m.state.orientation, np.zeros_like(m.state.velocity))
-        self.motion = replace(
-            m, state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None, steps=0
+        self.motion = m._replace(
+            state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None, steps=0
         )
         self.load_step = 0
 
@@ -269,7 +267,7 @@ class Stepper:
         """Begin in the state of another stepper of the same blocks and plane, with a share of the impulses of its last step."""
         m = other.motion
         energy = at_start(self.system, m.state, m.angular_momentum)
-        self.motion = replace(m, impulse=share * m.impulse, tensions=self.tensions, energy=energy)
+        self.motion = m._replace(impulse=share * m.impulse, tensions=self.tensions, energy=energy)
         self.detector, self.last = other.detector, other.last
         self.solution = Solution(share * other.solution.impulse, None, 0)
 
@@ -322,8 +320,7 @@ class Stepper:
 def _at_start(system: System, state: State) -> Motion:
     """What the first step begins with: no impulses, and the momenta and tensions of a state."""
     rotation, forces = rotation_matrices(state.orientation), system.loads.forces
-    inertia = rotation @ system.assembly.inertia @ rotation.transpose(0, 2, 1)
-    momentum = np.einsum("bij,bj->bi", inertia, state.velocity[:, 3:])
+    momentum: np.ndarray = angular_momenta(system.blocks, rotation, state.velocity)
     return Motion(
         state=state,
         angular_momentum=momentum,

@@ -5,10 +5,12 @@ v+ = v_free + M^-1 H^T p,        L+ = L + I (w+ - w_free),        q+ = q_m + h t
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.dynamics.block_arrays import BlockArrays
 from masonry_cd.dynamics.free_motion import drift, turned_tensor
 from masonry_cd.dynamics.joint_history import SpringWork, carried_over
 from masonry_cd.dynamics.overlaps import correct_overlaps
@@ -21,8 +23,7 @@ class RunStopped(RuntimeError):
     """The run cannot go on; what was computed is kept. The message names the step and the block."""
 
 
-@dataclass(frozen=True, eq=False)
-class Update:
+class Update(NamedTuple):
     """The end of a step."""
 
     motion: Motion  # whose energies are still those of the last step
@@ -45,20 +46,20 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray,
         RunStopped: a velocity is not finite.
     """
     predicted, h = made.predicted, system.constants.step
-    every = np.zeros((max(1, made.found.count), system.rows))
-    every[made.active] = impulse
+    every = np.zeros((max(1, len(made.found.gap)), system.rows))
+    every[made.rows.active] = impulse
     v, state, momentum = made.problem.body_velocity(impulse), predicted.state.copy(), predicted.angular_momentum.copy()
     kinetic = take_velocities(
         system.blocks, predicted.rotation, v, made.problem.v_free, predicted.loads.support_after, state.velocity, momentum
     )
-    if not np.isfinite(kinetic):
+    if not math.isfinite(kinetic):
         raise RunStopped(f"step {last.steps + 1}: {_what_broke(system, made, state.velocity, impulse)}")
     lifted = correct_overlaps(system, made, state)
     drift(state.position, state.orientation, state.velocity, h * system.settings.theta)
     state.time = (last.steps + 1) * h
     joints, springs = carried_over(system, last, made, v, impulse)
-    motion = replace(
-        last, state=state, angular_momentum=momentum, v=v, impulse=every, carried_impulse=carried, joints=joints,
+    motion = last._replace(
+        state=state, angular_momentum=momentum, v=v, impulse=every, carried_impulse=carried, joints=joints,
         tensions=predicted.tensions, steps=last.steps + 1,
     )  # fmt: skip
     return Update(motion, kinetic, lifted, springs)
@@ -85,7 +86,15 @@ def _worst_contact(system: System, made: StepProblem, impulse: np.ndarray) -> st
 
 
 @entry()
-def take_velocities(blocks, rotation, v, v_free, support_velocity, velocity, momentum):
+def take_velocities(
+    blocks: BlockArrays,
+    rotation: np.ndarray,
+    v: np.ndarray,
+    v_free: np.ndarray,
+    support_velocity: np.ndarray,
+    velocity: np.ndarray,
+    momentum: np.ndarray,
+) -> float:
     """Write velocities into the state: ``velocity`` (B, 6), and angular momenta (B, 3), to which I (w - w_free) is added.
 
     ``blocks``: BlockArrays; rotations (B, 3, 3) at q_m, velocities of the free blocks with contact and without (F, n), of the supports

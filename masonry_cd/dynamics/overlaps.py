@@ -47,7 +47,7 @@ def deepest_overlap(made: StepProblem) -> tuple[float, tuple[int, int]]:
     if not len(gap):
         return 0.0, (-1, -1)
     at = int(np.argmin(gap))
-    first, second = made.rows.blocks[made.rigid[at]].tolist()
+    first, second = made.rows.blocks[at if made.springs is None else made.rigid[at]].tolist()
     return max(0.0, -float(gap[at])), (first, second)
 
 

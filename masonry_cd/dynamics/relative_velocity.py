@@ -6,10 +6,10 @@ who asks. A side on a free block contributes J v with its part of H, one on a su
 
 from __future__ import annotations
 
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower
 
 
-@kernel()
+@borrower()
 def of_bodies(bodies, jacobian, c, i, v, start):
     """start + (H v) of row i of contact c; ``bodies`` (C, 2) with -1 for supports, ``jacobian`` (C, 2, m, n), ``v`` (F, n)."""
     u = start
@@ -21,7 +21,7 @@ def of_bodies(bodies, jacobian, c, i, v, start):
     return u
 
 
-@kernel()
+@borrower()
 def of_supports(supports, frame, c, i, velocity, start):
     """start + what supports move along row i of contact c; ``supports`` (C, 2) with -1 for free blocks, ``velocity`` (S, 3)."""
     u = start
@@ -33,7 +33,7 @@ def of_supports(supports, frame, c, i, velocity, start):
     return u
 
 
-@kernel()
+@borrower()
 def of_both(bodies, supports, jacobian, frame, c, i, v, velocity, start):
     """start + the relative velocity along row i of contact c; arguments as of :func:`of_bodies` and :func:`of_supports`."""
     u = start

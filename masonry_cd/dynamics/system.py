@@ -7,36 +7,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.dynamics.block_arrays import BlockArrays, StepConstants
 from masonry_cd.dynamics.block_forces import BlockForces
 from masonry_cd.dynamics.joint_law import JointLawArrays, JointMemory, law_arrays
 from masonry_cd.dynamics.planar import Plane, find_plane
 from masonry_cd.dynamics.settings import Run
+from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.state import State
 from masonry_cd.solvers.options import cores
 
 TOUCHING = 1e-8  # gaps up to this share of the smallest width count as closed
-
-
-class BlockArrays(NamedTuple):
-    """The blocks as the kernels read them: B blocks, F of them free, with n unknowns each."""
-
-    mass: np.ndarray  # (B,) [kg]
-    inertia: np.ndarray  # (B, 3, 3) body frame [kg m2]
-    inverse_inertia: np.ndarray  # (B, 3, 3)
-    free_index: np.ndarray  # (B,) place among the free blocks; -1: a support
-    support_of: np.ndarray  # (B,) prescribed motion of a support; -1: a free block
-    group_of: np.ndarray  # (B,)
-    columns: np.ndarray  # (n,) unknowns of a block among (vx, vy, vz, wx, wy, wz): all six in space, three in a plane
-
-
-class StepConstants(NamedTuple):
-    """Numbers that the kernels of every step need."""
-
-    step: float  # h [s]
-    plane_axis: int  # axis normal to the plane of a planar scene; -1: a scene in space
-    plane_at: float  # coordinate of the plane on that axis [m]
-    closed: float  # gaps up to this one count as closed [m]
 
 
 class StepLoads(NamedTuple):
@@ -98,7 +79,7 @@ class System:
         blocks = BlockArrays(
             mass=assembly.mass,
             inertia=assembly.inertia,
-            inverse_inertia=np.linalg.inv(assembly.inertia),
+            inverse_inertia=inverses(assembly.inertia, size_tuple(3)),
             free_index=np.where(assembly.fixed, -1, np.cumsum(free) - 1),
             support_of=assembly.support_of,
             group_of=assembly.group_of,
@@ -141,16 +122,14 @@ def plane_of(assembly: Assembly, state: State, settings: Run, loads: Loads) -> P
     return find_plane(assembly, state, loads.support_velocity, loads.acceleration, loads.forces)
 
 
-@dataclass(frozen=True, eq=False)
-class EnergyBalance:
+class EnergyBalance(NamedTuple):
     """The energies of a run so far, see ``energy.py``."""
 
     totals: dict[str, float]  # by the names of ENERGIES [J]
     begun: float  # energy at the start of the run, that of springs included from the first step on [J]
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(NamedTuple):
     """What one step hands to the next, beside what the detector and the solver remember."""
 
     state: State

@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 
 OPEN, STICK, SLIP = 0, 1, 2  # status of a contact
 INVERSE_NN, COUPLING, SCHUR, NN, SCALE, START, MU, Q, P, C = 0, 1, 3, 6, 7, 8, 9, 10, 13, 16  # columns of a table of contacts
@@ -41,7 +41,7 @@ Vector = tuple[float, float, float]  # normal, first tangent, second tangent
 Row = tuple[float, float, float, float, float, float]  # 1/W_nn, c = w/W_nn (2), A (3: 11, 12, 22), the first six of a row of the table
 
 
-@kernel()
+@borrower()
 def slip_impulse(qn: float, a1: float, a2: float, row: Row, mu: float, s: float) -> tuple[float, float, float, float]:
     """Solve the slip equation from a first guess of s, see the head of this file; a = (a1, a2). Returns p and s.
 
@@ -101,7 +101,7 @@ def local_impulse(q: Vector, row: Row, mu: float, s: float) -> tuple[float, floa
     return slip_impulse(qn, a1, a2, row, mu, s)
 
 
-@kernel()
+@borrower()
 def prepare_law(w: np.ndarray, m: int, mu: float, law: np.ndarray, c: int) -> None:
     """Prepare the local law of contact c from W (3, 3) and mu: 1/W_nn, w/W_nn (2), A (3), W_nn, d = trace/m, s = 0, mu."""
     wnn = w[0, 0]

@@ -9,11 +9,12 @@ import numpy as np
 
 from masonry_cd.friction.coulomb_law import SCALE
 from masonry_cd.friction.natural_map import squared_residual
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.cholesky import factorise_cholesky
 from masonry_cd.linalg.single_columns import SYMMETRIC
 from masonry_cd.linalg.small_blocks import identities, multiply
 from masonry_cd.linalg.supernodes import BlockMatrix, allocate_factors, view_supernode
+from masonry_cd.linalg.symbolic import SymbolicFactor
 
 
 class LocalArrays(NamedTuple):
@@ -40,7 +41,7 @@ def row_velocity(data, indices, indptr, q, p, c, i):
     return total
 
 
-@kernel()
+@borrower()
 def local_residual(data, indices, indptr, q, mu, p, law):
     """Natural map error of p for a local problem."""
     contacts, m = p.shape
@@ -55,7 +56,7 @@ def local_residual(data, indices, indptr, q, mu, p, law):
     return np.sqrt(residual / size) if size > 0.0 else np.sqrt(residual)
 
 
-@kernel()
+@borrower()
 def delassus_product(problem, p, out):
     """out = W p (C, m)."""
     data, indices, indptr, m = problem.data, problem.indices, problem.indptr, len(problem.m)
@@ -68,7 +69,7 @@ def delassus_product(problem, p, out):
             out[c, i] = total
 
 
-@kernel()
+@borrower()
 def local_velocity(problem, p, u):
     """u = W p + q (C, m)."""
     delassus_product(problem, p, u)
@@ -77,7 +78,7 @@ def local_velocity(problem, p, u):
             u[c, i] += problem.q[c, i]
 
 
-@kernel()
+@borrower()
 def squared_residuals(problem, p, u):
     """Sum of the squared natural map residuals of impulses p and velocities u, (C, m)."""
     total, m = 0.0, len(problem.m)
@@ -87,7 +88,7 @@ def squared_residuals(problem, p, u):
     return total
 
 
-@kernel()
+@borrower()
 def local_norm(problem, p, u):
     """Norm of the natural map residual for impulses p (C, m) and their velocities u = W p + q (C, m), which it fills."""
     local_velocity(problem, p, u)
@@ -141,7 +142,15 @@ def has_positive_pivots(square):
 
 
 @entry()
-def is_definite(data, indices, indptr, shift, place, symbolic, size_m):
+def is_definite(
+    data: np.ndarray,
+    indices: np.ndarray,
+    indptr: np.ndarray,
+    shift: float,
+    place: np.ndarray,
+    symbolic: SymbolicFactor,
+    size_m: tuple[int, ...],
+) -> bool:
     """Whether the symmetric part of W, with shift added to its diagonal, is positive definite: all squares of D are (Sylvester)."""
     count, m = len(place), len(size_m)
     problem = LocalArrays(data, indices, indptr, np.empty((0, m)), np.empty(0), np.empty(0), place, size_m)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.friction.coulomb_law import tangent_length
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.small_blocks import EPSILON
 
 
@@ -59,7 +59,7 @@ def natural_map_norms(p: np.ndarray, u: np.ndarray, q: np.ndarray, mu: np.ndarra
     return np.sqrt(residual), np.sqrt(size)
 
 
-@kernel()
+@borrower()
 def size_of(q: np.ndarray, d: np.ndarray) -> float:
     """|q / sqrt(d)|, by which errors are divided; 1 if it is zero."""
     total = 0.0

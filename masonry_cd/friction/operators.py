@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.friction.natural_map import natural_map_norms, squared_residual
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.small_blocks import copy_flat, invert
 
 
@@ -76,7 +76,7 @@ def put_in_order(inverse_mass, v_free, order, first, end, inverse, mass, free, s
                 mass[b, i, i] = 1.0 / inverse[b, i, i]
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def measure_scales(problem, first, end):
     """Fill d_c = trace(W_cc + C_cc) / m of the contacts first to end."""
     inverse, jacobian, index, compliance = problem.inverse, problem.jacobian, problem.places, problem.compliance
@@ -101,13 +101,13 @@ def measure_scales(problem, first, end):
         d[c] = trace / m
 
 
-@kernel()
+@borrower()
 def relative_velocity(problem, v, u):
     """u = H v + b (C, m) for body velocities v (B + 1, n)."""
     relative_velocity_of(problem, v, 0, len(problem.places), u)
 
 
-@kernel()
+@borrower()
 def relative_velocity_of(problem, v, first, end, u):
     """u = H v + b for the contacts first to end."""
     jacobian, index, offset, m, n = problem.jacobian, problem.places, problem.offset, len(problem.m), len(problem.n)
@@ -129,7 +129,7 @@ def change_at(jacobian, index, c, i, change, n):
     return total
 
 
-@kernel()
+@borrower()
 def law_velocity(problem, v, p, w):
     """w = H v + b + C p (C, m), the velocity that the law is about."""
     relative_velocity(problem, v, w)
@@ -140,7 +140,7 @@ def law_velocity(problem, v, p, w):
                 w[c, i] += compliance[c, i] * p[c, i]
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def add_generalised_impulse(problem, p, out):
     """out += H^T p (B + 1, n); its last row, of the supports, is of no use."""
     jacobian, index, m, n = problem.jacobian, problem.places, len(problem.m), len(problem.n)
@@ -153,7 +153,7 @@ def add_generalised_impulse(problem, p, out):
                 out[b, k] += jacobian[c, 1, i, k] * x
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def body_velocity(problem, p, room, v):
     """v = v_free + M^-1 H^T p (B + 1, n) of impulses (C, m), with a last row of zeros; ``room`` (B + 1, n) gets H^T p."""
     inverse, free, n = problem.inverse, problem.free, len(problem.n)
@@ -168,14 +168,14 @@ def body_velocity(problem, p, room, v):
     v[-1] = 0.0
 
 
-@kernel()
+@borrower()
 def missing_momentum(problem, v, out):
     """out = M (v_free - v) (B + 1, n)."""
     missing_momentum_of(problem.mass, problem.free, v, 0, len(problem.mass), out, problem.n)
     out[-1] = 0.0
 
 
-@kernel()
+@borrower()
 def missing_momentum_of(mass, free, v, first, end, out, size_n):
     """out = M (v_free - v) for the bodies first to end."""
     n = len(size_n)
@@ -187,13 +187,13 @@ def missing_momentum_of(mass, free, v, first, end, out, size_n):
             out[b, i] = total
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def map_norm(problem, p, v):
     """Norm of the natural map residual for impulses p (C, m) and body velocities v (B + 1, n)."""
     return np.sqrt(squared_map_norm_of(problem, p, v, 0, len(problem.places)))
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def squared_map_norm_of(problem, p, v, first, end):
     """Square of the norm of the natural map residual, of the contacts first to end."""
     jacobian, index, offset, compliance = problem.jacobian, problem.places, problem.offset, problem.compliance
@@ -219,7 +219,7 @@ def squared_map_norm_of(problem, p, v, first, end):
     return total
 
 
-@kernel()
+@borrower()
 def put_back(v, order, out):
     """Velocities from elimination order to the order of the problem."""
     for b in range(len(order)):
@@ -260,7 +260,7 @@ def law_terms(given, p, scaled):
 
 
 @entry()
-def new_velocity(problem, p, v):
+def new_velocity(problem: ProblemArrays, p: np.ndarray, v: np.ndarray) -> None:
     """v = v_free + M^-1 H^T p (B, n) of impulses p (C, m) over ProblemArrays.
 
     Additions are not fused, unlike those of :func:`body_velocity`, so a processor that cannot do so hands on the same bits.
@@ -283,14 +283,14 @@ def new_velocity(problem, p, v):
 
 
 @entry()
-def error_bodies(problem, p, scaled):
+def error_bodies(problem: ProblemArrays, p: np.ndarray, scaled: bool) -> tuple[float, float]:
     """Norms of the natural map residual and of q for impulses p over ProblemArrays; scaled by d, or with d = 1."""
     w, q, d = law_terms(problem, p, scaled)
     return natural_map_norms(p, w, q, problem.mu, d)
 
 
 @entry()
-def errors_by_group(problem, p, group, groups):
+def errors_by_group(problem: ProblemArrays, p: np.ndarray, group: np.ndarray, groups: int) -> tuple[np.ndarray, np.ndarray]:
     """Norms of the scaled natural map residual and of q over each group of contacts, (G,) each; ``group`` (C,) numbers them."""
     w, q, d = law_terms(problem, p, True)
     residual, size, m = np.zeros(groups), np.zeros(groups), len(problem.m)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 
 
 @kernel(inline="always")
@@ -28,7 +28,7 @@ def seeded(seed: int) -> np.ndarray:
     return state
 
 
-@kernel()
+@borrower()
 def shuffle(order: np.ndarray, state: np.ndarray) -> None:
     """Fisher-Yates shuffle; the 32 high bits times the range replace a division."""
     for i in range(len(order) - 1, 0, -1):

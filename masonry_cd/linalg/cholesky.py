@@ -19,6 +19,7 @@ from masonry_cd.linalg.supernodes import (
     subtract_product,
     view_block,
 )
+from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.linalg.threads import share_of, wait
 
 
@@ -126,7 +127,9 @@ def to_unit_diagonal(symbolic, first, last, squares, panels, n):
 
 
 @entry()
-def factorise_cholesky(symbolic, diagonal, lower, squares, panels, size_n):
+def factorise_cholesky(
+    symbolic: SymbolicFactor, diagonal: np.ndarray, lower: np.ndarray, squares: np.ndarray, panels: np.ndarray, size_n: tuple[int, ...]
+) -> bool:
     """A = L D L^T: squares of D^-1 and panels of L from diagonal blocks (N, n, n) A_jj and lower ones (B, n, n) A_ij.
 
     Returns False when A is not positive definite; if all columns are single, when a diagonal block cannot be inverted.

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower
 from masonry_cd.linalg.small_blocks import invert
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def gemm(x, at, rows, inner, g, begin, end, out):
     """out (rows, end - begin) = x[:, at : at + rows]^T g[:, begin:end]. Most of a factorisation is spent here: three rows at a time."""
     length, threes, full = end - begin, inner - inner % 3, rows - rows % 3
@@ -40,7 +40,7 @@ def gemm(x, at, rows, inner, g, begin, end, out):
                 out[j, i] += x[k, at + j] * g[k, begin + i]
 
 
-@kernel()
+@borrower()
 def invert_square(a, column, out, work, size_n):
     """Inverse of a square in place, block by block (Gauss & Jordan); False when a block cannot be inverted."""
     n, size = len(size_n), len(a)
@@ -69,7 +69,7 @@ def invert_square(a, column, out, work, size_n):
     return True
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def inverse_cholesky(a, out):
     """out = C^-T, upper triangular, of a symmetric a = C C^T, of which the upper triangle is given and used up; False if there is none."""
     size = len(a)

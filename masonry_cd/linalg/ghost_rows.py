@@ -5,24 +5,24 @@ Arrays with ghost rows have N + 1 + E rows: the nodes, the supports, and the gho
 
 from __future__ import annotations
 
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower
 from masonry_cd.linalg.threads import share_of
 
 
-@kernel()
+@borrower()
 def nodes_of(symbolic, q):
     """First node of subtree q and the one after its last."""
     return symbolic.first[symbolic.subtree[q]], symbolic.first[symbolic.subtree[q + 1]]
 
 
-@kernel()
+@borrower()
 def clear_ghosts(symbolic, q, values):
     """Set the ghost rows of subtree q to zero in values (N + 1 + E, ...)."""
     size = len(symbolic.node_start)
     values[size + symbolic.ghost_start[q] : size + symbolic.ghost_start[q + 1]] = 0.0
 
 
-@kernel()
+@borrower()
 def add_ghosts(symbolic, q, values):
     """Add the ghost rows of earlier subtrees to the nodes of subtree q, in values (N + 1 + E, k)."""
     begin, end = nodes_of(symbolic, q)
@@ -32,7 +32,7 @@ def add_ghosts(symbolic, q, values):
                 values[j, i] += values[symbolic.node_ghost[e], i]
 
 
-@kernel()
+@borrower()
 def share_of_subtrees(team, symbolic):
     """First and end of the thread's share of all subtrees."""
     return share_of(team, 0, len(symbolic.subtree) - 1)

@@ -7,7 +7,16 @@ import numpy as np
 from masonry_cd.jit import entry, kernel
 from masonry_cd.linalg.dense import gemm, invert_square
 from masonry_cd.linalg.single_columns import UNSYMMETRIC, factorise_columns
-from masonry_cd.linalg.supernodes import end_inside, extent, has_single_columns, number_rows, subtract_product, view_supernode
+from masonry_cd.linalg.supernodes import (
+    BlockMatrix,
+    Factor,
+    end_inside,
+    extent,
+    has_single_columns,
+    number_rows,
+    subtract_product,
+    view_supernode,
+)
 
 
 @kernel()
@@ -58,7 +67,7 @@ def apply_update(factor, s, e, where, out):
 
 
 @entry()
-def factorise_ldu(matrix, factor):
+def factorise_ldu(matrix: BlockMatrix, factor: Factor) -> bool:
     """A = L D U: fill a :class:`Factor` from a :class:`BlockMatrix`. False when a block of D cannot be inverted."""
     symbolic, size = factor.symbolic, factor.size
     if has_single_columns(symbolic):

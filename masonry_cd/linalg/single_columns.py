@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import invert
 
 SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def subtract_block_product(c, at, a, i, b, size_n):
     """c[at] -= a[i] b for blocks. For n = 6 a row of c is held in registers."""
     n = len(size_n)
@@ -84,19 +86,41 @@ def put_transposed(block, blocks, t, n):
             blocks[t, p, q] = block[q, p]
 
 
-@kernel(fastmath={"contract"})
+class ColumnScratch(NamedTuple):
+    """Room for :func:`factorise_columns`, N columns."""
+
+    head: np.ndarray  # (N,) first column of the list of those whose next block is in row j; -1: none
+    following: np.ndarray  # (N,) the next column in the list that a column is in
+    at: np.ndarray  # (N,) the next block of each
+    where: np.ndarray  # (N,) places of rows in the column at work
+    work: np.ndarray  # (n, n)
+    square: np.ndarray  # (1, n, n) diagonal block of the column at work
+    turned: np.ndarray  # (n, n)
+    other: np.ndarray  # (n, n)
+
+
+@kernel()
 def factorise_columns(matrix, factor, symmetric):
     """:func:`factorise_ldu` where each supernode is one node: blocks of L and of U^T one after another, all loops over them unrolled.
 
-    Of a symmetric matrix the panels of D U are left alone. Columns whose next block is in row j wait in a list that begins with head[j].
+    Of a symmetric matrix the panels of D U are left alone.
     """
+    n, count = len(factor.size), len(factor.symbolic.column) - 1
+    scratch = ColumnScratch(
+        np.full(count, -1), np.full(count, -1), np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64), np.empty((n, n)),
+        np.empty((1, n, n)), np.empty((n, n)), np.empty((n, n)),
+    )  # fmt: skip
+    return _eliminate_columns(matrix, factor, symmetric, scratch)
+
+
+@borrower(fastmath={"contract"})
+def _eliminate_columns(matrix, factor, symmetric, scratch):
+    """Column after column, each by those before it; False when a diagonal block cannot be inverted."""
     symbolic, size = factor.symbolic, factor.size
     n, count, first, below = len(size), len(symbolic.column) - 1, symbolic.start, symbolic.below
     squares, lows = factor.squares.reshape((count, n, n)), factor.panels.reshape((len(below), n, n))
     ups = factor.others.reshape((len(below), n, n))
-    head, following, at = np.full(count, -1), np.full(count, -1), np.empty(count, dtype=np.int64)
-    where, work = np.empty(count, dtype=np.int64), np.empty((n, n))
-    square, turned, other = np.empty((1, n, n)), np.empty((n, n)), np.empty((n, n))
+    head, following, at, where, work, square, turned, other = scratch
     lows[:] = 0.0
     if not symmetric:
         ups[:] = 0.0
@@ -129,7 +153,7 @@ def factorise_columns(matrix, factor, symmetric):
     return True
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def forward_columns(symbolic, low, x, size_n):
     """:func:`forward_substitution` where each supernode is one node."""
     n, below = len(size_n), symbolic.below

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, entry, kernel
 
 EPSILON = 2.2e-16  # relative rounding error of a float
 
@@ -20,7 +20,7 @@ def size_tuple(n: int) -> tuple[int, ...]:
     return (0,) * n
 
 
-@kernel()
+@borrower()
 def copy_flat(source, target):
     """The first entries of target = source, both contiguous, of one shape but for the first length.
 
@@ -31,7 +31,7 @@ def copy_flat(source, target):
         b[i] = a[i]
 
 
-@kernel()
+@borrower()
 def cholesky_small(a: np.ndarray, factor: np.ndarray, n: int) -> None:
     """Lower Cholesky factor of a symmetric (n, n) block, written into factor."""
     for i in range(n):
@@ -47,7 +47,7 @@ def cholesky_small(a: np.ndarray, factor: np.ndarray, n: int) -> None:
             factor[i, j] = 0.0
 
 
-@kernel()
+@borrower()
 def invert(a, out, work, size_n):
     """Inverse of an (n, n) block by Gauss-Jordan with row pivoting; False if it is singular or not finite."""
     n = len(size_n)
@@ -79,7 +79,7 @@ def invert(a, out, work, size_n):
     return True
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def multiply(a, b, transposed, out, size_n):
     """out = a b, or a b^T."""
     n = len(size_n)
@@ -89,6 +89,15 @@ def multiply(a, b, transposed, out, size_n):
             for r in range(n):
                 total += a[p, r] * (b[q, r] if transposed else b[r, q])
             out[p, q] = total
+
+
+@entry()
+def inverses(blocks, size_n):
+    """Inverses of blocks (N, n, n) that are regular."""
+    out, work = np.empty(blocks.shape), np.empty(blocks.shape[1:])
+    for b in range(len(blocks)):
+        invert(blocks[b], out[b], work, size_n)
+    return out
 
 
 @kernel()

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.symbolic import SymbolicFactor
 
 
@@ -28,7 +28,7 @@ class Factor(NamedTuple):
     size: tuple[int, ...]  # n zeros, see small_blocks.py
 
 
-@kernel()
+@borrower()
 def subtract_product(product, skip, below, begin, own, end, where, panel, n):
     """panel[j, i] -= product[j, i] for the columns j of the first ``own`` rows of the list and the other rows i of it.
 
@@ -55,7 +55,7 @@ def view_block(values, start, rows, columns, n):
 
 
 @entry()
-def allocate_factors(symbolic, size):
+def allocate_factors(symbolic: SymbolicFactor, size: tuple[int, ...]) -> Factor:
     """Room for a :class:`Factor`; what is not touched, as the panels of D U for a symmetric matrix, costs nothing."""
     blocks = len(size) * len(size)
     squares, panels = np.empty(symbolic.square[-1] * blocks), np.empty(symbolic.panel[-1] * blocks)
@@ -79,13 +79,13 @@ def view_supernode(factor, s):
     return square, low, view_block(factor.others, symbolic.panel[s], width, length, n)
 
 
-@kernel()
+@borrower()
 def has_single_columns(symbolic):
     """Whether each supernode is one node, all of them in one subtree."""
     return len(symbolic.first) == len(symbolic.column) and len(symbolic.subtree) == 2
 
 
-@kernel()
+@borrower()
 def extent(symbolic, first, last, n):
     """Most rows and longest line of the squares and panels of supernodes first to last, and of what updates them."""
     widest, longest = 0, 0
@@ -101,7 +101,7 @@ def extent(symbolic, first, last, n):
     return widest, longest
 
 
-@kernel()
+@borrower()
 def number_rows(symbolic, s, where):
     """Into ``where`` (N,) the places of the nodes of supernode s in its square, and of the rows below it in its panel."""
     for i in range(symbolic.first[s], symbolic.first[s + 1]):
@@ -110,7 +110,7 @@ def number_rows(symbolic, s, where):
         where[symbolic.below[t]] = t - symbolic.start[s]
 
 
-@kernel()
+@borrower()
 def end_inside(symbolic, e, end):
     """The end of those rows of the e-th updater that are before node ``end``."""
     t, last = symbolic.update_first[e], symbolic.start[symbolic.updater[e] + 1]
@@ -119,7 +119,7 @@ def end_inside(symbolic, e, end):
     return t
 
 
-@kernel()
+@borrower()
 def longest_line(symbolic, first, last, n):
     """Entries of the longest line of a panel or square of supernodes first to last."""
     longest = 0
@@ -128,7 +128,7 @@ def longest_line(symbolic, first, last, n):
     return longest
 
 
-@kernel()
+@borrower()
 def gather_rows(symbolic, s, x, y, n):
     """y = the rows of x below supernode s."""
     k = 0
@@ -138,7 +138,7 @@ def gather_rows(symbolic, s, x, y, n):
             k += 1
 
 
-@kernel()
+@borrower()
 def subtract_rows(symbolic, s, row, y, x, n):
     """Take y off the rows of x below supernode s; ``row`` says where these are: symbolic.below, or symbolic.target."""
     k = 0

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.intrinsics import atomic_add, atomic_load, yield_processor
 
 _ONE_TEAM = Lock()  # at a time: two teams, each waiting for threads that the other one has, would wait for ever
@@ -33,7 +33,7 @@ class ThreadTeam(NamedTuple):
     failed: np.ndarray  # (1,) shared: 1 if a thread met a matrix that is not positive definite
 
 
-@kernel()
+@borrower()
 def wait(team):
     """Go on when all threads of the team are here."""
     if team.size == 1:

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.single_columns import backward_columns, forward_columns
 from masonry_cd.linalg.small_blocks import copy_flat
-from masonry_cd.linalg.supernodes import gather_rows, has_single_columns, longest_line, subtract_rows
+from masonry_cd.linalg.supernodes import Factor, gather_rows, has_single_columns, longest_line, subtract_rows
+from masonry_cd.linalg.symbolic import SymbolicFactor
 
 
-@kernel(fastmath={"contract", "reassoc"})
+@borrower(fastmath={"contract", "reassoc"})
 def add_columns(lines, at, length, factors, out, size_n):
     """out = sum of factors[k] times line k; lines of ``length`` entries one after another from ``at`` on, taken three at a time."""
     count, threes = len(factors), len(factors) - len(factors) % 3 if len(size_n) % 3 else len(factors)
@@ -30,7 +31,7 @@ def add_columns(lines, at, length, factors, out, size_n):
             out[i] += line[i] * factors[k]
 
 
-@kernel(fastmath={"contract", "reassoc"})
+@borrower(fastmath={"contract", "reassoc"})
 def add_rows(lines, at, length, factors, sign, out, size_n):
     """out[k] += sign times line k . factors; lines as in :func:`add_columns`."""
     factor = lines.dtype.type(sign)
@@ -55,7 +56,7 @@ def add_rows(lines, at, length, factors, sign, out, size_n):
 
 
 @entry()
-def solve_ldu(factor, x):
+def solve_ldu(factor: Factor, x: np.ndarray) -> None:
     """Solve L D U x = x in place, x (N or more, n)."""
     symbolic, size, low, up = factor.symbolic, factor.size, factor.panels, factor.others
     if has_single_columns(symbolic):
@@ -110,7 +111,7 @@ def backward_substitution(symbolic, first, last, squares, panels, x, size_n):
 
 
 @entry()
-def solve_cholesky(symbolic, squares, panels, x, size_n):
+def solve_cholesky(symbolic: SymbolicFactor, squares: np.ndarray, panels: np.ndarray, x: np.ndarray, size_n: tuple[int, ...]) -> None:
     """Solve A x = x in place for the factors of a symmetric A, x (N or more, n)."""
     count = len(symbolic.first) - 1
     forward_substitution(symbolic, 0, count, symbolic.below, panels, x, size_n)

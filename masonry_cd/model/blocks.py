@@ -65,7 +65,7 @@ class Shapes(NamedTuple):
             solids=solids,
             part_block=np.array([index for index, _ in parts]),
             radius=np.array([np.linalg.norm(own, axis=1).max() for own in local]),
-            size=np.array([np.ptp(own @ n.T, axis=0).min() for own, n in zip(local, normals, strict=True)]),
+            size=np.array([np.ptp(np.einsum("vd,fd->vf", own, n), axis=0).min() for own, n in zip(local, normals, strict=True)]),
         )
 
 

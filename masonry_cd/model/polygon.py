@@ -25,7 +25,7 @@ NEXT, LAST = [1, 2, 0], [2, 0, 1]  # axes in cyclic order after x, y, z
 def polygon_area(polygon: np.ndarray) -> float:
     """Signed area of a polygon (n, 2) [m2], positive when it runs counter-clockwise."""
     x, z = (polygon - polygon[0]).T
-    return 0.5 * float(x @ np.roll(z, -1) - z @ np.roll(x, -1))
+    return 0.5 * float(np.sum(x * np.roll(z, -1) - z * np.roll(x, -1)))
 
 
 def polygon_centroid(polygon: np.ndarray) -> np.ndarray:
@@ -48,13 +48,13 @@ def loop_normal(loop: np.ndarray) -> np.ndarray:
     ahead, back = spoke.take(NEXT, axis=1), spoke.take(LAST, axis=1)
     cross = ahead * rest.take(LAST, axis=1) - back * rest.take(NEXT, axis=1)  # numpy's own takes several times as long on a few rows
     area = 0.5 * cross.sum(axis=0)
-    return area / np.sqrt(area @ area)
+    return area / np.sqrt(np.sum(area**2))
 
 
 def loop_planes(loops: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Unit normals (n, 3) and offsets (n,) [m] of the planes of n polygons in space; a plane is normal . x = offset."""
     normals = np.array([loop_normal(loop) for loop in loops])
-    return normals, np.array([normal @ loop.mean(axis=0) for normal, loop in zip(normals, loops, strict=True)])
+    return normals, np.array([np.sum(normal * loop.mean(axis=0)) for normal, loop in zip(normals, loops, strict=True)])
 
 
 def next_in_loop(loop_start: np.ndarray) -> np.ndarray:

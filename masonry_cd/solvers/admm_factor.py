@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.cholesky import factorise_by_team, factorise_cholesky
 from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat
@@ -36,7 +36,7 @@ def factorise_augmented(team, work, k):
     return ok
 
 
-@kernel()
+@borrower()
 def choose_stiffness(k, d, compliance, first, end, rho):
     """R of the contacts first to end: k / d_c for rigid ones, softer for elastic ones."""
     for c in range(first, end):
@@ -47,7 +47,7 @@ def choose_stiffness(k, d, compliance, first, end, rho):
             rho[c] = 1.0 / (own / k + soft / np.sqrt(1.0 + soft / own))
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def augment(work, q):
     """Blocks of M + H^T R H in the columns of subtree q; what its contacts add to diagonal blocks of later ones goes to ghost rows."""
     symbolic, mass, jacobian, partition = work.factor.symbolic, work.problem.mass, work.problem.jacobian, work.partition

@@ -11,13 +11,14 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.friction.natural_map import size_of
-from masonry_cd.friction.operators import measure_scales, put_in_order, relative_velocity_of, squared_map_norm_of
-from masonry_cd.jit import entry, kernel
+from masonry_cd.friction.operators import ProblemArrays, measure_scales, put_in_order, relative_velocity_of, squared_map_norm_of
+from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat
-from masonry_cd.linalg.threads import share_of, wait
+from masonry_cd.linalg.threads import ThreadTeam, share_of, wait
 from masonry_cd.solvers.admm_factor import factorise_augmented
 from masonry_cd.solvers.admm_passes import add_momentum, carry_impulses, clear_momentum, eliminate_subtree, update_subtree
+from masonry_cd.solvers.admm_workspace import AdmmSettings, AdmmWorkspace
 
 PATIENCE = 20  # iterations without a measurement of the error, half as many where its ratio to the change of p is a guess
 SWITCH, WORSE = 40, 20  # iterations at one k after which it is reviewed, and where the error has grown
@@ -29,7 +30,15 @@ SOFTEST = 1e-3  # k at which a factorisation that fails is not tried at a tenth 
 
 
 @entry()
-def admm_bodies(team, given, order, work, settings, p_out, v_out):
+def admm_bodies(
+    team: ThreadTeam,
+    given: ProblemArrays,
+    order: np.ndarray,
+    work: AdmmWorkspace,
+    settings: AdmmSettings,
+    p_out: np.ndarray,
+    v_out: np.ndarray,
+) -> tuple[int, float, float, int, float]:
     """ADMM over ProblemArrays, with its bodies in the given order of elimination (N,), by a team.
 
     p_out (C, m) and v_out (N, n) hold the start and then the best answer found. The factor of the workspace is used as it is unless
@@ -112,7 +121,7 @@ def start_iterates(team, given, order, work, settings, p_out, v_out):
     return size, error
 
 
-@kernel()
+@borrower()
 def sort_contacts(given, work, p, first, end):
     """Copy contacts first to end, in the order of the subtrees, from the arrays of the problem and from p (C, m).
 
@@ -184,7 +193,7 @@ def measure_carried(team, work, last, p):
     return map_norm(team, work, work.iterates.carried, work.iterates.trial)
 
 
-@kernel()
+@borrower()
 def velocity_of_momentum(team, work, v):
     """v = v_free + M^-1 (generalised impulses of all subtrees), into v (N + 1, n)."""
     inverse, free, momentum, symbolic = work.problem.inverse, work.problem.free, work.iterates.momentum, work.factor.symbolic
@@ -230,7 +239,7 @@ def keep_best(team, work, error, smallest, p):
     wait(team)
 
 
-@kernel()
+@borrower()
 def adapt_stiffness(k, share, ends):
     """The next k, and whether it needs new factors, by the share of the error that lies in the law; see "Choice of k" in admm.py.
 

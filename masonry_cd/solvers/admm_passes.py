@@ -5,7 +5,7 @@ from __future__ import annotations
 from masonry_cd.friction.coulomb_law import tangent_length
 from masonry_cd.friction.natural_map import project_stretched, project_to_cone
 from masonry_cd.friction.operators import missing_momentum_of
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of
 from masonry_cd.linalg.intrinsics import prefetch
 from masonry_cd.linalg.small_blocks import copy_flat
@@ -47,7 +47,7 @@ def update_subtree(work, q):
         v[i] += x[i]
 
 
-@kernel()
+@borrower()
 def panels_of(symbolic, q, n):
     """First entry and end of the panels of subtree q, one of several: they are stored from its last supernode to its first."""
     s = symbolic.subtree[q]
@@ -55,7 +55,7 @@ def panels_of(symbolic, q, n):
     return n * n * symbolic.panel[symbolic.subtree[q + 1] - 1], n * n * end
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def meet_contacts(problem, partition, q, rho, v, p, new, momentum, panels, ahead):
     """new = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, momentum += H^T (2 new - p), for the contacts of subtree q.
 
@@ -106,7 +106,7 @@ def meet_contacts(problem, partition, q, rho, v, p, new, momentum, panels, ahead
     return change
 
 
-@kernel()
+@borrower()
 def clear_momentum(work, q):
     """No generalised impulse on the bodies of subtree q, nor in its ghost rows."""
     first, last = nodes_of(work.factor.symbolic, q)
@@ -114,7 +114,7 @@ def clear_momentum(work, q):
     clear_ghosts(work.factor.symbolic, q, work.iterates.momentum)
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def add_momentum(work, q, p):
     """momentum += H^T p of the contacts of subtree q."""
     jacobian, partition, momentum = work.problem.jacobian, work.partition, work.iterates.momentum
@@ -128,7 +128,7 @@ def add_momentum(work, q, p):
                 momentum[b, k] += jacobian[c, 1, i, k] * x
 
 
-@kernel(fastmath={"contract"})
+@borrower(fastmath={"contract"})
 def carry_impulses(work, q, last, p):
     """carried = 2 p - last - R H (v+ - v), the impulses whose velocities an iteration has found, and momentum += H^T carried.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from masonry_cd.friction.coulomb_law import tangent_length
 from masonry_cd.friction.operators import add_generalised_impulse, relative_velocity
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import copy_flat, invert
 from masonry_cd.linalg.triangular import solve_ldu
 
@@ -73,7 +73,7 @@ def cone_det(x0: float, x1: float, x2: float) -> float:
     return (x0 - t) * (x0 + t)
 
 
-@kernel()
+@borrower()
 def max_step_to_cone(x0: float, x1: float, x2: float, d0: float, d1: float, d2: float) -> float:
     """Largest step from x inside the second-order cone along d that stays inside, at most 1e10."""
     best = -x0 / d0 if d0 < 0.0 else 1e10
@@ -99,7 +99,7 @@ def complementarity(w, p, gamma, mu, m, out):
         out[1 + i] = gamma * p[i] + mu * p[0] * w[i]
 
 
-@kernel()
+@borrower()
 def central_start(p, u, mu, d, shift, w, inner, m):
     """Centred w and impulses with products shift^2 / d for x = d p - u of a contact; returns its gamma.
 
@@ -128,7 +128,7 @@ def central_start(p, u, mu, d, shift, w, inner, m):
     return gamma
 
 
-@kernel()
+@borrower()
 def linearise_contact(w, p, gamma, mu, soft, inverse, gain, work, size_m, size_k):
     """Fill inverse (k, k) and gain (k, m) of one contact, see :class:`Linearisation`; work (3, k, k). False if they do not exist."""
     m, k = len(size_m), len(size_k)
@@ -165,7 +165,7 @@ def linearise_products(cones, here, linear):
     return regular
 
 
-@kernel()
+@borrower()
 def soften(problem, stiffness, linear):
     """The springs in series with the products, C + d / K."""
     compliance, d, soft = problem.compliance, problem.d, linear.soft
@@ -174,7 +174,7 @@ def soften(problem, stiffness, linear):
             soft[c, i] = (compliance[c, i] if len(compliance) else 0.0) + d[c] / stiffness
 
 
-@kernel()
+@borrower()
 def missing_velocity(problem, here, tau, linear):
     """What w misses, H v + b + C p - w - tau far."""
     compliance, miss, far = problem.compliance, linear.miss, linear.far
@@ -229,7 +229,7 @@ def start_direction(linear, way, m, k):
                 way.gamma[c] = total
 
 
-@kernel()
+@borrower()
 def longest_step(here, way, cones):
     """Largest step along a direction that keeps every contact inside its cones."""
     (w, p, gamma, _), (dw, dp, dgamma, _) = here, way
@@ -243,7 +243,7 @@ def longest_step(here, way, cones):
     return longest
 
 
-@kernel()
+@borrower()
 def take_impulse(p, friction, impulse):
     """impulse = p (C, m), without a tangential part where there is no friction."""
     for c in range(len(friction)):
@@ -251,7 +251,7 @@ def take_impulse(p, friction, impulse):
             impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
 
 
-@kernel()
+@borrower()
 def add_flat(x, step, change):
     """x += step change, both contiguous and of one shape."""
     x, change = x.reshape(x.size), change.reshape(change.size)
@@ -259,7 +259,7 @@ def add_flat(x, step, change):
         x[i] += step * change[i]
 
 
-@kernel()
+@borrower()
 def advance(here, step, way):
     """Go a share of a direction."""
     add_flat(here.w, step, way.w)
@@ -268,7 +268,7 @@ def advance(here, step, way):
     add_flat(here.v, step, way.v)
 
 
-@kernel()
+@borrower()
 def begin_inside(problem, answer, cones, distance, here, u):
     """The start: fill w, p and gamma from inside the cones, near the answer, and v with its velocities; u (C, m) is room.
 

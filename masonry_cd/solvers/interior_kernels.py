@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.friction.operators import (
+    ProblemArrays,
     add_generalised_impulse,
     body_velocity,
     in_order,
@@ -12,7 +13,7 @@ from masonry_cd.friction.operators import (
     missing_momentum,
     put_back,
 )
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.inertia import determinant_sign
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.supernodes import allocate_factors, allocate_matrix
@@ -31,7 +32,7 @@ from masonry_cd.solvers.central_path import (
     soften,
     take_impulse,
 )
-from masonry_cd.solvers.linearised import augment_blocks, first_answer, keep_better
+from masonry_cd.solvers.linearised import Elimination, Settings, augment_blocks, first_answer, keep_better
 from masonry_cd.solvers.newton_kernels import newton_bodies
 from masonry_cd.solvers.path_kernels import path_bodies
 from masonry_cd.solvers.proximal_kernels import proximal_bodies
@@ -39,7 +40,7 @@ from masonry_cd.solvers.proximal_kernels import proximal_bodies
 NEWTON, INTERIOR, PATH, PROXIMAL = 0, 1, 2, 3  # methods that linearise the law
 
 
-@kernel()
+@borrower()
 def mean_product(linear):
     """How far the products are from zero: the gap tau, mean over the contacts."""
     gap, contacts = 0.0, len(linear.product)
@@ -48,7 +49,7 @@ def mean_product(linear):
     return gap
 
 
-@kernel()
+@borrower()
 def mean_miss(here, linear):
     """What w misses, in the units of the gap."""
     undone, contacts = 0.0, len(linear.miss)
@@ -58,7 +59,7 @@ def mean_miss(here, linear):
     return undone
 
 
-@kernel()
+@borrower()
 def corrector_rhs(cones, way, linear, target, second):
     """The changes of the products that lead to ``target``, with the second order of the last direction if ``second`` is set."""
     m, k, wanted = len(cones.m), len(cones.k), linear.wanted
@@ -69,7 +70,7 @@ def corrector_rhs(cones, way, linear, target, second):
             wanted[c, i] = (target if i < 2 else 0.0) - linear.product[c, i] - (wanted[c, i] if second else 0.0)
 
 
-@kernel()
+@borrower()
 def centring_share(cones, way, linear, gap, undone, longest, step):
     """Share of the gap to aim at, from what the predictor would leave of it, and more after a short step; uses ``wanted`` up.
 
@@ -105,7 +106,7 @@ def predict_and_correct(problem, factor, cones, here, linear, momentum, step, wa
     return longest
 
 
-@kernel()
+@borrower()
 def stiffness_after(step, stiffness):
     """Long steps can do with stiffer contacts, short ones need softer."""
     if step > 0.5:
@@ -147,7 +148,9 @@ def interior_bodies(problem, matrix, factor, answer, settings):
 
 
 @entry()
-def linearised_bodies(method, problem, elimination, settings, impulse, velocity):
+def linearised_bodies(
+    method: int, problem: ProblemArrays, elimination: Elimination, settings: Settings, impulse: np.ndarray, velocity: np.ndarray
+) -> tuple[int, float, float, float]:
     """One of these methods over ProblemArrays. ``impulse`` (C, m) holds the start and then the best answer found, velocity (B, n) its own.
 
     Python enters here alone, so that their factorisation, the larger part of each, is compiled once. Returns iterations, natural map

@@ -8,7 +8,7 @@ import numpy as np
 
 from masonry_cd.friction.natural_map import size_of
 from masonry_cd.friction.operators import body_velocity, map_norm, relative_velocity
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.symbolic import SymbolicFactor
 
@@ -56,7 +56,7 @@ def first_answer(problem, impulse):
     return Answer(impulse, v, error, size, largest(q))
 
 
-@kernel()
+@borrower()
 def largest(x):
     """Largest size of an entry of x (C, m)."""
     most = 0.0
@@ -66,7 +66,7 @@ def largest(x):
     return most
 
 
-@kernel()
+@borrower()
 def keep_better(answer, p, v, error):
     """Take impulses p and velocities v as the answer if their error is less than that of the best so far."""
     if error < answer.error[0]:

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.friction.local_operators import delassus_product, local_norm, place_blocks
+from masonry_cd.friction.local_operators import LocalArrays, delassus_product, local_norm, place_blocks
 from masonry_cd.friction.natural_map import size_of
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.inertia import determinant_sign
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.single_columns import UNSYMMETRIC
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.supernodes import allocate_factors, allocate_matrix
+from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.linalg.triangular import solve_ldu
 from masonry_cd.solvers.central_path import (
     advance,
@@ -29,7 +30,7 @@ from masonry_cd.solvers.central_path import (
     take_impulse,
 )
 from masonry_cd.solvers.interior_kernels import centring_share, corrector_rhs, mean_miss, mean_product, stiffness_after
-from masonry_cd.solvers.linearised import largest
+from masonry_cd.solvers.linearised import Settings, largest
 from masonry_cd.solvers.proximal_kernels import (
     FOLDS,
     FREE,
@@ -68,7 +69,7 @@ def solve_local(problem, factor, right, x):
             x[c, i] = right[place[c], i]
 
 
-@kernel()
+@borrower()
 def missing_velocity_local(problem, here, linear):
     """What w misses, W p + q - w."""
     delassus_product(problem, here.p, linear.miss)
@@ -108,7 +109,7 @@ def predict_and_correct_local(problem, factor, cones, here, linear, right, step,
 
 
 @entry()
-def interior_local(problem, symbolic, settings, impulse):
+def interior_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Settings, impulse: np.ndarray) -> tuple[int, float]:
     """Interior point method over scaled LocalArrays, as :func:`interior_bodies`: (I + G W) dp = r, G the first rows of the gains.
 
     impulse holds the start and then the best answer found. Returns iterations and natural map error.
@@ -148,7 +149,7 @@ def interior_local(problem, symbolic, settings, impulse):
     return iterations, smallest
 
 
-@kernel()
+@borrower()
 def spring_residual_local(problem, springs, stiffness, u, held, out):
     """Fill x and p of the springs at velocities u (C, m), and out = W p + q - u (C, m); returns its norm."""
     m, total, x = len(problem.m), 0.0, springs.x
@@ -180,7 +181,7 @@ def spring_direction_local(problem, factor, springs, out, right, change):
             change[c, i] = out[c, i] + right[c, i]
 
 
-@kernel()
+@borrower()
 def shorten_step_local(problem, springs, stiffness, u, norm, change, trial, out):
     """:func:`shorten_step` in the velocities u (C, m) of the contacts."""
     step, new = 2.0, np.inf
@@ -191,7 +192,7 @@ def shorten_step_local(problem, springs, stiffness, u, norm, change, trial, out)
     return new, new < (1.0 - 0.1 * step) * norm
 
 
-@kernel()
+@borrower()
 def turn_first_local(problem, springs, stiffness, u, change, out):
     """:func:`turn_first` in the velocities u (C, m) of the contacts."""
     copy_flat(springs.held, springs.status)
@@ -232,7 +233,7 @@ def settle_springs_local(problem, symbolic, matrix, factor, springs, stiffness, 
 
 
 @entry()
-def proximal_local(problem, symbolic, settings, p):
+def proximal_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Settings, p: np.ndarray) -> tuple[int, float]:
     """Proximal points over scaled LocalArrays, as :func:`proximal_bodies` but in u: du = r + W dp, (I + B W) dp = -B r, r = W p + q - u.
 
     p holds the start and then the best answer found. Returns iterations (one factorisation each) and natural map error.

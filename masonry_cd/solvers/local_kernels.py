@@ -5,16 +5,26 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.friction.coulomb_law import ROW, START, local_impulse, own_velocity, prepare_law, tangent_length
-from masonry_cd.friction.local_operators import local_norm, local_residual, local_velocity, place_blocks, row_velocity, squared_residuals
+from masonry_cd.friction.local_operators import (
+    LocalArrays,
+    local_norm,
+    local_residual,
+    local_velocity,
+    place_blocks,
+    row_velocity,
+    squared_residuals,
+)
 from masonry_cd.friction.natural_map import project_to_cone, size_of
 from masonry_cd.friction.random_order import seeded, shuffle
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.cholesky import factorise_cholesky
 from masonry_cd.linalg.single_columns import SYMMETRIC
 from masonry_cd.linalg.small_blocks import copy_flat, identities
 from masonry_cd.linalg.supernodes import BlockMatrix, allocate_factors
+from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.linalg.triangular import solve_cholesky
 from masonry_cd.solvers.admm_kernels import GROWTH, SOFT, SOFTEST, STIFF, SWITCH, WON
+from masonry_cd.solvers.nlgs_kernels import NlgsSettings
 from masonry_cd.solvers.nlgs_table import law_of
 
 LOOK = 5  # iterations of ADMM between two measurements of the error
@@ -22,7 +32,7 @@ LAW, SHRINK = 0.02, 0.2  # share of ADMM's error that lies in the law, above whi
 
 
 @entry()
-def nlgs_local(problem, own, p, settings):
+def nlgs_local(problem: LocalArrays, own: np.ndarray, p: np.ndarray, settings: NlgsSettings) -> tuple[int, float]:
     """Gauss-Seidel over a LocalProblem whose diagonal blocks are ``own`` (C, m, m). p (C, m) holds the start and then the answer.
 
     Returns the sweeps made and the natural map error measured last.
@@ -53,7 +63,7 @@ def local_table(own, mu):
     return law
 
 
-@kernel()
+@borrower()
 def sweep_local(problem, law, order, p):
     """One sweep: the exact impulses of each contact in turn, into p (C, m), with all others held."""
     data, indices, indptr, q, mu = problem.data, problem.indices, problem.indptr, problem.q, problem.mu
@@ -72,7 +82,9 @@ def sweep_local(problem, law, order, p):
 
 
 @entry()
-def admm_local(problem, order, symbolic, p, k, tolerance, limit):
+def admm_local(
+    problem: LocalArrays, order: np.ndarray, symbolic: SymbolicFactor, p: np.ndarray, k: float, tolerance: float, limit: int
+) -> tuple[int, float]:
     """ADMM over a LocalProblem: pi stands for the velocities, u = W pi + q, and (W + R^-1) (pi+ - pi) = R^-1 (2 p+ - p - pi).
 
     p (C, m) holds the start and then the best answer. Returns iterations and natural map error.
@@ -127,7 +139,7 @@ def factorise_shifted(problem, order, k, factor):
     return factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size)
 
 
-@kernel()
+@borrower()
 def project_local(problem, k, p, pi, u, right):
     """p <- p+ = P_K(p - R (u + mu |u_t| n)), and right = R^-1 (2 p+ - p - pi), that of each contact at its place."""
     place, mu, d, m = problem.place, problem.mu, problem.d, len(problem.m)
@@ -144,7 +156,7 @@ def project_local(problem, k, p, pi, u, right):
             p[c, 2] = x2
 
 
-@kernel()
+@borrower()
 def local_stiffness(k, squares, size, error):
     """The next k: larger where the error of the pair (p, pi) is more than a small share of that of p, otherwise smaller."""
     return min(GROWTH * k, STIFF) if np.sqrt(squares) / size > LAW * error else max(SHRINK * k, SOFT)

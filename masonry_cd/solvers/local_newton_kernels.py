@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.friction.local_operators import local_norm, place_blocks
+from masonry_cd.friction.local_operators import LocalArrays, local_norm, place_blocks
 from masonry_cd.friction.natural_map import size_of
 from masonry_cd.jit import entry, kernel
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.single_columns import UNSYMMETRIC
 from masonry_cd.linalg.small_blocks import copy_flat, invert, multiply
 from masonry_cd.linalg.supernodes import allocate_factors, allocate_matrix
+from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.linalg.triangular import solve_ldu
+from masonry_cd.solvers.linearised import Settings
 from masonry_cd.solvers.newton_kernels import LinearisedLaw, damp, linearise_law
 
 
@@ -43,7 +45,9 @@ def scale_rows(problem, own, p, u, stiffness, unit, scale, right):
 
 
 @entry()
-def newton_local(problem, own, symbolic, settings, p):
+def newton_local(
+    problem: LocalArrays, own: np.ndarray, symbolic: SymbolicFactor, settings: Settings, p: np.ndarray
+) -> tuple[int, float, float]:
     """Semismooth Newton over LocalArrays. p (C, m) holds the start and then the best answer.
 
     Returns iterations, error, error at the start.

@@ -8,7 +8,7 @@ import numpy as np
 
 from masonry_cd.friction.coulomb_law import tangent_length
 from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, change_at, law_velocity, map_norm, missing_momentum
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat, invert, multiply
 from masonry_cd.linalg.triangular import solve_ldu
@@ -23,7 +23,7 @@ class LinearisedLaw(NamedTuple):
     m: tuple[int, ...]  # m zeros
 
 
-@kernel()
+@borrower()
 def linearise_law(p, u, mu, d, stiffness, law, c):
     """Linearise the law of contact c for contact stiffness ``stiffness`` / d, see newton.py; p and u have 3 components, in a plane too."""
     (pn, p1, p2), (un, u1, u2) = p, u
@@ -57,7 +57,7 @@ def linearise_law(p, u, mu, d, stiffness, law, c):
         block[c, 1, 1], block[c, 1, 2], block[c, 2, 1], block[c, 2, 2] = beta * e2 * e2, -beta * e1 * e2, -beta * e1 * e2, beta * e1 * e1
 
 
-@kernel()
+@borrower()
 def in_series(block, compliance, share, softer, work, size_m):
     """Put the contact's own spring in series with a linearised law p+ - p = r - B (w+ - w), where w+ - w = u+ - u + C (p+ - p).
 
@@ -72,7 +72,7 @@ def in_series(block, compliance, share, softer, work, size_m):
     return regular
 
 
-@kernel()
+@borrower()
 def take_share(share, target, p0, p1, p2, size_m):
     """target <- p + share (target - p)."""
     m = len(size_m)
@@ -81,7 +81,7 @@ def take_share(share, target, p0, p1, p2, size_m):
         target[i] = (p0, p1, p2)[i] + share[i, 0] * r0 + share[i, 1] * r1 + share[i, m - 1] * r2
 
 
-@kernel()
+@borrower()
 def damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool, float]:
     """Whether a Newton step that changed the error so is accepted, and the stiffness of the next one."""
     if not (new < 1.5 * error or (first and new < np.inf)):

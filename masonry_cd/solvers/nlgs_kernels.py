@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
+from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.friction.random_order import seeded, shuffle
 from masonry_cd.jit import entry
 from masonry_cd.solvers.nlgs_sweep import groups_of, sweep
-from masonry_cd.solvers.nlgs_table import measure_error, read_answer, scaled_problem
+from masonry_cd.solvers.nlgs_table import ScaledProblem, measure_error, read_answer, scaled_problem
 
 COLOURS = 128  # at most; more joints than that hardly meet in a block, and those that find no colour share the last one, one by one
 AHEAD = 4  # joints of one colour that are fetched ahead
@@ -34,7 +35,7 @@ class ColouredJoints(NamedTuple):
 
 
 @entry()
-def nlgs_bodies(given, p, v, settings):
+def nlgs_bodies(given: ProblemArrays, p: np.ndarray, v: np.ndarray, settings: NlgsSettings) -> tuple[int, float]:
     """Gauss-Seidel over ProblemArrays. p (C, m) holds the start and then the answer, v (B, n) the velocities.
 
     Returns the sweeps made and the natural map error measured last.
@@ -111,19 +112,19 @@ def sweep_coloured(scaled, joints, colours, chunk):
 
 
 @entry()
-def begin_sweeps(given, p):
+def begin_sweeps(given: ProblemArrays, p: np.ndarray) -> tuple[ScaledProblem, float]:
     """The :class:`ScaledProblem` of ProblemArrays and impulses p (C, m), and their natural map error."""
     scaled = scaled_problem(given, p)
     return scaled, measure_error(scaled)
 
 
 @entry()
-def error_after_sweeps(scaled):
+def error_after_sweeps(scaled: ScaledProblem) -> float:
     """Natural map error of a ScaledProblem, whose y is set anew."""
     return measure_error(scaled)
 
 
 @entry()
-def end_sweeps(scaled, v_free, p, v):
+def end_sweeps(scaled: ScaledProblem, v_free: np.ndarray, p: np.ndarray, v: np.ndarray) -> None:
     """The answer of a ScaledProblem: impulses p (C, m) and velocities v (B, n)."""
     read_answer(scaled, v_free, p, v)

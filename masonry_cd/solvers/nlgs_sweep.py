@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.friction.coulomb_law import MU, ROW, START, C, P, Q, local_impulse, own_velocity
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.intrinsics import prefetch
 from masonry_cd.solvers.nlgs_table import law_of
 
@@ -35,7 +35,7 @@ def groups_of(index):
     return starts[: count + 1]
 
 
-@kernel()
+@borrower()
 def sweep_spatial(g, y, index, law, starts, order, ahead):
     """One sweep for m = 3, n = 6: the velocity without a contact's own impulse, its exact impulse, the change of its two bodies.
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from masonry_cd.friction.coulomb_law import COUPLING, INVERSE_NN, MU, NN, ROW, SCALE, SCHUR, C, P, Q, prepare_law
 from masonry_cd.friction.natural_map import squared_residual
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import cholesky_small
 
 
@@ -107,7 +107,7 @@ def law_of(law, c):
     )  # fmt: skip
 
 
-@kernel()
+@borrower()
 def collect(g, index, p, y):
     """y = G^T p from scratch, which also clears the rounding of many sweeps."""
     contacts, _, m, n = g.shape
@@ -144,7 +144,7 @@ def measure_error(scaled):
     return table_residual(scaled.jacobian, scaled.y, scaled.bodies, scaled.table)
 
 
-@kernel()
+@borrower()
 def read_answer(scaled, v_free, p, v):
     """Copy the impulses from the table into p (C, m), and v = v_free + L y into v (B, n)."""
     for c in range(len(p)):

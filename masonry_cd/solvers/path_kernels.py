@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, map_norm, missing_momentum
-from masonry_cd.jit import kernel
+from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.inertia import determinant_sign
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat
@@ -38,7 +38,7 @@ class PathWays(NamedTuple):
     ahead: Iterate  # the step
 
 
-@kernel()
+@borrower()
 def way_product(a, b, here, cones):
     """Inner product of two directions, each relative to what it changes, mean over the contacts."""
     mu, m, total = cones.mu, len(cones.m), 0.0
@@ -52,7 +52,7 @@ def way_product(a, b, here, cones):
     return total / len(mu)
 
 
-@kernel()
+@borrower()
 def combine(x, a, y, b, z, out):
     """out = x + a y + b z, for arrays of any shape."""
     x, y, z, out = x.reshape(x.size), y.reshape(y.size), z.reshape(z.size), out.reshape(out.size)
@@ -60,7 +60,7 @@ def combine(x, a, y, b, z, out):
         out[i] = x[i] + a * y[i] + b * z[i]
 
 
-@kernel()
+@borrower()
 def combine_ways(x, a, y, b, z, out):
     """out = x + a y + b z for points or directions."""
     combine(x.w, a, y.w, b, z.w, out.w)
@@ -69,7 +69,7 @@ def combine_ways(x, a, y, b, z, out):
     combine(x.v, a, y.v, b, z.v, out.v)
 
 
-@kernel()
+@borrower()
 def off_path(product, goal):
     """How far the products of a contact are from goal (1, e), relative to goal."""
     across = (product[1] - goal) ** 2
@@ -105,7 +105,7 @@ def path_directions(problem, factor, cones, here, linear, level, tau, ways, mome
     interior_direction(problem, factor, momentum, linear, ways.bend)
 
 
-@kernel()
+@borrower()
 def turn_across(ways, here, cones):
     """Turn ``back`` and ``bend`` across the tangent: this is what lets the path turn back. Returns the relative changes of tau in them."""
     back, tangent, bend = ways.back, ways.tangent, ways.bend

@@ -16,7 +16,7 @@ from masonry_cd.friction.operators import (
     missing_momentum,
     relative_velocity,
 )
-from masonry_cd.jit import entry, kernel
+from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.triangular import solve_ldu
@@ -69,7 +69,7 @@ def project_trial(springs, mu, c, held, m):
         p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
 
 
-@kernel()
+@borrower()
 def spring_residual(problem, springs, stiffness, v, held, out):
     """Fill x and p of the springs at velocities v, and out = M (v_free - v) + H^T p (B + 1, n); returns the norm of that in M^-1."""
     m, n, compliance, d = len(problem.m), len(problem.n), problem.compliance, problem.d
@@ -114,7 +114,7 @@ def spring_block(springs, mu, soft_n, soft_t, c, size_m):
                     blocks[c, i, j] = min(share, 1.0) / soft_t * across
 
 
-@kernel()
+@borrower()
 def spring_blocks(problem, springs, stiffness):
     """B = -dp/du of the springs (C, m, m)."""
     for c in range(len(problem.mu)):
@@ -122,7 +122,7 @@ def spring_blocks(problem, springs, stiffness):
         spring_block(springs, problem.mu[c], soft_n, soft_t, c, problem.m)
 
 
-@kernel()
+@borrower()
 def spring_changes(problem, springs, stiffness, change):
     """Change dx of the trial impulses with a change of the velocities (B + 1, n)."""
     m, n, d, jacobian, index = len(problem.m), len(problem.n), problem.d, problem.jacobian, problem.places
@@ -162,7 +162,7 @@ def first_change(mu, status, x, dx, size_m):
     return first, which, new
 
 
-@kernel()
+@borrower()
 def add_step(v, step, change, out):
     """out = v + step change (B or B + 1, n)."""
     for b in range(len(v)):
@@ -170,7 +170,7 @@ def add_step(v, step, change, out):
             out[b, i] = v[b, i] + step * change[b, i]
 
 
-@kernel()
+@borrower()
 def shorten_step(problem, springs, stiffness, v, norm, change, trial, out):
     """trial = v + step change with the first of the steps 1, 1/2, .. 1/16 that makes enough progress.
 
@@ -184,7 +184,7 @@ def shorten_step(problem, springs, stiffness, v, norm, change, trial, out):
     return new, new < (1.0 - 0.1 * step) * norm
 
 
-@kernel()
+@borrower()
 def turn_first(problem, springs, stiffness, v, change, out):
     """Go along a change of the velocities as far as the first kink on the way, where a contact changes its status, or half of it.
 
@@ -230,7 +230,7 @@ def settle_springs(problem, matrix, factor, springs, stiffness, goal, most, v):
     return norm <= goal, spent
 
 
-@kernel()
+@borrower()
 def stiffness_after_springs(stiffness, solved, spent, slow):
     """The next K after ``spent`` iterations: stiffer after few, and more so if that was ``slow`` and took very few; else softer."""
     if not solved:

@@ -84,7 +84,7 @@ ODD = np.array([[0.0, 0.0], [0.6, 0.05], [0.7, 0.3], [0.3, 0.5], [0.05, 0.4]])
 def test_areas_of_contact_points_bend_and_twist_like_the_joint(corners, exact):
     contacts = contacts_of(corners)
     area, centroid, second = moments(corners)
-    assert contacts.count == len(corners) + 1
+    assert len(contacts.gap) == len(corners) + 1
     assert contacts.area.min() > 0.0
     assert contacts.area.sum() == pytest.approx(area, rel=1e-12)
     arm = contacts.point[:, :2] - centroid
@@ -102,7 +102,7 @@ def test_rigid_joints_have_corners_only():
     assembly = Assembly.from_blocks(block(), 0.6, {"block-block": JointLaw(normal_stiffness=1e9)})
     state = State.at_rest(assembly)
     found = Detector(assembly).detect(state.position, rotation_matrices(state.orientation), np.zeros((2, 6)), 1e-3, 0.0, np.zeros(3))
-    assert found.count == 4
+    assert len(found.gap) == 4
     assert not found.area.any()
 
 
@@ -356,7 +356,7 @@ def test_a_joint_bends_up_to_the_tensile_strength_at_its_edge(planar):
         for _ in range(steps):
             machine.step()
         bonded.append(int(machine.motion.joints.bonded.sum()))
-    assert bonded == [len(machine.last.active), 0]
+    assert bonded == [len(machine.last.rows.active), 0]
 
 
 def test_a_joint_that_broke_rests_dry():
@@ -386,7 +386,7 @@ def test_a_mortar_wall_stays_bonded_through_a_shake_that_moves_a_dry_one():
             machine.step()
     moved = [np.abs((m.state.position - m.state.position[0]) - (m.assembly.centre - m.assembly.centre[0])).max() for m in (dry, mortar)]
     assert moved[0] > 1e-3 > 20 * moved[1]
-    assert mortar.motion.joints.bonded.sum() == len(mortar.last.active)
+    assert mortar.motion.joints.bonded.sum() == len(mortar.last.rows.active)
     for machine in (dry, mortar):
         assert abs(machine.energy["balance"]) < 1e-9 * (machine.energy["base_work"] + machine.energy["elastic"])
 
@@ -400,7 +400,7 @@ def test_a_resumed_stepper_goes_on_with_the_same_bits():
     settle(first)
     for _ in range(60):
         first.step()
-    assert 0 < first.motion.joints.bonded.sum() < len(first.last.active)  # amid the breaking
+    assert 0 < first.motion.joints.bonded.sum() < len(first.last.rows.active)  # amid the breaking
     saved = {name: array.copy() for name, array in first.snapshot().items()}
     second = stepper(wall(2, 3), steps, **make)
     second.restore(saved)

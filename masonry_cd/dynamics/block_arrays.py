@@ -1,0 +1,28 @@
+"""What is constant in a run, as the kernels of the step read it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class BlockArrays(NamedTuple):
+    """The blocks as the kernels read them: B blocks, F of them free, with n unknowns each."""
+
+    mass: np.ndarray  # (B,) [kg]
+    inertia: np.ndarray  # (B, 3, 3) body frame [kg m2]
+    inverse_inertia: np.ndarray  # (B, 3, 3)
+    free_index: np.ndarray  # (B,) place among the free blocks; -1: a support
+    support_of: np.ndarray  # (B,) prescribed motion of a support; -1: a free block
+    group_of: np.ndarray  # (B,)
+    columns: np.ndarray  # (n,) unknowns of a block among (vx, vy, vz, wx, wy, wz): all six in space, three in a plane
+
+
+class StepConstants(NamedTuple):
+    """Numbers that the kernels of every step need."""
+
+    step: float  # h [s]
+    plane_axis: int  # axis normal to the plane of a planar scene; -1: a scene in space
+    plane_at: float  # coordinate of the plane on that axis [m]
+    closed: float  # gaps up to this one count as closed [m]

@@ -1,0 +1,118 @@
+"""Calls from Python to kernels that take NamedTuples: field by field, since numba looks longer at a NamedTuple than at its fields.
+
+At each call numba finds out the type of each argument, for a NamedTuple also by the names of its fields, which takes three times as long as
+for as many single arrays: a fifth of what a step of a small scene costs. So a kernel is entered through another one, made here,
+that takes all fields one by one and puts the NamedTuples together again in compiled code, where that costs nothing:
+
+    kernel(position, shapes)   ->   flat(position, *shapes)   ->   kernel(position, Shapes(a, b, c))
+
+Which arguments are NamedTuples is said by the annotations of the kernel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from inspect import signature
+from types import FunctionType
+from typing import Any, get_type_hints
+
+Classes = list[Any]  # of each argument: its class if that is a NamedTuple, else None
+
+
+def named_tuples(function: Callable[..., Any]) -> Classes:
+    """By argument of a function, the class of NamedTuple that its annotation says, or None."""
+    hints = get_type_hints(function)
+    return [_as_named_tuple(hints.get(name)) for name in signature(function).parameters]
+
+
+def _as_named_tuple(kind: Any) -> Any:
+    return kind if isinstance(kind, type) and issubclass(kind, tuple) and hasattr(kind, "_fields") else None
+
+
+class FlatCall:
+    """A kernel as Python calls it.
+
+    Args:
+        function: the kernel's.
+        kernel: what other kernels call, compiled as part of them.
+        compile_flat: compiles the function through which Python enters.
+    """
+
+    def __init__(self, function: Callable[..., Any], kernel: Any, compile_flat: Callable[[Callable[..., Any]], Any]) -> None:
+        self.py_func, self.kernel = function, kernel
+        classes, name = named_tuples(function), function.__name__
+        spread, put_together = _sources(name, classes)
+        names = {f"class_{i}": kind for i, kind in enumerate(_all_classes(classes))}
+        self.flat = compile_flat(_in_place_of(function, put_together, names | {"call": kernel}))
+        self._spread = _made(name, spread, {"call": self.flat})
+        self._regroup = _made(name, put_together, names | {"call": lambda *arguments: arguments})
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self._spread(*arguments)
+
+    def regrouped(self, leaves: tuple[Any, ...]) -> tuple[Any, ...]:
+        """What stands for all fields one by one, by argument again."""
+        arguments: tuple[Any, ...] = self._regroup(*leaves)
+        return arguments
+
+
+def _sources(name: str, classes: Classes) -> tuple[str, str]:
+    """The two functions of a call: one that takes NamedTuples apart, and one that puts them together."""
+    leaves, numbers = (f"leaf_{i}" for i in range(10**6)), iter(range(10**6))
+    given = [f"argument_{i}" for i in range(len(classes))]
+    apart = ", ".join(_apart(argument, kind) for argument, kind in zip(given, classes, strict=True))
+    used: list[str] = []
+    whole = ", ".join([_whole(kind, leaves, numbers, used) for kind in classes])
+    return (
+        f"def {name}({', '.join(given)}):\n    return call({apart})\n",
+        f"def {name}({', '.join(used)}):\n    return call({whole})\n",
+    )
+
+
+def _apart(value: str, kind: Any) -> str:
+    """Arguments of a call that pass the fields of a value one by one."""
+    if kind is None:
+        return value
+    inner = _fields(kind)
+    if not any(inner):
+        return f"*{value}"
+    return ", ".join(_apart(f"{value}[{i}]", each) for i, each in enumerate(inner))
+
+
+def _whole(kind: Any, leaves: Iterator[str], numbers: Iterator[int], used: list[str]) -> str:
+    """The expression that puts a value together from the next arguments, whose names go to ``used``."""
+    if kind is None:
+        used.append(next(leaves))
+        return used[-1]
+    number = next(numbers)
+    return f"class_{number}({', '.join([_whole(each, leaves, numbers, used) for each in _fields(kind)])})"
+
+
+def _fields(kind: Any) -> Classes:
+    """The classes of the fields of a NamedTuple."""
+    hints = get_type_hints(kind)
+    return [_as_named_tuple(hints.get(name)) for name in kind._fields]
+
+
+def _all_classes(classes: Classes) -> Iterator[Any]:
+    """All NamedTuples, those in others after these, in the order in which they are put together."""
+    for kind in classes:
+        if kind is not None:
+            yield kind
+            yield from _all_classes(_fields(kind))
+
+
+def _made(name: str, source: str, names: dict[str, Any]) -> FunctionType:
+    """The function of a name that a source defines."""
+    space = dict(names)
+    exec(source, space)
+    made: FunctionType = space[name]
+    return made
+
+
+def _in_place_of(function: Callable[..., Any], source: str, names: dict[str, Any]) -> FunctionType:
+    """The function that a source defines, which numba's cache takes for another one: it keeps its entries by file, name and line."""
+    made = _made(function.__name__, source, names)
+    made.__module__, made.__qualname__ = function.__module__, function.__qualname__
+    made.__code__ = made.__code__.replace(co_filename=function.__code__.co_filename, co_firstlineno=function.__code__.co_firstlineno)
+    return made
