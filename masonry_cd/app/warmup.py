@@ -43,8 +43,8 @@ PATIENCE = 60.0  # to wait for the second process, beyond what this one took for
 @cache
 def compile_kernels(solver: str, planar: bool, by_area: bool) -> None:
     """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without."""
-    if solver in ("auto", "newton", "interior") and keeps() and not _is_kept(planar) and cores() > 1:
-        with _second_process(planar):
+    if solver in ("auto", "newton", "interior") and keeps() and not is_kept(planar) and cores() > 1:
+        with second_process(planar):
             _shake_cubes("admm", planar, by_area)
     _shake_cubes(solver, planar, by_area)
     islands.compile_kernels()
@@ -74,14 +74,14 @@ def _shake_cubes(solver: str, planar: bool, by_area: bool) -> None:
 # --- the second process ------------------------------------------------------------------------------------------------------------
 
 
-def _is_kept(planar: bool) -> bool:
+def is_kept(planar: bool) -> bool:
     """Whether the largest kernel is in the cache."""
     problems = [kinds[1] for kinds in kept(linearised_bodies)]  # numba's types of ProblemArrays
     return any(len(problem.types[problem.fields.index("m")]) == (2 if planar else 3) for problem in problems)
 
 
 @contextmanager
-def _second_process(planar: bool) -> Iterator[subprocess.Popen[bytes] | None]:
+def second_process(planar: bool) -> Iterator[subprocess.Popen[bytes] | None]:
     """Compile the largest kernel in a process of its own meanwhile, and in the end wait for it. It ends with this one at the latest."""
     begin = time.monotonic()
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}

@@ -84,7 +84,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         InputError: a key that is unknown or out of range, or measures that do not fit together.
     """
     aqueduct = parse_table(AqueductTable, table, "structure")
-    tiers = _tiers(aqueduct)
+    tiers = tiers_of(aqueduct)
     blocks = _base(aqueduct, tiers, density)
     if aqueduct.ends == "abutment":
         blocks += _abutments(tiers, density)
@@ -120,8 +120,12 @@ def _channel(aqueduct: AqueductTable, tier: Tier, density: float) -> list[Block]
     return blocks
 
 
-def _tiers(aqueduct: AqueductTable) -> list[Tier]:
-    """The measures of each tier, checked against each other."""
+def tiers_of(aqueduct: AqueductTable) -> list[Tier]:
+    """The tiers of an aqueduct, lowest first.
+
+    Raises:
+        InputError: measures that do not fit together.
+    """
     tiers: list[Tier] = []
     for i in range(aqueduct.tiers):
         tier = _tier(aqueduct, i, tiers[-1] if tiers else None)

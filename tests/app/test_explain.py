@@ -9,7 +9,7 @@ import pytest
 from made_run import box
 from typer.testing import CliRunner
 
-from masonry_cd.app.explain import HEAVY, _modules
+from masonry_cd.app.explain import HEAVY, packages_not_loaded
 from masonry_cd.cli.app import app
 from structures.files import blockfile
 
@@ -74,8 +74,8 @@ def test_what_is_asked_for_is_not_left_out(explained):
 
 
 def test_packages_are_looked_up_not_guessed():
-    assert _modules(dict.fromkeys(HEAVY.values())) == "packages not loaded: none"
-    assert _modules({"gmsh": None}).startswith("packages not loaded: vtk, pyvista")
+    assert packages_not_loaded(dict.fromkeys(HEAVY.values())) == "packages not loaded: none"
+    assert packages_not_loaded({"gmsh": None}).startswith("packages not loaded: vtk, pyvista")
 
 
 def test_islands_and_what_slept_are_told(explained):
