@@ -21,7 +21,7 @@ BEFORE, AFTER, TARGET = "#9aa3ab", "#0b5fa5", "#c7372f"
 INK, FAINT = "#23272b", "#5f666d"
 POINTS = 20_000  # drawn of a curve at most
 DAMPING = 0.05
-DRIFTED = 8.0  # a motion before correction that is so many times larger is let leave the picture
+DRIFTED = 8.0  # times the motion after correction: one before correction that is larger still may leave the picture
 
 
 def record_picture(

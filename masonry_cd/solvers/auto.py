@@ -228,10 +228,10 @@ def work(problem: Problem, pattern: Pattern) -> np.ndarray:
     """Work of a call or an iteration, (4,): one; contacts; entries of H on one side, or a third of those of W, with which less is done;
     operations of a factorisation divided by the unknowns per body, or contact."""
     n, share = (problem.v_free.shape[1], 1.0) if isinstance(problem, FrictionProblem) else (problem.dimension, 1.0 / 3.0)
-    return np.array([1.0, problem.contacts, share * _entries(problem), pattern.operations(n) / n])
+    return np.array([1.0, problem.contacts, share * entries(problem), pattern.operations(n) / n])
 
 
-def _entries(problem: Problem) -> int:
+def entries(problem: Problem) -> int:
     """Number of entries of H on one side, or of W."""
     if isinstance(problem, FrictionProblem):
         return problem.contacts * problem.dimension * problem.v_free.shape[1]
@@ -250,7 +250,7 @@ def _turns(problem: Problem, first: int, costs: Costs, cold: bool, slides: bool)
     """
     limits, other, budget = _limits(costs), 1 - first, FIRST * BUDGET if cold else BUDGET
     one_start = interior.affordable(0.0)  # iterations
-    start_cost, sweep_cost = one_start * costs[NEWTON], SWEEP * max(_entries(problem), 1)
+    start_cost, sweep_cost = one_start * costs[NEWTON], SWEEP * max(entries(problem), 1)
     sweeps = min(int((SWEEP_SHARE * start_cost if cold else min(SWEEP_SHARE * start_cost, budget)) / sweep_cost), SWEEPS[1])
     packed = sweeps >= SWEEPS[0]
 

@@ -27,7 +27,7 @@ from masonry_cd.model.blocks import Block
 from masonry_cd.model.polygon import polygon_centroid
 from structures.geometry.checks import check
 from structures.geometry.prism import box, prism_xz, rectangle
-from structures.geometry.solid import cut
+from structures.geometry.solid import cut_solid
 from structures.layout import wall_plan
 from structures.layout.aqueduct_tier import LEAST_BED, Tier, feet, joints, outline
 
@@ -89,7 +89,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     if aqueduct.ends == "abutment":
         blocks += _abutments(tiers, density)
     for tier, over in zip(tiers, [*tiers[1:], None], strict=True):
-        pieces = cut(outline(tier), joints(tier, feet(over) if over else ()))
+        pieces = cut_solid(outline(tier), joints(tier, feet(over) if over else ()))
         blocks += _named(tier, pieces, density, prefix=f"tier{tier.number}_" if len(tiers) > 1 else "")
     blocks += _channel(aqueduct, tiers[-1], density)
     check(blocks)

@@ -92,7 +92,7 @@ def lines_until(limit: int, files: tuple[str, ...], reached: Callable[[int], Non
 
 
 def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path) -> int:
-    """Run a body in a forked process, killed before so many lines of the files that write; return how many of them ran."""
+    """Run a body in a forked process, killed at the n-th line that it executes of the files that write; return how many it executed."""
     files = (results.__file__, checkpoint.__file__, recorder.__file__, run_loop.__file__)
     if (pid := os.fork()) == 0:
         number = counter.open("w")
@@ -214,7 +214,7 @@ def test_the_report_adds_up(unbroken):
     assert report.balance_error < 1e-10
 
 
-def test_lifts_out_of_overlaps_are_told_beside_the_balance():
+def test_lifts_out_of_overlaps_are_reported_beside_the_balance():
     assert RunReport().lift_share == 0.0
     assert RunReport(work_max=200.0, energy={"correction": 5.0}).lift_share == pytest.approx(0.025)
 

@@ -142,7 +142,7 @@ def test_sweeps_lead_on_in_packed_grains(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_sweeps_come_where_they_are_cheap() -> None:
     """After the interior point method's first start; before it where that is too dear, and in place of Newton if that is dearer still."""
     problem = scenes.wall(3, 4)
-    sweep = auto.SWEEP * auto._entries(problem)
+    sweep = auto.SWEEP * auto.entries(problem)
     usual, sweeps = [auto.ADMM, auto.NEWTON], [auto.NLGS, auto.NEWTON]
     start, last = [auto.INTERIOR], [auto.INTERIOR, auto.NEWTON]
     for newton, methods in (

@@ -149,7 +149,7 @@ def test_half_a_model_ends_in_one_line(tmp_path: Path, name: str, model, capfd: 
 
 
 def vtm(folder: Path, points: str) -> None:
-    """A multi-block file whose one data set announces so many points."""
+    """A multi-block file whose one data set announces a number of points."""
     (folder / "part.vtp").write_text(f"""<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian"><PolyData>
 <Piece NumberOfPoints="{points}" NumberOfPolys="1"><Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 1 0 0 0 1 0
 </DataArray></Points><Polys><DataArray type="Int64" Name="connectivity" format="ascii">0 1 2</DataArray>
