@@ -3,6 +3,8 @@
 The scene has a bit of all that a step can meet: a cube at rest, one that starts inside another by a micrometre, one that falls on it.
 No step can reach its tolerance, so that ``auto`` turns to every solver that it has.
 
+``python -m masonry_cd.app.warmup`` does so for a plane and for space with ``auto``, so that no first run has to (``make setup``).
+
 numba compiles one thing at a time. Where there are two cores, a second process therefore compiles the largest kernel, while this one runs
 the cubes with ADMM; then this one finds it in numba's cache. If the second process fails, it is compiled here.
 """
@@ -122,3 +124,8 @@ def compile_largest(planar: bool) -> None:
     body, contact = np.zeros((1, n)), np.zeros((1, m))
     problem = FrictionProblem(np.eye(n)[None], body - 1.0, np.array([[0, -1]]), jacobian, contact, np.full(1, 0.5), contact)
     interior.solve(problem, Options(tolerance=1e-300, max_iterations=1))
+
+
+if __name__ == "__main__":
+    for in_plane in (True, False):
+        compile_kernels("auto", in_plane, False)

@@ -20,7 +20,7 @@ from masonry_cd.atomic import part_of, replacing
 from masonry_cd.errors import InputError
 
 NAME = "checkpoint.npz"
-FORMAT = 5  # of what a stepper writes; raised when what it holds changes
+FORMAT = 6  # of what a stepper writes; raised when what it holds changes
 NOTHING = "nothing to resume from: the run ended, or was stopped before its first checkpoint"
 
 
