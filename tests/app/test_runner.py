@@ -111,10 +111,8 @@ def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path)
     return int(counter.read_text())
 
 
-KILLS = 24
-
-
-def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_path, unbroken, monkeypatch):
+@pytest.mark.parametrize("kills", [8, pytest.param(24, marks=pytest.mark.validation)])
+def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_path, unbroken, monkeypatch, kills):
     """Of a run that begins, and of one that is resumed: killed at lines spread over all that its writing executes."""
     monkeypatch.setattr(results, "BUFFER_BYTES", 4096)
     path, saved = tmp_path / "broken.h5", tmp_path / checkpoint.NAME
@@ -138,7 +136,7 @@ def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_
 
     steps = 10
     total = in_a_process_killed_at(0, begin, tmp_path / "count")
-    for line in np.linspace(1, total, KILLS).astype(int):
+    for line in np.linspace(1, total, kills).astype(int):
         for old in tmp_path.glob("broken*"):
             old.unlink()
         checkpoint.remove(saved)
@@ -148,7 +146,7 @@ def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_
     kept = {name: (tmp_path / name).read_bytes() for name in (path.name, saved.name)}
     steps = 20
     total = in_a_process_killed_at(0, go_on, tmp_path / "count")
-    for line in np.linspace(1, total, KILLS).astype(int):
+    for line in np.linspace(1, total, kills).astype(int):
         checkpoint.remove(saved)
         for name, data in kept.items():
             (tmp_path / name).write_bytes(data)

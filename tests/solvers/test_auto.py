@@ -145,8 +145,10 @@ def test_sweeps_lead_on_in_packed_grains(monkeypatch: pytest.MonkeyPatch) -> Non
     solution = solve(problem, Options(tolerance=1e-8), None)
     assert natural_map_error(problem, solution.impulse) <= 1e-8
     assert "nlgs" in solution.reason
+    few = Options(tolerance=1e-8, max_iterations=400)  # the sweeps begin before that
+    assert "nlgs" in solve(problem, few, None).reason
     monkeypatch.setattr(auto, "SWEEPS", (10**9, 0))
-    assert "nlgs" not in solve(problem, Options(tolerance=1e-8), None).reason
+    assert "nlgs" not in solve(problem, few, None).reason
 
 
 def test_sweeps_come_where_they_are_cheap() -> None:
