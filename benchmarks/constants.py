@@ -152,6 +152,7 @@ SWITCHED: dict[str, Any] = {
     "NEARLY": 0.0,  # no step is solved deeper
     "DEEPER": 1e-1,
     "AGAIN": 1e3,
+    "DEEP_LIMIT": 10**9,
     "FAR": np.inf,  # every start is measured
     "LOOK": 10**9,
     "TRIALS": (),

@@ -3,8 +3,8 @@
 **The rule.**
 
 1. The impulses of the last step are tried as they are: at rest they do again. The error that they leave adds up from step to step, so a
-   step that begins close to the solution (NEARLY) is solved DEEPER than asked, and so is the next: ten iterations more, for thousands of
-   steps that then need none. Where the last start was FAR off, only every LOOK-th one is measured.
+   step that begins close to the solution (NEARLY) is solved DEEPER than asked, and so is the next, in at most DEEP_LIMIT iterations: ten
+   more, for thousands of steps that then need none. Where the last start was FAR off, only every LOOK-th one is measured.
 2. A step begins with ADMM or with Newton's method, whichever cost less when a step last began with it. An ADMM iteration propagates the
    error through the whole structure and is cheap; a Newton iteration is expensive, but few are needed if it starts close. Steps 4, 16, 64,
    256 ... begin with the other one, unless a single iteration of it costs more than a step of the first. What ADMM does not solve at the
@@ -40,6 +40,7 @@ NAMES = ("admm", "newton", "interior", "nlgs")
 NEARLY = 10.0  # error at the start below which a step is solved deeper than asked
 DEEPER = 1e-4  # error down to which it is solved
 AGAIN = 10.0  # times that error: at which the impulses of a step solved deeper do for the next one; from farther it is solved deeper too
+DEEP_LIMIT = 60  # iterations for that; most steps need ten more than usual
 ROUNDING = 1e-13  # natural map error, not a multiple, that is not worth reaching for
 FAR = 1e3  # error at the last start looked at, above which only every LOOK-th start is measured: a measurement costs an iteration or two
 LOOK = 8  # steps
@@ -87,10 +88,13 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     first, search = known.first(), _Search(problem, options, start, memory)
     nearly = error <= NEARLY * options.tolerance
     known.deeper = nearly and error > options.tolerance
-    for method, limit in turns(problem, first, costs, start is None):
-        search.turn(method, limit, deeper if nearly and not search.story else options.tolerance)
+    order = turns(problem, first, costs, start is None)
+    if nearly:
+        search.turn(first, min(order[0][1], DEEP_LIMIT), deeper)
+    for method, limit in order:
         if search.ended:
             break
+        search.turn(method, limit)
     known.learn(first, [spent(costs, method, search.iterations[method]) for method in (ADMM, NEWTON)])
     return search.solution(known)
 
