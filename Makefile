@@ -1,7 +1,8 @@
-# make setup   everything that the program needs, into .venv (and the system libraries of gmsh and VTK)
+# make setup   everything that the program needs, into .venv (and the system libraries of gmsh and VTK), and its kernels compiled
 # make demo    set-up, then the main job: an aqueduct under a sinusoidal load, to out/demo/crack_map.png
 # make test    set-up, then the tests
 # make check   set-up, then lint, format, types, and which room imports which
+# make validation      set-up, then the long comparisons with published numbers, closed forms and limit analysis; it prints their tables
 # make test-portable   set-up, then the numerical tests with kernels compiled for other processors than this one: rounding differs there
 # make clean   drops what numba has compiled
 # A second run skips what is done. Another Python: make setup PYTHON=python3.13
@@ -9,6 +10,7 @@
 PYTHON ?= python3
 VENV   := .venv
 STAMP  := $(VENV)/.installed
+WARM   := $(VENV)/.compiled
 DEMO   := out/demo/crack_map.png
 CODE   := $(wildcard masonry_cd/*.py masonry_cd/*/*.py structures/*.py loads/*.py loads/*/*.py reports/*.py reports/*/*.py structures/*/*.py reports/page/*)
 
@@ -21,34 +23,38 @@ as         = NUMBA_CPU_NAME=$(1) NUMBA_CPU_FEATURES=$(2) NUMBA_CACHE_DIR=$(CURDI
 LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.so.1 libxft2:libXft.so.2 \
              libxinerama1:libXinerama.so.1 libgomp1:libgomp.so.1 libegl1:libEGL.so.1
 
-.PHONY: setup demo test check test-portable clean libraries
+.PHONY: setup demo test check validation test-portable clean libraries
 .DELETE_ON_ERROR:
 
-setup: libraries $(STAMP)
+setup: libraries $(STAMP) $(WARM)
 	@echo "Set up: $(VENV)/bin/masonry-cd"
 
-demo: setup
+# The demo and the tests compile the kernels that they need.
+demo: libraries $(STAMP)
 	@$(MAKE) --no-print-directory $(DEMO)
 	@echo "Demo: see $(DEMO) and out/demo/summary.json"
 
-test: setup
+test: libraries $(STAMP)
 	$(VENV)/bin/python -m pytest
 
-check: setup
+check: libraries $(STAMP)
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/mypy
 	$(VENV)/bin/lint-imports --no-logo
 
+validation: libraries $(STAMP)
+	$(VENV)/bin/python -m pytest -m validation -s
+
 # What is compiled is kept in .cache, so that a second run is quick.
-test-portable: setup
+test-portable: libraries $(STAMP)
 	$(call as,generic,) $(NUMERICAL)
 	@if grep -qw avx2 /proc/cpuinfo && grep -qw fma /proc/cpuinfo; then \
 	  echo '$(call as,x86-64-v3,$(V3)) $(NUMERICAL)'; $(call as,x86-64-v3,$(V3)) $(NUMERICAL); \
 	else echo "This processor has no AVX2 and FMA: x86-64-v3 is left out."; fi
 
 clean:
-	rm -rf .cache
+	rm -rf .cache $(WARM)
 	find masonry_cd structures loads reports benchmarks tests -name '*.nb[ci]' -delete
 
 $(DEMO): examples/aqueduct_sinusoidal.toml $(STAMP) $(CODE)
@@ -61,6 +67,11 @@ $(STAMP): pyproject.toml constraints.txt
 	  { echo "Python's venv module is missing. Type this, then make again:" >&2; echo "    sudo apt-get install -y $(notdir $(PYTHON))-venv" >&2; exit 1; }
 	@$(VENV)/bin/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear $(VENV)
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+$(WARM): $(STAMP) $(CODE)
+	@echo "Compiling the kernels, once: about a minute on two cores"
+	@$(VENV)/bin/python -m masonry_cd.app.warmup
 	@touch $@
 
 # Installed by apt-get where root or a sudo without password allows; otherwise the line to type is printed.

@@ -12,7 +12,7 @@ configuration q_m = q + h (1 - theta) v.
 local velocities of its own. They date from the sweep, are not those of the motion (the bodies move on with the former, which
 the check shows), and often look better; the error with them in place of u is given beside.
 
-**Check.** Velocities and reactions were found apart, so M (v+ - v_free) = H^T p tells whether all was read rightly; the largest
+**Check.** Velocities and reactions were found apart, so M (v+ - v_free) = H^T p shows whether all was read rightly; the largest
 relative residual is returned too.
 """
 

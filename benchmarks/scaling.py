@@ -5,9 +5,9 @@ r"""Cost against size: the same structure, larger and larger.
     python -m benchmarks.scaling wall church --parts --blocks 500 5000 20000
 
 Families: `wall`, twice as long as high in blocks; `arcade`, more spans; `church`, in space, of ever smaller blocks; `courses`, a wall of 50
-units in ever more courses, whose first step from rest asks how fast news travels up. Shaken, each size in a process of its own. A method
-whose iterations grow with height, or bookkeeping that is not linear, shows as a growing cost per block; with `--parts` it shows where:
-then whole runs are measured, their results written, part by part (see ``benchmarks.parts``).
+units in ever more courses, whose first step from rest shows how fast an impulse propagates upwards. Shaken, each size in a process of its
+own. A method whose iterations grow with height, or bookkeeping that is not linear, shows as a growing cost per block; with `--parts` it
+shows where: then whole runs are measured, their results written, part by part (see ``benchmarks.parts``).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ CHURCH_SURFACE = 1700.0  # number of blocks times the square of their length, ab
 
 
 def names(family: str, blocks: list[int], courses: list[int]) -> list[str]:
-    """The scenes of a family, of about so many blocks each."""
+    """The scenes of a family, of about the given numbers of blocks."""
     if family == "courses":
         return [f"wall50x{count}" for count in courses]
     if family == "arcade":
@@ -63,7 +63,7 @@ def growth(rows: list[dict[str, Any]]) -> str:
 
 
 def options(given: argparse.Namespace) -> list[str]:
-    """What each run is told beside its scene and its steps."""
+    """Options of each run beside its scene and its steps."""
     limit = [] if given.max_iterations is None else ["--max-iterations", str(given.max_iterations)]
     return limit + ["--threads", str(given.threads)] + (["--space"] if given.space else [])
 

@@ -30,7 +30,7 @@ class BenchScene:
 
     name: str
     blocks: tuple[Block, ...]
-    steps: int  # as many as a comparison takes unless told otherwise
+    steps: int  # of a comparison, where the command line names no other number
     friction: float = 0.6
     dt: float = 1e-3  # [s]
     theta: float = 0.5
@@ -48,7 +48,7 @@ class BenchScene:
         return Assembly.from_blocks(self.blocks, self.friction, joints)
 
     def write(self, path: Path, steps: int) -> None:
-        """Write the scene for a peer: blocks, friction, time step and the base velocity of so many steps."""
+        """Write the scene for a peer: blocks, friction, time step and the base velocity of its steps."""
         blocks = [
             {"vertices": b.vertices.tolist(), "faces": [list(f) for f in b.faces], "density": b.density, "fixed": b.fixed}
             for b in self.blocks

@@ -19,7 +19,7 @@ HERE = Path(__file__).parent
 
 
 def environment(threads: int) -> dict[str, str]:
-    """The environment of every process: so many threads for whatever it calls."""
+    """The environment of every process, which limits the threads of whatever it calls."""
     return os.environ | {name: str(threads) for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")}
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 ROOMS = ("masonry_cd", "structures", "loads", "reports")
 MOST_LINES, MOST_ARGUMENTS = 400, 10  # of a file and of a kernel, as the design asks for
 KERNEL = re.compile(r"@(?:entry|kernel|njit|numba\.njit)\b")
-PRIVATE = re.compile(r"(?<!self)(?<!cls)\.(_[a-z]\w*)|import .*?\b(_[a-z]\w*)")
+PRIVATE = re.compile(r"_[a-z]\w*")
 
 
 def sources(root: Path, *folders: str) -> dict[str, str]:
@@ -89,13 +89,26 @@ def wide_kernels(modules: dict[str, str]) -> list[str]:
     return found
 
 
+def private_names(text: str) -> list[str]:
+    """Names that begin with an underscore and that a module takes from elsewhere: imported, as attributes, or to set them by name."""
+    found = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom):
+            found += [item.name for item in node.names]
+        elif isinstance(node, ast.Attribute) and ast.unparse(node) != "os._exit" and ast.unparse(node.value) not in ("self", "cls"):
+            found.append(node.attr)
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("setattr", "getattr")):
+            found += [str(given.value) for given in node.args if isinstance(given, ast.Constant)]
+    return [name for name in found if PRIVATE.fullmatch(name.rpartition(".")[2])]
+
+
 def table(root: Path) -> list[str]:
     """The figures of a tree as lines of Markdown."""
     program, tests = sources(root, *ROOMS), sources(root, "tests")
     everything = program | tests | sources(root, "benchmarks")
     lines = {name: text.count("\n") for name, text in everything.items()}
     longest = max(program, key=lines.__getitem__)
-    private = sum(len(PRIVATE.findall(text)) for text in tests.values())
+    private = sum(len(private_names(text)) for text in tests.values())
     circles = cycles({name: imports(everything, name) for name in everything})
     wide = wide_kernels(program)
     rows = [

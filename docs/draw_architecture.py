@@ -123,14 +123,14 @@ def as_drawn(found: dict[str, Room]) -> dict[str, list]:
     return json.loads(json.dumps({name: room[1:] for name, room in sorted(found.items())}))
 
 
-def draw(picture: Path = PICTURE) -> None:
-    """Draw the rooms of the tree."""
+def draw(picture: Path = PICTURE, found: dict[str, Room] | None = None) -> None:
+    """Draw the rooms of the tree, or those given."""
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    found, order = rooms(), [(k, name) for k, names in enumerate(layers()) for name in names]
+    found, order = found or rooms(), [(k, name) for k, names in enumerate(layers()) for name in names]
     if {name for _, name in order} != set(found):
         raise SystemExit(f"rooms without a layer, or layers without a room: {sorted({name for _, name in order} ^ set(found))}")
     place = {name: i for i, (_, name) in enumerate(order)}

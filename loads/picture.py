@@ -21,7 +21,7 @@ BEFORE, AFTER, TARGET = "#9aa3ab", "#0b5fa5", "#c7372f"
 INK, FAINT = "#23272b", "#5f666d"
 POINTS = 20_000  # drawn of a curve at most
 DAMPING = 0.05
-DRIFTED = 8.0  # a motion before correction that is so many times larger is let leave the picture
+DRIFTED = 8.0  # times the motion after correction: one before correction that is larger still may leave the picture
 
 
 def record_picture(
@@ -99,7 +99,7 @@ def _histories(axes: Any, before: History, after: History, name: str, label: str
         peaks.append(float(np.abs(values).max()))
         end = values[-1] if abs(values[-1]) > ROUNDING * peaks[-1] else 0.0
         said.append(f"{word} {peaks[-1]:.3g}" + (f", end {end:.2g}" if name != "acceleration" else ""))
-        axes.plot(*_thinned(begin + history.step * np.arange(len(values)), values), color=colour, lw=width)
+        axes.plot(*thin_curve(begin + history.step * np.arange(len(values)), values), color=colour, lw=width)
     if peaks[0] > DRIFTED * peaks[1] > 0.0:
         axes.set_ylim(-1.3 * peaks[1], 1.3 * peaks[1])
         said[0] += " (leaves the picture)"
@@ -133,7 +133,7 @@ def _build_up(axes: Any, after: History, begin: float) -> None:
     built = arias(after)
     low, high = significant_window(after)
     axes.axvspan(begin + low, begin + high, color=AFTER, alpha=0.10, lw=0)
-    axes.plot(*_thinned(begin + after.step * np.arange(len(built)), built), color=AFTER, lw=1.4)
+    axes.plot(*thin_curve(begin + after.step * np.arange(len(built)), built), color=AFTER, lw=1.4)
     axes.set_title(f"Arias intensity {built[-1]:.3g} m/s, 5 to 95 % in {high - low:.3g} s", fontsize=9, color=FAINT, loc="right")
     axes.set_xlabel("time [s]")
     axes.set_ylabel("intensity [m/s]", color=INK)
@@ -151,8 +151,13 @@ def _quiet(axes: Any) -> None:
     axes.tick_params(colors=FAINT, labelsize=9)
 
 
-def _thinned(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The smallest and largest value of each bin where there are more samples than a picture can show."""
+def thin_curve(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Keep the smallest and largest value of each bin where a curve has more than POINTS samples, in their order.
+
+    Args:
+        times: (N,) [s].
+        values: (N,) in any unit.
+    """
     size = int(np.ceil(2 * len(values) / POINTS))
     if size <= 2:
         return times, values

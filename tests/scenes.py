@@ -103,7 +103,7 @@ def boxes(low: np.ndarray, high: np.ndarray, mu: float = 0.6, density: float | n
 
 
 def softened(problem: FrictionProblem, softness: float, every: int = 2, by_joint: bool = False) -> FrictionProblem:
-    """One contact or joint in so many becomes elastic: C_n = softness trace(W_cc) / m, and twice that along the tangents."""
+    """Every n-th contact or joint becomes elastic, n = ``every``: C_n = softness trace(W_cc) / m, and twice that along the tangents."""
     own = np.trace(problem.delassus_diagonal(), axis1=1, axis2=2) / problem.dimension
     compliance = np.outer(softness * own, [1.0, 2.0, 2.0][: problem.dimension])
     count = np.arange(problem.contacts)
@@ -143,7 +143,7 @@ def thrown(speed: float) -> FrictionProblem:
 
 
 def packing(cells: int, mu: float, speed: float, seed: int = 0, radius: float = 0.05, step: float = 1e-3) -> FrictionProblem:
-    """Spheres in a box, on the places of a face-centred cubic lattice of so many cells along each side, some of them missing.
+    """Spheres in a box, on the places of a face-centred cubic lattice, ``cells`` of them along each side, some of them missing.
 
     They fall for a step, and move at random: ``speed`` [m/s], and as much at their surface.
     """

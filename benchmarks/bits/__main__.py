@@ -61,7 +61,7 @@ def save(cases: Mapping[str, Case], file: Path, jobs: int = 1) -> int:
 
 
 def check(cases: Mapping[str, Case], file: Path, jobs: int = 1) -> int:
-    """Run the cases and tell what differs from the baseline; 1 where anything does."""
+    """Run the cases and report what differs from the baseline; 1 where anything does."""
     for line in baseline.machine_lines(baseline.load(file)):
         print(line)
     different = 0

@@ -22,7 +22,7 @@ from benchmarks.bits.cases import Case, Solve
 Arrays = dict[str, np.ndarray]
 ROOT = Path(__file__).parents[2]
 WALL_TIME = ("seconds", "wall_seconds", "stepping_seconds")  # the last part of a name that no run repeats
-ABOUT_PROGRAM = ("version", "versions", "explanation", "run")  # and what tells of the program or names the run, not of the result
+ABOUT_PROGRAM = ("version", "versions", "explanation", "run")  # and what describes the program or names the run, not its result
 
 
 def run_case(case: Case) -> Arrays:

@@ -29,7 +29,7 @@ def left_out(scene: Scene, stepper: Stepper, report: RunReport) -> list[str]:
     """All that was left out of a run that has ended, one line each."""
     lines = [_plane(scene, stepper), *_pairs(stepper, report), _impacts(report), _islands(scene, report), _solver(scene, report)]
     lines += _laws(stepper)
-    return [*lines, *_outputs(scene.report), _modules()]
+    return [*lines, *_outputs(scene.report), packages_not_loaded()]
 
 
 def _plane(scene: Scene, stepper: Stepper) -> str:
@@ -97,7 +97,7 @@ def _outputs(asked: Report) -> list[str]:
     return [f"reports: {', '.join(missing)} not made, since [report] does not ask for them"] if missing else []
 
 
-def _modules(loaded: Mapping[str, object] | None = None) -> str:
-    """Heavy packages that this run did not load."""
+def packages_not_loaded(loaded: Mapping[str, object] | None = None) -> str:
+    """The line on heavy packages that a run did not load; ``loaded`` are the modules by name, left out: those of this process."""
     found = sys.modules if loaded is None else loaded
     return f"packages not loaded: {', '.join(name for name, module in HEAVY.items() if module not in found) or 'none'}"

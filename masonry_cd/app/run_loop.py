@@ -70,7 +70,7 @@ def run(
         while stepper.load_step < steps and not loop.report.stopped:
             loop.step(steps, frame_every)
             loop.save_when_due()
-            loop.tell(progress)
+            loop.report_progress(progress)
     except RunStopped as reason:
         loop.report.stopped, loop.save_to = str(reason), None  # nothing can go on from here
     except BaseException:
@@ -115,7 +115,7 @@ class _Loop:
             self.save(self.save_to)
             self.saved = clock.monotonic()
 
-    def tell(self, progress: Callable[[int], None] | None) -> None:
+    def report_progress(self, progress: Callable[[int], None] | None) -> None:
         """Report the steps done; where the answer is an interrupt, note it. It comes between steps, so nothing is torn."""
         asked = None
         try:

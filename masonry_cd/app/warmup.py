@@ -3,6 +3,8 @@
 The scene has a bit of all that a step can meet: a cube at rest, one that starts inside another by a micrometre, one that falls on it.
 No step can reach its tolerance, so that ``auto`` turns to every solver that it has.
 
+``python -m masonry_cd.app.warmup`` does so for a plane and for space with ``auto``, so that no first run has to (``make setup``).
+
 numba compiles one thing at a time. Where there are two cores, a second process therefore compiles the largest kernel, while this one runs
 the cubes with ADMM; then this one finds it in numba's cache. If the second process fails, it is compiled here.
 """
@@ -43,8 +45,8 @@ PATIENCE = 60.0  # to wait for the second process, beyond what this one took for
 @cache
 def compile_kernels(solver: str, planar: bool, by_area: bool) -> None:
     """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without."""
-    if solver in ("auto", "newton", "interior") and keeps() and not _is_kept(planar) and cores() > 1:
-        with _second_process(planar):
+    if solver in ("auto", "newton", "interior") and keeps() and not is_kept(planar) and cores() > 1:
+        with second_process(planar):
             _shake_cubes("admm", planar, by_area)
     _shake_cubes(solver, planar, by_area)
     islands.compile_kernels()
@@ -74,14 +76,14 @@ def _shake_cubes(solver: str, planar: bool, by_area: bool) -> None:
 # --- the second process ------------------------------------------------------------------------------------------------------------
 
 
-def _is_kept(planar: bool) -> bool:
+def is_kept(planar: bool) -> bool:
     """Whether the largest kernel is in the cache."""
     problems = [kinds[1] for kinds in kept(linearised_bodies)]  # numba's types of ProblemArrays
     return any(len(problem.m) == (2 if planar else 3) for problem in problems)
 
 
 @contextmanager
-def _second_process(planar: bool) -> Iterator[subprocess.Popen[bytes] | None]:
+def second_process(planar: bool) -> Iterator[subprocess.Popen[bytes] | None]:
     """Compile the largest kernel in a process of its own meanwhile, and in the end wait for it. It ends with this one at the latest."""
     begin = time.monotonic()
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
@@ -122,3 +124,8 @@ def compile_largest(planar: bool) -> None:
     body, contact = np.zeros((1, n)), np.zeros((1, m))
     problem = FrictionProblem(np.eye(n)[None], body - 1.0, np.array([[0, -1]]), jacobian, contact, np.full(1, 0.5), contact)
     interior.solve(problem, Options(tolerance=1e-300, max_iterations=1))
+
+
+if __name__ == "__main__":
+    for in_plane in (True, False):
+        compile_kernels("auto", in_plane, False)

@@ -8,13 +8,16 @@ from typing import Annotated
 import typer
 
 from masonry_cd.cli.shared import Changes, Force, Output, Quiet, errors_reported, free_folder
+from masonry_cd.solvers import SOLVERS
 
 
 def accuracy(
     source: Annotated[Path, typer.Argument(metavar="SCENE|FILE", help="Scene (TOML), or friction problem.", show_default=False)],
     output: Output,
     set_: Changes = None,
-    solvers: Annotated[str | None, typer.Option(metavar="NAMES", help="auto,nlgs,...", show_default="all; of a scene its own")] = None,
+    solvers: Annotated[
+        str | None, typer.Option(metavar="NAMES", help=f"Of {','.join(SOLVERS)}.", show_default="all; of a scene its own")
+    ] = None,
     tolerances: Annotated[str | None, typer.Option(metavar="T1,T2,...", help="To reach in each step.", show_default="a range")] = None,
     dts: Annotated[str | None, typer.Option(metavar="DT1,DT2,...", help="Time steps [s].", show_default="x 2, 1, 1/2")] = None,
     repeats: Annotated[int | None, typer.Option(metavar="N", min=1, help="For median times.", show_default="5; of a scene 1")] = None,

@@ -9,11 +9,12 @@ from typing import Annotated
 import typer
 
 from masonry_cd.cli.shared import errors_reported
+from masonry_cd.solvers import SOLVERS
 
 
 def solve(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Friction problem: FCLIB HDF5 or .npz.", show_default=False)],
-    solver: Annotated[str, typer.Option(metavar="NAME", help="auto, nlgs, admm, newton or interior.")] = "auto",
+    solver: Annotated[str, typer.Option(metavar="NAME", help=f"One of {', '.join(SOLVERS)}.")] = "auto",
     tolerance: Annotated[float, typer.Option(metavar="T", help="Natural map error to reach (scaled).")] = 1e-8,
     max_iterations: Annotated[int | None, typer.Option(metavar="N", min=1, help="The solver's own limit by default.")] = None,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Of random sweep orders.")] = 0,

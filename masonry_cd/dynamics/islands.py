@@ -94,7 +94,7 @@ class Islands:
         self.count, self._hard[:] = len(first), False
         if kind.any():
             order = np.argsort(first)
-            _gather(first[order], kind[order], np.bincount(group)[order], FULL, self._root)
+            gather_islands(first[order], kind[order], np.bincount(group)[order], FULL, self._root)
         else:
             self._root[:] = 0
 
@@ -179,7 +179,7 @@ class Islands:
 def compile_kernels() -> None:
     """Have those kernels compiled, or loaded from their cache, that only a run with several groups calls."""
     one = np.zeros(1, dtype=np.int64)
-    _gather(one, one, one, FULL, one.copy())
+    gather_islands(one, one, one, FULL, one.copy())
     _sorted(one, 1)
 
 
@@ -213,7 +213,7 @@ def _link(bodies, root):
 
 
 @entry()
-def _gather(first, kind, contacts, full, root):
+def gather_islands(first, kind, contacts, full, root):
     """Gather islands of one kind into groups, but for HARD ones.
 
     First block (ascending), kind and number of contacts are by island (I,); ``root`` (B,) holds the first block of the island of each

@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from masonry_cd.fields import Count, Flag, Number, Table, Vector
-from masonry_cd.solvers import SolverName
+from masonry_cd.solvers.solver_name import SolverName
 
 MOST_STEPS = 1e8  # of a run: more than years of computing, and gigabytes of loads
 

@@ -2,7 +2,7 @@
 
 ``checkpoint.npz`` lies beside result.h5 and is replaced as a whole, so a kill at any moment leaves the last one intact; the one before it
 is kept as ``checkpoint_before.npz``. It says how many rows of result.h5 belong to it, with a mark that distinguishes these from others;
-what the file holds beyond them is computed again. A checksum tells a damaged one.
+what the file holds beyond them is computed again. A checksum detects a damaged one.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from masonry_cd.atomic import part_of, replacing
 from masonry_cd.errors import InputError
 
 NAME = "checkpoint.npz"
-FORMAT = 5  # of what a stepper writes; raised when what it holds changes
+FORMAT = 6  # of what a stepper writes; raised when what it holds changes
 NOTHING = "nothing to resume from: the run ended, or was stopped before its first checkpoint"
 
 

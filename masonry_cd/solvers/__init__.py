@@ -7,9 +7,7 @@ can be checked before numba is loaded.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, TypeAlias
-
-from pydantic import AfterValidator
+from typing import TYPE_CHECKING, TypeAlias
 
 from masonry_cd.extensions import Extensions
 from masonry_cd.solvers.options import Options, cores
@@ -22,14 +20,4 @@ Solver: TypeAlias = "Callable[[Problem, Options, Solution | None], Solution]"
 SOLVERS: Extensions[Solver] = Extensions("masonry_cd.solvers", "solve")
 
 
-def _is_known(name: str) -> str:
-    """Refuse a name that is no solver's."""
-    if name not in SOLVERS:
-        *names, last = (f"'{known}'" for known in SOLVERS)
-        raise ValueError(f"input should be {', '.join(names)} or {last}")
-    return name
-
-
-SolverName = Annotated[str, AfterValidator(_is_known)]
-
-__all__ = ["SOLVERS", "Options", "Solver", "SolverName", "cores"]
+__all__ = ["SOLVERS", "Options", "Solver", "cores"]

@@ -77,13 +77,13 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     settings = Settings(0.0, tally.newton_stiffness, 0.0, options.tolerance, limit, size_tuple(problem.dimension + 1))
     elimination = Elimination(pattern.order, pattern.symbolic, index, block)
     iterations, error, begin, stiffness = linearised_bodies(NEWTON, arrays, elimination, settings, impulse, velocity)
-    tally.newton_stiffness, tally.newton_iterations = _next_stiffness(
+    tally.newton_stiffness, tally.newton_iterations = next_stiffness(
         tally.newton_stiffness, stiffness, tally.newton_iterations, iterations, error <= options.tolerance
     )
     return Solution(impulse, velocity, iterations, _reason(error, begin, options), memory.arrays())
 
 
-def _next_stiffness(begin: float, end: float, before: float, iterations: int, converged: bool) -> tuple[float, float]:
+def next_stiffness(begin: float, end: float, before: float, iterations: int, converged: bool) -> tuple[float, float]:
     """The K with which the next solve begins, and the iterations of this one, with a minus while K falls.
 
     Args:

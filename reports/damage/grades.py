@@ -1,9 +1,9 @@
 """Grades of damage, D0 to D5, by thresholds that the user can set.
 
 The names are those of the European Macroseismic Scale (Gruenthal, ed., EMS-98, Cahiers du Centre Europeen de Geodynamique et de
-Seismologie 15, 1998), which tells damage to masonry in words, from hair-line cracks in very few walls (grade 1) over large and extensive
-cracks in most walls (3) to total or near total collapse (5), and gives no numbers. The numbers are this program's own defaults, and every
-table states them with the grade:
+Seismologie 15, 1998), which describes damage to masonry in words, from hair-line cracks in very few walls (grade 1) over large and
+extensive cracks in most walls (3) to total or near total collapse (5), and gives no numbers. The numbers are this program's own defaults,
+and every table states them with the grade:
 
     residual width   opening or sliding of a joint between standing blocks [m]: 0.1, 5, 15 and 25 mm. Of the categories of visible damage of
                      Burland, Broms & de Mello (Behaviour of foundations and structures, Tokyo, 1977; in BRE Digest 251, 1981) these are

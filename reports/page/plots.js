@@ -14,7 +14,7 @@ function short(value, digits = 4) {
   return `${Number(mantissa)}·10${[...power.replace("+", "")].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]).join("")}`.replace("-", "−");
 }
 
-/* Round numbers between two bounds, about so many. */
+/* Round numbers between two bounds, about `count` of them. */
 function ticks(low, high, about) {
   const raw = (high - low) / about, power = 10 ** Math.floor(Math.log10(raw));
   const step = power * [1, 2, 5, 10].find((s) => s * power >= raw * 0.999), out = [];
@@ -128,7 +128,7 @@ class Plot {
     this.seek(this.span[0] + Math.max(0, Math.min(1, part)) * (this.span[1] - this.span[0]));
   }
 
-  /* Moves the cursor and tells the values there. */
+  /* Moves the cursor and shows the values there. */
   at(time) {
     if (!this.cursor || this.host.hidden) return;
     const x = this.x(time).toFixed(1);

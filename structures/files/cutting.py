@@ -1,7 +1,7 @@
 """A solid cut into the shells of its stones by the OpenCASCADE kernel, in a child process, see :mod:`structures.files.foreign`.
 
 The volumes of a CAD model or of a gmsh script are cut by the level planes of the beds, and each body of a course by upright planes across
-the plan. What comes back are facets, each with corners of its own, in the units and axes of the file: :mod:`structures.files.cut_solid`
+the plan. What comes back are facets, each with corners of its own, in the units and axes of the file: :mod:`structures.kinds.solid`
 says how the planes are chosen, and makes blocks of them. This module imports nothing but numpy, and gmsh when it is called.
 """
 

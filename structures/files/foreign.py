@@ -3,7 +3,7 @@
 OpenCASCADE, VTK and the mesh libraries were written for files that mean well: one changed character may end the process, fill the
 memory or go round for ever. So a reader is a function that runs in a child process, with limits of time, memory and size of its output,
 without a shell, without the environment and in an empty folder that is removed. It answers with plain arrays, which are checked before
-they are used. However the child ends, the caller is told in one line that names the file.
+they are used. However the child ends, the caller gets one line that names the file.
 
 A reader is named ``module:function``, takes the path and keywords that JSON knows, and returns an :data:`Answer`. It raises
 :class:`Refused` with a whole line for the user; the message of any other exception becomes "FILE: cannot be read: ...". The child

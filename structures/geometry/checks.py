@@ -166,7 +166,7 @@ def _check_closed(blocks: Sequence[Block], shells: Shells) -> None:
 
 
 def _check_faces(blocks: Sequence[Block], shells: Shells) -> None:
-    """No face without area, none that is bent."""
+    """No face without area, none that is warped."""
     flat, owner, shell = shells.flat, shells.owner, shells.flat.owner_of_face()
     counts, points = np.diff(flat.loop_start), flat.vertices[flat.loops]
     first = np.repeat(points[flat.loop_start[:-1]], counts, axis=0)
@@ -181,13 +181,13 @@ def _check_faces(blocks: Sequence[Block], shells: Shells) -> None:
             _names(blocks, owner[shell[thin]]),
         )
     off = np.abs(np.einsum("li,li->l", points - first, np.repeat(flat.normals, counts, axis=0)))
-    bent = np.maximum.reduceat(off, flat.loop_start[:-1])
-    not_flat = bent > FLATNESS * shells.size[shell]
+    distance = np.maximum.reduceat(off, flat.loop_start[:-1])
+    not_flat = distance > FLATNESS * shells.size[shell]
     if not_flat.any():
-        face = int(np.argmax(bent / shells.size[shell]))
+        face = int(np.argmax(distance / shells.size[shell]))
         number = face - flat.face_start[shell[face]]
         raise Unsound(
-            f'block "{blocks[owner[shell[face]]].name}": face {number} is not planar, a corner is {1e3 * bent[face]:.3g} mm off',
+            f'block "{blocks[owner[shell[face]]].name}": face {number} is not planar, a corner is {1e3 * distance[face]:.3g} mm off',
             _names(blocks, owner[shell[not_flat]]),
         )
 

@@ -22,7 +22,7 @@ SAME = 1e-9  # coordinates closer than this are one [m]
 KERNEL = 1e-6  # how far the kernel may return a corner from where it was put [m]
 
 
-def cut(outline: np.ndarray, joints: Sequence[Segment]) -> list[np.ndarray]:
+def cut_solid(outline: np.ndarray, joints: Sequence[Segment]) -> list[np.ndarray]:
     """Cut a plane figure by its joints.
 
     Args:

@@ -27,7 +27,7 @@ from masonry_cd.model.blocks import Block
 from masonry_cd.model.polygon import polygon_centroid
 from structures.geometry.checks import check
 from structures.geometry.prism import box, prism_xz, rectangle
-from structures.geometry.solid import cut
+from structures.geometry.solid import cut_solid
 from structures.layout import wall_plan
 from structures.layout.aqueduct_tier import LEAST_BED, Tier, feet, joints, outline
 
@@ -84,12 +84,12 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         InputError: a key that is unknown or out of range, or measures that do not fit together.
     """
     aqueduct = parse_table(AqueductTable, table, "structure")
-    tiers = _tiers(aqueduct)
+    tiers = tiers_of(aqueduct)
     blocks = _base(aqueduct, tiers, density)
     if aqueduct.ends == "abutment":
         blocks += _abutments(tiers, density)
     for tier, over in zip(tiers, [*tiers[1:], None], strict=True):
-        pieces = cut(outline(tier), joints(tier, feet(over) if over else ()))
+        pieces = cut_solid(outline(tier), joints(tier, feet(over) if over else ()))
         blocks += _named(tier, pieces, density, prefix=f"tier{tier.number}_" if len(tiers) > 1 else "")
     blocks += _channel(aqueduct, tiers[-1], density)
     check(blocks)
@@ -120,8 +120,12 @@ def _channel(aqueduct: AqueductTable, tier: Tier, density: float) -> list[Block]
     return blocks
 
 
-def _tiers(aqueduct: AqueductTable) -> list[Tier]:
-    """The measures of each tier, checked against each other."""
+def tiers_of(aqueduct: AqueductTable) -> list[Tier]:
+    """The tiers of an aqueduct, lowest first.
+
+    Raises:
+        InputError: measures that do not fit together.
+    """
     tiers: list[Tier] = []
     for i in range(aqueduct.tiers):
         tier = _tier(aqueduct, i, tiers[-1] if tiers else None)

@@ -4,7 +4,7 @@ Either has the profile of an arch (:mod:`structures.layout.arch_profiles`), whos
 joints stand in running bond, so that no ring is separate from the next, unless asked for.
 
 Of a cross vault, the web towards +x fills x >= |y|: its courses end on the groins, the upright planes x = |y|. Seen from either web
-a groin is the same line, so a stone on it has an arm in both webs, a bent block, and the four keystone courses end in one
+a groin is the same line, so a stone on it has an arm in both webs, a compound block, and the four keystone courses end in one
 cross-shaped boss. It stands on four fixed piers; the end of each web is the arch of the bay.
 
 The intrados springs at z = 0. Groups: ``vault`` (barrel); ``web_east``, ``web_north``, ``web_west``, ``web_south``, ``groin`` (cross);
@@ -161,7 +161,7 @@ WEBS = (_Web("east", 1.0, 0), _Web("north", 1.0, 1), _Web("west", -1.0, 0), _Web
 def _course(k: int, count: int, profile: np.ndarray, web: _Web, end: float, unit: float, groins: Groins, density: float) -> list[Block]:
     """Course k of one web; its stone on the groin is entered among the parts of the groins."""
     reach = float(np.abs(profile[:, 0]).max())
-    shift = 0.5 * (min(k, count - 1 - k) % 2)  # the same on both sides of the crown, so that the arms of a bent stone agree
+    shift = 0.5 * (min(k, count - 1 - k) % 2)  # the same on both sides of the crown, so that the arms of a compound stone agree
     heads = math.floor((end - reach) / unit - LEAST - shift + 1e-9)
     ends = [end - (i + shift) * unit for i in range(heads, -1, -1) if i + shift > 0] + [end]
     across = 0.0 if 2 * k + 1 == count else math.copysign(1.0, 2 * k + 1 - count)

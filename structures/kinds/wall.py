@@ -32,7 +32,7 @@ class WallTable(Table):
     course_height: Length = Field(0.25, description="aimed at; courses adapt to the openings [m]")
     unit_length: Length | None = Field(None, description="of a block; by default two courses [m]")
     leaves: int = Field(1, ge=1, le=4)
-    through: int = Field(3, ge=1, le=100, description="through-stones: one in so many stones of every so many courses")
+    through: int = Field(3, ge=1, le=100, description="through-stones: with n, every n-th stone of every n-th course")
     openings: tuple[dict[str, Any], ...] = Field((), strict=False, description="doors and windows, [[structure.openings]] each")
     gable: Height = Field(0.0, description="height of a gable on top [m]")
     base_depth: Length | None = Field(None, description="of the base; by default two courses [m]")

@@ -96,8 +96,10 @@ def _divided(fixed: Sequence[tuple[float, str]], course: float) -> list[float]:
     return beds
 
 
-def cut(beds: Sequence[float], bands: Bands, closings: Sequence[Closing], unit: float, shift: Shift, anchor: float = 0.0) -> list[Piece]:
-    """Cut a panel into blocks.
+def lay_courses(
+    beds: Sequence[float], bands: Bands, closings: Sequence[Closing], unit: float, shift: Shift, anchor: float = 0.0
+) -> list[Piece]:
+    """Lay a wall in courses of blocks, around its openings.
 
     Args:
         beds: heights of the beds (N + 1,) [m].

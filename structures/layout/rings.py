@@ -5,7 +5,7 @@ the axis and heights z; along the side it reaches to the mitre planes, s = -d ta
 plane, and those of neighbours match exactly, because a row has the same quadrilateral in all sides.
 
 Head joints are upright planes normal to their side. In one row joints also lie on the mitres; in the next they are shifted by half a
-block, and a stone turns round every corner as a bent block (:mod:`structures.geometry.compound_block`), so that no joint runs along a
+block, and a stone turns round every corner as a compound block (:mod:`structures.geometry.compound_block`), so that no joint runs along a
 meridian. A ring may be open, as an apse is; then it ends on two mitre planes.
 """
 
@@ -95,7 +95,7 @@ def build(ring: Ring, rows: Sequence[Row], unit: float, density: float) -> list[
 
 @dataclass(frozen=True)
 class _Bond:
-    """The head joints of a row: so many blocks to a side, with joints on the mitres or turning round the corners."""
+    """The head joints of a row: a number of blocks to a side, with joints on the mitres or turning round the corners."""
 
     count: int
     turning: bool

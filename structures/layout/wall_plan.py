@@ -38,7 +38,7 @@ class Wall:
     openings: tuple[Opening, ...] = ()
     gable: float = 0.0  # height of the gable above the top
     leaves: int = 1
-    through: int = 3  # with two leaves or more: every so many courses have through-stones, every so many stones
+    through: int = 3  # with two leaves or more: every through-th stone of every through-th course reaches through all of them
     voids: tuple[tuple[float, float, float, float], ...] = ()  # s0, s1, z0, z1 left out for what is bonded in from outside the plan
     anchor: float | None = None  # where its bond starts; its own start by default
     shoulder: tuple[float, float, float] | None = None  # from this height up it only reaches from the second to the third
@@ -179,7 +179,7 @@ def _blocks(wall: Wall, beds: Sequence[float], unit: float, density: float, meet
     tied: list[Piece] = []
     for leaf in range(wall.leaves):
         shift = _shift(wall, first, leaf)
-        pieces = coursing.cut(own, bands, closings, unit, shift, wall.start if wall.anchor is None else wall.anchor)
+        pieces = coursing.lay_courses(own, bands, closings, unit, shift, wall.start if wall.anchor is None else wall.anchor)
         if leaf == 0:
             tied = [piece for piece in pieces if piece.opening < 0 and _tied(wall, piece.course)]
         else:  # courses with through-stones have the joints of the first leaf

@@ -9,7 +9,7 @@ import pytest
 from made_run import box
 from typer.testing import CliRunner
 
-from masonry_cd.app.explain import HEAVY, _modules
+from masonry_cd.app.explain import HEAVY, packages_not_loaded
 from masonry_cd.cli.app import app
 from structures.files import blockfile
 
@@ -74,17 +74,17 @@ def test_what_is_asked_for_is_not_left_out(explained):
 
 
 def test_packages_are_looked_up_not_guessed():
-    assert _modules(dict.fromkeys(HEAVY.values())) == "packages not loaded: none"
-    assert _modules({"gmsh": None}).startswith("packages not loaded: vtk, pyvista")
+    assert packages_not_loaded(dict.fromkeys(HEAVY.values())) == "packages not loaded: none"
+    assert packages_not_loaded({"gmsh": None}).startswith("packages not loaded: vtk, pyvista")
 
 
-def test_islands_and_what_slept_are_told(explained):
+def test_islands_and_what_slept_are_reported(explained):
     summary = explained()[1]
-    told = summary["islands"]
-    assert told["max"] == 2  # the cubes that come to lie on each other, and the far one
-    assert 0.3 < told["sleeping_mean"] < 1.0
+    islands = summary["islands"]
+    assert islands["max"] == 2  # the cubes that come to lie on each other, and the far one
+    assert 0.3 < islands["sleeping_mean"] < 1.0
     mean, most, asleep = number(summary["explanation"], r"islands, .*: ([\d.]+) on average, (\d+) at most; .* (\d+)% of the blocks slept")
-    assert (mean, most, asleep) == (round(told["mean"]), 2, round(100 * told["sleeping_mean"]))
+    assert (mean, most, asleep) == (round(islands["mean"]), 2, round(100 * islands["sleeping_mean"]))
     whole = explained("run.islands=false")[1]
     assert "islands: all blocks solved as one, since run.islands is false" in whole["explanation"]
     assert whole["islands"]["max"] == 1

@@ -92,7 +92,7 @@ def lines_until(limit: int, files: tuple[str, ...], reached: Callable[[int], Non
 
 
 def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path) -> int:
-    """Run a body in a forked process, killed before so many lines of the files that write; return how many of them ran."""
+    """Run a body in a forked process, killed at the n-th line that it executes of the files that write; return how many it executed."""
     files = (results.__file__, checkpoint.__file__, recorder.__file__, run_loop.__file__)
     if (pid := os.fork()) == 0:
         number = counter.open("w")
@@ -111,10 +111,8 @@ def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path)
     return int(counter.read_text())
 
 
-KILLS = 24
-
-
-def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_path, unbroken, monkeypatch):
+@pytest.mark.parametrize("kills", [8, pytest.param(24, marks=pytest.mark.validation)])
+def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_path, unbroken, monkeypatch, kills):
     """Of a run that begins, and of one that is resumed: killed at lines spread over all that its writing executes."""
     monkeypatch.setattr(results, "BUFFER_BYTES", 4096)
     path, saved = tmp_path / "broken.h5", tmp_path / checkpoint.NAME
@@ -138,7 +136,7 @@ def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_
 
     steps = 10
     total = in_a_process_killed_at(0, begin, tmp_path / "count")
-    for line in np.linspace(1, total, KILLS).astype(int):
+    for line in np.linspace(1, total, kills).astype(int):
         for old in tmp_path.glob("broken*"):
             old.unlink()
         checkpoint.remove(saved)
@@ -148,7 +146,7 @@ def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_
     kept = {name: (tmp_path / name).read_bytes() for name in (path.name, saved.name)}
     steps = 20
     total = in_a_process_killed_at(0, go_on, tmp_path / "count")
-    for line in np.linspace(1, total, KILLS).astype(int):
+    for line in np.linspace(1, total, kills).astype(int):
         checkpoint.remove(saved)
         for name, data in kept.items():
             (tmp_path / name).write_bytes(data)
@@ -214,7 +212,7 @@ def test_the_report_adds_up(unbroken):
     assert report.balance_error < 1e-10
 
 
-def test_lifts_out_of_overlaps_are_told_beside_the_balance():
+def test_lifts_out_of_overlaps_are_reported_beside_the_balance():
     assert RunReport().lift_share == 0.0
     assert RunReport(work_max=200.0, energy={"correction": 5.0}).lift_share == pytest.approx(0.025)
 

@@ -1,4 +1,4 @@
-"""The scene file: what it means, and that every slip of the pen is told in one line that names it."""
+"""The scene file: what it means, and that every slip of the pen is reported in one line that names it."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def test_the_second_process_compiles_what_a_run_needs(planar):
     before = versions()
     warmup.compile_largest(planar)
     assert versions() - before == Counter()
-    assert warmup._is_kept(planar)
+    assert warmup.is_kept(planar)
     assert set(kept(linearised_bodies)) >= {linearised_bodies.regrouped(kinds) for kinds in compiled(linearised_bodies).overloads}
 
 
@@ -54,7 +54,7 @@ def test_a_run_does_without_a_second_process(monkeypatch, tmp_path):
     for mode in (0o644, 0o755):  # cannot be started; fails
         failing.chmod(mode)
         monkeypatch.setattr(sys, "executable", str(failing))
-        with warmup._second_process(True) as other:
+        with warmup.second_process(True) as other:
             assert (other is None) == (mode == 0o644)
 
 
@@ -62,7 +62,7 @@ def test_a_run_does_without_a_second_process(monkeypatch, tmp_path):
 def test_no_second_process_outlives_a_killed_first_one(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))  # it has everything to compile
     code = (
-        "import time\nfrom masonry_cd.app import warmup\nwith warmup._second_process(True) as p:\n print(p.pid, flush=True)\n"
+        "import time\nfrom masonry_cd.app import warmup\nwith warmup.second_process(True) as p:\n print(p.pid, flush=True)\n"
         " time.sleep(600)"
     )
     first = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)

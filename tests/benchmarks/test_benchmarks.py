@@ -210,7 +210,7 @@ def test_the_table_compares_times():
     assert "| 2.0 | 5.0 | 4.0 |" in peers.table_lines("tower3", {"LMGC90": peer, "ours": own})[1]
 
 
-def test_a_peer_that_is_not_there_is_told_in_one_line(capsys, monkeypatch):
+def test_a_peer_that_is_not_there_is_reported_in_one_line(capsys, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["peers", "scenes", "tower3", "--runs", "1", "--lmgc90-python", sys.executable])
     with pytest.raises(SystemExit) as end:
         peers.main()

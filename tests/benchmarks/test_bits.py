@@ -20,7 +20,7 @@ def tiny(block_on_plate) -> Case:
     return Case(scene, ("run.tolerance=1e-6",), dump=5, solves=(Solve("nlgs", local=True),))
 
 
-def test_a_scene_that_is_saved_is_found_the_same_and_a_changed_number_is_told(tiny, tmp_path, capsys):
+def test_a_scene_that_is_saved_is_found_the_same_and_a_changed_number_is_reported(tiny, tmp_path, capsys):
     file, found = tmp_path / "bits.json", run_case(tiny)
     assert not [name for name in found if "seconds" in name or "version" in name]
     for name in (
@@ -32,12 +32,12 @@ def test_a_scene_that_is_saved_is_found_the_same_and_a_changed_number_is_told(ti
     assert check({"tiny": tiny}, file) == 0  # runs it anew
     assert "all 1 scenes are the same to the bit" in capsys.readouterr().out
     found["problem_5/local-nlgs/r"][1, 0] *= 1.0 + 1e-15
-    told = baseline.differences(file, "tiny", found)
-    assert len(told) == 1
-    assert told[0].startswith(f"problem_5/local-nlgs/r: first in row 1 of {len(found['problem_5/local-nlgs/r'])}, by ")
+    lines = baseline.differences(file, "tiny", found)
+    assert len(lines) == 1
+    assert lines[0].startswith(f"problem_5/local-nlgs/r: first in row 1 of {len(found['problem_5/local-nlgs/r'])}, by ")
 
 
-def test_one_bit_is_told_with_its_row_and_size(tmp_path):
+def test_one_bit_is_reported_with_its_row_and_size(tmp_path):
     file = tmp_path / "bits.json"
     numbers, words = np.arange(12.0).reshape(4, 3), np.array([b"a", b"b"])
     baseline.save(file, "made", {"numbers": numbers, "words": words})
@@ -45,15 +45,15 @@ def test_one_bit_is_told_with_its_row_and_size(tmp_path):
     after = numbers.copy()
     after[2, 1] = np.nextafter(after[2, 1], 8.0)
     size = f"{after[2, 1] - numbers[2, 1]:.3g}"
-    told = baseline.differences(file, "made", {"numbers": after, "words": words})
-    assert told == [f"numbers: first in row 2 of 4, by {size}, 8.1e-17 of the largest"]
-    told = baseline.differences(file, "made", {"numbers": -0.0 * numbers + numbers, "more": words})
-    assert told == ["more: new", "words: gone"]
+    lines = baseline.differences(file, "made", {"numbers": after, "words": words})
+    assert lines == [f"numbers: first in row 2 of 4, by {size}, 8.1e-17 of the largest"]
+    lines = baseline.differences(file, "made", {"numbers": -0.0 * numbers + numbers, "more": words})
+    assert lines == ["more: new", "words: gone"]
     assert baseline.differences(file, "other", {}) == ["not in the baseline"]
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "told"),
+    ("before", "after", "lines"),
     [
         ([0.0, 1.0], [-0.0, 1.0], "first in row 0 of 2, by the sign of a zero or the bits of a NaN"),
         ([0.0, np.nan], [0.0, 1.0], "first in row 1 of 2, was nan, is 1.0"),
@@ -63,11 +63,11 @@ def test_one_bit_is_told_with_its_row_and_size(tmp_path):
         (3.0, 4.0, "was 3.0, is 4.0"),
     ],
 )
-def test_what_differs_is_described(before, after, told):
-    assert baseline.describe(np.array(before), np.array(after)) == told
+def test_what_differs_is_described(before, after, lines):
+    assert baseline.describe(np.array(before), np.array(after)) == lines
 
 
-def test_another_machine_is_told(tmp_path, monkeypatch):
+def test_another_machine_is_reported(tmp_path, monkeypatch):
     file = tmp_path / "bits.json"
     baseline.save(file, "made", {"a": np.ones(1)})
     assert baseline.machine_lines(baseline.load(file)) == []
@@ -86,7 +86,7 @@ def test_a_scene_that_fails_counts_as_a_difference(tmp_path, capsys):
     assert "no such scene file" in capsys.readouterr().out
 
 
-def test_the_scenes_are_there_and_a_missing_baseline_is_told(tmp_path, capsys):
+def test_the_scenes_are_there_and_a_missing_baseline_is_reported(tmp_path, capsys):
     assert all(case.scene.is_file() for case in CASES.values())
     used = {case.scene for case in CASES.values()}
     assert set(Path(baseline.__file__).parent.glob("*.toml")) == used

@@ -138,7 +138,7 @@ def test_quiet_says_nothing(block_on_plate, tmp_path):
     assert (result.exit_code, result.output) == (0, "")
 
 
-def test_more_threads_than_cores_are_told(block_on_plate, tmp_path):
+def test_more_threads_than_cores_are_reported(block_on_plate, tmp_path):
     result = masonry_cd("run", block_on_plate(duration="duration = 0.01"), "-o", tmp_path / "out", "--set", "run.threads=100000", "-q")
     used = json.loads((tmp_path / "out" / "summary.json").read_text())["solver"]["threads"]
     assert result.exit_code == 0
@@ -296,10 +296,10 @@ def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path,
     signals_in(monkeypatch, Stepper, "step", 5, number)
     result = masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01")
     assert result.exit_code == 128 + number
-    told = result.stderr.splitlines()[-1]
-    assert told == f"masonry-cd: go on with: masonry-cd run {scene} -o {out} --resume --set run.duration=0.01"
+    advice = result.stderr.splitlines()[-1]
+    assert advice == f"masonry-cd: go on with: masonry-cd run {scene} -o {out} --resume --set run.duration=0.01"
     assert json.loads((out / "summary.json").read_text())["steps"] == 5
-    result = masonry_cd(*told.split()[5:], "-q")
+    result = masonry_cd(*advice.split()[5:], "-q")
     assert (result.exit_code, result.stderr) == (0, "")
     assert json.loads((out / "summary.json").read_text())["steps"] == 10
     assert not list(out.glob("checkpoint*"))

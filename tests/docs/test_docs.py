@@ -46,6 +46,12 @@ def picture() -> ModuleType:
     return loaded(DOCS / "draw_architecture.py", "draw_architecture")
 
 
+@pytest.fixture(scope="module")
+def found(picture: ModuleType) -> dict[str, tuple]:
+    """All rooms of the tree, as the script reads them."""
+    return picture.rooms()
+
+
 @pytest.fixture
 def example(tmp_path: Path) -> Iterator[ModuleType]:
     """The examples of architecture.md as modules, each from a file of its own."""
@@ -74,26 +80,25 @@ def added(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         sys.modules.pop(place.removesuffix(".py").replace("/", "."), None)
 
 
-def test_every_room_of_the_tree_is_drawn(picture: ModuleType) -> None:
+def test_every_room_of_the_tree_is_drawn(picture: ModuleType, found: dict[str, tuple]) -> None:
     core = {f"masonry_cd/{path.parent.name}" for path in (ROOT / "masonry_cd").glob("*/__init__.py")}
-    assert set(picture.rooms()) == core | {"masonry_cd/*.py", "structures", "loads", "reports"}
-    assert {name for layer in picture.layers() for name in layer} == set(picture.rooms())
+    assert set(found) == core | {"masonry_cd/*.py", "structures", "loads", "reports"}
+    assert {name for layer in picture.layers() for name in layer} == set(found)
 
 
-def test_the_picture_is_that_of_the_code(picture: ModuleType) -> None:
-    assert picture.drawn() == picture.as_drawn(picture.rooms()), "draw it again: python docs/draw_architecture.py"
+def test_the_picture_is_that_of_the_code(picture: ModuleType, found: dict[str, tuple]) -> None:
+    assert picture.drawn() == picture.as_drawn(found), "draw it again: python docs/draw_architecture.py"
 
 
-def test_the_picture_is_drawn_alike_twice(picture: ModuleType, tmp_path: Path) -> None:
+def test_the_picture_is_drawn_alike_twice(picture: ModuleType, found: dict[str, tuple], tmp_path: Path) -> None:
     first, second = tmp_path / "1.png", tmp_path / "2.png"
-    picture.draw(first)
-    picture.draw(second)
+    picture.draw(first, found)
+    picture.draw(second, found)
     assert first.read_bytes() == second.read_bytes()
     assert str(ROOT).encode() not in first.read_bytes()
 
 
-def test_imports_are_read_with_their_place(picture: ModuleType) -> None:
-    found = picture.rooms()
+def test_imports_are_read_with_their_place(found: dict[str, tuple]) -> None:
     assert "masonry_cd/friction" in found["masonry_cd/solvers"].imports
     assert "structures" in found["masonry_cd/app"].lazy  # imported inside functions: a run without blocks never needs gmsh
     assert all(name not in room.imports + room.lazy for name, room in found.items())

@@ -226,7 +226,7 @@ def test_what_has_settled_carries_its_weight_before_the_first_step():
     assert force[0, 0] == pytest.approx(MASS * GRAVITY, rel=1e-6)
 
 
-def test_what_cannot_settle_is_told():
+def test_what_cannot_settle_is_reported():
     leaning = [ground(2.0), box("low", (-0.2, -0.2, 0.0), (0.2, 0.2, 0.2)), box("high", (0.05, -0.2, 0.2), (0.85, 0.2, 0.4))]
     machine = stepper(leaning, 10, joints={"default": JointLaw(normal_stiffness=1e9)})
     with pytest.raises(InputError, match=r'run\.settle: block "high" does not come to rest'):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from models import GRAVITY, box, ground, stepper, still
 
-from masonry_cd.dynamics.islands import EASY, HARD, REVIEW, Islands, _gather
+from masonry_cd.dynamics.islands import EASY, HARD, REVIEW, Islands, gather_islands
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.friction.problem import Solution
 from masonry_cd.solvers import Options
@@ -131,6 +131,6 @@ def test_hard_islands_are_solved_alone_until_they_meet_and_keep_what_was_learnt(
 def test_easy_islands_and_those_at_rest_are_gathered_up_to_a_size():
     first, contacts = np.array([0, 2, 4, 6, 8, 10]), np.array([4, 4, 9, 4, 4, 4])
     root = np.repeat(first, 2)
-    _gather(first, np.array([0, 1, 0, 0, HARD, 1]), contacts, 9, root)
+    gather_islands(first, np.array([0, 1, 0, 0, HARD, 1]), contacts, 9, root)
     assert root[::2].tolist() == [0, 2, 4, 0, 8, 2]  # the third is as large as a group may be, the fifth is hard
     assert root[1::2].tolist() == root[::2].tolist()

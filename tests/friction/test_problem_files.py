@@ -105,7 +105,7 @@ def broken(tmp_path: Path, **changes: np.ndarray | None) -> Path:
 
 
 def test_bad_arrays_are_named(tmp_path: Path) -> None:
-    """NaN, wrong lengths, missing arrays and negative friction are told in one line with the file and the array."""
+    """NaN, wrong lengths, missing arrays and negative friction are reported in one line with the file and the array."""
     q = np.load(broken(tmp_path))["q"]
     w = np.load(broken(tmp_path))["W_data"]
     bad: list[tuple[dict[str, np.ndarray | None], str]] = [
@@ -141,7 +141,7 @@ def test_unsymmetric_matrix_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("wrong", [999, -1])
-def test_indices_out_of_range_are_told(tmp_path: Path, wrong: int) -> None:
+def test_indices_out_of_range_are_reported(tmp_path: Path, wrong: int) -> None:
     """In compressed rows of both formats: never read from beyond an array."""
     problem = scenes.tower(1).to_local()
     write_problem(tmp_path / "p.hdf5", problem)
@@ -223,7 +223,7 @@ def test_solver_and_tolerance_are_checked(tmp_path: Path) -> None:
 
 
 def deformable(blocks: int, nodes: int) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray]:
-    """M, H (unknowns by rows) and f of a stack of blocks of so many nodes, which M couples, with one contact to a joint."""
+    """M, H (unknowns by rows) and f of a stack of blocks of several nodes, which M couples, with one contact to a joint."""
     rng, n = np.random.default_rng(6), 3 * nodes
     root = rng.normal(size=(blocks, n, n))
     mass = sparse.block_diag([a @ a.T + n * np.eye(n) for a in root], format="csr")
@@ -264,7 +264,7 @@ def test_global_problem_of_deformable_blocks(tmp_path: Path) -> None:
     assert solve_file(path)["error"] <= 1e-8
 
 
-def test_singular_mass_is_told(tmp_path: Path) -> None:
+def test_singular_mass_is_reported(tmp_path: Path) -> None:
     """A node without mass."""
     mass, h, f = deformable(2, 8)
     keep = sparse.diags((np.arange(mass.shape[0]) != 5).astype(float))

@@ -131,7 +131,7 @@ def cut_rows(path) -> dict[str, int]:
 
 
 def written(path, frames: int = 77):
-    """A result of so many frames of a tower of two, and its assembly."""
+    """A result of some frames of a tower of two, and its assembly."""
     machine = stepper(tower(2), 1)
     with ResultWriter(path, machine.assembly, find_joints(machine.assembly)) as writer:
         for k in range(frames):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from places import ROOT
 
-from loads.picture import _thinned, file_picture, record_picture
+from loads.picture import file_picture, record_picture, thin_curve
 from loads.signal.baseline import integrate
 from loads.signal.response import default_periods
 from masonry_cd.errors import InputError
@@ -48,7 +48,7 @@ def test_two_motions_with_a_target_spectrum(tmp_path: Path) -> None:
 def test_long_curves_keep_their_peaks_when_thinned() -> None:
     values = np.zeros(300_000)
     values[[77_777, 123_456]] = 3.0, -4.0
-    times, drawn = _thinned(np.arange(300_000.0), values)
+    times, drawn = thin_curve(np.arange(300_000.0), values)
     assert len(drawn) <= 20_000
     assert (drawn.max(), drawn.min()) == (3.0, -4.0)
     assert (np.diff(times) >= 0.0).all()

@@ -52,7 +52,7 @@ def test_equal_tables_give_equal_bits_and_the_summary_is_json() -> None:
     assert json.loads(json.dumps(first.summary)) == second.summary
 
 
-def test_a_base_that_still_moves_at_the_end_of_the_run_is_told() -> None:
+def test_a_base_that_still_moves_at_the_end_of_the_run_is_reported() -> None:
     assert not any("still moving" in line for line in build(SINE).lines)
     assert any("still moving at 0.2 m/s when the run ends at 0.125 s" in line for line in build(SINE, steps=125).lines)
 

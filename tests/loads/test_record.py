@@ -208,7 +208,7 @@ def test_an_offset_of_the_instrument_does_not_survive_taper_and_correction(folde
     assert velocity(folder, path="offset.txt", **keys) == pytest.approx(velocity(folder, **keys), abs=1e-9)
 
 
-def test_intensity_is_told(folder: Path) -> None:
+def test_intensity_is_reported(folder: Path) -> None:
     loading = build(folder, scale=2.0)
     assert numbers(loading)["arias"] == pytest.approx(4.0 * numbers(build(folder))["arias"])
     assert 1.0 < numbers(loading)["significant_duration"] < 9.0

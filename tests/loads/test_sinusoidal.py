@@ -40,7 +40,7 @@ def test_the_velocity_never_jumps(keys: dict) -> None:
     assert abs(v).max() == pytest.approx(C, rel=1e-3)
 
 
-def test_an_end_inside_a_half_cycle_is_carried_on_and_told() -> None:
+def test_an_end_inside_a_half_cycle_is_carried_on_and_reported() -> None:
     loading = build(duration=1.3)
     t = DT * np.arange(6001)
     moving = t[np.flatnonzero(loading.support_velocity[:, 0, 0])]
@@ -68,6 +68,6 @@ def test_a_ramp_tapers_both_ends_and_whole_cycles_still_return() -> None:
     assert v[:5001] == pytest.approx(-v[5000::-1], abs=1e-12)
 
 
-def test_a_coarse_step_is_told_by_number() -> None:
+def test_a_coarse_step_is_reported_by_number() -> None:
     assert any("gives only 10 steps per cycle" in line for line in build(dt=0.05, steps=100, cycles=4).lines)
     assert not any("steps per cycle" in line for line in build(cycles=4).lines)

@@ -80,7 +80,7 @@ def test_the_table_as_csv_markdown_and_picture(tmp_path: Path) -> None:
     assert image.shape[1] == 1300 and image[..., :3].std() > 0.05
 
 
-def test_folders_of_equal_names_are_told_apart(tmp_path: Path) -> None:
+def test_folders_of_equal_names_are_distinguished(tmp_path: Path) -> None:
     (tmp_path / "x").mkdir()
     (tmp_path / "y").mkdir()
     found = comparison.compare([made(tmp_path / "x" / "run", 0.001), made(tmp_path / "y" / "run", 0.002)])

@@ -35,7 +35,7 @@ def sliding_scale() -> crack_map.Scale:
     return crack_map.Scale(1e-4, 0.05, crack_map.SLIDING_COLOURS)
 
 
-def test_opened_and_slid_joints_are_told_apart(tmp_path: Path) -> None:
+def test_opened_and_slid_joints_are_distinguished(tmp_path: Path) -> None:
     """A hinge open by 10 mm and a joint slid by 3 mm: each class shows its own colour in the model, and no other class does."""
     rest = at_rest(COLUMN)
     hinge = turned(rest, 3, (0.5, 0.0, 2.0), np.degrees(0.0101))

@@ -113,7 +113,7 @@ def test_a_point_far_from_the_structure_is_an_error(modes: Modes, tmp_path: Path
         ("# nothing\n", "holds no modes"),
     ],
 )
-def test_bad_files_are_told_in_one_line(text: str, message: str, tmp_path: Path) -> None:
+def test_bad_files_are_reported_in_one_line(text: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=message) as caught:
         read_measured(written(tmp_path, text))
     assert "\n" not in str(caught.value)

@@ -220,7 +220,7 @@ def test_a_block_in_the_air_is_named(method: str) -> None:
         ({"stiffness": (1e9, 0.0), "method": "joints"}, "stiffnesses of joints must be above 0 Pa/m"),
     ],
 )
-def test_wrong_values_are_told_in_one_line(options: dict[str, object], message: str) -> None:
+def test_wrong_values_are_reported_in_one_line(options: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message) as caught:
         modal(tower(2), **({"young": YOUNG} | options))  # type: ignore[arg-type]
     assert "\n" not in str(caught.value)

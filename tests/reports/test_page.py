@@ -143,7 +143,7 @@ def test_a_killed_run_has_a_page_too(tmp_path):
     assert "The run has no summary" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
-def test_bad_settings_are_told(tmp_path):
+def test_bad_settings_are_reported(tmp_path):
     with Results.open(write_run(tmp_path / "result.h5", pillar(), pillar_states(2))) as results:
         with pytest.raises(InputError, match="scale: must be positive"):
             write_page(results, tmp_path / "report.html", scale=-1.0)
@@ -288,7 +288,7 @@ def test_the_table_is_sorted_and_filtered(page):
     assert len(page.run(column)) == 1
 
 
-def test_an_unknown_block_is_told(page):
+def test_an_unknown_block_is_reported(page):
     page.run("document.getElementById('block-name').value = 'nobody'")
     page.click("#find-block button[type=submit]")
     assert page.run("return document.getElementById('no-block').textContent") == "There is no block “nobody”."
@@ -305,7 +305,7 @@ def test_the_command_line_prints_the_page(folder):
     assert (folder / "report.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_printing_without_a_browser_is_told(folder, monkeypatch):
+def test_printing_without_a_browser_is_reported(folder, monkeypatch):
     monkeypatch.setenv("PATH", "")
     asked = CliRunner().invoke(app, ["report", str(folder), "--pdf", "--no-crack-map"])
     assert asked.exit_code == 2 and "--pdf: no Chromium here" in asked.stderr

@@ -7,7 +7,6 @@ import pytest
 from models import box, tower, wall
 from scipy.spatial.transform import Rotation
 
-import reports.modal.solid_mesh
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Block
 from reports.modal.shapes import QuadraticShapes, RigidShapes
@@ -39,15 +38,17 @@ def test_clusters_of_a_wall_become_one_conforming_mesh(turned: bool) -> None:
 
 
 def test_where_the_union_fails_the_blocks_are_glued(monkeypatch: pytest.MonkeyPatch) -> None:
+    import gmsh
+
     blocks = wall(3, 3)
 
     def fails(*_: object) -> None:
         raise RuntimeError("no union")
 
-    monkeypatch.setattr(reports.modal.solid_mesh, "_fused", fails)
+    monkeypatch.setattr(gmsh.model.occ, "fuse", fails)
     mesh = solid_mesh(blocks, np.zeros(len(blocks), dtype=int), 0.4)
     assert mesh.volume == pytest.approx(3 * 3 * 0.4 * 0.2 * 0.2, rel=1e-9)
-    monkeypatch.setattr(reports.modal.solid_mesh, "_add", fails)
+    monkeypatch.setattr(gmsh.model.occ, "addVolume", fails)
     with pytest.raises(InputError, match="modal: gmsh cannot mesh the solid of these blocks: no union"):
         solid_mesh(blocks, np.zeros(len(blocks), dtype=int), 0.4)
 

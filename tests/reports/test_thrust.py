@@ -145,6 +145,6 @@ def test_forces_too_small_to_see_and_supports_draw_nothing(tmp_path: Path) -> No
     assert len(surface.points) == 0  # the upper joint's is too thin, and the lower stone is then left with a single joint
 
 
-def test_a_file_without_forces_is_told(tmp_path: Path) -> None:
+def test_a_file_without_forces_is_reported(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"^thrust: this result does not hold the forces of its joints and where they act; run its scene"):
         drawn(tmp_path, at_rest(STACK), None)

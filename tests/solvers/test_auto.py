@@ -48,45 +48,56 @@ def test_learns_which_method_to_begin_with() -> None:
     assert second.reason.startswith("newton")
     again = solve(nearby, Options(tolerance=1e-10), Solution(second.impulse, None, 0, memory=second.memory))
     assert again.iterations == 0
-    np.testing.assert_array_equal(again.memory["auto_tally"][:2], second.memory["auto_tally"][:2])
+    assert auto.Experience.recall(again).cost == auto.Experience.recall(second).cost
 
 
 def chosen(costs_by_step: dict[int, list[float]], steps: int, costs: auto.Costs = (1.0, 1.0, 40.0, 20.0)) -> np.ndarray:
     """Which method each step begins with. In a row of steps, the k-th with a method costs the k-th of its numbers, or else the last."""
-    tally, out, row = auto.Tally.recall(None), [], 0
+    known, out, row = auto.Experience(costs=costs), [], 0
     for _ in range(steps):
-        method = auto._prefer(tally, costs)
+        method = known.first()
         row = row + 1 if out and out[-1] == method else 0
-        own, spent = costs_by_step[method], [0.0, 0.0]
-        spent[method] = own[min(row, len(own) - 1)]
-        auto._learn(tally, method, spent)
+        own, step = costs_by_step[method], [0.0, 0.0]
+        step[method] = own[min(row, len(own) - 1)]
+        known.learn(method, step)
         out.append(method)
     return np.array(out)
 
 
-@pytest.mark.parametrize(("dearer", "apart"), [(1.2, 120), (3.5, 350), (8.0, 800)])
-def test_the_other_method_is_tried_the_more_seldom_the_dearer_it_was(dearer: float, apart: int) -> None:
-    """The first trial is early; a step that is no cheaper than the one before ends it. The next ones are the farther apart the dearer it
-    was, so that their share of all costs is the same."""
-    tried = np.flatnonzero(chosen({auto.ADMM: [200.0], auto.NEWTON: [200.0 * dearer]}, 1000) == auto.NEWTON)
-    starts = tried[np.diff(tried, prepend=-2) > 1]
-    assert starts[0] == auto.EARLY - 1
-    assert (np.diff(starts) >= apart).all()
-    assert len(starts) == 1 + (1000 - auto.EARLY) // (apart + 1)
-    assert len(tried) == len(starts) * (2 if dearer <= auto.HOPELESS else 1)
+def test_the_more_expensive_method_is_tried_ever_more_seldom() -> None:
+    """In steps 4, 16, 64, 256, counted from 0; each trial shows again that it costs more, and lasts for one step."""
+    tried = np.flatnonzero(chosen({auto.ADMM: [200.0], auto.NEWTON: [300.0]}, 1000) == auto.NEWTON)
+    np.testing.assert_array_equal(tried, [4, 16, 64, 256])
 
 
-def test_a_method_that_warms_up_is_given_the_steps_that_it_needs() -> None:
-    """Dearer in its first two steps and cheaper from then on: a trial of one step would never find out."""
-    methods = chosen({auto.ADMM: [200.0], auto.NEWTON: [500.0, 300.0, 100.0]}, 50)
-    np.testing.assert_array_equal(methods[auto.EARLY - 1 :], auto.NEWTON)
+def test_a_trial_that_costs_less_changes_the_method_until_it_costs_more() -> None:
+    """From the first trial on, Newton begins, and ADMM again once a step with Newton costs more than the last one with ADMM."""
+    methods = chosen({auto.ADMM: [200.0], auto.NEWTON: [100.0] * 3 + [250.0]}, 12)
+    np.testing.assert_array_equal(methods, [auto.ADMM] * 4 + [auto.NEWTON] * 4 + [auto.ADMM] * 4)
 
 
-def test_no_trial_where_a_single_iteration_is_dearer() -> None:
+def test_no_trial_where_a_single_iteration_is_more_expensive() -> None:
     """What cannot win is not tried."""
     costs = {auto.ADMM: [200.0], auto.NEWTON: [1000.0]}
     assert (chosen(costs, 1000, (5.0, 500.0, 40.0, 20.0)) == auto.ADMM).all()
     assert not (chosen(costs, 1000, (5.0, 150.0, 40.0, 20.0)) == auto.ADMM).all()
+
+
+def test_a_method_that_helps_shows_what_it_costs() -> None:
+    """What Newton took to finish a step is a first guess of what it costs in its own turn; a step without iterations shows nothing."""
+    known = auto.Experience()
+    known.learn(auto.ADMM, [200.0, 100.0])
+    assert (known.cost, known.first()) == ([300.0, 100.0], auto.NEWTON)
+    known.learn(auto.NEWTON, [0.0, 0.0])
+    assert known.cost == [300.0, 100.0]
+
+
+def test_experience_survives_in_the_memory_of_a_solution() -> None:
+    """All of it, beside what the methods keep."""
+    known = auto.Experience([3.0, 4.0], 5, 6, (7.0, 8.0, 9.0, 10.0), True, 11.0)
+    memory = known.beside({"other": np.ones(1)})
+    assert auto.Experience.recall(Solution(np.zeros((1, 3)), None, 0, memory=memory)) == known
+    assert "other" in memory
 
 
 def test_small_arches_are_stepped_with_newton() -> None:
@@ -134,21 +145,26 @@ def test_sweeps_lead_on_in_packed_grains(monkeypatch: pytest.MonkeyPatch) -> Non
     solution = solve(problem, Options(tolerance=1e-8), None)
     assert natural_map_error(problem, solution.impulse) <= 1e-8
     assert "nlgs" in solution.reason
+    few = Options(tolerance=1e-8, max_iterations=400)  # the sweeps begin before that
+    assert "nlgs" in solve(problem, few, None).reason
     monkeypatch.setattr(auto, "SWEEPS", (10**9, 0))
-    monkeypatch.setattr(auto, "LONG", 0)
-    assert "nlgs" not in solve(problem, Options(tolerance=1e-8), None).reason
+    assert "nlgs" not in solve(problem, few, None).reason
 
 
 def test_sweeps_come_where_they_are_cheap() -> None:
-    """After the interior point method's first start; before it where that is too dear, and in place of Newton if that is dearer still."""
+    """Between two turns of the interior point method, where its first start costs more than they do."""
     problem = scenes.wall(3, 4)
-    sweep = auto.SWEEP * auto._entries(problem)
-    usual, sweeps = [auto.ADMM, auto.NEWTON], [auto.NLGS, auto.NEWTON]
-    start, last = [auto.INTERIOR], [auto.INTERIOR, auto.NEWTON]
-    for newton, methods in (
-        (1.0, usual + last),
-        (100.0 * sweep, usual + start + sweeps + last),
-        (auto.BUDGET, [auto.ADMM] + sweeps + last),
-    ):
-        turns = auto._turns(problem, auto.ADMM, (1.0, newton), cold=False, slides=False)
+    sweep = auto.SWEEP * auto.entries(problem)
+    usual, hard = [auto.ADMM, auto.NEWTON], [auto.INTERIOR, auto.NEWTON]
+    for newton, methods in ((1.0, usual + hard), (100.0 * sweep, [*usual, auto.INTERIOR, auto.NLGS, auto.NEWTON, *hard])):
+        turns = auto.turns(problem, auto.ADMM, (1.0, newton, 0.0, 0.0), cold=False)
         assert [method for method, _ in turns] == methods
+
+
+def test_limits_follow_costs() -> None:
+    """ADMM is given up where Newton would surely have been cheaper; a step may cost less than a problem that is solved once."""
+    problem = scenes.wall(3, 4)
+    assert auto.turns(problem, auto.ADMM, (1.0, 3.0, 0.0, 0.0), cold=False)[0] == (auto.ADMM, int(3 * auto.WORTH))
+    assert auto.turns(problem, auto.NEWTON, (1.0, 1e3, 0.0, 0.0), cold=False)[:2] == [(auto.NEWTON, 16), (auto.ADMM, auto.ADMM_LIMIT)]
+    step, once = (dict(auto.turns(problem, auto.ADMM, (1.0, 1e4, 0.0, 0.0), cold))[auto.INTERIOR] for cold in (False, True))
+    assert step < once

@@ -143,7 +143,7 @@ LOCAL: dict[str, Callable[[], LocalProblem]] = {
 
 
 def test_supports_that_close_on_each_other_are_reported() -> None:
-    """No impulse can hold them apart: the others are solved, and the error is told."""
+    """No impulse can hold them apart: the others are solved, and the error is reported."""
     problem = with_still_contacts()
     problem.q[-3:, 0] = -0.1
     solution = SOLVERS["auto"](problem, Options(tolerance=TOLERANCE, max_iterations=400), None)

@@ -70,7 +70,7 @@ def test_stiffness_goes_where_iterations_are_few(cost: Callable[[float], int], s
     """From the softest start, in a row of solves that take so many iterations from such a K, K is soon near where they are few."""
     k, before, seen = FIRST_STIFFNESS, np.inf, []
     for _ in range(40):
-        k, before = newton._next_stiffness(k, 1e8, before, cost(k), True)
+        k, before = newton.next_stiffness(k, 1e8, before, cost(k), True)
         seen.append(k)
     assert FIRST_STIFFNESS <= min(seen) <= max(seen) <= newton.STIFFEST
     if settled == newton.STIFFEST:
@@ -81,9 +81,9 @@ def test_stiffness_goes_where_iterations_are_few(cost: Callable[[float], int], s
 
 def test_stiffness_is_forgotten_after_a_failure_and_follows_the_end_of_a_solve() -> None:
     """A solve that had to soften on its way lets the next one begin as soft; one that failed begins anew."""
-    assert newton._next_stiffness(1e6, 1e4, 8.0, 8, True)[0] == 1e4
-    assert newton._next_stiffness(1e6, 1e6, 8.0, 0, True) == (1e6, 8.0)  # nothing was done, nothing learnt
-    assert newton._next_stiffness(1e6, 1e8, 8.0, 8, False) == (FIRST_STIFFNESS, np.inf)
+    assert newton.next_stiffness(1e6, 1e4, 8.0, 8, True)[0] == 1e4
+    assert newton.next_stiffness(1e6, 1e6, 8.0, 0, True) == (1e6, 8.0)  # nothing was done, nothing learnt
+    assert newton.next_stiffness(1e6, 1e8, 8.0, 8, False) == (FIRST_STIFFNESS, np.inf)
 
 
 def test_never_worse_than_its_start() -> None:

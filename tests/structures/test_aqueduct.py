@@ -55,14 +55,14 @@ def built(request: pytest.FixtureRequest) -> tuple[dict[str, object], list[Block
 
 def test_volume_of_the_blocks_is_that_of_the_solid(built: tuple[dict[str, object], list[Block]]) -> None:
     keys, blocks = built
-    tiers = aqueduct._tiers(aqueduct.AqueductTable.model_validate(keys))
+    tiers = aqueduct.tiers_of(aqueduct.AqueductTable.model_validate(keys))
     exact = sum(solid.area(outline(tier)) * tier.width for tier in tiers)
     assert sum(mass_properties(block.vertices, block.faces).volume for block in free(blocks)) == pytest.approx(exact, rel=1e-9)
 
 
 def test_every_side_is_a_joint_over_its_whole_length_or_an_outer_side(built: tuple[dict[str, object], list[Block]]) -> None:
     keys, blocks = built
-    tiers = aqueduct._tiers(aqueduct.AqueductTable.model_validate(keys))
+    tiers = aqueduct.tiers_of(aqueduct.AqueductTable.model_validate(keys))
     perimeter = sum(length for block in free(blocks) for length in _sides(section(block)))
     outer = sum(sum(_sides(outline(tier))) for tier in tiers)
     outer -= 2 * sum(tier.pier_width * (tier.spans + 1) for tier in tiers[1:])  # piers on a level top are joints

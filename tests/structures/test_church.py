@@ -52,7 +52,7 @@ def volume(blocks: list[Block], *groups: str) -> float:
 
 
 def _ring(sides: int, profile: np.ndarray) -> float:
-    """Volume of half a ring over a polygon of twice so many sides [m3]."""
+    """Volume of half a ring over a polygon of twice as many sides [m3]."""
     return 2.0 * sides * math.tan(0.5 * math.pi / sides) * abs(polygon_area(profile)) * float(polygon_centroid(profile)[0])
 
 

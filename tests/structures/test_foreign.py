@@ -149,7 +149,7 @@ def test_half_a_model_ends_in_one_line(tmp_path: Path, name: str, model, capfd: 
 
 
 def vtm(folder: Path, points: str) -> None:
-    """A multi-block file whose one data set announces so many points."""
+    """A multi-block file whose one data set announces a number of points."""
     (folder / "part.vtp").write_text(f"""<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian"><PolyData>
 <Piece NumberOfPoints="{points}" NumberOfPolys="1"><Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 1 0 0 0 1 0
 </DataArray></Points><Polys><DataArray type="Int64" Name="connectivity" format="ascii">0 1 2</DataArray>
@@ -297,23 +297,28 @@ def test_whatever_a_child_does_ends_in_one_line(tmp_path: Path, reader: str, mes
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"vertices": np.zeros((4, 2))}, "vertices is of another kind or shape"),
-        ({"loops": np.zeros(3)}, "loops is of another kind or shape"),
-        ({"loop_start": np.array([0, 2])}, "loop_start does not end with the loops"),
-        ({"loop_start": np.array([0, 5, 3])}, "loop_start does not delimit its pieces"),
-        ({"face_start": np.array([0, 2])}, "pieces, names and faces do not agree"),
-        ({"vertex_start": np.array([0, 3])}, "vertex_start does not end with the vertices"),
-        ({"name": np.array(["a", "b"])}, "pieces, names and faces do not agree"),
-        ({"loops": np.array([0, 1, -1])}, "a face names a vertex that there is not"),
-        ({"more": np.zeros(1)}, "arrays of other names"),
-        ({"name": np.array([None])}, "Object arrays cannot be loaded when allow_pickle=False"),
+        ({"vertices": [[0.0, 0.0]] * 4}, "vertices is of another kind or shape"),
+        ({"loops": [0.0] * 3}, "loops is of another kind or shape"),
+        ({"loop_start": [0, 2]}, "loop_start does not end with the loops"),
+        ({"loop_start": [0, 5, 3]}, "loop_start does not delimit its pieces"),
+        ({"face_start": [0, 2]}, "pieces, names and faces do not agree"),
+        ({"vertex_start": [0, 3]}, "vertex_start does not end with the vertices"),
+        ({"name": ["a", "b"]}, "pieces, names and faces do not agree"),
+        ({"loops": [0, 1, -1]}, "a face names a vertex that there is not"),
+        ({"more": [0.0]}, "arrays of other names"),
+        ({"name": [None]}, "Object arrays cannot be loaded when allow_pickle=False"),
     ],
 )
-def test_answers_are_checked(tmp_path: Path, change: dict[str, np.ndarray], message: str) -> None:
-    arrays = foreign._packed([(0, "b", np.zeros((4, 3)), ((0, 1, 2),))], (1.0,))
-    np.savez(tmp_path / "answer.npz", **{**arrays, **change})
-    with pytest.raises(ValueError, match=message):
-        foreign._checked(tmp_path / "answer.npz")
+def test_answers_are_checked(tmp_path: Path, change: dict[str, list[object]], message: str) -> None:
+    with pytest.raises(InputError, match=f"a.bin: cannot be read: its reader answers nonsense: {message}"):
+        foreign.read("forged_answer:forge", tmp_path / "a.bin", {"change": change})
+
+
+def test_an_answer_that_could_swell_is_refused(tmp_path: Path) -> None:
+    (((number, name, vertices, faces),), figures) = foreign.read("forged_answer:forge", tmp_path / "a.bin", {"change": {}})
+    assert (number, name, vertices.shape, faces, figures) == (0, "b", (4, 3), ((0, 1, 2),), [1.0])
+    with pytest.raises(InputError, match=r"a\.bin: cannot be read: its reader answers nonsense: compressed arrays"):
+        foreign.read("forged_answer:forge", tmp_path / "a.bin", {"change": {}, "compressed": True})
 
 
 def test_the_command_line_tells_one_line_and_exits_with_2(tmp_path: Path) -> None:

@@ -45,7 +45,7 @@ def test_solvers_come_in_order_with_errors_below_their_tolerances():
 
 
 def test_a_miss_is_marked_and_ends_the_line_of_a_solver():
-    problem = scenes.tower(60)  # Gauss-Seidel carries news by one joint per sweep
+    problem = scenes.tower(60)  # a sweep of Gauss-Seidel carries the error on by one joint
     rows = solver_rows(problem, ("nlgs", "admm"), (1e-1, 1e-12, 1e-13), 1, quiet)
     nlgs = [row for row in rows if row.solver == "nlgs"]
     assert [row.reached for row in nlgs] == [True, False]

@@ -64,14 +64,14 @@ def test_rests_end_when_all_is_still_and_nothing_else_changes(tmp_path: Path) ->
         assert results.time[second.frame] == results.time[-1] == pytest.approx(short.steps * DT)
 
 
-def test_rests_that_wait_for_what_the_tolerance_does_not_resolve_are_told(tmp_path: Path) -> None:
+def test_rests_that_wait_for_what_the_tolerance_does_not_resolve_are_reported(tmp_path: Path) -> None:
     """Of rests that took their whole length only, and only where the tolerance is to blame."""
     write(tmp_path / "short.h5", shaken())
     write(tmp_path / "full.h5", shaken(), ())
     with Results.open(tmp_path / "short.h5") as short, Results.open(tmp_path / "full.h5") as full:
-        told = restless(full, PAUSES, GRAVITY, DT, 0.1)  # 0.1 g h sqrt(2) = 2.8 mm/s in the plane, still is 1 mm/s
-        assert [line.split('"')[1] for line in told] == ["first", "second"]
-        assert "0.0028 m/s" in told[0]
+        warnings = restless(full, PAUSES, GRAVITY, DT, 0.1)  # 0.1 g h sqrt(2) = 2.8 mm/s in the plane, still is 1 mm/s
+        assert [line.split('"')[1] for line in warnings] == ["first", "second"]
+        assert "0.0028 m/s" in warnings[0]
         assert restless(full, PAUSES, GRAVITY, DT, 0.01) == []
         assert restless(short, PAUSES, GRAVITY, DT, 0.1) == []
 

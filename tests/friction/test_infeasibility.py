@@ -20,7 +20,7 @@ STEPS = 20
 
 
 def pressed(speed_left: float, speed_right: float, stones: int = 1) -> Stepper:
-    """Stones in a row on the ground between two jaws of a vice, which move towards each other with so many m/s."""
+    """Stones in a row on the ground between two jaws of a vice, which move towards each other, each at a speed [m/s]."""
     row = [box(f"stone{k}", (k, -0.5, 0.0), (k + 1.0, 0.5, 1.0)) for k in range(stones)]
     left = box("left", (-0.2, -0.5, 0.1), (0.0, 0.5, 0.9), fixed=True)
     right = box("right", (stones, -0.5, 0.1), (stones + 0.2, 0.5, 0.9), fixed=True)

@@ -52,7 +52,7 @@ def test_a_base_that_stands_still_has_no_frequency():
     assert before_run(assembly(1.0), still(10), 9.81, 1e-3) == []
 
 
-def test_shaking_that_the_step_does_not_follow_is_told():
+def test_shaking_that_the_step_does_not_follow_is_reported():
     (line,) = before_run(assembly(5.0), shaking(20.0, 1e-2), 9.81, 1e-2)
     assert "below 20 Hz, of which a period has 5 steps; 10 need dt 0.005" in line
     assert before_run(assembly(5.0), shaking(9.0, 1e-2), 9.81, 1e-2) == []

@@ -1,4 +1,4 @@
-"""masonry_cd.app.load_factor: a run tells the load factor at which its structure gave way."""
+"""masonry_cd.app.load_factor: a run reports the load factor at which its structure gave way."""
 
 from __future__ import annotations
 

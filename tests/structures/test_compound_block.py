@@ -1,4 +1,4 @@
-"""Bent blocks: convex parts that act as one stone."""
+"""Compound blocks: convex parts that act as one stone."""
 
 from __future__ import annotations
 

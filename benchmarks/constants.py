@@ -1,0 +1,271 @@
+r"""Does each tuned constant of ``auto`` earn its place? Scenes are solved with it and without it, and what they cost is compared.
+
+    python -m benchmarks.constants
+    python -m benchmarks.constants TRIAL FAR --scenes arch demo
+
+Costs are counted, not timed: iterations of each method and measurements of the error, weighed as ``auto`` itself weighs them
+(``masonry_cd.solvers.auto.work``), so that the table is the same on any machine. The seconds of the processor are a second witness.
+A structure that slides is sensitive to rounding, and its cost with it: the row "shaken 1e-9 more" says how far two runs that do not differ
+in anything that matters are apart. A constant that gains less than that, or less than 5 % in every scene, has no place.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+import scenes as problems
+
+from benchmarks import ours
+from benchmarks.scenes import GRAVITY, BenchScene, arcade, arch, tower, wall
+from benchmarks.sitting import head
+from masonry_cd.app.case import prepare
+from masonry_cd.app.scene import read_scene
+from masonry_cd.dynamics.equilibrium import settle
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
+from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, natural_map_error
+from masonry_cd.solvers import Options, auto
+from masonry_cd.solvers.admm import Memory
+
+ROOT = Path(__file__).parents[1]
+NUDGE = 1e-9  # relative change of the shaking that makes no difference
+WORTH = 0.05  # least gain of a constant in its best scene
+
+
+@dataclass
+class Spent:
+    """What a scene cost, and how well it was solved."""
+
+    iterations: list[int] = field(default_factory=lambda: [0, 0, 0, 0])  # by method, in the order of ``auto.NAMES``
+    measurements: int = 0
+    cost: float = 0.0  # by the weights of ``auto`` [us]
+    steps: int = 0
+    missed: int = 0
+    error: float = 0.0  # largest natural map error, as a multiple of the tolerance
+    seconds: float = 0.0  # of the processor
+    counting: float = 0.0  # seconds of the processor for the counts themselves
+
+    def judge(self, error: float, tolerance: float) -> None:
+        """Take in a step."""
+        self.steps += 1
+        self.missed += not error <= tolerance
+        self.error = max(self.error, error / tolerance)
+
+
+Scene = Callable[[float, Spent], None]  # runs it with the shaking multiplied by a factor
+
+
+def _stepped(made: BenchScene, steps: int, tolerance: float = 1e-8, **settings: Any) -> Scene:
+    """Steps of a scene of ``benchmarks.scenes``."""
+
+    def run(factor: float, spent: Spent) -> None:
+        _step(ours.stepper(replace(made, amplitude=factor * made.amplitude), steps, "auto", tolerance, **settings), steps, spent)
+
+    return run
+
+
+def _file(path: str, *changes: str) -> Scene:
+    """The steps of a scene file."""
+
+    def run(factor: float, spent: Spent) -> None:
+        case = prepare(read_scene(ROOT / path, list(changes)))
+        loading, settings = case.loading, case.scene.run
+        machine = Stepper(case.assembly, factor * loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
+        settle(machine)
+        _step(machine, settings.steps, spent)
+
+    return run
+
+
+def _step(machine: Stepper, steps: int, spent: Spent) -> None:
+    begin = time.process_time()
+    for _ in range(steps):
+        spent.judge(machine.step().error, machine.settings.tolerance)
+    spent.seconds += time.process_time() - begin
+
+
+def _cold(made: Callable[[float], Sequence[Problem]], tolerance: float) -> Scene:
+    """Problems that are solved once each, with no step before."""
+
+    def run(factor: float, spent: Spent) -> None:
+        for problem in made(factor):
+            begin = time.process_time()
+            solution = auto.solve(problem, Options(tolerance=tolerance))
+            spent.seconds += time.process_time() - begin
+            spent.judge(natural_map_error(problem, solution.impulse), tolerance)
+
+    return run
+
+
+def _packings(factor: float) -> list[FrictionProblem]:
+    return [problems.packing(cells, 0.8, speed * factor) for cells in (3, 4) for speed in (0.01, 0.05, 0.2)]
+
+
+def _thrown(factor: float) -> list[FrictionProblem]:
+    return [problems.thrown(speed * factor) for speed in (0.05, 0.3, 1.0)]
+
+
+def _local(factor: float) -> list[Problem]:
+    bodies: list[FrictionProblem] = [*_thrown(factor), problems.packing(3, 0.8, 0.05 * factor), problems.tower(20)]
+    return [problem.to_local() for problem in bodies]
+
+
+def _jolted(made: BenchScene, share: float, frequency: float) -> BenchScene:
+    """The scene on a base that shakes at a share of gravity."""
+    return replace(made, amplitude=share * GRAVITY / (2.0 * np.pi * frequency), frequency=frequency)
+
+
+SCENES: dict[str, Scene] = {
+    "tower at rest": _stepped(tower(50, amplitude=0.0), 200),
+    "wall at rest": _stepped(wall(10, 10, amplitude=0.0), 200),
+    "tower": _stepped(tower(50), 200),
+    "arch": _stepped(arch(27), 300),
+    "arcade": _stepped(arcade(3), 200),
+    "wall": _stepped(wall(10, 10), 150),
+    "wall, 1 g": _stepped(_jolted(wall(6, 6), 1.0, 2.0), 300),
+    "wall, space": _stepped(wall(6, 6), 60, 1e-6, planar=False),
+    "demo": _file("examples/aqueduct_sinusoidal.toml", "run.duration=0.5"),
+    "church": _file("benchmarks/bits/church.toml"),
+    "large church": _file("examples/church_sine.toml", "run.duration=0.1"),
+    "debris": _file("benchmarks/bits/debris.toml"),
+    "islands": _file("benchmarks/bits/islands.toml"),
+    "elastic": _file("benchmarks/bits/elastic.toml"),
+    "packed grains": _cold(_packings, 1e-8),
+    "thrown walls": _cold(_thrown, 1e-8),
+    "local": _cold(_local, 1e-8),
+}
+
+# What each constant is set to where it is switched off.
+SWITCHED: dict[str, Any] = {
+    "NEARLY": 0.0,  # no step is solved deeper
+    "DEEPER": 1e-1,
+    "AGAIN": 1e3,
+    "DEEP_LIMIT": 10**9,
+    "FAR": np.inf,  # every start is measured
+    "LOOK": 10**9,
+    "TRIALS": (),
+    "WORTH": 1e6,
+    "ADMM_LIMIT": 10**9,
+    "NEWTON_LIMIT": 50,
+    "SWEEPS": (10**9, 0),  # none
+    "SWEEP_SHARE": 1.0,
+    "BUDGET": 1e12,
+    "COLD_BUDGET": 1e12,
+}
+
+
+@contextmanager
+def switched(name: str, value: Any) -> Iterator[None]:
+    """``auto`` with another value of one of its constants."""
+    kept = getattr(auto, name)
+    setattr(auto, name, value)
+    try:
+        yield
+    finally:
+        setattr(auto, name, kept)
+
+
+@contextmanager
+def counted(spent: Spent) -> Iterator[None]:
+    """``auto`` with all that it spends added up."""
+    methods, measure = auto.METHODS, auto.natural_map_error
+
+    def count(method: int) -> SimpleNamespace:
+        def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
+            found = methods[method].solve(problem, options, start)
+            begin = time.process_time()
+            spent.iterations[method] += found.iterations
+            spent.cost += _cost(problem, method, found)
+            spent.counting += time.process_time() - begin
+            return found
+
+        return SimpleNamespace(solve=solve)
+
+    def measured(problem: Problem, impulse: np.ndarray) -> float:
+        spent.measurements += 1
+        spent.cost += float(np.array(auto.ITERATION[auto.ADMM][:2]) @ [1.0, problem.contacts])
+        return measure(problem, impulse)
+
+    auto.METHODS = tuple(count(method) for method in range(len(methods)))  # type: ignore[assignment]
+    auto.natural_map_error = measured  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        auto.METHODS, auto.natural_map_error = methods, measure
+
+
+def _cost(problem: Problem, method: int, found: Solution) -> float:
+    """Of a call [us]; an iteration of the interior point method is one of Newton's."""
+    if not found.iterations:
+        return 0.0
+    if method == auto.NLGS:
+        return found.iterations * auto.SWEEP * auto.entries(problem)
+    if isinstance(problem, LocalProblem):
+        pattern = in_elimination_order(local_arrays(problem)[0])[1]
+    else:
+        memory = Memory.read(found.memory)
+        assert memory is not None
+        pattern = memory.pattern
+    work, kind = auto.work(problem, pattern), auto.ADMM if method == auto.ADMM else auto.NEWTON
+    return float((np.array(auto.CALL[kind]) + found.iterations * np.array(auto.ITERATION[kind])) @ work)
+
+
+def measure(scene: Scene, factor: float = 1.0) -> Spent:
+    """Run a scene with its shaking multiplied by a factor."""
+    spent = Spent()
+    with counted(spent):
+        scene(factor, spent)
+    spent.seconds -= spent.counting
+    return spent
+
+
+HEAD = (
+    "without", "scene", "ADMM", "Newton", "interior", "sweeps", "measured", "cost [ms]", "ratio",
+    "missed", "largest error", "CPU [s]", "ratio",
+)  # fmt: skip
+
+
+def row(what: str, scene: str, found: Spent, usual: Spent) -> str:
+    """A line of the table; errors are multiples of the tolerance."""
+    counts = (*found.iterations, found.measurements, f"{1e-3 * found.cost:.1f}", f"{found.cost / usual.cost:.2f}")
+    ends = (f"{found.missed} of {found.steps}", f"{found.error:.2g}", f"{found.seconds:.2f}", f"{found.seconds / usual.seconds:.2f}")
+    return "| " + " | ".join(map(str, (what, scene, *counts, *ends))) + " |"
+
+
+def main() -> None:
+    """The command line, see the head of this file."""
+    parser = argparse.ArgumentParser(description="Does each tuned constant of auto earn its place?")
+    parser.add_argument("constants", nargs="*", help=f"left out: {' '.join(SWITCHED)}")
+    parser.add_argument("--scenes", nargs="*", help=f"beginnings of names; left out: {', '.join(SCENES)}")
+    given = parser.parse_args()
+    chosen = {name: scene for name, scene in SCENES.items() if not given.scenes or name.startswith(tuple(given.scenes))}
+    for scene in chosen.values():  # kernels are compiled, or loaded from their cache
+        measure(scene)
+    print(head(*HEAD))
+    usual = {name: measure(scene) for name, scene in chosen.items()}
+    for name, found in usual.items():
+        print(row("", name, found, found), flush=True)
+    for name, scene in chosen.items():
+        print(row("shaken 1e-9 more", name, measure(scene, 1.0 + NUDGE), usual[name]), flush=True)
+    for constant in given.constants or SWITCHED:
+        with switched(constant, SWITCHED[constant]):
+            for name, scene in chosen.items():
+                found = measure(scene)
+                if found.iterations != usual[name].iterations or found.measurements != usual[name].measurements:
+                    print(row(constant, name, found, usual[name]), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,20 @@
+"""The name of a solver as a key of a scene, checked without loading the solver."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import AfterValidator
+
+from masonry_cd.solvers import SOLVERS
+
+
+def _is_known(name: str) -> str:
+    """Refuse a name that is no solver's."""
+    if name not in SOLVERS:
+        *names, last = (f"'{known}'" for known in SOLVERS)
+        raise ValueError(f"input should be {', '.join(names)} or {last}")
+    return name
+
+
+SolverName = Annotated[str, AfterValidator(_is_known)]

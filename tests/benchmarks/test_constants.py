@@ -1,0 +1,45 @@
+"""What constants of ``auto`` gain: all that it spends is counted, and nothing stays switched."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks import constants
+from benchmarks.constants import SCENES, SWITCHED, Spent, measure, row, switched
+from masonry_cd.solvers import auto
+
+
+def test_all_that_is_spent_is_counted() -> None:
+    """The thrown walls take ADMM and Newton, and one measurement of the error after each turn."""
+    methods, measured = auto.METHODS, auto.natural_map_error
+    found = measure(SCENES["thrown walls"])
+    admm, newton, interior, nlgs = found.iterations
+    assert admm > 0 and newton > 0 and interior == nlgs == 0
+    assert found.measurements == 6
+    assert found.cost > 0.0
+    assert (found.steps, found.missed) == (3, 0)
+    assert (auto.METHODS, auto.natural_map_error) == (methods, measured)
+
+
+def test_a_switched_constant_shows_in_the_counts_and_is_put_back() -> None:
+    """Without a limit that goes by what Newton costs, ADMM goes on; more of the same cost more."""
+    usual, limit = measure(SCENES["thrown walls"]), auto.WORTH
+    with switched("WORTH", SWITCHED["WORTH"]):
+        other = measure(SCENES["thrown walls"])
+    assert other.iterations[auto.ADMM] > usual.iterations[auto.ADMM]
+    assert limit == auto.WORTH
+    assert measure(SCENES["thrown walls"]).iterations == usual.iterations
+
+
+def test_a_missed_tolerance_is_counted() -> None:
+    """Errors are multiples of the tolerance; the table shows the largest."""
+    found = Spent(cost=2e3, seconds=1.0)
+    for error in (1e-9, 3e-8, float("nan")):
+        found.judge(error, 1e-8)
+    assert (found.steps, found.missed, found.error) == (3, 2, pytest.approx(3.0))
+    assert row("TRIALS", "tower", found, found).endswith("| 2.0 | 1.00 | 2 of 3 | 3 | 1.00 | 1.00 |")
+
+
+def test_every_constant_is_one_of_auto() -> None:
+    assert all(hasattr(auto, name) for name in SWITCHED)
+    assert set(constants.SCENES) >= {"demo", "church", "packed grains", "local"}
