@@ -26,7 +26,8 @@ import h5py
 import numpy as np
 
 from masonry_cd.errors import InputError
-from masonry_cd.io.results import JOINT_HISTORIES, Results
+from masonry_cd.io.layout import JOINT_HISTORIES
+from masonry_cd.io.results import Results
 from masonry_cd.model.state import rotation_matrices
 from reports.damage.joint_damage import Thresholds, classify
 from reports.damage.macro_elements import DamageSnapshot
@@ -88,7 +89,7 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
         points = world.moved(solids, solids.vertices, solids.vertex_block)
         moved = points - solids.vertices - base_shift(solids, position)
         down = DamageSnapshot.at(results, frame, thresholds).down
-        velocity = np.asarray(results.file["velocity"][frame, :, :3])
+        velocity = np.asarray(results.velocity[frame, :, :3])
         faces = solids.face_block
         return points, {"displacement": moved}, {"fallen": down[faces].astype(np.uint8), "velocity": velocity[faces]}
 
@@ -108,14 +109,14 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
 def _joints(results: Results, thresholds: Thresholds) -> Mesh:
     """The interface polygons."""
     solids, joints = solids_of(results.blocks), results.joints
-    histories = [name for name in JOINT_HISTORIES if f"joints/{name}" in results.file]
+    histories = [name for name in JOINT_HISTORIES if results.has_joint_history(name)]
 
     def at(frame: int) -> Instant:
         position = np.asarray(results.position[frame], dtype=float)
         snapshot = DamageSnapshot.at(results, frame, thresholds)
         on_a, on_b = joint_corners(joints, solids, snapshot.pose)
         points = (on_a + on_b) / 2.0
-        data: Arrays = {name: np.asarray(results.file[f"joints/{name}"][frame]) for name in histories}
+        data: Arrays = {name: results.joints_at(name, frame) for name in histories}
         data["state"] = classify(snapshot.opening, snapshot.sliding, snapshot.separated, thresholds).astype(np.uint8)
         return points + base_shift(solids, position), {"displacement": points - joints.polygon}, data
 
