@@ -13,9 +13,10 @@ from masonry_cd.app import time_step_checks
 from masonry_cd.app.case import Case
 from masonry_cd.app.dump import FILES, Dump
 from masonry_cd.app.explain import left_out
-from masonry_cd.app.inputs import digests, require_same
+from masonry_cd.app.inputs import digests
 from masonry_cd.app.load_factor import outcome
 from masonry_cd.app.progress import Interrupt, Progress
+from masonry_cd.app.resume import choose
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Scene
@@ -76,7 +77,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     with locked(folder), Interrupt() as interrupt:
         mended = ""
         if resume:
-            mended = checkpoint.mend(saved)
+            mended = choose(case, stepper, folder / RESULTS, saved)
             dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, settings.steps)
         else:
             _clear(folder)
@@ -164,12 +165,7 @@ def _clear(folder: Path) -> None:
 
 def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
     """The writer of a new result file, or of one that is gone on with."""
-    inputs = digests(case)
     if not resume:
-        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title, inputs)
+        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case))
     numbers = checkpoint.load(saved)[1]
-    with Results.open(file, sums=False) as results:
-        if results.scene != case.scene.text:
-            raise InputError(f"{file}: made by another scene; resume with the same scene file and the same --set")
-        require_same(inputs, results.inputs, file)
-    return ResultWriter.resumed(file, numbers["rows"], numbers["mark"])
+    return ResultWriter.resumed(file, numbers["rows"], numbers["mark"], sums=False)

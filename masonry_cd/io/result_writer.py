@@ -56,7 +56,7 @@ class ResultWriter:
             group.create_dataset(f"peak/{name}", data=np.full(joints.count, np.nan))
 
     @classmethod
-    def resumed(cls, path: Path, rows: Mapping[str, int], mark: str | None = None) -> ResultWriter:
+    def resumed(cls, path: Path, rows: Mapping[str, int], mark: str | None = None, sums: bool = True) -> ResultWriter:
         """Go on with the file of a run that was stopped or killed, cut back to the given number of rows of each dataset.
 
         The rows are copied into a new file, since a killed writer leaves its file marked as in use; it takes the place of the old one when
@@ -66,14 +66,13 @@ class ResultWriter:
             path: of the file.
             rows: by dataset, as :meth:`rows` gave them.
             mark: of the rows, as :meth:`mark` gave it; None does not compare.
+            sums: see :meth:`Results.open`.
 
         Raises:
             InputError: no result file, one with fewer rows than the checkpoint counts, or with others than those of the mark.
         """
-        with Results.open(path) as old:
-            segments = old.segments_up_to(rows)
-            if mark is not None and _mark(old.file, rows) != mark:
-                raise InputError(f"{path}: the checkpoint beside it belongs to other results: it cannot be resumed")
+        with Results.open(path, sums) as old:
+            segments = require_rows(old, rows, mark)
             new = cls.__new__(cls)
             new._begin(path)
             try:
@@ -217,6 +216,18 @@ class ResultWriter:
             finally:
                 self._file.close()
                 part_of(self.path).unlink(missing_ok=True)
+
+
+def require_rows(results: Results, rows: Mapping[str, int], mark: str | None) -> int:
+    """How many segments of a result file there are up to the rows of a checkpoint, and that these are its rows.
+
+    Raises:
+        InputError: the file has fewer rows that hold, or others than those of the mark.
+    """
+    segments = results.segments_up_to(rows)
+    if mark is not None and _mark(results.file, rows) != mark:
+        raise InputError(f"{results.path}: the checkpoint beside it belongs to other results: it cannot be resumed")
+    return segments
 
 
 def _mark(file: h5py.File, rows: Mapping[str, int]) -> str:

@@ -200,7 +200,7 @@ def test_a_checkpoint_of_another_version_is_refused(tmp_path, monkeypatch):
     with monkeypatch.context() as older:
         older.setattr(checkpoint, "FORMAT", checkpoint.FORMAT - 1)
         checkpoint.save(saved, {"a": np.ones(2)}, {"rows": 3})
-    with pytest.raises(InputError, match="another version of masonry_cd"):
+    with pytest.raises(InputError, match="written by an older version of masonry_cd"):
         checkpoint.load(saved)
 
 

@@ -24,7 +24,7 @@ from masonry_cd.io.layout import FORMAT
 from masonry_cd.io.results import Results
 
 SCENE = ROOT / "benchmarks" / "bits" / "tower.toml"
-ASKED = ("run", SCENE, "-q", "--set", "run.duration=0.2", "--set", "run.frames_per_second=250", "--set", "run.checkpoint_every=0.05", "-o")
+ASKED = ("run", SCENE, "-q", "--set", "run.duration=0.2", "--set", "run.frames_per_second=100", "--set", "run.checkpoint_every=0.05", "-o")
 FLIPS, CUTS = 60, 20
 LIMIT = 120  # seconds after which a process counts as hanging
 HISTORIES = ("opening", "sliding", "normal_force", "force_point")
