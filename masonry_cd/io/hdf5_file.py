@@ -14,7 +14,10 @@ from __future__ import annotations
 import io
 import os
 import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import h5py
 
@@ -23,6 +26,7 @@ from masonry_cd.errors import InputError
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SUPERBLOCK = struct.Struct("<8s4B4QI")  # signature, version, sizes, marks; base, extension, end of file, root; checksum
 WORD = 0xFFFFFFFF
+READ_ERRORS = (OSError, RuntimeError, ValueError, KeyError, TypeError)  # what bytes that do not fit make h5py raise
 
 
 class Cut(OSError):
@@ -115,6 +119,77 @@ def open_to_read(path: Path) -> tuple[h5py.File, bool]:
         if isinstance(reason, InputError | PermissionError):
             raise
         raise InputError(f"{path}: not a readable HDF5 file, or cut off before its first frame") from None
+
+
+class Sink(io.FileIO):
+    """A file that HDF5 writes to. HDF5 would not survive a write that fails, so it never hears of one: what no longer fits is kept in
+    memory until who writes asks :meth:`check`, which has to be often.
+
+    Args:
+        path: of the file.
+        name: by which it is called in a message.
+    """
+
+    def __init__(self, path: Path, name: Path) -> None:
+        super().__init__(path, "w+")
+        self._called, self._failure = name, ""
+        self._kept: list[tuple[int, bytes]] = []  # places and bytes that could not be written
+
+    def write(self, data: Any, /) -> int:
+        """Write, or keep."""
+        place, left = self.tell(), memoryview(data).cast("B")
+        whole = len(left)
+        try:
+            while left and not self._failure:
+                left = left[super().write(left) :]
+        except OSError as failure:
+            self._failure = failure.strerror or "no reason is known"
+        if left:
+            self._kept.append((place + whole - len(left), bytes(left)))
+        self.seek(place + whole)
+        return whole
+
+    def readinto(self, buffer: Any, /) -> int:
+        """Read what was written, or kept; zeros elsewhere."""
+        place, view = self.tell(), memoryview(buffer).cast("B")
+        read = super().readinto(view) or 0
+        view[read:] = bytes(len(view) - read)
+        for start, data in self._kept:
+            first, last = max(start, place), min(start + len(data), place + len(view))
+            if first < last:
+                view[first - place : last - place] = data[first - start : last - start]
+        self.seek(place + len(view))
+        return len(view)
+
+    def truncate(self, size: int | None = None, /) -> int:
+        """Set the length, as far as that can be done."""
+        try:
+            return super().truncate(size)
+        except OSError as failure:
+            self._failure = self._failure or failure.strerror or "no reason is known"
+            return size or 0
+
+    def check(self) -> None:
+        """Raise an OSError if something could not be written."""
+        if self._failure:
+            raise OSError(f"{self._called}: cannot be written: {self._failure}")
+
+
+@contextmanager
+def created(path: Path, name: Path) -> Iterator[tuple[h5py.File, Sink]]:
+    """Make an HDF5 file that older readers know; ``name`` is what messages call it.
+
+    Raises:
+        OSError: it could not be written, a full disc for example.
+    """
+    with Sink(path, name) as sink:
+        try:
+            with h5py.File(sink, "w", libver=("earliest", "v110")) as file:
+                yield file, sink
+        except READ_ERRORS:
+            sink.check()
+            raise
+        sink.check()
 
 
 def lookup3(data: bytes) -> int:

@@ -12,8 +12,9 @@ import h5py
 import numpy as np
 
 from masonry_cd.errors import InputError
+from masonry_cd.io.hdf5_file import READ_ERRORS
 from masonry_cd.io.layout import BLOCK_ARRAYS, BONDED, CLOSING, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS
-from masonry_cd.io.segments import READ_ERRORS, held, in_pieces
+from masonry_cd.io.segments import held, in_pieces
 
 REAL, WHOLE, FLAG, TEXT, BYTES = "f", "iu", "b", "O", "S"  # kinds of numpy's types
 KINDS = {REAL: "real numbers", WHOLE: "whole numbers", FLAG: "flags", TEXT: "texts", BYTES: "texts"}

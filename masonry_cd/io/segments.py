@@ -25,12 +25,12 @@ from typing import Any
 import h5py
 import numpy as np
 
+from masonry_cd.io.hdf5_file import READ_ERRORS
 from masonry_cd.io.layout import ATTRIBUTES, BLOCK_ARRAYS, JOINT_CONSTANTS, JOINT_PEAKS
 
 GROUP = "segments"
 NAME_BYTES = 64  # of a dataset
 AT_ONCE = 8 << 20  # bytes that are read together
-READ_ERRORS = (OSError, RuntimeError, ValueError, KeyError, TypeError)  # what damaged bytes make h5py raise
 
 
 class Sealer:

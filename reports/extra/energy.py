@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing.figure import COLOURS, FAINT, INK
@@ -66,7 +67,8 @@ def energy_picture(results: Results, path: Path) -> None:
     lower.set_xlabel("time [s]", fontsize=12, color=INK)
     figure.text(0.02, 0.955, f"Energy: {results.title}", fontsize=15, fontweight="bold", color=INK, va="center", parse_math=False)
     try:
-        figure.savefig(path)
+        with replacing(path) as part:
+            figure.savefig(part)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
 
