@@ -233,6 +233,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--times", type=int, default=20, help="kills and interrupts together")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kind", action="append", choices=SCENES, help="of scene; all when not given")
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="end after these, whatever was reached")
     parser.add_argument("--keep", type=Path, help="folder for what a run left that did not end as it should")
     asked = parser.parse_args(words)
     if asked.kind:
@@ -242,7 +243,7 @@ def main(words: Sequence[str] | None = None) -> int:
     with tempfile.TemporaryDirectory(prefix="kills") as name:
         references = undisturbed(Path(name))
         kinds = list(references)
-        while sum(done.values()) < asked.times:
+        while sum(done.values()) < asked.times and time.monotonic() - begin < 60.0 * asked.minutes:
             kill, rng = number % 2 == 0, random.Random(f"{asked.seed} {number}")
             kind = kinds[number // 2 % len(kinds)]
             what = "kills" if kill else "interrupts"
