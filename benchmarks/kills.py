@@ -44,7 +44,7 @@ SCENES = {  # by kind: the scene, and changes that make it short
     "mortar": ("mortar", "run.duration=0.04"),
     "debris": ("debris", "run.duration=0.2", "report.damage=true"),
     "islands": ("islands", "run.duration=0.2"),
-    "sequence": ("shocks", "run.duration=7.0"),
+    "sequence": ("shocks", "run.dt=8e-3"),
     "threads": ("church", "run.duration=0.02", "run.solver=admm", "run.threads=2"),  # of 300 blocks
 }
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
@@ -170,7 +170,7 @@ def check_end(out: Path, reference: Reference) -> None:
     names = [sorted(str(path.relative_to(folder)) for path in folder.rglob("*")) for folder in (out, reference.folder)]
     if names[0] != names[1]:
         raise Wrong(f"files {names[0]}, not {names[1]}")
-    found, whole = read_folder(out), read_folder(reference.folder)
+    found, whole = (without_scene(read_folder(folder)) for folder in (out, reference.folder))
     differing = [name for name in whole if name not in found or found[name].tobytes() != whole[name].tobytes()]
     if found.keys() != whole.keys() or differing:
         raise Wrong(f"differs: {', '.join(differing[:5])}")
@@ -178,6 +178,11 @@ def check_end(out: Path, reference: Reference) -> None:
         one, other = out / name, reference.folder / name
         if one.suffix in (".csv", ".json") and SECONDS.sub("", one.read_text()) != SECONDS.sub("", other.read_text()):
             raise Wrong(f"{name} differs")
+
+
+def without_scene(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Results without the text of the scene, in which the time between two checkpoints is another."""
+    return {name: array for name, array in found.items() if name != "result.h5/attributes/scene"}
 
 
 def trial(reference: Reference, out: Path, rng: random.Random, kill: bool, most: int) -> int:
