@@ -22,7 +22,7 @@ from benchmarks.sitting import head
 from masonry_cd.app.recorder import ROWS_AT_ONCE
 from masonry_cd.app.run_loop import run
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.io.results import ResultWriter
+from masonry_cd.io.result_writer import ResultWriter
 
 SAMPLES = 10
 

@@ -30,7 +30,7 @@ from masonry_cd.dynamics import impacts, islands, moreau_jean
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.friction import problem
 from masonry_cd.io import checkpoint
-from masonry_cd.io.results import ResultWriter
+from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.model.joints import JointPeaks
 from masonry_cd.solvers import admm, interior, newton, nlgs

@@ -15,6 +15,7 @@ from loads.signal.accelerogram import Accelerogram, Processed, process
 from loads.signal.baseline import History
 from loads.signal.intensity import arias, significant_window
 from loads.signal.response import default_periods, response_spectrum
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError, parse_table
 
 BEFORE, AFTER, TARGET = "#9aa3ab", "#0b5fa5", "#c7372f"
@@ -62,7 +63,8 @@ def record_picture(
     _build_up(figure.add_subplot(grid[4:, 1]), after, begin)
     figure.suptitle(title, color=INK, fontsize=13, x=0.01, ha="left")
     try:
-        figure.savefig(path, dpi=110)
+        with replacing(path) as part:
+            figure.savefig(part, dpi=110)
     except (OSError, ValueError) as failure:
         raise InputError(f"{path}: the picture cannot be written ({' '.join(str(failure).split())[:100]})") from None
 

@@ -138,7 +138,7 @@ def frame_index(results: Results, frame: int) -> int:
 
 def joint_frame(results: Results, name: str, frame: int = -1) -> np.ndarray:
     """(J,) a joint measure at one frame; only that row is read."""
-    return np.asarray(results.file[f"joints/{name}"][frame_index(results, frame)], dtype=float)
+    return np.asarray(results.joints_at(name, frame_index(results, frame)), dtype=float)
 
 
 def joint_corners(joints: Joints, solids: Solids, pose: Pose, factor: float = 1.0) -> tuple[np.ndarray, np.ndarray]:

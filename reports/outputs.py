@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -104,14 +103,6 @@ def write_extra(results: Results, folder: Path, names: Sequence[str]) -> list[Pa
         EXTRA[name].write(results, folder)
         written += [folder / file for file in EXTRA[name].files if (folder / file).exists()]
     return written
-
-
-def read_summary(folder: Path) -> dict[str, Any]:
-    """summary.json of a run; empty where the run has written none, or has not come to its end."""
-    try:
-        return dict(json.loads((folder / "summary.json").read_text(encoding="utf-8")))
-    except (OSError, ValueError):
-        return {}
 
 
 def write_page(results: Results, path: Path, settings: Report, summary: Mapping[str, Any], damage: PartDamage) -> None:

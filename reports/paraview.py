@@ -20,13 +20,16 @@ import csv
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import h5py
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
-from masonry_cd.io.results import JOINT_HISTORIES, Results
+from masonry_cd.io.hdf5_file import created
+from masonry_cd.io.layout import JOINT_HISTORIES
+from masonry_cd.io.results import Results
 from masonry_cd.model.state import rotation_matrices
 from reports.damage.joint_damage import Thresholds, classify
 from reports.damage.macro_elements import DamageSnapshot
@@ -88,7 +91,7 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
         points = world.moved(solids, solids.vertices, solids.vertex_block)
         moved = points - solids.vertices - base_shift(solids, position)
         down = DamageSnapshot.at(results, frame, thresholds).down
-        velocity = np.asarray(results.file["velocity"][frame, :, :3])
+        velocity = np.asarray(results.velocity[frame, :, :3])
         faces = solids.face_block
         return points, {"displacement": moved}, {"fallen": down[faces].astype(np.uint8), "velocity": velocity[faces]}
 
@@ -108,14 +111,14 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
 def _joints(results: Results, thresholds: Thresholds) -> Mesh:
     """The interface polygons."""
     solids, joints = solids_of(results.blocks), results.joints
-    histories = [name for name in JOINT_HISTORIES if f"joints/{name}" in results.file]
+    histories = [name for name in JOINT_HISTORIES if results.has_joint_history(name)]
 
     def at(frame: int) -> Instant:
         position = np.asarray(results.position[frame], dtype=float)
         snapshot = DamageSnapshot.at(results, frame, thresholds)
         on_a, on_b = joint_corners(joints, solids, snapshot.pose)
         points = (on_a + on_b) / 2.0
-        data: Arrays = {name: np.asarray(results.file[f"joints/{name}"][frame]) for name in histories}
+        data: Arrays = {name: results.joints_at(name, frame) for name in histories}
         data["state"] = classify(snapshot.opening, snapshot.sliding, snapshot.separated, thresholds).astype(np.uint8)
         return points + base_shift(solids, position), {"displacement": points - joints.polygon}, data
 
@@ -136,7 +139,7 @@ def _joints(results: Results, thresholds: Thresholds) -> Mesh:
 def _write_vtkhdf(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
     """All times of a mesh in one file."""
     frames, cells = len(times), len(mesh.loop_start) - 1
-    with h5py.File(path, "w", libver=("earliest", "v110")) as file:
+    with replacing(path) as part, created(part, path) as (file, sink):
         root = file.create_group("VTKHDF")
         root.attrs["Version"] = np.array([2, 0], dtype=np.int64)
         root.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
@@ -149,6 +152,7 @@ def _write_vtkhdf(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
         for kind in KINDS:
             _write_cells(root.create_group(kind), mesh if kind == "Polygons" else None)
         for frame in range(frames):
+            sink.check()
             points, of_points, of_cells = mesh.at(frame)
             if frame == 0:
                 root["NumberOfPoints"] = np.array([len(points)], dtype=np.int64)
@@ -201,17 +205,34 @@ def _write_pvd(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
         for name, values in (mesh.fixed | of_cells).items():
             data.cell_data[name] = _single(values)
         file = folder / f"{mesh.name}_{frame:05d}.vtp"
-        data.save(file)
+        _write_vtp(data, file)
         lines.append(f'    <DataSet timestep="{float(time)!r}" part="0" file="{folder.name}/{file.name}"/>')
     head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n  <Collection>\n'
-    path.write_text(head + "\n".join(lines) + "\n  </Collection>\n</VTKFile>\n", encoding="utf-8")
+    with replacing(path) as part:
+        part.write_text(head + "\n".join(lines) + "\n  </Collection>\n</VTKFile>\n", encoding="utf-8")
     return path
+
+
+def _write_vtp(data: Any, path: Path) -> None:
+    """Write a mesh. VTK makes its text in memory, since it says nothing of a full disc, or crashes."""
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+    writer = vtkXMLPolyDataWriter()
+    writer.SetInputData(data)
+    writer.SetDataModeToBinary()
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    with replacing(path) as part:
+        try:
+            part.write_text(writer.GetOutputString(), encoding="utf-8")
+        except OSError as failure:
+            raise OSError(f"{path}: cannot be written: {failure.strerror}") from None
 
 
 def _write_names(results: Results, path: Path) -> Path:
     """Numbers and names of blocks and groups."""
     groups = list(dict.fromkeys(block.group for block in results.blocks))
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("block", "name", "group", "group_name"))
         writer.writerows((k, block.name, groups.index(block.group), block.group) for k, block in enumerate(results.blocks))

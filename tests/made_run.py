@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.io.results import JOINT_PEAKS, ResultWriter
+from masonry_cd.io.layout import JOINT_PEAKS
+from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.joints import JointPeaks, measure_joints
 from masonry_cd.model.state import State
@@ -41,17 +42,29 @@ def shifted(state: State, indices: int | Sequence[int] | slice, by: Sequence[flo
     return out
 
 
-def write_run(path: Path, blocks: Sequence[Block], states: Sequence[State], title: str = "a case", peaks: bool = True) -> Path:
-    """Write a result with one frame per state, 0.1 s apart; without peaks it is the file of a run that was killed."""
+def write_run(
+    path: Path,
+    blocks: Sequence[Block],
+    states: Sequence[State],
+    title: str = "a case",
+    peaks: bool = True,
+    scene: str = "",
+    histories: Mapping[str, np.ndarray] | None = None,
+) -> Path:
+    """Write a result with one frame per state, 0.1 s apart; without peaks it is the file of a run that was killed.
+
+    ``histories`` (F, J) or (F, J, 3) of the joints by name come beside those that are measured.
+    """
     assembly = Assembly.from_blocks(blocks, 0.6)
     joints = find_joints(assembly)
     largest = JointPeaks(joints)
-    with ResultWriter(path, assembly, joints, title=title) as writer:
+    with ResultWriter(path, assembly, joints, scene=scene, title=title) as writer:
         for k, state in enumerate(states):
             now = measure_joints(joints, assembly, state)
             largest.update(now, 0.1 * k)
             writer.append({"time": 0.1 * k, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
             writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
+            writer.append({f"joints/{name}": rows[k] for name, rows in (histories or {}).items()})
         writer.flush()
         if peaks:
             writer.write_peaks({name: getattr(largest, name) for name in JOINT_PEAKS})

@@ -22,7 +22,8 @@ from benchmarks.bits.cases import Case, Solve
 Arrays = dict[str, np.ndarray]
 ROOT = Path(__file__).parents[2]
 WALL_TIME = ("seconds", "wall_seconds", "stepping_seconds")  # the last part of a name that no run repeats
-ABOUT_PROGRAM = ("version", "versions", "explanation", "run")  # and what describes the program or names the run, not its result
+BY_THE_CLOCK = ("segments/", "closing")  # datasets that depend on when the run wrote
+ABOUT_PROGRAM = ("version", "versions", "explanation", "run", "format", "inputs", "constant")  # about the program, not the result
 
 
 def run_case(case: Case) -> Arrays:
@@ -90,7 +91,7 @@ def _hdf5(path: Path) -> Iterator[tuple[str, np.ndarray]]:
         file.visit(names.append)
         for name in names:
             item = file[name]
-            if isinstance(item, h5py.Dataset) and name.rpartition("/")[2] not in WALL_TIME:
+            if isinstance(item, h5py.Dataset) and name.rpartition("/")[2] not in WALL_TIME and not name.startswith(BY_THE_CLOCK):
                 array = item[...]
                 yield name, array.astype(np.bytes_ if array.dtype.kind == "O" else array.dtype.str)  # without h5py's notes on the type
         for name, value in file.attrs.items():

@@ -19,6 +19,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from reports.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
@@ -341,7 +342,7 @@ def _shape_rows(modes: Modes) -> list[dict[str, Any]]:
 def _write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Write a CSV file whose columns are the keys of its first row."""
     try:
-        with path.open("w", newline="", encoding="utf-8") as file:
+        with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, list(rows[0]), restval="")
             writer.writeheader()
             writer.writerows(rows)

@@ -10,7 +10,8 @@ from masonry_cd.contact.find_joints import joint_parts
 from masonry_cd.dynamics.energy import ENERGIES
 from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.dynamics.pauses import Aftermath
-from masonry_cd.io.results import BONDED, JOINT_PEAKS, ResultWriter
+from masonry_cd.io.layout import BONDED, CLOSING, JOINT_PEAKS
+from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
 
 ROWS_AT_ONCE = 256  # steps whose numbers are handed to the writer together
@@ -36,6 +37,7 @@ class Recorder:
         writer.extend({name: np.empty(0) for name in STEP_FIELDS})  # every dataset exists before the first flush
         if len(stepper.tensions):
             writer.extend({"ties/tension": np.empty((0, len(stepper.tensions)))})
+        writer.extend({CLOSING: np.empty(0, dtype=np.uint8)})
         if shocks:
             writer.extend({f"shocks/{name}": rows[:0] for name, rows in self._aftermath(Aftermath("", 0.0, 0.0, 0)).items()})
 

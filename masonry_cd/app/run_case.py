@@ -13,12 +13,14 @@ from masonry_cd.app import time_step_checks
 from masonry_cd.app.case import Case
 from masonry_cd.app.dump import FILES, Dump
 from masonry_cd.app.explain import left_out
+from masonry_cd.app.inputs import digests
 from masonry_cd.app.load_factor import outcome
 from masonry_cd.app.progress import Interrupt, Progress
+from masonry_cd.app.resume import choose
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Scene
-from masonry_cd.app.summary import run_summary, run_warnings, write_json
+from masonry_cd.app.summary import as_json, run_summary, run_warnings, write_json
 from masonry_cd.atomic import part_of
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
@@ -26,10 +28,12 @@ from masonry_cd.dynamics.pauses import Pauses
 from masonry_cd.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.lock import locked
-from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.io.results import Results
+from masonry_cd.io.summary_file import NAME as SUMMARY
 from reports.extra import EXTRA
 
-RESULTS, SUMMARY = "result.h5", "summary.json"
+RESULTS = "result.h5"
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
     "damage_shocks.csv", "crack_map.png", "crack_map.gif", "report.html", "report.pdf",
@@ -73,28 +77,31 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     with locked(folder), Interrupt() as interrupt:
         mended = ""
         if resume:
-            mended = checkpoint.mend(saved)
+            mended = choose(case, stepper, folder / RESULTS, saved)
             dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, settings.steps)
         else:
             _clear(folder)
         stepper.watch = dumped if dump else None
-        report = _steps(case, stepper, folder, interrupt, quiet, resume)
+        since = case.seconds - begin
+        with _writer(case, folder / RESULTS, saved, resume) as writer:
+            report = _steps(case, stepper, writer, saved, interrupt, quiet, resume)
+            summary = run_summary(case, report) | {
+                "dumped": [path.name for path in dumped.written],
+                "explanation": left_out(scene, stepper, report),
+                "warnings": [*([mended] if mended else []), *case.warnings, *dumped.warnings()],
+            }
+            summary = _closing(case, writer, summary, since)
         interrupt.at_once = not report.signal  # from here on nothing is torn
-        summary = run_summary(case, report) | {
-            "dumped": [path.name for path in dumped.written],
-            "explanation": left_out(scene, stepper, report),
-            "warnings": [*([mended] if mended else []), *case.warnings, *dumped.warnings()],
-        }
-        summary = _write_rest(case, folder, report, summary, case.seconds - begin)
+        summary = _write_rest(case, folder, report, summary, since)
         if not report.stopped:
             checkpoint.remove(saved)
         interrupt.at_once = False
     return summary
 
 
-def _steps(case: Case, stepper: Stepper, folder: Path, interrupt: Interrupt, quiet: bool, resume: bool) -> RunReport:
+def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, interrupt: Interrupt, quiet: bool, resume: bool) -> RunReport:
     """Make the steps of a run and write result.h5."""
-    settings, loading, saved = case.scene.run, case.loading, folder / checkpoint.NAME
+    settings, loading = case.scene.run, case.loading
     pauses = Pauses(case.assembly, loading.pauses, loading.shocks, settings.steps) if loading.shocks else None
     show = Progress(settings.steps, quiet)
 
@@ -102,7 +109,7 @@ def _steps(case: Case, stepper: Stepper, folder: Path, interrupt: Interrupt, qui
         show(done)
         interrupt.check()
 
-    with _writer(case, folder / RESULTS, saved, resume) as writer, show:
+    with show:
         return run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, pauses)
 
 
@@ -110,13 +117,9 @@ def _write_rest(case: Case, folder: Path, report: RunReport, summary: dict[str, 
     """Write what a run yields beside result.h5; return its summary, whose seconds count from a reading of the clock."""
     from reports.damage import joint_files
 
-    scene, settings = case.scene, case.scene.run
+    scene = case.scene
     with Results.open(folder / RESULTS) as results:
-        summary |= joint_files.write_joint_damage(results, folder, scene.report) | outcome(case, results)
-        fast = time_step_checks.after_run(case.assembly, results, settings.dt)
-        gravity = float(np.linalg.norm(settings.gravity))
-        restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.dt, settings.tolerance)
-        summary["warnings"] = [*run_warnings(summary), *summary["warnings"], *fast, *restless]
+        summary |= joint_files.write_joint_damage(results, folder, scene.report)
         summary["wall_seconds"] = since + time.perf_counter()
         write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
         if scene.report.asks and not report.stopped:
@@ -125,6 +128,20 @@ def _write_rest(case: Case, folder: Path, report: RunReport, summary: dict[str, 
             summary |= outputs.write_asked(results, folder, scene.report, summary)
             summary["wall_seconds"] = since + time.perf_counter()
             write_json(summary, folder / SUMMARY)
+    return summary
+
+
+def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: float) -> dict[str, Any]:
+    """Complete the summary but for the damage, and write it into the results, from which ``report`` can write it if a kill comes."""
+    settings = case.scene.run
+    with Results.open(writer.path, sums=False) as results:
+        summary |= outcome(case, results)
+        fast = time_step_checks.after_run(case.assembly, results, settings.dt)
+        gravity = float(np.linalg.norm(settings.gravity))
+        restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.dt, settings.tolerance)
+    summary["warnings"] = [*run_warnings(summary), *summary["warnings"], *fast, *restless]
+    summary["wall_seconds"] = since + time.perf_counter()
+    writer.write_closing(as_json(summary))
     return summary
 
 
@@ -149,9 +166,6 @@ def _clear(folder: Path) -> None:
 def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
     """The writer of a new result file, or of one that is gone on with."""
     if not resume:
-        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title)
+        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case))
     numbers = checkpoint.load(saved)[1]
-    with Results.open(file) as results:
-        if results.scene != case.scene.text:
-            raise InputError(f"{file}: made by another scene; resume with the same scene file and the same --set")
-    return ResultWriter.resumed(file, numbers["rows"], numbers["mark"])
+    return ResultWriter.resumed(file, numbers["rows"], numbers["mark"], sums=False)

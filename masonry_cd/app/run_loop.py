@@ -12,10 +12,10 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from masonry_cd.app.checkpoint_checks import check_content
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.recorder import Recorder
 from masonry_cd.app.run_report import RunReport
@@ -24,7 +24,7 @@ from masonry_cd.dynamics.pauses import Aftermath, Pauses, Shock
 from masonry_cd.dynamics.snapshot import part, prefixed
 from masonry_cd.errors import InputError
 from masonry_cd.io import checkpoint
-from masonry_cd.io.results import ResultWriter
+from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.model.joints import Joints, measure_joints
 
 
@@ -142,17 +142,16 @@ class _Loop:
             InputError: it is missing, unreadable, or of another scene.
         """
         arrays, numbers = checkpoint.load(path)
-        if arrays["position"].shape != self.stepper.state.position.shape:
-            raise InputError(f"{path}: made by another structure ({len(arrays['position'])} blocks); resume with the scene of that run")
-        if (numbers["rows"]["step_time"], numbers["rows"]["time"]) != (numbers["report"]["steps"], numbers["frames"]):
-            raise InputError(f"{path}: counts other steps than the results beside it hold: it cannot be resumed")
+        try:
+            check_content(arrays, numbers, self.stepper, len(self.recorder.peaks.opening))
+        except InputError as reason:
+            raise InputError(f"{path}: {reason}") from None
         self.stepper.restore(arrays)
         vars(self.recorder.peaks).update(part("peaks", arrays))
         self.recorder.frames = numbers["frames"]
         if self.pauses is not None:
             self.pauses.quiet = numbers["quiet"]
-        kept: dict[str, Any] = numbers["report"] | {"stopped": "", "signal": 0}
-        self.report = RunReport(**kept)
+        self.report = RunReport.read(numbers["report"] | {"stopped": "", "signal": 0})
 
     def end(self) -> None:
         """Write what is left to write; with a checkpoint for who has more to do with the results."""

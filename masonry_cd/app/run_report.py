@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from masonry_cd.dynamics.energy import WORKS
 from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
+from masonry_cd.errors import InputError
 from masonry_cd.friction.infeasibility import find_jam, named
 
 DEEP = 0.01  # overlap from which on its blocks are named, as a share of the smallest width
@@ -48,6 +49,27 @@ class RunReport:
     signal: int = 0  # the number of the one that stopped it
 
     work_max: float = 0.0  # largest work of the base, gravity or forces, or kinetic energy, so far [J]
+
+    @classmethod
+    def read(cls, table: object) -> RunReport:
+        """A report from what ``asdict`` made of one.
+
+        Raises:
+            InputError: a table of other keys, or of values that are not of their kind.
+        """
+        own = cls()
+        if not isinstance(table, dict) or table.keys() != vars(own).keys():
+            raise InputError("report: not that of a run")
+        for name, value in vars(own).items():
+            given = list(table[name].values()) if isinstance(value, dict) and isinstance(table[name], dict) else [table[name]]
+            kinds = (bool,) if isinstance(value, bool) else (str,) if isinstance(value, str) else (int, float)
+            if isinstance(value, dict) and not isinstance(table[name], dict):
+                raise InputError(f"report.{name}: no table")
+            if any(not isinstance(one, kinds) or (isinstance(one, bool) and bool not in kinds) for one in given):
+                raise InputError(f"report.{name}: not of its kind")
+            if isinstance(value, int) and not isinstance(value, bool) and not (isinstance(table[name], int) and abs(table[name]) < 2**53):
+                raise InputError(f"report.{name}: no whole number")
+        return cls(**table)
 
     @property
     def balance_error(self) -> float:

@@ -1,5 +1,6 @@
 """The scene file: a TOML text that says what stands, what shakes it, how it is computed and what is reported.
 
+    format = 1                        # optional: of these keys, should they ever change
     title = "Arch under a sine"       # optional
     [structure]  kind = "arch" ...    # checked by the room structures
     [material]   density, friction
@@ -17,7 +18,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import Field, field_validator
 
@@ -28,10 +29,13 @@ from masonry_cd.fields import Table
 from masonry_cd.model.materials import Material
 from reports.settings import Report
 
+FORMAT = 1  # of the keys of a scene; raised when an older program would misread them
+
 
 class _Tables(Table):
     """The top level of the file."""
 
+    format: Annotated[int, Field(strict=True, ge=1)] = FORMAT
     title: str | None = None
     structure: dict[str, Any]
     material: dict[str, Any]
@@ -44,6 +48,13 @@ class _Tables(Table):
     def _is_plain(cls, value: str | None) -> str | None:
         if value is not None and "\0" in value:  # result files take none
             raise ValueError("holds a NUL character")
+        return value
+
+    @field_validator("format")
+    @classmethod
+    def _is_known(cls, value: int) -> int:
+        if value > FORMAT:
+            raise ValueError(f"a newer masonry_cd reads this; this one reads scenes up to format {FORMAT}")
         return value
 
     @field_validator("structure", "material", "run", "report", mode="before")

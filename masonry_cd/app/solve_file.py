@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.friction.files import read_problem
 from masonry_cd.friction.problem import LocalProblem, Problem, natural_map_error
@@ -52,7 +53,9 @@ def solve_file(
     seconds = time.perf_counter() - begin
     error = natural_map_error(problem, solution.impulse)
     if output is not None:
-        np.savez(output, r=solution.impulse, u=problem.apply(solution.impulse))
+        place = Path(output) if str(output).endswith(".npz") else Path(f"{output}.npz")  # as numpy names it
+        with replacing(place) as part, part.open("wb") as file:
+            np.savez(file, r=solution.impulse, u=problem.apply(solution.impulse))
     return {
         "solver": solver,
         "contacts": problem.contacts,

@@ -13,6 +13,7 @@ from masonry_cd import __version__
 from masonry_cd.app.load_factor import joints_in_words, outcome_lines
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.atomic import replacing
+from masonry_cd.io.summary_file import FORMAT
 from masonry_cd.quantities import in_words, length
 from masonry_cd.solvers import cores
 
@@ -27,6 +28,7 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
     settings = case.scene.run
     energy = {("kinetic_end" if name == "kinetic" else name): value for name, value in report.energy.items()}
     return {
+        "format": FORMAT,
         "title": case.scene.title,
         "version": __version__,
         "stopped": report.stopped,
@@ -61,8 +63,8 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
     }
 
 
-def write_json(summary: dict[str, Any], path: Path) -> None:
-    """Write a summary; what is not finite becomes null, since JSON knows no NaN."""
+def as_json(summary: dict[str, Any]) -> str:
+    """A summary as JSON; what is not finite becomes null, since JSON knows no NaN."""
 
     def plain(value: Any) -> Any:
         if isinstance(value, dict):
@@ -73,8 +75,13 @@ def write_json(summary: dict[str, Any], path: Path) -> None:
             value = value.item()
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
+    return json.dumps(plain(summary), indent=2) + "\n"
+
+
+def write_json(summary: dict[str, Any], path: Path) -> None:
+    """Write a summary."""
     with replacing(path) as part:
-        part.write_text(json.dumps(plain(summary), indent=2) + "\n", encoding="utf-8")
+        part.write_text(as_json(summary), encoding="utf-8")
 
 
 def closing_lines(summary: dict[str, Any]) -> list[str]:

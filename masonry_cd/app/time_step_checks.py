@@ -113,7 +113,7 @@ def fastest(assembly: Assembly, results: Results) -> tuple[float, int, float] | 
     if not len(free) or not results.frames:
         return None
     support = int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1
-    velocity, best = results.file["velocity"], (-1.0, 0, 0.0)
+    velocity, best = results.velocity, (-1.0, 0, 0.0)
     chunk = max(1, CHUNK_BYTES // (48 * assembly.count))
     for first in range(0, results.frames, chunk):
         linear = velocity[first : min(first + chunk, results.frames), :, :3]

@@ -30,7 +30,7 @@ from masonry_cd.dynamics import islands
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.friction.problem import FrictionProblem
-from masonry_cd.io.results import ResultWriter
+from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.jit import has_cache, kept
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.materials import JointLaw

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import errors_reported
+from masonry_cd.cli.shared import errors_reported, warn
 
 
 def compare(
@@ -32,3 +32,4 @@ def compare(
         typer.echo(comparison_files.markdown(found), nl=False)
         if output is not None:
             typer.echo(f"written: {', '.join(map(str, comparison_files.write_comparison(found, output)))}")
+        warn(found.words)

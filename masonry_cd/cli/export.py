@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import Folder, errors_reported
+from masonry_cd.cli.shared import Folder, errors_reported, warn
 
 
 def export(
@@ -37,3 +37,4 @@ def export(
             thresholds = outputs.thresholds_of(report_of(results.scene))
             written = paraview.export(results, output or folder / "paraview", format_, thresholds)
         typer.echo(f"written: {', '.join(map(str, written))}")
+        warn(results.words)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from masonry_cd.cli.shared import Folder, errors_reported
+from masonry_cd.cli.shared import Folder, errors_reported, warn
+
+if TYPE_CHECKING:
+    from masonry_cd.io.results import Results
 
 
 def report(
@@ -41,7 +45,8 @@ def report(
         from reports.settings import report_of
 
         with Results.open(folder / "result.h5") as results:
-            from masonry_cd.app.summary import damage_line
+            from masonry_cd.app.summary import damage_line, write_json
+            from masonry_cd.io.summary_file import NAME
             from reports import outputs
             from reports.damage import joint_files, part_files
 
@@ -49,11 +54,17 @@ def report(
             outputs.check(settings, results)
             frame = outputs.frame_at(results, time)
             chosen = outputs.parse_times(results, times) if times is not None else []
-            summary = outputs.read_summary(folder) | joint_files.write_joint_damage(results, folder, settings)
+            summary, words = summary_of(results, folder)
+            summary |= joint_files.write_joint_damage(results, folder, settings)
             typer.echo(damage_line(summary))
             damage = outputs.damage_of(results, settings)
             typer.echo("\n".join(part_files.part_lines(damage.parts)))
             written = [folder / "joints.csv", *part_files.write_part_damage(damage, folder)]
+            if not (folder / NAME).exists() and results.closing:
+                if settings.damage:
+                    summary["parts"] = part_files.in_short(damage.parts)
+                write_json(summary, folder / NAME)
+                written.append(folder / NAME)
             if crack_map:
                 written.append(folder / "crack_map.png")
                 outputs.draw_crack_map(results, written[-1], settings, frame)
@@ -70,3 +81,25 @@ def report(
                 written.append(folder / outputs.PRINT)
                 outputs.write_pdf(folder / outputs.PAGE, written[-1])
         typer.echo(f"written: {', '.join(map(str, written))}")
+        warn([*results.words, *words])
+
+
+def summary_of(results: Results, folder: Path) -> tuple[dict[str, Any], list[str]]:
+    """summary.json of a run, or what its results hold of it where a kill came before it was written; and lines on what is damaged.
+
+    Raises:
+        InputError: one of a newer format.
+    """
+    from masonry_cd.errors import InputError
+    from masonry_cd.io.summary_file import NAME, Newer, read_summary
+
+    words: list[str] = []
+    try:
+        found = read_summary(folder)
+    except Newer:
+        raise
+    except InputError as reason:
+        found, words = {}, [f"{reason}; {'it is written anew' if results.closing else 'the report does without it'}"]
+        if results.closing:
+            (folder / NAME).unlink()
+    return found or results.closing, words

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -34,6 +34,12 @@ def free_folder(folder: Path, marks: tuple[str, ...], force: bool) -> None:
         raise InputError(f"{there}: nothing may be written there; -o names another folder")
     if not force and any((folder / mark).exists() for mark in marks):
         raise InputError(f"{folder}: holds results already; choose another folder, or --force to overwrite them")
+
+
+def warn(lines: Iterable[str]) -> None:
+    """Print warnings, a line each."""
+    for line in lines:
+        typer.echo(f"masonry-cd: warning: {line}", err=True)
 
 
 @contextmanager

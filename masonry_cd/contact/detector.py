@@ -18,10 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.arrays import Stored
 from masonry_cd.contact.broad_phase import SKIN, Listing, list_holds, list_pairs
 from masonry_cd.contact.manifold import Manifold, contact_points
 from masonry_cd.contact.motion import Motion, distance_moved, pair_margin, pose_ahead
-from masonry_cd.contact.pair_memory import REUSE, PairMemory, is_stuck, store_points, update_gaps
+from masonry_cd.contact.pair_memory import REUSE, PairMemory, check_pairs, is_stuck, store_points, update_gaps
 from masonry_cd.contact.separation import EDGES, FAR_APART, WHOLE, Placed, place_part, separate
 from masonry_cd.jit import borrower, entry
 from masonry_cd.model.blocks import Assembly, Shapes
@@ -113,6 +114,25 @@ class Detector:
         listed = {f"listed_{name}": getattr(self._listing, name) for name in ("position", "rotation")}
         own = listed | {"allowance": self._listing.allowance, "tally": self.tally, "rebuilds": np.array(self.rebuilds)}
         return self._memory.snapshot() | own
+
+    def check(self, stored: Stored, contacts: int) -> None:
+        """Check what :meth:`restore` takes, with so many contacts in the last set.
+
+        Raises:
+            InputError: an array that no detector of these blocks leaves.
+        """
+        shapes, blocks = self._shapes, len(self._listing.position)
+        parts = stored.whole("parts", None, 2, high=len(shapes.part_block))
+        keys = parts @ [len(shapes.part_block), 1]
+        if (np.diff(keys) <= 0).any() or (shapes.part_block[parts[:, 0]] == shapes.part_block[parts[:, 1]]).any():
+            stored.refuse("parts", "not in order")
+        check_pairs(stored, parts, self._capacity(parts), shapes, contacts)
+        stored.real("listed_position", blocks, 3)
+        stored.real("listed_rotation", blocks, 3, 3)
+        stored.real("allowance", len(shapes.part_block), finite=False)
+        stored.whole("tally", 4)
+        stored.whole("rebuilds")
+        stored.nothing_else()
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Take back what :meth:`snapshot` gave."""

@@ -16,9 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.arrays import LARGEST, Stored
 from masonry_cd.contact.motion import distance_moved
-from masonry_cd.contact.separation import FAR_APART, UNKNOWN
+from masonry_cd.contact.separation import EDGES, FACE_OF_A, FACE_OF_B, FAR_APART, UNKNOWN
 from masonry_cd.jit import borrower
+from masonry_cd.model.blocks import Shapes
+from masonry_cd.model.geometry import Polyhedra
 
 STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the smaller part's width
 REUSE = 1e-3  # a remembered feature is trusted until the pair has moved by this share of the smaller part's width
@@ -102,6 +105,50 @@ class PairMemory(NamedTuple):
         for name in OF_POINTS:
             getattr(new, name)[used] = arrays[name]
         return new
+
+
+def check_pairs(stored: Stored, parts: np.ndarray, capacity: np.ndarray, shapes: Shapes, contacts: int) -> None:
+    """Check what a checkpoint holds of pairs (P, 2), with room for ``capacity`` (P,) points each and so many contacts in the last set,
+    each of which one point is.
+
+    Raises:
+        InputError: an array that no detector leaves.
+    """
+    pairs = len(parts)
+    feature = stored.whole("feature", pairs, 3, low=-1)
+    if not _features_exist(feature, parts, shapes.solids):
+        stored.refuse("feature", "out of range")
+    stored.real("budget", pairs)
+    for name in ("pose", "built"):
+        pose = stored.real(name, pairs, 12, finite=False)
+        known = np.isfinite(pose).all(axis=1)
+        if not (np.abs(pose[known]) <= LARGEST).all() or not np.isposinf(pose[~known]).all():
+            stored.refuse(name, "not finite, or far too large")
+        if known[feature[:, 0] == UNKNOWN].any():
+            stored.refuse(name, "known of a pair whose feature is not")
+    stored.real("normal", pairs, 3)
+    count = stored.whole("point_count", pairs, high=capacity + 1)
+    points = int(count.sum())
+    stored.real("local", points, 3)
+    for name in ("height", "area"):
+        stored.real(name, points)
+    place = stored.whole("place", points, low=-1)
+    if not np.array_equal(np.sort(place[place >= 0]), np.arange(contacts)):
+        stored.refuse("place", "not those of the contacts")
+
+
+def _features_exist(feature: np.ndarray, parts: np.ndarray, solids: Polyhedra) -> bool:
+    """Whether the faces and edges (P, 3) that separate pairs are those of their parts."""
+    kind, known = feature[:, 0], True
+    for which, column, side, starts in (
+        (FACE_OF_A, 1, 0, solids.face_start),
+        (FACE_OF_B, 1, 1, solids.face_start),
+        (EDGES, 1, 0, solids.edge_start),
+        (EDGES, 2, 1, solids.edge_start),
+    ):
+        found, of = feature[kind == which, column], parts[kind == which, side]
+        known &= bool(((starts[of] <= found) & (found < starts[of + 1])).all())
+    return known and bool(((kind >= UNKNOWN) & (kind <= EDGES)).all())
 
 
 OF_PAIRS = ("feature", "budget", "pose", "built", "normal", "point_count")

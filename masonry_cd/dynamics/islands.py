@@ -21,16 +21,19 @@ would have a church analysed anew each time.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.arrays import Stored
 from masonry_cd.friction.operators import errors_by_group
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.jit import borrower, entry
 from masonry_cd.solvers import Options, Solver
+from masonry_cd.solvers.memory_checks import check_memory
 
 REVIEW = 20  # steps
 EASY = 40  # iterations
@@ -164,6 +167,28 @@ class Islands:
             for first, own in memory.items():
                 arrays |= {f"{kind} {first} {name}": array for name, array in own.items()}
         return arrays
+
+    def check(self, stored: Stored, unknowns: int) -> None:
+        """Check what :meth:`restore` takes, with so many unknowns per block.
+
+        Raises:
+            InputError: an array that no run of these blocks leaves.
+        """
+        bodies = len(self._root)
+        root = stored.whole("root", bodies, high=max(1, bodies))
+        if (root > np.arange(bodies)).any() or (root[root] != root).any():
+            stored.refuse("root", "not the first blocks of groups")
+        for name in ("hard", "asleep"):
+            stored.flags(name, bodies)
+        stored.whole("counts", 2)
+        groups: dict[tuple[str, str], dict[str, np.ndarray]] = {}
+        for key in stored.names():
+            kind, first, name = key.split(" ") if key.count(" ") == 2 else ("", "", "")
+            if kind not in (FORCES, IMPACTS) or not re.fullmatch("[0-9]{1,9}", first) or int(first) >= bodies:
+                stored.refuse(key, "unknown")
+            groups.setdefault((kind, first), {})[name] = stored.any(key)
+        for (kind, first), arrays in groups.items():
+            check_memory(Stored(arrays, f"islands/{kind} {first} "), bodies, unknowns)
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Take back what :meth:`snapshot` gave."""

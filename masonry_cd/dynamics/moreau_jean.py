@@ -25,6 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.arrays import Stored
 from masonry_cd.contact.detector import ContactSet, Detector
 from masonry_cd.dynamics import joint_forces
 from masonry_cd.dynamics.block_forces import BlockForces
@@ -297,6 +298,36 @@ class Stepper:
             own["carried_impulse"] = m.carried_impulse
         memories = prefixed("detector", self.detector.snapshot()) | prefixed("joints", m.joints._asdict())
         return state | own | memories | prefixed("islands", self.islands.snapshot())
+
+    def check(self, stored: Stored) -> None:
+        """Check what :meth:`restore` takes.
+
+        Raises:
+            InputError: an array that no run of this scene leaves.
+        """
+        system, loads = self.system, self.system.loads
+        blocks, (free, unknowns) = self.assembly.count, self.motion.v.shape
+        stored.real("position", blocks, 3)
+        stored.real("velocity", blocks, 6)
+        stored.real("angular_momentum", blocks, 3)
+        if np.abs((stored.real("orientation", blocks, 4) ** 2).sum(axis=1) - 1.0).max(initial=0.0) > 1e-6:
+            stored.refuse("orientation", "not unit quaternions")
+        stored.real("v", free, unknowns)
+        contacts = int((stored.part("detector").whole("place", None, low=-1) >= 0).sum())
+        stored.real("impulse", max(1, contacts), system.rows)
+        if stored.holds("carried_impulse"):
+            stored.real("carried_impulse", free, unknowns)
+        steps, load_step = stored.whole("steps", 2, high=len(loads.acceleration)).tolist()
+        if steps > load_step:
+            stored.refuse("steps", "out of range")
+        stored.real("energy", 1 + len(ENERGIES), finite=False)
+        joints = stored.part("joints")
+        remembered = 1 if system.laws is None else max(1, contacts)
+        joints.real("slip", remembered, 3)
+        joints.flags("bonded", remembered)
+        joints.nothing_else()
+        self.detector.check(stored.part("detector"), contacts)
+        self.islands.check(stored.part("islands"), unknowns)
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Go on from what :meth:`snapshot` gave, in a stepper of the same scene."""

@@ -25,6 +25,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.friction.local_blocks import block_arrays, contact_pattern
 from masonry_cd.friction.local_operators import is_definite
@@ -99,7 +100,8 @@ def _write_npz(path: Path, problem: Problem) -> None:
             vectors["C"] = problem.compliance.ravel()
     for name, matrix in matrices.items():
         vectors |= {f"{name}_data": matrix.data, f"{name}_indices": matrix.indices, f"{name}_indptr": matrix.indptr}
-    np.savez_compressed(path, allow_pickle=False, **vectors)
+    with replacing(path) as part:
+        np.savez_compressed(part, allow_pickle=False, **vectors)
 
 
 def _compressed(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> sparse.csr_matrix:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,8 @@ from masonry_cd.atomic import part_of, replacing
 from masonry_cd.errors import InputError
 
 NAME = "checkpoint.npz"
-FORMAT = 6  # of what a stepper writes; raised when what it holds changes
+FORMAT = 6  # of what a stepper writes and of the results beside it; raised when what they hold changes
+Check = Callable[[dict[str, np.ndarray], dict[str, Any]], None]
 NOTHING = "nothing to resume from: the run ended, or was stopped before its first checkpoint"
 
 
@@ -67,32 +68,47 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
             numbers, checksum = json.loads(text), str(stored["checksum"]) if "checksum" in stored.files else None
     except Exception as reason:  # damaged bytes make the readers of zip files, arrays and JSON raise whatever they like
         raise Damaged(f"{path}: not a readable checkpoint: {_in_a_line(reason)}") from None
-    if numbers.get("format") != FORMAT:
-        raise InputError(f"{path}: written by another version of masonry_cd, which alone can go on from it; --force starts anew")
+    if not isinstance(numbers, dict):
+        raise Damaged(f"{path}: not a readable checkpoint: it holds no table of numbers")
+    if (form := numbers.get("format")) != FORMAT:
+        which = "a newer" if isinstance(form, int) and form > FORMAT else "an older" if isinstance(form, int) else "another"
+        raise InputError(
+            f"{path}: of format {form!r}, written by {which} version of masonry_cd, which alone can go on from it; --force starts anew"
+        )
     if checksum != _checksum(arrays, text):
         raise Damaged(f"{path}: not a readable checkpoint: its checksum is not that of its content")
     return arrays, numbers
 
 
-def mend(path: Path) -> str:
+def mend(path: Path, check: Check = lambda arrays, numbers: None) -> str:
     """Put the checkpoint before the last one in its place where the last one is damaged or gone; return a line that says so, or "".
 
+    Args:
+        path: of the last one.
+        check: raises an InputError where what a checkpoint holds cannot be gone on from.
+
     Raises:
-        InputError: none that can be read.
+        InputError: none that can be read and that passes the check. Then nothing is changed.
     """
-    older, line = before(path), ""
-    if path.exists():
-        try:
-            load(path)
-            return ""
-        except Damaged as reason:
-            if not older.exists():
-                raise
-            line = f"{reason}; going on from the one before it"
     require(path)
-    load(older)
-    older.replace(path)
-    return line
+    older, refused = before(path), ""
+    for file in (path, older):
+        if file.exists():
+            try:
+                check(*load(file))
+            except InputError as reason:
+                refused = refused or _named(file, reason)
+            else:
+                if file == older:
+                    older.replace(path)
+                return f"{refused}; going on from the one before it" if refused else ""
+    raise InputError(refused)
+
+
+def _named(file: Path, reason: InputError) -> str:
+    """What is wrong, with the file before it that has it."""
+    said = str(reason)
+    return said if said.startswith(f"{file.parent}{os.sep}") else f"{file}: not a checkpoint that this run can go on from: {said}"
 
 
 def require(path: Path) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.app.scene import read_scene
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.quantities import in_words
 
@@ -188,7 +189,8 @@ def _write(measured: dict[str, Any], folder: Path) -> dict[str, Any]:
         table = study.rows()
         _write_csv(table, written[3])
         sections += ["", "## Joints whose forces vary most over seeds", "", markdown([table[j] for j in order])]
-    written[1].write_text("\n".join(sections) + "\n", encoding="utf-8")
+    with replacing(written[1]) as part:
+        part.write_text("\n".join(sections) + "\n", encoding="utf-8")
     draw = problem_picture if measured["kind"] == "problem" else scene_picture
     draw(measured["rows"], measured["title"], written[2])
     return {"lines": measured["lines"], "warnings": measured["warnings"], "written": written}
@@ -196,7 +198,7 @@ def _write(measured: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 def _write_csv(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     """Write rows of like keys."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(rows[0])
         writer.writerows([f"{v:.9g}" if isinstance(v, float) else str(v) for v in row.values()] for row in rows)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.studies.accuracy import RunRow, SolverRow
 from reports.drawing.figure import COLOURS, FAINT, INK
@@ -168,6 +169,7 @@ def _label(axes: Any, ends: Sequence[End]) -> None:
 def _save(figure: Any, path: Path) -> None:
     """Write the PNG."""
     try:
-        figure.savefig(path)
+        with replacing(path) as part:
+            figure.savefig(part)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from reports.drawing.figure import COLOURS, FAINT, INK
 
@@ -50,6 +51,7 @@ def sweep_picture(found: Mapping[str, Any], path: Path) -> None:
     words = f"block {found['block']} along {axis}; base moved by v(t) = C sin(2 pi f t), C = {found['velocity']:.3g} m/s"
     figure.text(0.02, 0.895, words, fontsize=11, color=INK, va="center", parse_math=False)
     try:
-        figure.savefig(path)
+        with replacing(path) as part:
+            figure.savefig(part)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None

@@ -12,10 +12,9 @@ Damage is judged by the thresholds of the first run in all of them, or the numbe
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ import numpy as np
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary_file import read_summary
 from reports.damage.joint_damage import displacement_max
 from reports.damage.macro_elements import WHOLE
 from reports.damage.part_damage import PartDamage
@@ -51,6 +51,7 @@ class Comparison:
 
     runs: list[Run]
     rows: list[tuple[str, str, list[Any]]]
+    words: list[str] = field(default_factory=list)  # what is damaged in their results
 
     @property
     def header(self) -> list[str]:
@@ -71,11 +72,14 @@ def compare(folders: Sequence[Path]) -> Comparison:
         raise InputError(f"compare: {twice[0]} is named twice")
     settings: Report | None = None
     runs: list[Run] = []
+    words: list[str] = []
     for folder, name in zip(folders, _names(folders), strict=True):
         with Results.open(folder / "result.h5") as results:
             settings = settings or report_of(results.scene)
             runs.append(_run(results, folder, name, settings))
-    return Comparison(runs, [*_scene_rows(runs), *_damage_rows(runs), *_part_rows(runs), *_response_rows(runs), *_solver_rows(runs)])
+            words += results.words
+    rows = [*_scene_rows(runs), *_damage_rows(runs), *_part_rows(runs), *_response_rows(runs), *_solver_rows(runs)]
+    return Comparison(runs, rows, words)
 
 
 def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
@@ -95,25 +99,8 @@ def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
         top=moved[:, :2] @ (along * (np.sign(along[np.argmax(np.abs(along))]) or 1.0)),
         displacement=displacement_max(results),
         height=float(np.ptp(solids.vertices[~solids.fixed[solids.vertex_block], 2])),
-        summary=_summary(folder / "summary.json"),
+        summary=read_summary(folder),
     )
-
-
-def _summary(path: Path) -> dict[str, Any]:
-    """The summary of a run, empty where it was killed before it wrote one.
-
-    Raises:
-        InputError: a file that is no JSON object.
-    """
-    if not path.exists():
-        return {}
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError:
-        found = None
-    if not isinstance(found, dict):
-        raise InputError(f"{path}: not a summary, or one that was cut off")
-    return found
 
 
 def flat(table: Mapping[str, Any], before: str = "") -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from reports.compare.comparison import Comparison, Run
 from reports.damage.grades import NAMES
@@ -43,7 +44,8 @@ def comparison_picture(comparison: Comparison, path: Path) -> None:
     for axes in figure.axes:
         axes.tick_params(labelsize=10, colors=FAINT)
     try:
-        figure.savefig(path)
+        with replacing(path) as part:
+            figure.savefig(part)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
 

@@ -29,7 +29,8 @@ import numpy as np
 from masonry_cd.atomic import replacing
 from masonry_cd.dynamics.pauses import DROP, TILT
 from masonry_cd.errors import InputError
-from masonry_cd.io.results import BONDED, Results
+from masonry_cd.io.layout import BONDED
+from masonry_cd.io.results import Results
 from masonry_cd.model.joints import OPENED as OPENING_IN_RUN
 from masonry_cd.model.joints import Joints
 from reports.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap, solids_of
@@ -120,7 +121,7 @@ def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: 
 
 def has_bonds(results: Results) -> bool:
     """Whether joints of the run had cohesion."""
-    return f"joints/{BONDED}" in results.file
+    return results.has_joint_history(BONDED)
 
 
 def bonds(results: Results) -> dict[str, int]:

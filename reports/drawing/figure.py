@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 
 WIDTH = 1800  # of the sheet
@@ -168,6 +169,7 @@ class Sheet:
             InputError: the file cannot be written.
         """
         try:
-            self.figure.savefig(path, dpi=100, facecolor="white")
+            with replacing(path) as part:
+                self.figure.savefig(part, dpi=100, facecolor="white")
         except OSError as error:
             raise InputError(f"{path}: cannot be written: {error.strerror}") from None

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing.figure import COLOURS, FAINT, INK
@@ -39,7 +40,7 @@ def energy_picture(results: Results, path: Path) -> None:
 
     time, energy = energies(results)
     if not len(time):
-        raise InputError(f"{results.file.filename}: the run made no step: there is no energy to draw")
+        raise InputError(f"{results.path}: the run made no step: there is no energy to draw")
     figure: Any = Figure(figsize=(12.0, 8.2), dpi=110, facecolor="white")
     FigureCanvasAgg(figure)
     figure.subplots_adjust(left=0.09, right=0.83, bottom=0.08, top=0.88, hspace=0.34)
@@ -66,18 +67,18 @@ def energy_picture(results: Results, path: Path) -> None:
     lower.set_xlabel("time [s]", fontsize=12, color=INK)
     figure.text(0.02, 0.955, f"Energy: {results.title}", fontsize=15, fontweight="bold", color=INK, va="center", parse_math=False)
     try:
-        figure.savefig(path)
+        with replacing(path) as part:
+            figure.savefig(part)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
 
 
 def energies(results: Results) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Times of the steps [s] and the energies after them [J], thinned evenly to POINTS."""
-    time = results.per_step("step_time")
-    names = list(results.file["energy"])
-    count = min([len(time), *(len(results.file["energy"][name]) for name in names)])  # of a run that was killed
+    time, energy = results.per_step("step_time"), results.energies
+    count = min(map(len, (time, *energy.values())))  # of a run that an older version made and that was killed
     kept = np.unique(np.linspace(0, count - 1, min(count, POINTS)).round().astype(np.int64)) if count else np.zeros(0, dtype=np.int64)
-    return time[:count][kept], {name: results.per_step(f"energy/{name}")[:count][kept] for name in names}
+    return time[:count][kept], {name: values[:count][kept] for name, values in energy.items()}
 
 
 def _present(energy: dict[str, np.ndarray], asked: Any) -> list[tuple[str, str]]:

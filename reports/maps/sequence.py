@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Scale
@@ -75,7 +76,8 @@ def animation(
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     shown = [max(20, round(1000 * step)) for step in np.diff(results.time[frames])] + [REST]
     try:
-        flat[0].save(path, save_all=True, append_images=flat[1:], duration=shown, loop=0, optimize=False)
+        with replacing(path) as part:
+            flat[0].save(part, save_all=True, append_images=flat[1:], duration=shown, loop=0, optimize=False)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
     return len(images)

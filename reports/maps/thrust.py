@@ -42,7 +42,7 @@ def ribbons(
     Raises:
         InputError: the file holds no forces, or not where they act.
     """
-    if "joints/normal_force" not in results.file or "joints/force_point" not in results.file:
+    if not (results.has_joint_history("normal_force") and results.has_joint_history("force_point")):
         raise InputError("thrust: this result does not hold the forces of its joints and where they act; run its scene again")
     joints = results.joints
     force = np.where(snapshot.separated, 0.0, joint_frame(results, "normal_force", frame))

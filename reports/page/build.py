@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.damage import joint_damage
@@ -85,7 +86,8 @@ def write_page(
     facts["factor"] = scale if scale is not None else _amplification(solids, context.displacement_max, bool(context.fallen))
     page = _filled(context, facts, text)
     try:
-        path.write_text(page, encoding="utf-8")
+        with replacing(path) as part:
+            part.write_text(page, encoding="utf-8")
     except OSError as failure:
         raise InputError(f"{path}: cannot be written, {failure.strerror}") from None
 

@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from masonry_cd.atomic import part_of
 from masonry_cd.errors import InputError
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge", "chrome", "msedge")
@@ -27,12 +28,13 @@ def write_pdf(page: Path, path: Path) -> None:
     browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
     if browser is None:
         raise InputError("--pdf: no Chromium here to print with (Debian: apt-get install chromium); or print report.html from any browser")
-    path.unlink(missing_ok=True)
+    part_of(path).unlink(missing_ok=True)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
-        command = [browser, *FLAGS, f"--user-data-dir={profile}", f"--print-to-pdf={path.resolve()}", page.resolve().as_uri()]
+        command = [browser, *FLAGS, f"--user-data-dir={profile}", f"--print-to-pdf={part_of(path).resolve()}", page.resolve().as_uri()]
         try:
             subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=PATIENCE, check=False)
         except subprocess.TimeoutExpired:
             raise InputError(f"--pdf: {browser} did not end within {PATIENCE:g} s") from None
-    if not path.exists():
+    if not part_of(path).exists():
         raise InputError(f"--pdf: {browser} printed nothing")
+    part_of(path).replace(path)

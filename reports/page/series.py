@@ -62,7 +62,7 @@ def base_motion(results: Results, solids: Solids) -> dict[str, Curve]:
     for first in range(0, frames, chunk):
         rows = slice(first, min(first + chunk, frames))
         displacement[rows] = (np.asarray(results.position[rows])[:, fixed] - solids.centre[fixed]).mean(axis=1)
-        velocity[rows] = np.asarray(results.file["velocity"][rows])[:, fixed, :3].mean(axis=1)
+        velocity[rows] = np.asarray(results.velocity[rows])[:, fixed, :3].mean(axis=1)
     time = np.asarray(results.time, dtype=float)
     out = {}
     for name, values in (("displacement", displacement), ("velocity", velocity)):
@@ -100,6 +100,5 @@ def steps_missed(results: Results, tolerance: float) -> tuple[int, int, np.ndarr
 
 def _steps(results: Results, name: str) -> np.ndarray | None:
     """A value per step, or None where the file holds none."""
-    if name not in results.file or len(results.file[name]) == 0:
-        return None
-    return np.asarray(results.per_step(name), dtype=float)
+    values = np.asarray(results.per_step(name), dtype=float)
+    return values if len(values) else None

@@ -6,7 +6,6 @@ Everything that comes from a scene or a result is escaped before it enters the p
 from __future__ import annotations
 
 import html
-import json
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -166,7 +165,7 @@ def settings(context: PageContext) -> str:
     for k, load in enumerate(tables.get("loads", [])):
         after = amounts[k].get("after", {}) if k < len(amounts) else {}
         boxes.insert(2 + k, _box(f"Load {k + 1}", load, _peaks(after)))
-    boxes.append(_box("Versions", json.loads(context.results.file.attrs.get("versions", "{}"))))
+    boxes.append(_box("Versions", context.results.versions))
     return "".join(boxes)
 
 

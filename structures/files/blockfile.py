@@ -20,6 +20,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError, parse_table, suggest
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, Polyhedron
@@ -113,7 +114,8 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
         if block.parts:
             entry["parts"] = [{"vertices": p.vertices.tolist(), "faces": [list(face) for face in p.faces]} for p in block.parts]
         lines.append(json.dumps(entry))
-    path.write_text('{"units": "m", "blocks": [\n' + ",\n".join(lines) + "\n]}\n", encoding="utf-8")
+    with replacing(path) as part:
+        part.write_text('{"units": "m", "blocks": [\n' + ",\n".join(lines) + "\n]}\n", encoding="utf-8")
 
 
 def _load(path: Path) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, triangles
@@ -180,7 +181,8 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
     """
     suffix = path.suffix.lower()
     if suffix == ".obj":
-        path.write_text(_obj(blocks), encoding="utf-8")
+        with replacing(path) as part:
+            part.write_text(_obj(blocks), encoding="utf-8")
     elif suffix == ".stl":
         import trimesh
 

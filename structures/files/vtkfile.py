@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.atomic import replacing
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, Polyhedron
 
@@ -27,7 +28,8 @@ def write_vtm(path: Path, blocks: Sequence[Block]) -> None:
             whole[block.name] = _grid(block.parts)
         else:
             whole[block.name] = pyvista.PolyData(block.vertices, faces=_stream(block.faces))
-    whole.save(path)
+    with replacing(path) as part:
+        whole.save(part)
 
 
 def write_vtkhdf(path: Path, blocks: Sequence[Block]) -> None:
@@ -38,7 +40,8 @@ def write_vtkhdf(path: Path, blocks: Sequence[Block]) -> None:
     grid.cell_data["block"] = np.array([number for number, _ in parts])
     grid.cell_data["fixed"] = np.array([int(blocks[number].fixed) for number, _ in parts])
     grid.cell_data["group"] = np.array([groups.index(blocks[number].group) for number, _ in parts])
-    grid.save(path)
+    with replacing(path) as part:
+        grid.save(part)
 
 
 def _grid(parts: Sequence[Polyhedron]) -> Any:

@@ -19,8 +19,9 @@ from masonry_cd.app.run_report import RunReport
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import ENERGIES, StepReport
 from masonry_cd.errors import InputError
-from masonry_cd.io import checkpoint, results
-from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.io import checkpoint, result_writer, segments
+from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.io.results import Results
 from masonry_cd.model.materials import JointLaw
 from reports.damage.joint_damage import bonds, joint_damage, write_joints_csv
 
@@ -45,10 +46,10 @@ class Killed(BaseException):
     """Stands for a kill between two steps."""
 
 
-@pytest.mark.parametrize("buffer", [0, results.BUFFER_BYTES])
+@pytest.mark.parametrize("buffer", [0, result_writer.BUFFER_BYTES])
 @pytest.mark.parametrize("end", [KeyboardInterrupt, Killed])
 def test_a_resumed_run_ends_with_the_same_bits(tmp_path, unbroken, end, buffer, monkeypatch):
-    monkeypatch.setattr(results, "BUFFER_BYTES", buffer)
+    monkeypatch.setattr(result_writer, "BUFFER_BYTES", buffer)
     path, saved, m = tmp_path / "broken.h5", tmp_path / checkpoint.NAME, machine(checkpoint_every=0.0 if end is Killed else 1e9)
     joints = find_joints(m.assembly)
 
@@ -93,7 +94,7 @@ def lines_until(limit: int, files: tuple[str, ...], reached: Callable[[int], Non
 
 def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path) -> int:
     """Run a body in a forked process, killed at the n-th line that it executes of the files that write; return how many it executed."""
-    files = (results.__file__, checkpoint.__file__, recorder.__file__, run_loop.__file__)
+    files = (result_writer.__file__, segments.__file__, checkpoint.__file__, recorder.__file__, run_loop.__file__)
     if (pid := os.fork()) == 0:
         number = counter.open("w")
 
@@ -114,7 +115,7 @@ def in_a_process_killed_at(line: int, body: Callable[[], object], counter: Path)
 @pytest.mark.parametrize("kills", [8, pytest.param(24, marks=pytest.mark.validation)])
 def test_a_kill_at_any_line_leaves_results_that_read_and_a_run_that_resumes(tmp_path, unbroken, monkeypatch, kills):
     """Of a run that begins, and of one that is resumed: killed at lines spread over all that its writing executes."""
-    monkeypatch.setattr(results, "BUFFER_BYTES", 4096)
+    monkeypatch.setattr(result_writer, "BUFFER_BYTES", 4096)
     path, saved = tmp_path / "broken.h5", tmp_path / checkpoint.NAME
 
     def begin() -> None:
@@ -197,7 +198,7 @@ def test_a_checkpoint_of_another_version_is_refused(tmp_path, monkeypatch):
     with monkeypatch.context() as older:
         older.setattr(checkpoint, "FORMAT", checkpoint.FORMAT - 1)
         checkpoint.save(saved, {"a": np.ones(2)}, {"rows": 3})
-    with pytest.raises(InputError, match="another version of masonry_cd"):
+    with pytest.raises(InputError, match="written by an older version of masonry_cd"):
         checkpoint.load(saved)
 
 

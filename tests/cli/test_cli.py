@@ -11,9 +11,9 @@ import sys
 import time
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
+from datasets import contents
 from places import EXAMPLES
 from scipy import sparse
 from typer.testing import CliRunner
@@ -29,7 +29,8 @@ from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
 from masonry_cd.friction.files import write_problem
 from masonry_cd.friction.problem import LocalProblem
-from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.io.results import Results
 from reports.damage import joint_files
 
 SUMMARY_KEYS = {
@@ -242,19 +243,6 @@ def signals_in(monkeypatch, owner: type, name: str, call: int, number: int = sig
     monkeypatch.setattr(owner, name, called)
 
 
-def datasets(path: Path) -> dict[str, bytes]:
-    """All datasets of a result but the seconds that steps took."""
-    found = {}
-
-    def visit(name: str, item: object) -> None:
-        if isinstance(item, h5py.Dataset) and name != "solver/seconds":
-            found[name] = item[...].tobytes() if item.dtype != object else b"|".join(item[...])
-
-    with h5py.File(path) as file:
-        file.visititems(visit)
-    return found
-
-
 SHAKEN = {"friction": "friction = 0.3", "amplitude": "amplitude = 0.6", "duration": "duration = 0.15"}
 
 
@@ -285,7 +273,7 @@ def test_interrupts_are_taken_between_steps_only(block_on_plate, tmp_path, monke
         assert len(results.per_step("step_time")) == steps < 150
     result = masonry_cd("run", scene, "-o", tmp_path / "out", "-q", "--resume")
     assert result.exit_code == 0, result.output
-    assert datasets(tmp_path / "out" / "result.h5") == datasets(tmp_path / "whole" / "result.h5")
+    assert contents(tmp_path / "out" / "result.h5") == contents(tmp_path / "whole" / "result.h5")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
@@ -344,11 +332,11 @@ def test_what_follows_the_steps_can_be_finished(block_on_plate, tmp_path, monkey
     assert result.exit_code == 130
     assert "go on with: masonry-cd run" in result.stderr
     assert not (out / "summary.json").exists()
-    before = datasets(out / "result.h5")
+    before = contents(out / "result.h5")
     assert masonry_cd("run", scene, "-o", out, "-q", "--set", "run.duration=0.01", "--resume").exit_code == 0
     assert json.loads((out / "summary.json").read_text())["steps"] == 10
     assert (out / "joints.csv").exists()
-    assert datasets(out / "result.h5") == before
+    assert contents(out / "result.h5") == before
     assert not list(out.glob("checkpoint*"))
 
 

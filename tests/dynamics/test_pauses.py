@@ -18,7 +18,8 @@ from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.pauses import Pauses
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.io import checkpoint
-from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Assembly
 from reports.damage.joint_damage import Thresholds, joint_damage, shock_rows
 from reports.damage.part_damage import Settings, part_damage

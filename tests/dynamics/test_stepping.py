@@ -10,7 +10,8 @@ from masonry_cd.app.run_loop import run
 from masonry_cd.app.scene import read_scene
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper
-from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import JointPeaks, measure_joints
 from masonry_cd.model.materials import JointLaw

@@ -13,7 +13,7 @@ from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.friction.infeasibility import Closing, find_jam
-from masonry_cd.io.results import ResultWriter
+from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.model.blocks import Assembly
 
 STEPS = 20

@@ -17,8 +17,9 @@ from places import ROOT
 from masonry_cd.app.run_loop import run
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.io import results
-from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.io import result_writer
+from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.io.results import Results
 
 
 def test_a_run_comes_back_as_it_was(tmp_path):
@@ -64,7 +65,7 @@ def test_what_a_killed_run_wrote_can_be_read(tmp_path):
         sys.path.insert(0, sys.argv[2])
         from models import stepper, tower
         from masonry_cd.contact.find_joints import find_joints
-        from masonry_cd.io.results import ResultWriter
+        from masonry_cd.io.result_writer import ResultWriter
         machine = stepper(tower(2), 1)
         with ResultWriter(sys.argv[1], machine.assembly, find_joints(machine.assembly)) as writer:
             for k in range(10):
@@ -117,7 +118,7 @@ def test_a_full_disc_is_told_and_what_was_written_is_kept(tmp_path, monkeypatch)
     def fill(done: int) -> None:
         if done == 12:
             writer.flush()
-            monkeypatch.setattr(results.shutil, "disk_usage", lambda folder: SimpleNamespace(free=0))
+            monkeypatch.setattr(result_writer.shutil, "disk_usage", lambda folder: SimpleNamespace(free=0))
 
     with pytest.raises(OSError, match="no room on the disc"), ResultWriter(tmp_path / "result.h5", machine.assembly, joints) as writer:
         run(machine, joints, writer, 20, frame_every=4, progress=fill)
@@ -158,12 +159,12 @@ def test_an_error_is_not_hidden_by_one_of_closing_the_file(tmp_path, monkeypatch
         ResultWriter.resumed(tmp_path / "r.h5", cut_rows(tmp_path / "r.h5")) as writer,
     ):
         writer.append({"time": 7.7, "position": machine.state.position, "orientation": machine.state.orientation})
-        monkeypatch.setattr(results.shutil, "disk_usage", lambda folder: SimpleNamespace(free=0))
+        monkeypatch.setattr(result_writer.shutil, "disk_usage", lambda folder: SimpleNamespace(free=0))
         raise InputError("the true one")
 
 
 def test_a_first_frame_that_fills_the_buffer_does_not_shut_out_what_comes_after(tmp_path, monkeypatch):
-    monkeypatch.setattr(results, "BUFFER_BYTES", 0)
+    monkeypatch.setattr(result_writer, "BUFFER_BYTES", 0)
     machine = stepper(tower(3), 10)
     joints = find_joints(machine.assembly)
     with ResultWriter(tmp_path / "result.h5", machine.assembly, joints) as writer:

@@ -6,7 +6,6 @@ import csv
 import json
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, write_run
@@ -35,9 +34,8 @@ def made(folder: Path, slip: float, mu: float = 0.6, a: float = 0.2, r: str = ""
     """A run whose upper block has slid, and its scene."""
     folder.mkdir()
     rest = at_rest(PIER)
-    path = write_run(folder / "result.h5", PIER, [rest, shifted(rest, 2, (2 * slip, 0, 0)), shifted(rest, 2, (slip, 0, 0))])
-    with h5py.File(path, "a") as file:
-        file.attrs["scene"] = SCENE.format(mu=mu, a=a, r=r)
+    states = [rest, shifted(rest, 2, (2 * slip, 0, 0)), shifted(rest, 2, (slip, 0, 0))]
+    write_run(folder / "result.h5", PIER, states, scene=SCENE.format(mu=mu, a=a, r=r))
     (folder / "summary.json").write_text(json.dumps({"solver": {"name": "nlgs", "error_max": 1e-9, "steps_missed": 3}}))
     return folder
 

@@ -14,7 +14,8 @@ from masonry_cd.app.run_loop import run
 from masonry_cd.cli.app import app
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.io.results import Results
 from reports.extra import energy as picture
 from reports.extra.energy import GOES, WORKS, energies, energy_picture
 
@@ -63,6 +64,7 @@ def test_the_command_draws_it(shaken):
 def test_a_run_without_a_step_is_one_line(shaken, tmp_path):
     (tmp_path / "result.h5").write_bytes(shaken.read_bytes())
     with h5py.File(tmp_path / "result.h5", "r+") as file:
+        del file.attrs["format"]  # as by a version that wrote no checksums, and killed
         file["step_time"].resize(0, axis=0)
     with Results.open(tmp_path / "result.h5") as results, pytest.raises(InputError, match="the run made no step"):
         energy_picture(results, tmp_path / "energy.png")

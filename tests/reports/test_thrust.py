@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, turned, write_run
@@ -14,7 +13,8 @@ from solids import build
 from masonry_cd.app.run_loop import run
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.io.results import Results, ResultWriter
+from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.state import State
 from reports.damage.joint_damage import Thresholds
@@ -96,11 +96,8 @@ def drawn(
     path: Path, state: State, force: tuple[float, float] | None, points: object = MIDDLES, factor: float = 1.0
 ) -> tuple[Surface, float, np.ndarray]:
     """Ribbons of the stack in a state, with forces and their points as a run would write them."""
-    run_file = write_run(path / "run.h5", STACK, [state])
-    if force is not None:
-        with h5py.File(run_file, "a") as file:
-            file["joints/normal_force"] = np.array([force])
-            file["joints/force_point"] = np.array([points])
+    given = {} if force is None else {"normal_force": np.array([force]), "force_point": np.array([points])}
+    run_file = write_run(path / "run.h5", STACK, [state], histories=given)
     with Results.open(run_file) as results:
         solids = Solids.from_blocks(results.blocks)
         pose, snapshot = Pose.of(results, solids, 0), DamageSnapshot.at(results, 0, Thresholds())

@@ -1,0 +1,50 @@
+"""Whether a checkpoint holds what a run of a scene leaves, looked at before any of it reaches a compiled kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.app.run_report import RunReport
+from masonry_cd.arrays import Stored
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.errors import InputError
+from masonry_cd.io.layout import JOINT_PEAKS
+
+NUMBERS = {"frames": int, "quiet": int, "mark": str, "rows": dict, "report": dict, "format": int}
+
+
+def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], stepper: Stepper, joints: int) -> None:
+    """Check the content of a checkpoint.
+
+    Args:
+        arrays: of the checkpoint.
+        numbers: of the checkpoint.
+        stepper: of the scene.
+        joints: J.
+
+    Raises:
+        InputError: names what is not so.
+    """
+    for name, kind in NUMBERS.items():
+        if not isinstance(numbers.get(name), kind) or (kind is int and not 0 <= numbers[name] < 2**53):
+            raise InputError(f"{name}: not what a run leaves")
+    rows = numbers["rows"]
+    if not all(isinstance(count, int) and 0 <= count < 2**53 for count in rows.values()):
+        raise InputError("rows: not what a run leaves")
+    report = RunReport.read(numbers["report"])
+    position = arrays.get("position")
+    if position is not None and position.ndim == 2 and len(position) != stepper.assembly.count:
+        raise InputError(f"made by another structure ({len(position)} blocks); resume with the scene of that run")
+    stored = Stored(arrays)
+    stepper.check(stored)
+    peaks = stored.part("peaks")
+    for name in (*JOINT_PEAKS, "_area"):
+        peaks.real(name, joints, finite=name != "first_opening_time")
+    peaks.nothing_else()
+    stored.nothing_else()
+    steps = int(arrays["steps"][0])
+    if (rows.get("step_time"), rows.get("time"), report.steps) != (steps, numbers["frames"], steps):
+        raise InputError("counts other steps than the results beside it hold: it cannot be resumed")

@@ -1,0 +1,83 @@
+"""What a run depends on beside the text of its scene, so that no run goes on with other inputs than it began with.
+
+Files are known by their names in the scene: those under a key ``path``, and those that a VTM file lists. Beside their bytes, what was made
+of them and of the scene counts, in case a newer version of the program makes something else of it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+
+if TYPE_CHECKING:
+    from masonry_cd.app.case import Case
+
+LISTED = re.compile(rb"""\bfile\s*=\s*["']([^"']+)["']""")  # in a VTM file
+BLOCKS, LOADS = "the blocks that the scene makes", "the loads that the scene makes"
+
+
+def digests(case: Case) -> dict[str, str]:
+    """SHA-256 of the files that a scene reads, by their names in it, and of its blocks and loads.
+
+    Raises:
+        InputError: a file that cannot be read any more.
+    """
+    scene, loading, assembly = case.scene, case.loading, case.assembly
+    found: dict[str, str] = {}
+    for name in _paths([scene.structure, *scene.loads]):
+        data = _read(scene.folder / name)
+        found[name] = hashlib.sha256(data).hexdigest()
+        if name.lower().endswith(".vtm"):
+            for part in sorted({match.decode("utf-8", "replace") for match in LISTED.findall(data)}):
+                found[str(Path(name).parent / part)] = hashlib.sha256(_read((scene.folder / name).parent / part)).hexdigest()
+    solids = assembly.shapes.solids
+    found[BLOCKS] = _sum((assembly.centre, assembly.mass, assembly.inertia, assembly.fixed, solids.vertices, solids.loops))
+    found[LOADS] = _sum((loading.support_velocity, loading.acceleration))
+    return found
+
+
+def require_same(now: Mapping[str, str], then: Mapping[str, str], file: Path) -> None:
+    """Refuse to go on with the results in a file, which were made with inputs that are others now.
+
+    Raises:
+        InputError: names the first that differs.
+    """
+    for name in sorted(now.keys() | then.keys(), key=lambda name: (name in (BLOCKS, LOADS), name)):
+        if now.get(name) != then.get(name):
+            raise InputError(f"{file}: {name}: not what it was when the run began; resume with what it was, or --force starts anew")
+
+
+def _paths(tables: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    """The values of all keys ``path``, tables within tables included."""
+    for table in tables:
+        for key, value in table.items():
+            if key == "path" and isinstance(value, str):
+                yield value
+            elif isinstance(value, Mapping):
+                yield from _paths([value])
+            elif isinstance(value, list):
+                yield from _paths(item for item in value if isinstance(item, Mapping))
+
+
+def _read(path: Path) -> bytes:
+    """The bytes of a file."""
+    try:
+        return path.read_bytes()
+    except OSError as failure:
+        raise InputError(f"{path}: cannot be read ({failure.strerror})") from None
+
+
+def _sum(arrays: Iterable[np.ndarray]) -> str:
+    """SHA-256 of the shapes and bytes of some arrays."""
+    digest = hashlib.sha256()
+    for array in arrays:
+        digest.update(f"{array.shape} ".encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,37 @@
+"""What a result file holds, by name.
+
+Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
+
+    /time (F,)  /position (F, B, 3)  /orientation (F, B, 4) w first  /velocity (F, B, 6) linear, angular
+    /joints/{block_a, block_b, area, normal, polygon_start, polygon}          what the joints are
+    /joints/{opening, sliding, rotation, contact_area, normal_force, shear_force} (F, J)
+    /joints/force_point (F, J, 3)    where the force of a joint crosses its plane, NaN where it has none
+    /joints/bonded (F, J)   share of the area that is bonded; only where joints are
+    /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
+    /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]
+    /step_time (N,) [s]   /load_step (N,), the step of the loads that was applied
+    /ties/tension (N, T) [N]   in the order of the scene's tables; absent without ties
+    /shocks/{name, start, end, frame} (S,)   of a sequence: times [s], and the frame at the end of the rest after each shock
+    /shocks/{opening, sliding, rotation, contact_area_loss, first_opening_time} (S, J)   the peaks of the joints up to there
+    /closing (L,)   bytes of what summary.json holds of a run that has ended, beside the damage (JSON)
+    /blocks/*   the blocks as they were built: a report needs no scene
+    /segments/*   checksums, see segments.py
+    attributes: scene (the text of the scene file), title, versions (JSON), run (a name that no other run has), format (of this layout),
+        inputs (JSON: SHA-256 of each file that the scene reads), constant (SHA-256 of all that does not grow)
+
+A file without the attribute ``format`` is of a version of the program before there were checksums; it still reads.
+"""
+
+from __future__ import annotations
+
+from masonry_cd.model.joints import Joints
+
+FORMAT = 1  # of the layout; raised when an older program would misread it
+FRAME_FIELDS = ("time", "position", "orientation", "velocity")
+JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_force", "shear_force", "force_point")
+BONDED = "bonded"  # a history that only runs with cohesive joints have
+JOINT_PEAKS = ("opening", "sliding", "rotation", "contact_area_loss", "first_opening_time")
+JOINT_CONSTANTS = tuple(Joints.__dataclass_fields__)
+BLOCK_ARRAYS = ("name", "group", "fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")
+ATTRIBUTES = ("scene", "title", "versions", "run", "inputs")
+CLOSING = "closing"

@@ -1,0 +1,151 @@
+"""Whether a result file holds what layout.py says: names, types, shapes, and indices that lie within what they point into.
+
+Readers go on to compiled kernels and to VTK, which check nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from masonry_cd.errors import InputError
+from masonry_cd.io.hdf5_file import READ_ERRORS
+from masonry_cd.io.layout import BLOCK_ARRAYS, BONDED, CLOSING, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS
+from masonry_cd.io.segments import held, in_pieces
+
+REAL, WHOLE, FLAG, TEXT, BYTES = "f", "iu", "b", "O", "S"  # kinds of numpy's types
+KINDS = {REAL: "real numbers", WHOLE: "whole numbers", FLAG: "flags", TEXT: "texts", BYTES: "texts"}
+BLOCKS = {"name": TEXT, "group": TEXT, "fixed": FLAG, "vertex_start": WHOLE, "face_start": WHOLE, "loop_start": WHOLE, "loops": WHOLE}
+JOINTS = {"block_a": WHOLE, "block_b": WHOLE, "polygon_start": WHOLE}
+PER_STEP = ("penetration", "step_time", "load_step")
+
+
+def check_constants(file: h5py.File, path: Path) -> None:
+    """Check what does not grow: the blocks, the joints and their peaks.
+
+    Raises:
+        InputError: it is missing, or not what it should be.
+    """
+    for name in ("time", *(f"blocks/{name}" for name in BLOCK_ARRAYS), *(f"joints/{name}" for name in JOINT_CONSTANTS)):
+        if name not in file:
+            raise InputError(f"{path}: not the result of a run, or one that ended before its first frame (it has no {name})")
+    blocks = {name: _read(file, path, f"blocks/{name}", BLOCKS.get(name, REAL)) for name in BLOCK_ARRAYS}
+    joints = {name: _read(file, path, f"joints/{name}", JOINTS.get(name, REAL)) for name in JOINT_CONSTANTS}
+    count, pairs = len(blocks["name"]), len(joints["area"])
+    corners, faces = len(blocks["vertices"]), len(blocks["loop_start"]) - 1
+    for name in ("group", "fixed", "density"):
+        _shape(path, f"blocks/{name}", blocks[name], (count,))
+    _shape(path, "blocks/vertices", blocks["vertices"], (corners, 3))
+    _starts(path, "blocks/vertex_start", blocks["vertex_start"], count, corners)
+    _starts(path, "blocks/face_start", blocks["face_start"], count, faces)
+    _starts(path, "blocks/loop_start", blocks["loop_start"], faces, len(blocks["loops"]))
+    of_face = np.repeat(np.arange(count), np.diff(blocks["face_start"]))
+    of_loop = np.repeat(of_face, np.diff(blocks["loop_start"]))
+    _indices(path, "blocks/loops", blocks["loops"], np.diff(blocks["vertex_start"])[of_loop])
+    for name in ("block_a", "block_b"):
+        _shape(path, f"joints/{name}", joints[name], (pairs,))
+        _indices(path, f"joints/{name}", joints[name], count)
+    _shape(path, "joints/normal", joints["normal"], (pairs, 3))
+    _shape(path, "joints/polygon", joints["polygon"], (len(joints["polygon"]), 3))
+    _starts(path, "joints/polygon_start", joints["polygon_start"], pairs, len(joints["polygon"]))
+    for name in JOINT_PEAKS:
+        _shape(path, f"joints/peak/{name}", _read(file, path, f"joints/peak/{name}", REAL), (pairs,))
+
+
+def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int]) -> None:
+    """Check types and shapes of what grows.
+
+    Raises:
+        InputError: a dataset that is not what it should be.
+    """
+    blocks, joints = len(file["blocks/name"]), len(file["joints/area"])
+    for name, kind, row in _growing(blocks, joints):
+        if name in file:
+            dataset = file[name]
+            if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kind or dataset.shape[1:] != row:
+                raise InputError(f"{path}: {name} is not what a run writes ({_described(kind, ('rows', *row))})")
+    for name in rows:
+        if not isinstance(file.get(name), h5py.Dataset):
+            raise InputError(f"{path}: damaged: {name} is missing")
+    for group in ("solver", "energy"):
+        for name in file.get(group, ()):
+            _scalars(file, path, f"{group}/{name}")
+    for name in PER_STEP:
+        if name in file:
+            _scalars(file, path, name)
+
+
+def rows_that_read(file: h5py.File, path: Path) -> dict[str, int]:
+    """Rows of each growing dataset of a file without checksums, all of which are read once.
+
+    Raises:
+        InputError: one that does not read.
+    """
+    found: dict[str, int] = {}
+
+    def visit(name: str, item: h5py.Dataset | h5py.Group) -> None:
+        if isinstance(item, h5py.Dataset) and item.maxshape and item.maxshape[0] is None:
+            found[name] = held(item)
+            for _ in in_pieces(item, 0, found[name]):
+                pass
+
+    try:
+        file.visititems(visit)
+    except READ_ERRORS:
+        raise InputError(f"{path}: damaged: not all of it can be read") from None
+    return found
+
+
+def _growing(blocks: int, joints: int) -> Iterator[tuple[str, str, tuple[int, ...]]]:
+    """Name, kinds of number and shape of a row of each dataset that grows."""
+    yield from zip(FRAME_FIELDS, (REAL,) * 4, ((), (blocks, 3), (blocks, 4), (blocks, 6)), strict=True)
+    for name in (*JOINT_HISTORIES, BONDED):
+        yield f"joints/{name}", REAL, (joints, 3) if name == "force_point" else (joints,)
+    yield from (("shocks/name", BYTES, ()), ("shocks/frame", WHOLE, ()), ("shocks/start", REAL, ()), ("shocks/end", REAL, ()))
+    for name in JOINT_PEAKS:
+        yield f"shocks/{name}", REAL, (joints,)
+    yield CLOSING, "u", ()
+
+
+def _read(file: h5py.File, path: Path, name: str, kind: str) -> np.ndarray:
+    """A dataset that was written once, read."""
+    dataset = file.get(name)
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kind or dataset.ndim < 1:
+        raise InputError(f"{path}: {name} is not what a run writes ({KINDS[kind]})")
+    if dataset.nbytes > dataset.id.get_storage_size() or dataset.external or dataset.is_virtual:
+        raise InputError(f"{path}: {name} is larger than what the file holds of it")
+    return np.asarray(dataset[...])
+
+
+def _scalars(file: h5py.File, path: Path, name: str) -> None:
+    """Check a number per step."""
+    dataset = file[name]
+    if not isinstance(dataset, h5py.Dataset) or dataset.ndim != 1 or dataset.dtype.kind not in REAL + WHOLE:
+        raise InputError(f"{path}: {name} is not what a run writes (a number per step)")
+
+
+def _shape(path: Path, name: str, array: np.ndarray, shape: tuple[int, ...]) -> None:
+    """Check a shape."""
+    if array.shape != shape:
+        raise InputError(f"{path}: {name} should have the shape {shape}, not {array.shape}")
+
+
+def _starts(path: Path, name: str, starts: np.ndarray, count: int, end: int) -> None:
+    """Check where each of ``count`` lists begins in an array of ``end`` entries, and that the last ends with it."""
+    _shape(path, name, starts, (count + 1,))
+    if starts[0] != 0 or starts[-1] != end or (np.diff(starts.astype(np.int64)) < 0).any():
+        raise InputError(f"{path}: {name} does not divide its {end} entries")
+
+
+def _indices(path: Path, name: str, indices: np.ndarray, count: int | np.ndarray) -> None:
+    """Check indices into something of so many entries."""
+    if indices.ndim != 1 or (indices < 0).any() or (indices >= count).any():
+        raise InputError(f"{path}: {name} points beyond what there is")
+
+
+def _described(kind: str, shape: tuple[object, ...]) -> str:
+    """Numbers and their shape in words."""
+    return f"{KINDS.get(kind, 'bytes')}, {' x '.join(map(str, shape))}"

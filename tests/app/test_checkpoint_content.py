@@ -1,0 +1,216 @@
+"""What a checkpoint holds is checked before it is used: whatever is changed in it, with a checksum that fits, no process crashes."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from datasets import contents
+from places import ROOT
+from typer.testing import CliRunner
+
+from masonry_cd.app.case import prepare
+from masonry_cd.app.checkpoint_checks import check_content
+from masonry_cd.app.scene import read_scene
+from masonry_cd.cli.app import app
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.errors import InputError
+from masonry_cd.io import checkpoint
+
+SCENES = {  # what the stepper of each remembers: impacts and islands, bonds and springs, factors of the solver
+    "islands": ("run.duration=0.3", 100),
+    "mortar": ("run.duration=0.08", 25),
+    "elastic": ("run.duration=0.08", 25),
+}
+LIMIT = 300  # seconds after which a process counts as hanging
+
+
+def masonry_cd(*words: object):
+    return CliRunner().invoke(app, [str(word) for word in words])
+
+
+def asked(name: str, out: Path) -> tuple[object, ...]:
+    return ("run", ROOT / "benchmarks" / "bits" / f"{name}.toml", "-o", out, "-q", "--set", SCENES[name][0])
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def stopped(request, tmp_path_factory) -> tuple[str, Path]:
+    """A scene, and the folder of its run that Ctrl-C ended on its way."""
+    name, out, advance = request.param, tmp_path_factory.mktemp(request.param) / "out", Stepper.step
+
+    def step(self: Stepper) -> object:
+        if self.steps == SCENES[name][1]:
+            signal.raise_signal(signal.SIGINT)
+        return advance(self)
+
+    with pytest.MonkeyPatch.context() as pressed:
+        pressed.setattr(Stepper, "step", step)
+        assert masonry_cd(*asked(name, out)).exit_code == 130
+    shutil.copytree(out, out.with_name("tried"))  # so that the processes below find all that they import
+    assert masonry_cd(*asked(name, out.with_name("tried")), "--resume").exit_code == 0
+    return name, out
+
+
+def wrong_ones(name: str, array: np.ndarray) -> dict[str, np.ndarray]:
+    """An array as no run leaves it, by what is wrong."""
+    found = {"longer": np.concatenate([array, array[:1]]) if array.ndim and len(array) else np.zeros((2, 5))}
+    found["flat"] = array.reshape(-1, 1, 1)
+    found["type"] = array.astype(np.float32 if array.dtype == np.float64 else np.float64 if array.dtype != np.float32 else np.int8)
+    found["order of bytes"] = array.astype(array.dtype.newbyteorder(">")) if array.dtype.itemsize > 1 else array.astype("S4")
+    counter = name.endswith(("tally", "rebuilds", "counts"))
+    if array.dtype == np.int64 and array.size and not counter:
+        for word, value in (("far", 2**40), ("beyond", 10_000), ("before", -7)):
+            found[word] = array.copy()
+            found[word].flat[array.size // 2] = value
+    # what has not been learnt yet may be NaN, and memory that is filled before it is read may hold anything
+    if (
+        array.dtype == np.float64
+        and array.size
+        and not name.endswith(("_tally", "admm_rho", "pose", "built", "allowance", "energy", "first_opening_time"))
+    ):
+        found["not a number"] = array.copy()
+        found["not a number"].flat[array.size // 2] = -np.inf
+    return found
+
+
+def ended(body: Callable[[], str]) -> str:
+    """Run a body in a process of its own; what it returns, or how it ended."""
+    read, write = os.pipe()
+    if (pid := os.fork()) == 0:
+        try:
+            signal.alarm(LIMIT)
+            os.write(write, body().encode())
+        except BaseException:
+            os.write(write, traceback.format_exc()[-3000:].encode())
+        finally:
+            os._exit(0)
+    os.close(write)
+    with os.fdopen(read, "rb") as said:
+        words = said.read().decode()
+    _, status = os.waitpid(pid, 0)
+    return f"ended by signal {os.WTERMSIG(status)}" if os.WIFSIGNALED(status) else words
+
+
+def refusals(name: str, out: Path, changed: list[dict[str, np.ndarray]], numbers: dict) -> str:
+    """What is not as it should be when the run of a folder is resumed with changed checkpoints, one after another; "" for nothing."""
+    for number, arrays in enumerate(changed):
+        checkpoint.save(out / checkpoint.NAME, arrays, numbers)
+        checkpoint.before(out / checkpoint.NAME).unlink()
+        before = sorted((path.name, path.read_bytes()) for path in out.iterdir())
+        result = masonry_cd(*asked(name, out), "--resume")
+        if result.exit_code != 2 or len(result.stderr.splitlines()) != 1 or "checkpoint.npz: " not in result.stderr:
+            return f"{number}: {result.exit_code} {result.output}"
+        if sorted((path.name, path.read_bytes()) for path in out.iterdir()) != before:
+            return "something was left behind"
+    return ""
+
+
+def read(name: str, folder: Path) -> tuple[dict[str, np.ndarray], dict, Callable[..., None]]:
+    """What the checkpoint of a run holds, and the check of it."""
+    case = prepare(read_scene(asked(name, folder)[1], [SCENES[name][0]]))
+    loading = case.loading
+    stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, case.scene.run, forces=loading.forces)
+    arrays, numbers = checkpoint.load(folder / checkpoint.NAME)
+    return arrays, numbers, lambda arrays, numbers: check_content(arrays, numbers, stepper, case.joints.count)
+
+
+def test_every_array_is_checked(stopped):
+    """Each array is left out, and is of another shape, type, and with values out of range; all of which is refused by its name."""
+    arrays, numbers, check = read(*stopped)
+    check(arrays, numbers)
+    assert {"detector/feature", "islands/root", "peaks/opening"} <= arrays.keys()
+    optional = ("carried_impulse", "islands/forces", "islands/impacts")  # a run may leave none of these
+    let_through = []
+    for key, array in arrays.items():
+        changed = {word: arrays | {key: wrong} for word, wrong in wrong_ones(key, array).items()}
+        if not key.startswith(optional):
+            changed["missing"] = {other: kept for other, kept in arrays.items() if other != key}
+        let_through += [f"{key} {word}" for word, wrong in changed.items() if not refused(check, wrong, numbers)]
+    assert let_through == []
+
+
+def refused(check: Callable[..., None], arrays: dict[str, np.ndarray], numbers: dict) -> bool:
+    """Whether a check raises an error of one line."""
+    try:
+        check(arrays, numbers)
+    except InputError as reason:
+        return len(str(reason).splitlines()) == 1
+    return False
+
+
+def out_of_place(arrays: dict[str, np.ndarray]) -> list[dict[str, np.ndarray]]:
+    """Arrays of the right shape whose indices are those of nothing, or of something else."""
+    changed = []
+    for key, shift in (("detector/place", 1), ("detector/point_count", 99), ("detector/feature", 3), ("steps", 999)):
+        changed.append(arrays | {key: arrays[key] + shift})
+    changed.append(arrays | {"detector/parts": arrays["detector/parts"][::-1].copy()})
+    bodies = len(arrays["islands/root"])
+    changed.append(arrays | {"islands/root": np.arange(bodies - 1, -1, -1)})  # blocks that are each other's first: an endless search
+    changed.append(arrays | {"orientation": 2.0 * arrays["orientation"]})
+    for key in arrays:
+        if key.endswith(("admm_place", "admm_row", "admm_target", "admm_first", "admm_order")) and (arrays[key] != arrays[key][::-1]).any():
+            changed.append(arrays | {key: arrays[key][::-1].copy()})
+    return [*changed, *(arrays | {key: np.zeros(3)} for key in ("unknown", "islands/forces 0", "islands/forces 999999 k"))]
+
+
+def test_no_index_out_of_place_reaches_a_kernel(stopped, tmp_path):
+    """By the command: one line, and the folder as it was."""
+    name, folder = stopped
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    arrays, numbers = checkpoint.load(out / checkpoint.NAME)
+    assert ended(lambda: refusals(name, out, out_of_place(arrays), numbers)) == ""
+
+
+def test_every_number_is_checked(stopped):
+    arrays, numbers, check = read(*stopped)
+    wrong = [{**numbers, key: value} for key in numbers for value in (None, "x", [1], {"a": 1}, -3, 1e300, float("nan"))]
+    for key, value in numbers["report"].items():
+        for other in (None, [1], {"a": [1]}, 3 if isinstance(value, str) else "x"):
+            wrong.append({**numbers, "report": {**numbers["report"], key: other}})
+    let_through = [changed for changed in wrong if not refused(check, arrays, changed)]
+    assert let_through == [{**numbers, "mark": "x"}]  # a mark is compared with the results
+
+
+def test_the_one_before_is_taken_where_the_last_is_no_good(stopped, tmp_path):
+    name, folder = stopped
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    saved = out / checkpoint.NAME
+    arrays, numbers = checkpoint.load(saved)
+    checkpoint.save(saved, arrays | {"position": arrays["position"][:-1]}, numbers)  # the good one becomes the one before
+    result = masonry_cd(*asked(name, out), "--resume")
+    assert result.exit_code == 0, result.output
+    assert "going on from the one before it" in result.stderr
+    assert contents(out / "result.h5") == contents(folder.with_name("tried") / "result.h5")
+
+
+def test_inputs_that_changed_are_named(block_on_plate, tmp_path):
+    scene, out, advance = block_on_plate(duration="duration = 0.02"), tmp_path / "out", Stepper.step
+
+    def step(self: Stepper) -> object:
+        if self.steps == 7:
+            signal.raise_signal(signal.SIGINT)
+        return advance(self)
+
+    with pytest.MonkeyPatch.context() as pressed:
+        pressed.setattr(Stepper, "step", step)
+        assert masonry_cd("run", scene, "-o", out, "-q").exit_code == 130
+    blocks, kept = tmp_path / "blocks.json", (tmp_path / "blocks.json").read_text()
+    table = json.loads(kept)
+    table["blocks"][1]["vertices"] = [[x, 1.01 * y, z] for x, y, z in table["blocks"][1]["vertices"]]
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+    blocks.write_text(json.dumps(table))
+    result = masonry_cd("run", scene, "-o", out, "-q", "--resume")
+    assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
+    assert "result.h5: blocks.json: not what it was when the run began" in result.stderr
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+    blocks.write_text(kept)
+    assert masonry_cd("run", scene, "-o", out, "-q", "--resume").exit_code == 0
