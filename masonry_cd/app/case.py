@@ -73,10 +73,10 @@ def prepare(scene: Scene) -> Case:
     begin = time.perf_counter()
     blocks, notes = build_structure(scene)
     try:
-        if scene.report.asks or scene.report.grades:
+        if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 
-            outputs.check(scene.report)
+            outputs.check(scene.report, blocks, scene.run.steps * scene.run.dt, scene.run.frame_every * scene.run.dt)
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         loading = loads.build(scene.loads, scene.run.dt, scene.run.steps, scene.run.gravity, scene.folder, assembly)
     except InputError as error:

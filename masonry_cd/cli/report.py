@@ -46,7 +46,7 @@ def report(
             from reports.damage import joint_files, part_files
 
             settings = report_of(results.scene, view=view, scale=scale, cut=cut, thrust=thrust, extra=extra or None)
-            outputs.check(settings, results)
+            outputs.check_again(settings, results)
             frame = outputs.frame_at(results, time)
             chosen = outputs.parse_times(results, times) if times is not None else []
             summary = outputs.read_summary(folder) | joint_files.write_joint_damage(results, folder, settings)
