@@ -40,6 +40,7 @@ DRAWS = 6
 MARGIN = 0.95  # of the tolerance, at those periods
 SHORTEST, LONGEST = 0.03, 3.0  # [s] matched at least, so that no period outside the range asked for stands out
 FADE = 0.5  # [s] at both ends
+LONGEST_MOTION = 600.0  # [s]: drawing 100 s takes 8 s
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -73,7 +74,7 @@ class SpectrumMatch(BaseModel):
     tolerance: Annotated[float, Field(ge=0.03, le=0.5)] = 0.10  # of the ratio to the target
     rise: Positive = 2.0  # [s]
     level: Positive = 10.0  # [s]
-    duration: Positive = 25.0  # [s]
+    duration: Annotated[float, Field(gt=0.0, le=LONGEST_MOTION)] = 25.0  # [s]
     seed: Annotated[int, Field(ge=0)] = 0
 
     @model_validator(mode="after")

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from masonry_cd.fields import Count, Flag, Number, Table, Vector
 from masonry_cd.solvers import SolverName
 
-MOST_STEPS = 1e8  # of a run: more than years of computing, and gigabytes of loads
+MOST_STEPS = 2e7  # of a run: some 4 GB of loads
 
 
 class Run(Table):
