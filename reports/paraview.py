@@ -16,7 +16,6 @@ fails to read texts from VTKHDF.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +24,7 @@ from typing import Literal
 import h5py
 import numpy as np
 
+from masonry_cd.csv_files import write_csv
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import JOINT_HISTORIES, Results
 from masonry_cd.model.state import rotation_matrices
@@ -211,10 +211,8 @@ def _write_pvd(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
 def _write_names(results: Results, path: Path) -> Path:
     """Numbers and names of blocks and groups."""
     groups = list(dict.fromkeys(block.group for block in results.blocks))
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("block", "name", "group", "group_name"))
-        writer.writerows((k, block.name, groups.index(block.group), block.group) for k, block in enumerate(results.blocks))
+    rows = ((k, block.name, groups.index(block.group), block.group) for k, block in enumerate(results.blocks))
+    write_csv(path, ("block", "name", "group", "group_name"), rows)
     return path
 
 
