@@ -121,9 +121,10 @@ def write_extra(results: Results, folder: Path, names: Sequence[str]) -> list[Pa
 def read_summary(folder: Path) -> dict[str, Any]:
     """summary.json of a run; empty where the run has written none, or has not come to its end."""
     try:
-        return dict(json.loads((folder / "summary.json").read_text(encoding="utf-8")))
-    except (OSError, ValueError):
+        found = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
         return {}
+    return found if isinstance(found, dict) else {}
 
 
 def write_page(results: Results, path: Path, settings: Report, summary: Mapping[str, Any], damage: PartDamage) -> None:

@@ -15,9 +15,6 @@ from contextlib import redirect_stderr, redirect_stdout, suppress
 from io import StringIO
 from pathlib import Path
 
-for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_name, "1")  # a process with threads must not fork
-
 import numpy as np
 
 from benchmarks.fuzz import inputs, mutators, promises, worker
@@ -93,9 +90,8 @@ def _cases(asked: argparse.Namespace, found: list[inputs.Subject], folder: Path)
             print(f"{kept}: {wrong}", flush=True)
         number += 1
     _tell(done, refused, broke)
-    print(
-        f"seed {asked.seed}, cases {asked.first} to {number - 1}: {sum(done.values())} changed inputs, {sum(broke.values())} broke a promise"
-    )
+    changed, bad = sum(done.values()), sum(broke.values())
+    print(f"seed {asked.seed}, cases {asked.first} to {number - 1}: {changed} changed inputs, {bad} broke a promise")
     return 1 if broke else 0
 
 

@@ -147,7 +147,9 @@ def _problems(nursery: Path) -> Iterator[Subject]:
 
 def _former_runs(nursery: Path) -> Iterator[Subject]:
     """The summary of a run, which reports and comparisons read beside its results."""
-    files = {f"{run}/{name}": (nursery / "dumped" / name).read_bytes() for run in ("dumped", "other") for name in ("result.h5", "summary.json")}
+    files = {
+        f"{run}/{name}": (nursery / "dumped" / name).read_bytes() for run in ("dumped", "other") for name in ("result.h5", "summary.json")
+    }
     for command in (("compare", "dumped", "other"), ("report", "dumped", "--no-crack-map")):
         yield Subject("summary of a run", command, "dumped/summary.json", files, (JSON, JSON, TOKENS, BYTES), 1.5)
 

@@ -20,18 +20,20 @@ from masonry_cd.app.scene_text import dump_toml
 Random = np.random.Generator
 
 NUMBERS = [
-    "0", "-0", "-0.0", "-1", "1", "2", "3", "1e308", "-1e308", "1e-308", "5e-324", "1e-300", "1e999", "nan", "-nan", "inf", "-inf", "NaN",
-    "Infinity", "9" * 19, "9" * 30, "1" * 5000, "2147483648", "4294967296", "18446744073709551616", "1_000", "0x10", "0b1", "1e", ".", "1,5",
-    "٣", "²", "1e-9", "1e9", "0.1", "-1e-3", "1e15", "1e-15", "1e5", "100", "1e200", "1e-200", "1e22",
+    "0", "-0", "-0.0", "-1", "1", "2", "3", "1e308", "-1e308", "1e-308", "5e-324", "1e-300", "1e999", "nan", "-nan", "inf", "-inf",
+    "NaN", "Infinity", "9" * 19, "9" * 30, "1" * 5000, "2147483648", "4294967296", "18446744073709551616", "1_000", "0x10", "0b1",
+    "1e", ".", "1,5", "٣", "²", "1e-9", "1e9", "0.1", "-1e-3", "1e15", "1e-15", "1e5", "100", "1e200", "1e-200", "1e22",
 ]  # fmt: skip
 WORDS = [
-    "", "\0", "\x1b[31m", "y" * 6000, "=cmd|' /C calc'!A0", "../../etc/passwd", "/dev/zero", "/dev/stdin", ".", "nan", "true", "\u202e", "\ufeff",
-    "a\nb", "\\", '"', "'", "%s%n", "{}", "[]", "[[", "#", "=", ":", ",", ";", "\t", "\r", "\x85", "\u2028", "é", "\U0001f600", "*", "a" * 300,
+    "", "\0", "\x1b[31m", "y" * 6000, "=cmd|' /C calc'!A0", "../../etc/passwd", "/dev/zero", "/dev/stdin", ".", "nan", "true",
+    "\u202e", "\ufeff", "a\nb", "\\", '"', "'", "%s%n", "{}", "[]", "[[", "#", "=", ":", ",", ";", "\t", "\r", "\x85", "\u2028",
+    "é", "\U0001f600", "*", "a" * 300,
 ]  # fmt: skip
 VALUES: list[Any] = [
-    None, True, False, 0, -1, 1, 2, 3, 10**18, 10**30, -(10**30), 1.0, 0.5, 1e308, -1e308, 1e-300, 5e-324, float("nan"), float("inf"), -0.0, 1e9,
-    1e-9, 1e-3, 100, 1000, 1e15, 1e200, "", "x", "a\0b", "\x1b[0m", "y" * 6000, "nan", "1.0", "=1+1", [], {}, [[]], [[[[1]]]], {"a": 1}, {"": {}},
-    [1, 2, 3], [0.0, 0.0, 0.0], [1e308, 1e308, 1e308], ["x"], [None], list(range(1000)), "../..", "/dev/zero", "y", "z", "base", "stone", "block",
+    None, True, False, 0, -1, 1, 2, 3, 10**18, 10**30, -(10**30), 1.0, 0.5, 1e308, -1e308, 1e-300, 5e-324, float("nan"),
+    float("inf"), -0.0, 1e9, 1e-9, 1e-3, 100, 1000, 1e15, 1e200, "", "x", "a\0b", "\x1b[0m", "y" * 6000, "nan", "1.0", "=1+1", [],
+    {}, [[]], [[[[1]]]], {"a": 1}, {"": {}}, [1, 2, 3], [0.0, 0.0, 0.0], [1e308, 1e308, 1e308], ["x"], [None], list(range(1000)),
+    "../..", "/dev/zero", "y", "z", "base", "stone", "block",
 ]  # fmt: skip
 
 
@@ -168,7 +170,8 @@ def _shake(tree: Any, random: Random) -> None:
         holders = [*_places(tree)]
         if not holders:
             return
-        inner, key = _pick(random, holders)
+        inner = _pick(random, list({id(holder): holder for holder, _ in holders}.values()))  # a long list is no likelier than a short one
+        inner, key = _pick(random, [place for place in holders if place[0] is inner])
         kind = _pick(random, ["replace", "replace", "replace", "scale", "leave out", "rename", "move", "repeat"])
         other, there = _pick(random, holders)
         if kind == "replace":
@@ -187,6 +190,7 @@ def _shake(tree: Any, random: Random) -> None:
 
 def _places(value: Any) -> list[tuple[Any, Any]]:
     """The places of all values inside a tree: what holds them, and their key."""
+    own: list[tuple[Any, Any]]
     if isinstance(value, MutableMapping):
         own = [(value, key) for key in value]
     elif isinstance(value, MutableSequence):
@@ -295,11 +299,12 @@ def of_hdf5(content: bytes, random: Random) -> bytes:
 # --- changes by the command line -----------------------------------------------------------------------------------------------------
 
 KEYS = [
-    "run.dt", "run.duration", "run.solver", "run.tolerance", "run.gravity", "run.frames_per_second", "run.threads", "run.seed", "run",
-    "loads[0].amplitude", "loads[0].kind", "loads[0]", "loads", "loads[1].kind", "loads[-1].kind", "loads[999999999999].x", "structure.kind",
-    "structure.path", "structure", "material.friction", "material.density", "material.joints.normal_stiffness", "material.joints.default.cohesion",
-    "report.times", "report.cut", "report.grades.width", "title", "a.b.c", "", "=", "[0]", ".", "..", '"', 'a."b.c".d', "run.", ".run", "run..dt",
-    "run.dt[0]", "material.friction.stone-base", "structure.most_blocks", "structure.repair", "structure.gaps", "x" * 6000, "\x1b[31m.a",
+    "run.dt", "run.duration", "run.solver", "run.tolerance", "run.gravity", "run.frames_per_second", "run.threads", "run.seed",
+    "run", "loads[0].amplitude", "loads[0].kind", "loads[0]", "loads", "loads[1].kind", "loads[-1].kind", "loads[999999999999].x",
+    "structure.kind", "structure.path", "structure", "material.friction", "material.density", "material.joints.normal_stiffness",
+    "material.joints.default.cohesion", "report.times", "report.cut", "report.grades.width", "title", "a.b.c", "", "=", "[0]", ".",
+    "..", '"', 'a."b.c".d', "run.", ".run", "run..dt", "run.dt[0]", "material.friction.stone-base", "structure.most_blocks",
+    "structure.repair", "structure.gaps", "x" * 6000, "\x1b[31m.a",
 ]  # fmt: skip
 
 

@@ -189,21 +189,132 @@ SCENES = {
 
 OPENING = '[[structure.openings]]\ncentre = 0.2\nwidth = 0.6\nsill = 0.3\nheight = 1.0\nhead = "round"\ndepth = 0.15\n'
 _KINDS = {
-    "arch": "span = 3.0\nrise = 1.2\nthickness = 0.4\nvoussoirs = 7\nwidth = 1.0\nbuttress_width = 0.8\nbuttress_height = 1.5\nbuttress_courses = 3",
-    "pointed arch": 'kind = "arch"\nshape = "pointed"\nspan = 3.0\nrise = 2.0\nthickness = 0.4\nvoussoirs = 8\nabutment = 0.5',
-    "flat arch": 'kind = "arch"\nshape = "flat"\nspan = 2.0\nskew = 20.0\nthickness = 0.4\nvoussoirs = 7',
-    "aqueduct": "tiers = 2\nspans = [2, 1]\nclear_span = 3.0\npier_width = 1.5\npier_courses = [3, 2]\nring_thickness = 0.5\ncourse_height = 0.5\n"
-    'width = 1.5\nunit_length = 1.0\nends = "pier"\nchannel_width = 0.6\nchannel_height = 0.5\nbase_margin = 1.0\npier_blocks = 2',
-    "wall": "length = 2.0\nheight = 2.0\nthickness = 0.4\ncourse_height = 0.25\nunit_length = 0.5\nleaves = 2\nthrough = 3\ngable = 0.5\n"
+    "arch": """\
+span = 3.0
+rise = 1.2
+thickness = 0.4
+voussoirs = 7
+width = 1.0
+buttress_width = 0.8
+buttress_height = 1.5
+buttress_courses = 3
+""",
+    "pointed arch": """\
+kind = "arch"
+shape = "pointed"
+span = 3.0
+rise = 2.0
+thickness = 0.4
+voussoirs = 8
+abutment = 0.5
+""",
+    "flat arch": """\
+kind = "arch"
+shape = "flat"
+span = 2.0
+skew = 20.0
+thickness = 0.4
+voussoirs = 7
+""",
+    "aqueduct": """\
+tiers = 2
+spans = [2, 1]
+clear_span = 3.0
+pier_width = 1.5
+pier_courses = [3, 2]
+ring_thickness = 0.5
+course_height = 0.5
+width = 1.5
+unit_length = 1.0
+ends = "pier"
+channel_width = 0.6
+channel_height = 0.5
+base_margin = 1.0
+pier_blocks = 2
+""",
+    "wall": """\
+length = 2.0
+height = 2.0
+thickness = 0.4
+course_height = 0.25
+unit_length = 0.5
+leaves = 2
+through = 3
+gable = 0.5
+"""
     + OPENING,
-    "tower": "side = 3.0\nside_y = 3.5\nheight = 8.0\nthickness = 0.6\ncourse_height = 0.5\nunit_length = 1.0\nbelfry_width = 1.0\n"
-    "belfry_height = 1.5\ndoor_width = 0.8\ndoor_height = 1.8\ninclination = 2.0\nbonded = true\nbase_depth = 0.5",
-    "column": "height = 4.0\ndiameter = 0.9\ntop_diameter = 0.8\ndrums = 4\nsides = 8\nplinth = 0.3\ncapital = 0.4\nwidth = 1.2\nbase_depth = 0.5",
-    "vault": 'form = "barrel"\nspan = 3.0\nthickness = 0.4\nvoussoirs = 7\nlength = 2.0\nunit_length = 0.7\nbonded = true',
-    "cross vault": 'kind = "vault"\nform = "cross"\nspan = 3.0\nthickness = 0.4\nvoussoirs = 7\nunit_length = 0.7\npier = 0.8',
-    "dome": "span = 4.0\nthickness = 0.4\nsides = 8\nrows = 4\nunit_length = 0.8\noculus = 0.8\ndrum_height = 1.0\ndrum_thickness = 0.6\nbase_depth = 0.4",
-    "church": "block_length = 2.0\ncourse_height = 1.0\nlength = 18.0\nwidth = 7.0\nheight = 8.0\nthickness = 1.0\napse = false\ntower = false\n"
-    'windows = 2\nwindow_width = 1.0\ngable = 2.0\nroof = "timber"\nroof_mass = 150.0\ndoor_width = 2.0\ndoor_height = 4.0',
+    "tower": """\
+side = 3.0
+side_y = 3.5
+height = 8.0
+thickness = 0.6
+course_height = 0.5
+unit_length = 1.0
+belfry_width = 1.0
+belfry_height = 1.5
+door_width = 0.8
+door_height = 1.8
+inclination = 2.0
+bonded = true
+base_depth = 0.5
+""",
+    "column": """\
+height = 4.0
+diameter = 0.9
+top_diameter = 0.8
+drums = 4
+sides = 8
+plinth = 0.3
+capital = 0.4
+width = 1.2
+base_depth = 0.5
+""",
+    "vault": """\
+form = "barrel"
+span = 3.0
+thickness = 0.4
+voussoirs = 7
+length = 2.0
+unit_length = 0.7
+bonded = true
+""",
+    "cross vault": """\
+kind = "vault"
+form = "cross"
+span = 3.0
+thickness = 0.4
+voussoirs = 7
+unit_length = 0.7
+pier = 0.8
+""",
+    "dome": """\
+span = 4.0
+thickness = 0.4
+sides = 8
+rows = 4
+unit_length = 0.8
+oculus = 0.8
+drum_height = 1.0
+drum_thickness = 0.6
+base_depth = 0.4
+""",
+    "church": """\
+block_length = 2.0
+course_height = 1.0
+length = 18.0
+width = 7.0
+height = 8.0
+thickness = 1.0
+apse = false
+tower = false
+windows = 2
+window_width = 1.0
+gable = 2.0
+roof = "timber"
+roof_mass = 150.0
+door_width = 2.0
+door_height = 4.0
+""",
 }
 STRUCTURES = {name: scene(structure=text if "kind" in text else f'kind = "{name}"\n{text}') for name, text in _KINDS.items()}
 

@@ -42,7 +42,7 @@ def run_case(folder: Path, command: Sequence[str], output: str) -> Outcome:
         memory=usage.ru_maxrss * 1024.0,
         interrupted=(aside / MARK).exists(),
         left=(*left_behind(folder, before, output), *temporary),
-        output=(folder / output).exists(),
+        output=output not in before and (folder / output).exists(),
     )
     shutil.rmtree(aside)
     return outcome
@@ -113,7 +113,7 @@ def _limit() -> None:
         resource.setrlimit(which, (most, resource.getrlimit(which)[1]))
     from structures.files import foreign
 
-    foreign.Limits.__new__.__defaults__ = (FOREIGN, foreign.MEMORY, foreign.OUTPUT)  # type: ignore[attr-defined]
+    foreign.Limits.__new__.__defaults__ = (FOREIGN, foreign.MEMORY, foreign.OUTPUT)
 
 
 def _interrupt_after_steps(mark: Path) -> None:
