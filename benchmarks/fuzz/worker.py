@@ -11,6 +11,7 @@ import time
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
+from io import FileIO, TextIOWrapper
 from pathlib import Path
 
 from benchmarks.fuzz.promises import Outcome, left_behind
@@ -76,6 +77,9 @@ def _in_child(folder: Path, command: Sequence[str], aside: Path) -> None:
             file = os.open(aside / name, os.O_WRONLY | os.O_CREAT)
             os.dup2(file, number)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        sys.stdout, sys.stderr = (
+            TextIOWrapper(FileIO(n, "w", closefd=False), errors="backslashreplace") for n in (1, 2)
+        )  # whatever they were
         _limit()
         _interrupt_after_steps(aside / MARK)
         code = _called(command)

@@ -172,6 +172,14 @@ def test_toml_written_reads_back_the_same():
             ("[run]\ndt", "[run]\nsolver = 'nlgz'\ndt"),
             "run.solver: input should be 'admm', 'auto', 'interior', 'newton' or 'nlgs', got 'nlgz'",
         ),
+        (
+            ("[run]\ndt", f"[run]\nseed = {2**63}\ndt"),
+            "run.seed: input should be less than or equal to 9223372036854775807, got 9223372036854775808",
+        ),
+        (
+            ("[run]\ndt", "[run]\nmax_iterations = 1000000001\ndt"),
+            "run.max_iterations: input should be less than or equal to 1000000000, got",
+        ),
         (("[run]\ndt", "[run]\ngravity = -9.81\ndt"), "run.gravity: should be three numbers [x, y, z], got -9.81"),
         (("radius = 10.0", "radius = 10.0 m"), "scene.toml:4: not valid TOML"),
         (("radius = 10.0", "radius = 10.0\nradius = 11.0"), "scene.toml:5: not valid TOML"),

@@ -8,8 +8,10 @@ import pytest
 from made_run import at_rest, box, write_run
 from typer.testing import CliRunner
 
+import structures
 from masonry_cd.cli.app import app
 from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports import outputs
 from reports.settings import Report
@@ -57,3 +59,36 @@ def test_times_that_rests_cut_short_take_away_are_told(tmp_path: Path) -> None:
         more = outputs.write_asked(results, tmp_path, asked, {"warnings": ["another"]})
     assert more["warnings"] == ["another", "report.times: no map at 9 s: the run, whose rests were cut short, ends at 0.3 s"]
     assert {path.name for path in tmp_path.glob("*.png")} == {"crack_map_0.1s.png", "crack_map_0.3s.png"}
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        (
+            {"amplitude": "amplitude = 1e150"},
+            "loads: the supports would move at up to 1e+150 m/s, at most 10000 are taken: check units and factors",
+        ),
+        (
+            {"duration": "duration = 0.5\ngravity = [0.0, 1e300, 0.0]"},
+            "loads: the blocks would be pulled at up to 1e+300 m/s2, at most 1e+06 are taken",
+        ),
+    ],
+)
+@pytest.mark.usefixtures("no_step")
+def test_motions_that_nothing_built_meets(block_on_plate, tmp_path: Path, keys: dict[str, str], message: str) -> None:
+    result = CliRunner().invoke(app, ["run", str(block_on_plate(**keys)), "-o", str(tmp_path / "out")])
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert message in result.stderr
+
+
+def test_corners_of_a_mesh_that_are_no_numbers(tmp_path: Path) -> None:
+    (tmp_path / "b.obj").write_text("o a\nv 0 0 0\nv 1 0 nan\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+    table = {"kind": "file", "path": "b.obj", "units": "m", "up": "z", "repair": True}
+    with pytest.raises(InputError, match=r'^b\.obj: block "a": a corner has coordinates that are no finite numbers$'):
+        structures.build(table, 2000.0, tmp_path)
+
+
+@pytest.mark.parametrize("text", ["[1, 2]", "3", '{"a": ' * 100_000, "nonsense", ""])
+def test_summaries_that_are_none(tmp_path: Path, text: str) -> None:
+    (tmp_path / "summary.json").write_text(text)
+    assert outputs.read_summary(tmp_path) == {}
