@@ -149,9 +149,8 @@ def _check_range(what: str, values: np.ndarray, most: float, unit: str) -> None:
     """
     largest = float(np.abs(values).max(initial=0.0))
     if not largest <= most:
-        raise InputError(
-            f"loads: the {what} at up to {largest:.3g} {unit}, at most {most:g} {unit} are taken: are units and factors right?"
-        )
+        asked = f"{largest:.3g} {unit}, at most {most:g} are taken"
+        raise InputError(f"loads: the {what} at up to {asked}: check units and factors")
 
 
 def _base(velocity: np.ndarray, dt: float) -> dict[str, Any]:

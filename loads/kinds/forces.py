@@ -32,6 +32,8 @@ from loads.supports import select
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly
 
+LONGEST_TIE = 1e6  # [m]
+SOFTEST, STIFFEST = 1e-9, 1e18  # [N/m]
 LARGEST_PHASE = 1.0  # w h (1 + xi) of a bar, and of all together
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -238,7 +240,11 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
     length = float(np.linalg.norm(points[1] - points[0]))
     if length == 0.0:
         raise InputError(f"{where}.points: both ends are at one point")
+    if not length <= LONGEST_TIE:
+        raise InputError(f"{where}.points: the ends are {length:.3g} m apart, at most {LONGEST_TIE:g} m are taken")
     stiffness = table.modulus * table.section / length
+    if not SOFTEST <= stiffness <= STIFFEST:
+        raise InputError(f"{where}: its modulus and section make {stiffness:.3g} N/m, {SOFTEST:g} to {STIFFEST:g} N/m are taken")
     omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
     _check_phase(omega, table.damping, grid.dt, f"{where}: run.dt {grid.dt:g} s is too long for its", "between these blocks")
     damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
