@@ -19,9 +19,10 @@ from benchmarks.fuzz.promises import Outcome, left_behind
 STEPS = 60  # those that warm up included, after which a run is interrupted: a changed duration may ask for a million
 ADDRESSES = 6 * 2**30  # beside those of the parent [B]
 LARGEST_FILE = 2**30  # [B]
-WALL = 90.0  # after which a case is stopped [s]
+WALL = 180.0  # after which a case is stopped [s]
 PROCESSOR = 60  # after which the system stops it [s]
 FOREIGN = 10.0  # processor time that a file may take in the readers of foreign files, which have 120 s elsewhere [s]
+BLOCKS = 3000  # that a structure may have here, 100,000 elsewhere: large ones that are sound would take minutes to build
 MARK = "interrupted-by-the-worker"
 
 
@@ -115,8 +116,10 @@ def _limit() -> None:
     }
     for which, most in wanted.items():
         resource.setrlimit(which, (most, resource.getrlimit(which)[1]))
+    from structures import size
     from structures.files import foreign
 
+    size.MOST = BLOCKS
     foreign.Limits.__new__.__defaults__ = (FOREIGN, foreign.MEMORY, foreign.OUTPUT)
 
 
