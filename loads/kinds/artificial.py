@@ -30,6 +30,7 @@ from loads.signal.intensity import in_words, intensity
 from loads.signal.response import Oscillators, response_spectrum
 from loads.supports import ShakingTable
 from masonry_cd.errors import InputError
+from masonry_cd.fields import is_number
 
 STEP = 0.005  # [s] of the accelerogram
 DAMPING = 0.05  # for which code spectra stand
@@ -50,7 +51,7 @@ def _range(value: object) -> tuple[float, float] | None:
     if value is None:
         return None
     numbers = list(value) if isinstance(value, (list, tuple)) else []
-    right = len(numbers) == 2 and all(isinstance(n, (int, float)) and not isinstance(n, bool) for n in numbers)
+    right = len(numbers) == 2 and all(map(is_number, numbers))
     if not right or not 0.02 <= numbers[0] < numbers[1] <= 4.0:
         raise ValueError(f"must be [from, to] in seconds, 0.02 <= from < to <= 4; given: {value}")
     return float(numbers[0]), float(numbers[1])

@@ -30,6 +30,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.errors import InputError
+from masonry_cd.fields import is_number
 from masonry_cd.model.blocks import Assembly
 
 LONGEST_TIE = 1e6  # [m]
@@ -46,7 +47,7 @@ def _vector(value: object) -> Vector | None:
     if value is None:
         return None
     numbers = list(value) if isinstance(value, (list, tuple)) else []
-    if len(numbers) != 3 or any(isinstance(n, bool) or not isinstance(n, (int, float)) or not np.isfinite(n) for n in numbers):
+    if len(numbers) != 3 or not all(map(is_number, numbers)):
         raise ValueError(f"must be three numbers, e.g. [0, 0, -1000]; given: {value}")
     return float(numbers[0]), float(numbers[1]), float(numbers[2])
 

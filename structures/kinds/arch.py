@@ -19,6 +19,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from masonry_cd.errors import InputError, parse_table
+from masonry_cd.fields import is_number
 from masonry_cd.model.blocks import Block
 from structures import size
 from structures.geometry.checks import check
@@ -31,7 +32,7 @@ def _abutment(value: Any) -> float | None:
     """true -> nan (the default depth), false -> None, a number -> itself."""
     if isinstance(value, bool):
         return math.nan if value else None
-    if isinstance(value, (int, float)) and 0 < value < math.inf:
+    if isinstance(value, (int, float)) and is_number(value) and value > 0:
         return float(value)
     raise ValueError("must be true, false or the depth of the abutments above 0 [m]")
 

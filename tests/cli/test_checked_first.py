@@ -92,3 +92,25 @@ def test_corners_of_a_mesh_that_are_no_numbers(tmp_path: Path) -> None:
 def test_summaries_that_are_none(tmp_path: Path, text: str) -> None:
     (tmp_path / "summary.json").write_text(text)
     assert outputs.read_summary(tmp_path) == {}
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        'kind = "point"\nblock = "block"\nforce = [0.0, 1.0, NUMBER]',
+        'kind = "sinusoidal"\ndirection = [1, 0, NUMBER]\namplitude = 1.0\nfrequency = 1.0\ncycles = 1',
+        'kind = "sequence"\nrest = NUMBER\nshocks = []',
+        'kind = "artificial"\ndirection = "x"\nspectrum = "EC8"\nag = 1.0\nperiods = [0.1, NUMBER]',
+        'kind = "record"\ndirection = "x"\npath = "b.csv"\nwindow = [0.1, NUMBER]',
+        'kind = "record"\ndirection = "x"\npath = "b.csv"\nresample = NUMBER',
+    ],
+)
+@pytest.mark.parametrize("number", ["1" + "0" * 30, "1" + "0" * 400])
+@pytest.mark.usefixtures("no_step")
+def test_whole_numbers_beyond_the_range_of_others(block_on_plate, tmp_path: Path, load: str, number: str) -> None:
+    scene = block_on_plate(report=f"[[loads]]\n{load.replace('NUMBER', number)}")
+    result = CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "out")])
+    if result.exit_code != 2:  # 1e30 is a force, if a large one
+        assert (len(number), str(result.exception)) == (31, "a step was made")
+    else:
+        assert result.stderr.count("\n") == 1
