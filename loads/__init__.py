@@ -25,6 +25,9 @@ from masonry_cd.model.blocks import Assembly
 
 __all__ = ["KINDS", "Loading", "build"]
 
+FASTEST = 1e4  # speed of a support [m/s]
+STRONGEST = 1e6  # body force [m/s2]
+
 KINDS: Entries[LoadKind] = Entries("loads.kinds", "KINDS")
 
 
@@ -89,6 +92,8 @@ def build(
         if part.acceleration is not None:
             acceleration += part.acceleration
     velocity, support_of = support_motions(parts, grid)
+    _check_range("supports would move", velocity, FASTEST, "m/s")
+    _check_range("blocks would be pulled", acceleration, STRONGEST, "m/s2")
     base = _base(velocity, grid.dt)
     lines = [line for part in parts for line in part.lines]
     if base["end_speed"] > 1e-3 * base["peak_speed"]:
@@ -134,6 +139,18 @@ def _gravity_tables(asked: Sequence[LoadTable]) -> list[int]:
         if isinstance(table, TiltTable) and ramp > (0.0 if table.initial > 0.0 else table.start):
             raise InputError(f"loads[{i}]: gravity is ramped over {ramp:g} s; begin the tilt after that, from an initial angle of 0")
     return falls
+
+
+def _check_range(what: str, values: np.ndarray, most: float, unit: str) -> None:
+    """Refuse motions beyond what anything that is built meets, which are mistaken units or damaged files.
+
+    Raises:
+        InputError: names the largest value and the limit.
+    """
+    largest = float(np.abs(values).max(initial=0.0))
+    if not largest <= most:
+        asked = f"{largest:.3g} {unit}, at most {most:g} are taken"
+        raise InputError(f"loads: the {what} at up to {asked}: check units and factors")
 
 
 def _base(velocity: np.ndarray, dt: float) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
+from masonry_cd.fields import is_number
 from masonry_cd.model.blocks import Assembly
 
 STANDARD_GRAVITY = 9.80665  # [m/s2], the g in which records are written (CGPM 1901); not the site's gravity
@@ -121,8 +122,9 @@ def parse_direction(value: object) -> Direction:
         sign = -1.0 if value.strip().startswith("-") else 1.0
         return Direction((sign * axis[0] + 0.0, sign * axis[1] + 0.0, sign * axis[2] + 0.0), value.strip())
     numbers = list(value) if isinstance(value, (list, tuple)) else []
-    if len(numbers) != 3 or any(isinstance(n, bool) or not isinstance(n, (int, float)) for n in numbers):
+    if len(numbers) != 3 or not all(map(is_number, numbers)):
         raise ValueError('must be "x", "y", "z" or a vector of three numbers such as [1, 0, 0]')
+    numbers = [float(n) for n in numbers]
     length = float(np.linalg.norm(numbers))
     if not np.isfinite(length) or length == 0.0:
         raise ValueError(f"a vector of finite length above zero is needed, got {numbers}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -10,6 +11,11 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Count = Annotated[int, Strict()]
 Flag = Annotated[bool, Strict()]
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a finite number: no truth value, and no whole number beyond the range of all others."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
 def _three_numbers(value: object) -> object:

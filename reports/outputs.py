@@ -8,12 +8,15 @@ from typing import Any
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.model.blocks import Block
 from reports.damage.grades import read_grades
 from reports.damage.joint_files import thresholds_of
 from reports.damage.part_damage import PartDamage, Settings, part_damage
 from reports.damage.part_files import BY_SHOCK, NAMES_OF_FILES, in_short, write_part_damage
+from reports.deformed import Solids
 from reports.extra import EXTRA
-from reports.maps.crack_map import MapStyle, framing, sheet_of
+from reports.maps.crack_map import MapStyle, framing, sheet_of, view_and_cut
+from reports.maps.sequence import animation, crack_maps, frames_at, slack, times_within
 from reports.settings import Report
 
 ANIMATION = "crack_map.gif"
@@ -30,20 +33,37 @@ def style_of(settings: Report) -> MapStyle:
     return MapStyle(settings.view, settings.scale, thresholds, largest, settings.cut, settings.thrust)
 
 
-def check(settings: Report, results: Results | None = None) -> None:
-    """Check what only the reports know of, before a run takes its time; with results, also what depends on the structure.
+def check(settings: Report, blocks: Sequence[Block], end: float, spacing: float) -> None:
+    """Check what only the reports know of, before a run takes its time.
+
+    Args:
+        settings: of the scene.
+        blocks: of its structure.
+        end: of the run [s].
+        spacing: of its frames [s].
 
     Raises:
-        InputError: names the key.
+        InputError: names the key of ``[report]``.
     """
     read_grades(settings.grades)
+    beyond = next((time for time in settings.times if time > end + slack(spacing)), None)
+    if beyond is not None:
+        raise InputError(f"report.times: {beyond:g} s lies beyond the run, which ends at {end:g} s")
     if settings.cut:
-        from reports.maps.cut import axis_of
+        try:
+            view_and_cut(Solids.from_blocks(blocks), style_of(settings))
+        except InputError as error:
+            raise InputError(f"report.{error}") from None
 
-        axis_of(settings.cut)
-    style = style_of(settings)
-    if results is not None:
-        framing(results, [0], style)
+
+def check_again(settings: Report, results: Results) -> None:
+    """Check the settings of reports that are redone on a run's results.
+
+    Raises:
+        InputError: names the setting.
+    """
+    read_grades(settings.grades)
+    framing(results, [0], style_of(settings))
 
 
 def damage_of(results: Results, settings: Report) -> PartDamage:
@@ -57,8 +77,6 @@ def parse_times(results: Results, text: str) -> list[float]:
     Raises:
         InputError: something that is no number, or a time outside the run.
     """
-    from reports.maps.sequence import frames_at
-
     times = []
     for word in text.split(","):
         try:
@@ -77,22 +95,16 @@ def draw_crack_map(results: Results, path: Path, settings: Report, frame: int = 
 
 def frame_at(results: Results, time: float | None) -> int:
     """The frame next to a time [s]; the last for None."""
-    from reports.maps.sequence import frames_at
-
     return -1 if time is None else frames_at(results, [time])[0]
 
 
 def draw_times(results: Results, folder: Path, settings: Report, times: Sequence[float]) -> list[Path]:
     """Draw crack maps at times [s], all in one framing."""
-    from reports.maps.sequence import crack_maps
-
     return crack_maps(results, folder, times, style_of(settings))
 
 
 def draw_animation(results: Results, path: Path, settings: Report, progress: Callable[[int], None] | None = None) -> int:
     """Draw the animation; return its number of frames."""
-    from reports.maps.sequence import animation
-
     return animation(results, path, style_of(settings), progress=progress)
 
 
@@ -132,8 +144,13 @@ def write_asked(results: Results, folder: Path, settings: Report, summary: Mappi
             write_page(results, folder / PAGE, settings, summary, damage)
     if settings.crack_map:
         draw_crack_map(results, folder / "crack_map.png", settings)
-    if settings.times:
-        draw_times(results, folder, settings, [time for time in settings.times if time <= results.time[-1]])
+    times, beyond = times_within(results, settings.times)
+    if times:
+        draw_times(results, folder, settings, times)
+    if beyond:  # of a run that left out rests, or the settings had been refused
+        at = ", ".join(f"{time:g}" for time in beyond)
+        line = f"report.times: no map at {at} s: the run, whose rests were cut short, ends at {results.time[-1]:g} s"
+        more["warnings"] = [*summary.get("warnings", ()), line]
     if settings.animation and results.frames > 1:
         draw_animation(results, folder / ANIMATION, settings)
     write_extra(results, folder, settings.extra)

@@ -16,7 +16,6 @@ fails to read texts from VTKHDF.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +25,7 @@ import h5py
 import numpy as np
 
 from masonry_cd.atomic import replacing
+from masonry_cd.csv_files import write_csv
 from masonry_cd.errors import InputError
 from masonry_cd.io.hdf5_file import created
 from masonry_cd.io.layout import JOINT_HISTORIES
@@ -232,10 +232,8 @@ def _write_vtp(data: Any, path: Path) -> None:
 def _write_names(results: Results, path: Path) -> Path:
     """Numbers and names of blocks and groups."""
     groups = list(dict.fromkeys(block.group for block in results.blocks))
-    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("block", "name", "group", "group_name"))
-        writer.writerows((k, block.name, groups.index(block.group), block.group) for k, block in enumerate(results.blocks))
+    rows = ((k, block.name, groups.index(block.group), block.group) for k, block in enumerate(results.blocks))
+    write_csv(path, ("block", "name", "group", "group_name"), rows)
     return path
 
 

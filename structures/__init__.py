@@ -31,7 +31,7 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
     """Build the blocks of a structure and check them.
 
     Args:
-        table: the scene's [structure] table, ``kind`` included.
+        table: the scene's [structure] table, with ``kind``, and ``most_blocks`` where it is given.
         density: of the material [kg/m3]; the entries of a block file may state their own.
         folder: where the scene file lies; the path of a block file is relative to it.
 
@@ -42,6 +42,7 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
         InputError: an unknown kind, a key of that kind that is wrong, or blocks that are unsound.
     """
     from masonry_cd.errors import InputError, suggest
+    from structures import size
 
     kinds = ", ".join(KINDS)
     if "kind" not in table:
@@ -50,8 +51,9 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
     if kind not in KINDS:
         hint = suggest(kind, KINDS)
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
-    rest = {key: value for key, value in table.items() if key != "kind"}
-    made = KINDS[kind](rest, density, folder)
+    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY)}
+    with size.limited(table.get(size.KEY, size.MOST)):
+        made = KINDS[kind](rest, density, folder)
     return made if isinstance(made, tuple) else (made, [])
 
 

@@ -30,6 +30,7 @@ from loads.signal.intensity import in_words, intensity
 from loads.signal.response import Oscillators, response_spectrum
 from loads.supports import ShakingTable
 from masonry_cd.errors import InputError
+from masonry_cd.fields import is_number
 
 STEP = 0.005  # [s] of the accelerogram
 DAMPING = 0.05  # for which code spectra stand
@@ -40,6 +41,7 @@ DRAWS = 6
 MARGIN = 0.95  # of the tolerance, at those periods
 SHORTEST, LONGEST = 0.03, 3.0  # [s] matched at least, so that no period outside the range asked for stands out
 FADE = 0.5  # [s] at both ends
+LONGEST_MOTION = 600.0  # [s]: drawing 100 s takes 8 s
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -49,7 +51,7 @@ def _range(value: object) -> tuple[float, float] | None:
     if value is None:
         return None
     numbers = list(value) if isinstance(value, (list, tuple)) else []
-    right = len(numbers) == 2 and all(isinstance(n, (int, float)) and not isinstance(n, bool) for n in numbers)
+    right = len(numbers) == 2 and all(map(is_number, numbers))
     if not right or not 0.02 <= numbers[0] < numbers[1] <= 4.0:
         raise ValueError(f"must be [from, to] in seconds, 0.02 <= from < to <= 4; given: {value}")
     return float(numbers[0]), float(numbers[1])
@@ -73,7 +75,7 @@ class SpectrumMatch(BaseModel):
     tolerance: Annotated[float, Field(ge=0.03, le=0.5)] = 0.10  # of the ratio to the target
     rise: Positive = 2.0  # [s]
     level: Positive = 10.0  # [s]
-    duration: Positive = 25.0  # [s]
+    duration: Annotated[float, Field(gt=0.0, le=LONGEST_MOTION)] = 25.0  # [s]
     seed: Annotated[int, Field(ge=0)] = 0
 
     @model_validator(mode="after")

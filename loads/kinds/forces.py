@@ -30,8 +30,11 @@ from pydantic import BeforeValidator, Field, model_validator
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.errors import InputError
+from masonry_cd.fields import is_number
 from masonry_cd.model.blocks import Assembly
 
+LONGEST_TIE = 1e6  # [m]
+SOFTEST, STIFFEST = 1e-9, 1e18  # [N/m]
 LARGEST_PHASE = 1.0  # w h (1 + xi) of a bar, and of all together
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -44,7 +47,7 @@ def _vector(value: object) -> Vector | None:
     if value is None:
         return None
     numbers = list(value) if isinstance(value, (list, tuple)) else []
-    if len(numbers) != 3 or any(isinstance(n, bool) or not isinstance(n, (int, float)) or not np.isfinite(n) for n in numbers):
+    if len(numbers) != 3 or not all(map(is_number, numbers)):
         raise ValueError(f"must be three numbers, e.g. [0, 0, -1000]; given: {value}")
     return float(numbers[0]), float(numbers[1]), float(numbers[2])
 
@@ -238,7 +241,11 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
     length = float(np.linalg.norm(points[1] - points[0]))
     if length == 0.0:
         raise InputError(f"{where}.points: both ends are at one point")
+    if not length <= LONGEST_TIE:
+        raise InputError(f"{where}.points: the ends are {length:.3g} m apart, at most {LONGEST_TIE:g} m are taken")
     stiffness = table.modulus * table.section / length
+    if not SOFTEST <= stiffness <= STIFFEST:
+        raise InputError(f"{where}: its modulus and section make {stiffness:.3g} N/m, {SOFTEST:g} to {STIFFEST:g} N/m are taken")
     omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
     _check_phase(omega, table.damping, grid.dt, f"{where}: run.dt {grid.dt:g} s is too long for its", "between these blocks")
     damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)

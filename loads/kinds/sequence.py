@@ -30,6 +30,7 @@ from loads.signal.accelerogram import Accelerogram, Processed, Scaled, describe_
 from loads.signal.intensity import in_words
 from loads.supports import ShakingTable
 from masonry_cd.errors import parse_table
+from masonry_cd.fields import is_number
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -38,7 +39,7 @@ def _rest(value: object) -> float | str:
     """A time or the word "still"."""
     if value == "still":
         return "still"
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and np.isfinite(value) and value >= 0.0:
+    if isinstance(value, (int, float)) and is_number(value) and value >= 0.0:
         return float(value)
     raise ValueError('must be a time in seconds, or "still": until the structure is')
 

@@ -22,6 +22,7 @@ from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.filters import band_pass, resample, taper_factors
 from loads.signal.intensity import in_words, intensity
 from masonry_cd.errors import InputError
+from masonry_cd.fields import is_number
 
 FEWEST = 8  # samples
 
@@ -32,7 +33,7 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 def _two_numbers(value: object, what: str) -> tuple[float, float]:
     """Two numbers, the first below the second."""
     numbers = list(value) if isinstance(value, (list, tuple)) else []
-    if len(numbers) != 2 or any(isinstance(n, bool) or not isinstance(n, (int, float)) for n in numbers) or not numbers[0] < numbers[1]:
+    if len(numbers) != 2 or not all(map(is_number, numbers)) or not numbers[0] < numbers[1]:
         raise ValueError(f"must be [from, to] in {what}, from < to" + (f"; given: {numbers}" if numbers else ""))
     return float(numbers[0]), float(numbers[1])
 
@@ -57,7 +58,7 @@ def _column(value: object) -> str | int | None:
 
 def _resampling(value: object) -> float | str | None:
     """A time step or the word for that of the run."""
-    number = isinstance(value, (int, float)) and not isinstance(value, bool) and np.isfinite(value) and value > 0.0
+    number = isinstance(value, (int, float)) and is_number(value) and value > 0.0
     if value is None or value == "run" or number:
         return float(value) if isinstance(value, (int, float)) else None if value is None else "run"
     raise ValueError('must be a time step above zero, in seconds, or "run" for that of the run')

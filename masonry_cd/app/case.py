@@ -28,6 +28,8 @@ from masonry_cd.solvers import cores
 if TYPE_CHECKING:
     from loads import Loading
 
+FALLING = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
+
 
 @dataclass(frozen=True, eq=False)
 class Case:
@@ -73,10 +75,10 @@ def prepare(scene: Scene) -> Case:
     begin = time.perf_counter()
     blocks, notes = build_structure(scene)
     try:
-        if scene.report.asks or scene.report.grades:
+        if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 
-            outputs.check(scene.report)
+            outputs.check(scene.report, blocks, scene.run.steps * scene.run.dt, scene.run.frame_every * scene.run.dt)
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         loading = loads.build(scene.loads, scene.run.dt, scene.run.steps, scene.run.gravity, scene.folder, assembly)
     except InputError as error:
@@ -93,7 +95,8 @@ def prepare(scene: Scene) -> Case:
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))
     gravity = float(np.linalg.norm(scene.run.gravity))
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
-    warnings = (*coarse, *_beyond_machine(scene.run.threads))
+    falling = [FALLING] if gravity and not assembly.fixed.any() else []
+    warnings = (*falling, *coarse, *_beyond_machine(scene.run.threads))
     return Case(scene, assembly, joints, loading, tuple(notes), warnings, time.perf_counter() - begin)
 
 

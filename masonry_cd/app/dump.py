@@ -23,7 +23,7 @@ def parse_steps(words: Sequence[str]) -> tuple[int, ...]:
     """
     found = set()
     for word in (part.strip() for text in words for part in text.split(",")):
-        if not word.isascii() or not word.isdigit() or int(word) < 1:
+        if not word.isascii() or not word.isdigit() or len(word) > 9 or int(word) < 1:
             raise InputError(f'--dump-problem: "{word}" is no step; the first is 1')
         found.add(int(word))
     return tuple(sorted(found))

@@ -9,7 +9,6 @@ mesh_convergence.csv  frequencies of the continuum by size of the elements, wher
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from masonry_cd.atomic import replacing
+from masonry_cd.csv_files import write_csv
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from reports.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
@@ -342,10 +341,7 @@ def _shape_rows(modes: Modes) -> list[dict[str, Any]]:
 def _write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Write a CSV file whose columns are the keys of its first row."""
     try:
-        with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(rows[0]), restval="")
-            writer.writeheader()
-            writer.writerows(rows)
+        write_csv(path, rows[0], ([row.get(key, "") for key in rows[0]] for row in rows))
     except OSError as failure:
         raise InputError(f"{path}: cannot be written, {failure.strerror}") from None
 

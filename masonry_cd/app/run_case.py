@@ -11,6 +11,7 @@ import numpy as np
 
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.case import Case
+from masonry_cd.app.disc_space import check_disc_space, result_bytes
 from masonry_cd.app.dump import FILES, Dump
 from masonry_cd.app.explain import left_out
 from masonry_cd.app.inputs import digests
@@ -60,7 +61,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
 
     Raises:
         InputError: with ``resume``, a folder without a checkpoint or with one of another scene; a step to dump that the run does not make;
-            a folder that another run writes into.
+            a folder that another run writes into; results that do not fit on its disc.
 
     Returns:
         the summary, as in summary.json; its ``stopped`` says why the run ended early, empty when it did not, and ``signal`` the number of
@@ -70,6 +71,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     scene, settings = case.scene, case.scene.run
     saved, dumped = folder / checkpoint.NAME, Dump(folder, dump)
     loading = case.loading
+    _fits(case, folder, resume)
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
     if not resume:
         dumped.check(1, settings.steps)
@@ -143,6 +145,16 @@ def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: f
     summary["wall_seconds"] = since + time.perf_counter()
     writer.write_closing(as_json(summary))
     return summary
+
+
+def _fits(case: Case, folder: Path, resume: bool) -> None:
+    """Refuse results that do not fit on the disc."""
+    settings, file = case.scene.run, folder / RESULTS
+    needed = result_bytes(case.assembly, case.joints, settings.steps // settings.frame_every + 2, settings.steps)
+    try:
+        check_disc_space(folder, needed, float(file.stat().st_size) if resume and file.exists() else 0.0)
+    except InputError as error:
+        raise case.scene.at_fault(error) from None
 
 
 def _settle(stepper: Stepper, scene: Scene) -> None:

@@ -60,7 +60,7 @@ def run(
         InputError: a checkpoint that is missing, unreadable, or of another scene.
     """
     recorder = Recorder(writer, stepper, joints, pauses is not None)
-    loop = _Loop(stepper, recorder, RunReport(planar=stepper.plane is not None), pauses, save_to)
+    loop = _Loop(stepper, recorder, RunReport(planar=stepper.plane is not None, fall=_fall(stepper)), pauses, save_to)
     if resume and save_to is not None:
         loop.resume(save_to)
     else:
@@ -160,6 +160,12 @@ class _Loop:
             self.recorder.close()
         else:
             self.save(self.save_to)
+
+
+def _fall(stepper: Stepper) -> float:
+    """The energy that a step of free fall would give to all free blocks [J]."""
+    speed = float(np.linalg.norm(stepper.settings.gravity)) * stepper.settings.dt
+    return 0.5 * float(stepper.assembly.mass[~stepper.assembly.fixed].sum()) * speed * speed
 
 
 def _aftermath(shock: Shock, load_step: int, stepper: Stepper, frame: int) -> Aftermath:

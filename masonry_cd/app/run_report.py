@@ -49,6 +49,8 @@ class RunReport:
     signal: int = 0  # the number of the one that stopped it
 
     work_max: float = 0.0  # largest work of the base, gravity or forces, or kinetic energy, so far [J]
+    fall: float = 0.0  # what a step of free fall would give to all free blocks [J]
+    resolution: float = 0.0  # that times the tolerance, summed over the steps: works below it are what solving leaves [J]
 
     @classmethod
     def read(cls, table: object) -> RunReport:
@@ -73,13 +75,20 @@ class RunReport:
 
     @property
     def balance_error(self) -> float:
-        """Largest |balance| over the largest work done, or kinetic energy reached."""
-        return self.balance_max / self.work_max if self.work_max > 0 else 0.0
+        """Largest |balance| over the largest work done, or kinetic energy reached; over ``resolution`` where nothing moved."""
+        scale = max(self.work_max, self.resolution)
+        return self.balance_max / scale if scale > 0 else 0.0
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether works and motions stayed below what solving to the tolerance leaves, so that they are no measure."""
+        return self.work_max <= self.resolution
 
     @property
     def lift_share(self) -> float:
         """Work of lifting blocks out of overlaps over the same: energy that the correction of positions puts in, beside the balance."""
-        return abs(self.energy.get("correction", 0.0)) / self.work_max if self.work_max > 0 else 0.0
+        scale = max(self.work_max, self.resolution)
+        return abs(self.energy.get("correction", 0.0)) / scale if scale > 0 else 0.0
 
     def look(self, step: StepReport, stepper: Stepper) -> None:
         """Name the blocks of a step that overlap most, and what leaves them no solution."""
@@ -113,6 +122,7 @@ class RunReport:
         self.sleeping_mean += (step.sleeping - self.sleeping_mean) / (n + 1)
         kind = NUMBER.sub("#", step.reason)  # like counts with like, and the dict stays small
         self.solver_reasons[kind] = self.solver_reasons.get(kind, 0) + 1
+        self.resolution += tolerance * self.fall
         self.energy = dict(energy)
         works = (abs(energy[name]) for name in WORKS)
         self.work_max = max(self.work_max, *works, energy["kinetic"])

@@ -58,7 +58,13 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
         "penetration_max": report.penetration_max,
         "penetration_where": report.penetration_where,
         "closing": {"steps": report.steps_closing, "speed_max": report.closing_max, "jam": report.jam},
-        "energy": energy | {"balance_error": report.balance_error, "lift_share": report.lift_share},
+        "energy": energy
+        | {
+            "balance_error": report.balance_error,
+            "balance_max": report.balance_max,
+            "at_rest": report.at_rest,
+            "lift_share": report.lift_share,
+        },
         "loads": case.loading.summary,
     }
 
@@ -89,7 +95,8 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     s, solver, energy = summary, summary["solver"], summary["energy"]
     per_step = s["stepping_seconds"] / max(1, s["steps"])
     lifted = energy.get("lift_share", 0.0)
-    lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if lifted >= REPORTED else ""
+    told = lifted >= REPORTED and not energy["at_rest"]
+    lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if told else ""
     deep = f", of {s['penetration_where']}" if s.get("penetration_where") else ""
     bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
     return [
@@ -103,8 +110,15 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         f"largest penetration {length(s['penetration_max'])}{deep}",
         f"solver {solver['name']}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
-        f"energy: balance closed to {energy['balance_error']:.1e} of the largest work done{lift}",
+        f"energy: balance closed to {_balance(energy)}{lift}",
     ]
+
+
+def _balance(energy: dict[str, Any]) -> str:
+    """How the balance closed: as a share of the largest work, in joules where there was none to speak of."""
+    if energy["at_rest"]:
+        return f"{energy['balance_max']:.1e} J; no work was done beyond what the tolerance of the steps leaves"
+    return f"{energy['balance_error']:.1e} of the largest work done"
 
 
 def damage_line(s: dict[str, Any]) -> str:

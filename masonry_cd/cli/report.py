@@ -51,7 +51,7 @@ def report(
             from reports.damage import joint_files, part_files
 
             settings = report_of(results.scene, view=view, scale=scale, cut=cut, thrust=thrust, extra=extra or None)
-            outputs.check(settings, results)
+            outputs.check_again(settings, results)
             frame = outputs.frame_at(results, time)
             chosen = outputs.parse_times(results, times) if times is not None else []
             summary, words = summary_of(results, folder)

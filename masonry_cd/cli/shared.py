@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -44,11 +45,16 @@ def warn(lines: Iterable[str]) -> None:
 
 @contextmanager
 def errors_reported() -> Iterator[None]:
-    """Report errors of the body in one line and set the exit code."""
+    """Report errors of the body in one line and set the exit code.
+
+    Numbers beyond their range are refused, or told by name: what numpy says of them besides, by line of this program, helps no user.
+    """
     from masonry_cd.errors import InputError
 
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            yield
     except InputError as error:
         typer.echo(f"masonry-cd: error: {error}", err=True)
         raise typer.Exit(2) from None

@@ -10,14 +10,17 @@ import typer
 
 from masonry_cd.cli.shared import errors_reported
 from masonry_cd.solvers import SOLVERS
+from masonry_cd.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 
 
 def solve(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Friction problem: FCLIB HDF5 or .npz.", show_default=False)],
     solver: Annotated[str, typer.Option(metavar="NAME", help=f"One of {', '.join(SOLVERS)}.")] = "auto",
     tolerance: Annotated[float, typer.Option(metavar="T", help="Natural map error to reach (scaled).")] = 1e-8,
-    max_iterations: Annotated[int | None, typer.Option(metavar="N", min=1, help="The solver's own limit by default.")] = None,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Of random sweep orders.")] = 0,
+    max_iterations: Annotated[
+        int | None, typer.Option(metavar="N", min=1, max=MOST_ITERATIONS, help="The solver's own limit by default.")
+    ] = None,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, max=LARGEST_SEED, help="Of random sweep orders.")] = 0,
     json_: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="SOLUTION.npz", help="Save impulses r, velocities u.")] = None,
 ) -> None:

@@ -8,9 +8,10 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from masonry_cd.fields import Count, Flag, Number, Table, Vector
+from masonry_cd.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 from masonry_cd.solvers.solver_name import SolverName
 
-MOST_STEPS = 1e8  # of a run: more than years of computing, and gigabytes of loads
+MOST_STEPS = 2e7  # of a run: some 4 GB of loads
 
 
 class Run(Table):
@@ -26,11 +27,11 @@ class Run(Table):
     """Of the friction problem of each step."""
     tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-8
     """Natural map error that each step has to reach."""
-    max_iterations: Annotated[Count, Field(ge=1)] | None = None
+    max_iterations: Annotated[Count, Field(ge=1, le=MOST_ITERATIONS)] | None = None
     """Iterations of each island after which a step counts as missed; the solver's own limit when not given."""
-    seed: Annotated[Count, Field(ge=0)] = 0
+    seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0
     """Of the order in which contacts are swept."""
-    threads: Annotated[Count, Field(ge=1)] = 1
+    threads: Annotated[Count, Field(ge=1, le=10_000)] = 1
     """Cores to use."""
     frames_per_second: Annotated[Number, Field(gt=0)] = 50.0
     """Frames written per second of the simulated time [1/s]."""

@@ -15,7 +15,6 @@ Sparse matrices in FCLIB follow CSparse: ``nz`` counts the entries of a list of 
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -30,12 +29,17 @@ from masonry_cd.errors import InputError, suggest
 from masonry_cd.friction.local_blocks import block_arrays, contact_pattern
 from masonry_cd.friction.local_operators import is_definite
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem
+from masonry_cd.friction.stored_arrays import datasets, npz_arrays, open_hdf5
 from masonry_cd.linalg.small_blocks import size_tuple
 
 UNSYMMETRIC = 1e-2  # of the largest entry: published problems reach 1e-3
 INDEFINITE = 1e-4  # of the largest diagonal entry
 LARGEST = 1e100  # entry of any array: its square is a number, and so are sums of them
 HDF5 = (".hdf5", ".h5")
+FORMS = {  # of FCLIB: equality constraints, which are not supported, and the matrices and vectors that are read
+    "fclib_local": (("V", "R"), ("W",), ("q", "mu")),
+    "fclib_global": (("G",), ("M", "H"), ("f", "w", "mu")),
+}
 
 
 def read_problem(path: Path | str) -> Problem:
@@ -75,11 +79,7 @@ def write_problem(path: Path | str, problem: Problem, title: str = "") -> None:
 
 def _read_npz(path: Path) -> Problem:
     """Read the plain format."""
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except (ValueError, OSError, zipfile.BadZipFile, EOFError) as failure:
-        raise InputError(f"{path}: no .npz file that can be read ({failure})") from None
+    arrays = npz_arrays(path)
     mu = _vector(path, arrays, "mu")
     if any(name.startswith("M_") for name in arrays):
         mass, h = (_compressed(path, arrays, name) for name in ("M", "H"))
@@ -140,26 +140,24 @@ def _vector(path: Path, arrays: Mapping[str, np.ndarray], name: str, whole: bool
 
 def _read_fclib(path: Path) -> Problem:
     """Read a local or global problem of the FCLIB format."""
-    try:
-        file = h5py.File(path, "r")
-    except OSError as failure:
-        raise InputError(f"{path}: no HDF5 file that can be read ({failure})") from None
-    with file:
-        if isinstance(group := file.get("fclib_local"), h5py.Group):
-            _refuse_equalities(path, group, ("V", "R"))
-            w, q, mu = _fclib_matrix(path, group, "W"), _fclib_vector(path, group, "q"), _fclib_vector(path, group, "mu")
-            return _of_dimension(path, group, _local(path, w, q, mu))
-        if isinstance(group := file.get("fclib_global"), h5py.Group):
-            _refuse_equalities(path, group, ("G",))
-            mass, h = (_fclib_matrix(path, group, name) for name in ("M", "H"))
-            f, w, mu = (_fclib_vector(path, group, name) for name in ("f", "w", "mu"))
-            return _of_dimension(path, group, _global(path, mass, h, f, w, mu, np.zeros_like(w)))
-    raise InputError(f"{path}: an HDF5 file, but no FCLIB one: it has neither fclib_local nor fclib_global")
+    with open_hdf5(path) as file:
+        form = next((name for name in FORMS if isinstance(file.get(name), h5py.Group)), None)
+        if form is None:
+            raise InputError(f"{path}: an HDF5 file, but no FCLIB one: it has neither fclib_local nor fclib_global")
+        group, (equalities, matrices, vectors) = file[form], FORMS[form]
+        _refuse_equalities(path, group, equalities)
+        whole = datasets(group)
+        matrix = {name: _fclib_matrix(path, group, name) for name in matrices}
+        vector = {name: _fclib_vector(path, group, name) for name in vectors}
+    mu = vector["mu"]
+    if form == "fclib_local":
+        return _of_dimension(path, whole, _local(path, matrix["W"], vector["q"], mu))
+    f, w = vector["f"], vector["w"]
+    return _of_dimension(path, whole, _global(path, matrix["M"], matrix["H"], f, w, mu, np.zeros_like(w)))
 
 
-def _of_dimension(path: Path, group: h5py.Group, problem: Problem) -> Problem:
+def _of_dimension(path: Path, found: Mapping[str, np.ndarray], problem: Problem) -> Problem:
     """The problem, if it has as many rows per contact as the file says."""
-    found = _datasets(group)
     if "spacedim" in found and problem.contacts and (said := _count(path, found, "spacedim")) != problem.dimension:
         raise InputError(f"{path}: spacedim is {said}, but its arrays hold {problem.dimension} rows per contact")
     return problem
@@ -172,12 +170,6 @@ def _refuse_equalities(path: Path, group: h5py.Group, names: tuple[str, ...]) ->
             raise InputError(f"{path}: {group.name[1:]}/{name}: equality constraints are not supported")
 
 
-def _datasets(group: h5py.Group | h5py.Dataset | None, prefix: str = "") -> dict[str, np.ndarray]:
-    """The datasets in a group by name, with a prefix; none where there is no group."""
-    items = group.items() if isinstance(group, h5py.Group) else ()
-    return {prefix + key: np.asarray(value) for key, value in items if isinstance(value, h5py.Dataset)}
-
-
 def _count(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> int:
     """One whole number."""
     found = _vector(path, arrays, name, whole=True)
@@ -188,7 +180,7 @@ def _count(path: Path, arrays: Mapping[str, np.ndarray], name: str) -> int:
 
 def _fclib_vector(path: Path, group: h5py.Group, name: str) -> np.ndarray:
     """One of the vectors of a problem."""
-    return _vector(path, _datasets(group.get("vectors")), name)
+    return _vector(path, datasets(group.get("vectors")), name)
 
 
 def _fclib_matrix(path: Path, group: h5py.Group, name: str) -> sparse.csr_matrix:
@@ -196,7 +188,7 @@ def _fclib_matrix(path: Path, group: h5py.Group, name: str) -> sparse.csr_matrix
     where = f"{group.name[1:]}/{name}"
     if name not in group:
         raise InputError(f"{path}: {where} is missing")
-    arrays = _datasets(group[name], f"{where}/")
+    arrays = datasets(group[name], f"{where}/")
     rows, columns, nz = (_count(path, arrays, f"{where}/{key}") for key in ("m", "n", "nz"))
     i, p = (_vector(path, arrays, f"{where}/{key}", whole=True) for key in ("i", "p"))
     x = _vector(path, arrays, f"{where}/x")

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from masonry_cd.errors import InputError, suggest
-from masonry_cd.fields import Number, Table
+from masonry_cd.fields import Number, Table, is_number
 
 Value = TypeVar("Value")
 
@@ -86,7 +86,7 @@ class Material(Table):
             raise ValueError("gives no value")
         for pair, mu in pairs.items():
             name = f'"{pair}": ' if pair else ""
-            if isinstance(mu, bool) or not isinstance(mu, (int, float)):
+            if not (is_number(mu) or isinstance(mu, float)):
                 raise ValueError(f"{name}should be a number")
             if not 0 <= mu <= 20:
                 raise ValueError(

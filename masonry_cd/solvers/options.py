@@ -5,6 +5,9 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
+MOST_ITERATIONS = 10**9  # kernels count in 64 bits, and tens of them per iteration
+LARGEST_SEED = 2**63 - 1
+
 
 @dataclass(frozen=True)
 class Options:

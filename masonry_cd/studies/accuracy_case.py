@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 
 from masonry_cd.app.scene import read_scene
 from masonry_cd.atomic import replacing
+from masonry_cd.csv_files import write_csv
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.quantities import in_words
 
@@ -198,10 +198,7 @@ def _write(measured: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 def _write_csv(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     """Write rows of like keys."""
-    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(rows[0])
-        writer.writerows([f"{v:.9g}" if isinstance(v, float) else str(v) for v in row.values()] for row in rows)
+    write_csv(path, rows[0], ([f"{v:.9g}" if isinstance(v, float) else str(v) for v in row.values()] for row in rows))
 
 
 def markdown(rows: Sequence[Mapping[str, Any]]) -> str:

@@ -13,7 +13,6 @@ joints without compression are at work, and in a strong one opening and sliding:
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
@@ -24,8 +23,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.app.scene import Scene, read_scene
-from masonry_cd.atomic import replacing
 from masonry_cd.contact.find_joints import find_joints
+from masonry_cd.csv_files import write_csv
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
@@ -294,7 +293,4 @@ def _mode_lines(rows: Sequence[Mapping[str, float]]) -> list[str]:
 
 def _write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Write a CSV file whose columns are the keys of its first row."""
-    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
+    write_csv(path, rows[0], (row.values() for row in rows))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from masonry_cd.atomic import replacing
+from masonry_cd.csv_files import write_csv
 from reports.compare.comparison import Comparison
 from reports.compare.comparison_picture import comparison_picture
 
@@ -19,10 +19,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     """Write comparison.csv, comparison.md and comparison.png into a folder, which is made if need be."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"comparison.{ending}" for ending in ("csv", "md", "png")]
-    with replacing(paths[0]) as part, part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(comparison.header)
-        writer.writerows([name, unit, *(_exact(value) for value in values)] for name, unit, values in comparison.rows)
+    write_csv(paths[0], comparison.header, ([name, unit, *map(_exact, values)] for name, unit, values in comparison.rows))
     with replacing(paths[1]) as part:
         part.write_text(markdown(comparison), encoding="utf-8")
     comparison_picture(comparison, paths[2])

@@ -27,6 +27,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, field_validator
 
 from masonry_cd.errors import parse_table
+from masonry_cd.fields import is_number
 
 INF = float("inf")
 NAMES = ("D0", "D1", "D2", "D3", "D4", "D5")
@@ -44,7 +45,7 @@ def _five_rising(value: object) -> object:
     """Five numbers that do not fall, for D1 to D5."""
     if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 5:
         raise ValueError("should be five numbers, for D1 to D5; inf for a grade that this measure alone does not reach")
-    if any(isinstance(v, bool) or not isinstance(v, (int, float)) or not v > 0 for v in value):
+    if any(not (is_number(v) or isinstance(v, float)) or not v > 0 for v in value):
         raise ValueError("should be positive numbers or inf")
     if any(b < a for a, b in pairwise(value)):
         raise ValueError("should not fall from D1 to D5")

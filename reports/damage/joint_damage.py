@@ -19,14 +19,13 @@ half of its height, or it is turned by more than 45 degrees, or all of its joint
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
+from masonry_cd.csv_files import write_csv
 from masonry_cd.dynamics.pauses import DROP, TILT
 from masonry_cd.errors import InputError
 from masonry_cd.io.layout import BONDED
@@ -229,10 +228,7 @@ def write_joints_csv(table: JointDamage, path: Path) -> None:
     The share that is bonded is a column of runs with bonds only.
     """
     columns = [item.name for item in fields(table) if item.name != BONDED or not np.isnan(table.bonded).all()]
-    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(zip(*(map(_text, getattr(table, name).tolist()) for name in columns), strict=True))
+    write_csv(path, columns, zip(*(map(_text, getattr(table, name).tolist()) for name in columns), strict=True))
 
 
 def _text(value: Any) -> str:

@@ -10,7 +10,6 @@ damage.json          all of these, with the thresholds, rules and grades that ma
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from collections.abc import Sequence
@@ -21,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.atomic import replacing
+from masonry_cd.csv_files import write_csv
 from reports.damage.grades import NAMES
 from reports.damage.part_damage import PartDamage, Row
 
@@ -115,10 +115,7 @@ def _by_part(history: Sequence[Row]) -> dict[str, Any]:
 
 def _write_csv(rows: Sequence[Row], path: Path, columns: Sequence[str] = ()) -> None:
     """One line per row; lists are joined by blanks, unknown numbers left empty."""
-    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(rows[0] if rows else columns)
-        writer.writerows([_cell(value) for value in row.values()] for row in rows)
+    write_csv(path, rows[0] if rows else columns, ([_cell(value) for value in row.values()] for row in rows))
 
 
 def _cell(value: Any) -> str:

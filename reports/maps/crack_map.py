@@ -103,6 +103,17 @@ class Framing:
         return self.window.width / self.plan.pixels[0]
 
 
+def view_and_cut(solids: Solids, style: MapStyle) -> tuple[View, Cut | None]:
+    """The view that a style asks for, and its cut.
+
+    Raises:
+        InputError: no such view or plane, or one that shows nothing of the structure.
+    """
+    facing = FACING[axis_of(style.cut)] if style.cut else auto_view(solids)
+    view = view_named(facing if style.view == "auto" else style.view)
+    return view, cut_named(style.cut, solids, view) if style.cut else None
+
+
 def framing(results: Results, frames: Sequence[int], style: MapStyle) -> Framing:
     """Choose view, amplification and window so that they suit all frames.
 
@@ -110,9 +121,7 @@ def framing(results: Results, frames: Sequence[int], style: MapStyle) -> Framing
         InputError: no such view or plane.
     """
     solids = solids_of(results.blocks)
-    facing = FACING[axis_of(style.cut)] if style.cut else auto_view(solids)
-    view = view_named(facing if style.view == "auto" else style.view)
-    cut = cut_named(style.cut, solids, view) if style.cut else None
+    view, cut = view_and_cut(solids, style)
     rest = structure_window(solids, view)
     poses = [Pose.of(results, solids, frame) for frame in frames]
     farthest = max(range(len(frames)), key=lambda k: largest_displacement(poses[k], solids))

@@ -29,11 +29,27 @@ def frames_at(results: Results, times: Sequence[float]) -> list[int]:
         InputError: a time outside the run, or no number.
     """
     have = results.time
-    slack = 0.51 * float(np.diff(have).max(initial=0.0)) + 1e-9
+    margin = _margin(have)
     for time in times:
-        if not (np.isfinite(time) and have[0] - slack <= time <= have[-1] + slack):
+        if not (np.isfinite(time) and have[0] - margin <= time <= have[-1] + margin):
             raise InputError(f"time {time:g} s lies outside the run, which has frames from {have[0]:g} to {have[-1]:g} s")
     return [int(np.argmin(np.abs(have - time))) for time in times]
+
+
+def slack(spacing: float) -> float:
+    """How far before the first and after the last frame a time may lie [s], for frames apart by ``spacing`` [s]."""
+    return 0.51 * spacing + 1e-9
+
+
+def times_within(results: Results, times: Sequence[float]) -> tuple[list[float], list[float]]:
+    """Times [s] that a run has reached, and those beyond its end."""
+    end = float(results.time[-1]) + _margin(results.time)
+    return [time for time in times if time <= end], [time for time in times if time > end]
+
+
+def _margin(times: np.ndarray) -> float:
+    """The slack of frames at some times (F,) [s]."""
+    return slack(float(np.diff(times).max(initial=0.0)))
 
 
 def crack_maps(results: Results, folder: Path, times: Sequence[float], style: MapStyle | None = None) -> list[Path]:

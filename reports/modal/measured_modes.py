@@ -33,6 +33,7 @@ LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 PLACES = {f"{axis}_{unit}": (axis, factor) for axis in "xyz" for unit, factor in LENGTHS.items()}
 COLUMNS = ("mode", "frequency_hz", "period_s", "point", *PLACES, "ux", "uy", "uz")
 WITH_UNIT = {"frequency": "frequency_hz", "period": "period_s", "x": "x_m", "y": "y_m", "z": "z_m"}
+SLOWEST, FASTEST = 1e-6, 1e9  # frequencies that a structure may have [Hz]
 FAR = 0.05  # a measured point may lie this share of the structure's size outside it
 COMPONENTS = ("ux", "uy", "uz")
 
@@ -85,17 +86,25 @@ def read_measured(path: Path | str) -> list[MeasuredMode]:
     numbered = [(n, line) for n, line in enumerate(lines, start=1) if line.strip() and not line.lstrip().startswith("#")]
     if len(numbered) < 2:
         raise InputError(f"{path}: holds no modes; the first line names the columns: {', '.join(COLUMNS[:3])} ...")
-    header = [name.strip() for name in next(csv.reader([numbered[0][1]]))]
+    header = _cells(numbered[0][1], f"{path}:{numbered[0][0]}")
     _check_header(header, path)
     rows: dict[int, list[tuple[str, dict[str, str]]]] = {}
     for number, line in numbered[1:]:
         where = f"{path}:{number}"
-        cells = [cell.strip() for cell in next(csv.reader([line]))]
+        cells = _cells(line, where)
         if len(cells) > len(header):
             raise InputError(f"{where}: {len(cells)} values under {len(header)} columns")
         row = dict(zip(header, cells + [""] * (len(header) - len(cells)), strict=True))
         rows.setdefault(_mode_number(row["mode"], where), []).append((where, row))
     return [_mode(number, rows[number]) for number in sorted(rows)]
+
+
+def _cells(line: str, where: str) -> list[str]:
+    """The cells of a line."""
+    try:
+        return [cell.strip() for cell in next(csv.reader([line]))]
+    except csv.Error as failure:
+        raise InputError(f"{where}: no line of a table: {failure}") from None
 
 
 def _check_header(header: Sequence[str], path: Path) -> None:
@@ -118,7 +127,7 @@ def _check_header(header: Sequence[str], path: Path) -> None:
 
 
 def _mode_number(text: str, where: str) -> int:
-    if not text.isdigit() or int(text) < 1:
+    if not (text.isascii() and text.isdigit() and len(text) < 7 and int(text) >= 1):
         raise InputError(f'{where}: mode: should be a number from 1, got "{text}"')
     return int(text)
 
@@ -143,6 +152,8 @@ def _mode(number: int, rows: Sequence[tuple[str, dict[str, str]]]) -> MeasuredMo
                 if value <= 0.0:
                     raise InputError(f"{where}: {column}: must be above 0, got {value:g}")
                 frequencies.append(value if column == "frequency_hz" else 1.0 / value)
+                if not SLOWEST <= frequencies[-1] <= FASTEST:
+                    raise InputError(f"{where}: {column}: a frequency between {SLOWEST:g} and {FASTEST:g} Hz is needed, got {value:g}")
                 if not math.isclose(frequencies[-1], frequencies[0], rel_tol=1e-9):
                     raise InputError(f"{where}: {column}: mode {number} has another one before, {value:g}")
         if not any(row.get(name) for name in COMPONENTS):
@@ -159,9 +170,15 @@ def _mode(number: int, rows: Sequence[tuple[str, dict[str, str]]]) -> MeasuredMo
 def mac(first: np.ndarray, second: np.ndarray) -> float:
     """Modal assurance criterion of two real shapes of one size, over the entries that are known in both."""
     known = np.isfinite(first) & np.isfinite(second)
-    a, b = first[known], second[known]
+    a, b = _scaled(first[known]), _scaled(second[known])
     size = (a @ a) * (b @ b)
     return float((a @ b) ** 2 / size) if size > 0.0 else 0.0
+
+
+def _scaled(shape: np.ndarray) -> np.ndarray:
+    """A shape whose largest entry is 1, so that its square is a number; zeros stay zeros."""
+    largest = float(np.abs(shape).max(initial=0.0))
+    return shape / largest if largest > 0.0 else shape
 
 
 def mac_table(modes: Modes, measured: Sequence[MeasuredMode]) -> np.ndarray:

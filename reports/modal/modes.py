@@ -22,6 +22,7 @@ from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties
 from reports.modal.shapes import Shapes
 
+MOST_MODES = 1000
 METHODS = ("continuum", "joints")
 AXES = "xyz"
 
@@ -89,8 +90,8 @@ def modal(
         raise InputError(f'modal.method: unknown method "{method}"{suggest(method, METHODS)}; one of {", ".join(METHODS)}')
     if not 0.0 <= poisson < 0.5:
         raise InputError(f"modal.poisson: must be at least 0 and below 0.5, got {poisson:g}")
-    if modes < 1:
-        raise InputError(f"modal.modes: must be at least 1, got {modes}")
+    if not 1 <= modes <= MOST_MODES:
+        raise InputError(f"modal.modes: must be 1 to {MOST_MODES}, got {modes}")
     if all(block.fixed for block in blocks):
         raise InputError("modal: no free block, nothing can vibrate")
     moduli, held = young_of(blocks, young), _held(blocks, restraint or {})

@@ -24,6 +24,8 @@ CLUSTER = 48  # blocks united at a time
 MERGE = 24  # united clusters united at a time
 VOLUME = 1e-6  # relative difference between the volume of the mesh and of the blocks that is accepted
 MOST = 60_000  # tetrahedra that the default size aims to stay below
+LIMIT = 1e6  # of them, whatever size is asked for: gigabytes of a factor
+FILL = 8.5  # a regular tetrahedron fills side^3 / 8.5
 
 Tags = list[tuple[int, int]]
 
@@ -60,6 +62,7 @@ def solid_mesh(blocks: Sequence[Block], kinds: np.ndarray, size: float | None = 
     from masonry_cd.gmsh_session import gmsh_session
 
     volume = sum(mass_properties(b.vertices, b.faces).volume for b in blocks if not b.fixed)
+    _check_count(volume, size)
     with gmsh_session() as gmsh, tempfile.TemporaryDirectory() as folder:
         home = gmsh.model.getCurrent()
         for united in (True, False):  # where the union fails, the blocks are only glued to each other: slow, but it always works
@@ -76,6 +79,13 @@ def solid_mesh(blocks: Sequence[Block], kinds: np.ndarray, size: float | None = 
                 gmsh.model.remove()
                 gmsh.model.setCurrent(home)
     raise InputError(f"modal: gmsh cannot mesh the solid of these blocks: {problem}")
+
+
+def _check_count(volume: float, size: float | None) -> None:
+    """Refuse tetrahedra of a size that makes too many of them."""
+    count = 0.0 if size is None else FILL * volume / size / size / size
+    if not count <= LIMIT:
+        raise InputError(f"modal.mesh_size: {size:g} m makes about {count:.2g} tetrahedra, at most {LIMIT:g} are allowed")
 
 
 def _meshed(gmsh: Any, blocks: Sequence[Block], kinds: np.ndarray, size: float | None, folder: Path | None) -> SolidMesh:
@@ -179,7 +189,7 @@ def _default_size(gmsh: Any, volumes: dict[int, int]) -> float:
     volume = sum(occ.getMass(3, tag) for tag in volumes)
     skin = gmsh.model.getBoundary([(3, tag) for tag in volumes], combined=True, oriented=False)
     area = sum(occ.getMass(2, tag) for _, tag in skin)
-    return float(max(2.0 * volume / area, (8.5 * volume / MOST) ** (1.0 / 3.0)))  # a regular tetrahedron fills side^3 / 8.5
+    return float(max(2.0 * volume / area, (FILL * volume / MOST) ** (1.0 / 3.0)))
 
 
 def _collected(gmsh: Any, volumes: dict[int, int], imprints: Sequence[set[int]], size: float) -> SolidMesh:

@@ -18,6 +18,7 @@ import numpy as np
 
 from masonry_cd.gmsh_session import gmsh_session
 from structures.files.foreign import Answer, Faces, Piece, Refused
+from structures.size import MOST, beyond
 
 NARROW = 0.25  # no joint closer to the end of a body, or to the face of a wall along it, than this share of a stone
 ALONG = 0.75  # a plane runs along a wall that ends near it where, so far beside it, there is less than this share of what it cuts
@@ -37,6 +38,7 @@ class Asked:
     running: bool  # every second course is shifted by half a stone
     chord: float | None  # how far a flat facet may be off its curved face [m]
     tolerance: float  # corners this close to a joint's plane lie in it [m]
+    most_blocks: int = MOST  # about how many stones are allowed
 
 
 @dataclass(frozen=True)
@@ -115,7 +117,15 @@ def _cutting(gmsh: Any, asked: Asked) -> Cutting:
     )  # the boxes are a little wide
     high = np.where(np.abs(corners.max(axis=0) - high) < asked.tolerance / asked.scale, corners.max(axis=0), high)
     up = "xyz".index(asked.up)
-    count = max(1, round((high - low)[up] * asked.scale / asked.course_height))
+    stone = (
+        asked.course_height * asked.unit_length * asked.unit_length / asked.scale**3
+    )  # at most: walls may be thinner than a stone is long
+    whole = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.occ.getEntities(3))
+    courses = float((high - low)[up] * asked.scale / asked.course_height)
+    too_many = beyond(max(courses, whole / stone if stone > 0.0 else np.inf), "course_height", asked.most_blocks)
+    if too_many:
+        raise Refused(too_many)
+    count = max(1, round(courses))
     unit = asked.unit_length / asked.scale
     return Cutting(
         beds=np.linspace(low[up], high[up], count + 1),

@@ -52,6 +52,8 @@ def read(path: Path, density: float, scale: float, up: str, repair: bool = False
     blocks = []
     for name, shells in _read_obj(path) if path.suffix.lower() == ".obj" else _read_apart(path):
         parts = [(placed(vertices, scale, up), faces) for vertices, faces in shells]
+        if not all(np.isfinite(vertices).all() for vertices, _ in parts):
+            raise InputError(f'{path.name}: block "{name}": a corner has coordinates that are no finite numbers')
         if repair:
             parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
         try:

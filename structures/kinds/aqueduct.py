@@ -25,6 +25,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.polygon import polygon_centroid
+from structures import size
 from structures.geometry.checks import check
 from structures.geometry.prism import box, prism_xz, rectangle
 from structures.geometry.solid import cut_solid
@@ -84,6 +85,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         InputError: a key that is unknown or out of range, or measures that do not fit together.
     """
     aqueduct = parse_table(AqueductTable, table, "structure")
+    size.within(_estimate(aqueduct), "course_height" if aqueduct.course_height < 0.01 * min(aqueduct.clear_span) else "spans")
     tiers = tiers_of(aqueduct)
     blocks = _base(aqueduct, tiers, density)
     if aqueduct.ends == "abutment":
@@ -94,6 +96,20 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     blocks += _channel(aqueduct, tiers[-1], density)
     check(blocks)
     return blocks
+
+
+def _estimate(aqueduct: AqueductTable) -> float:
+    """About how many blocks an aqueduct has, by the largest value of each key."""
+    course, pier, clear = aqueduct.course_height, max(aqueduct.pier_width), max(aqueduct.clear_span)
+    outer = 0.5 * clear + max(aqueduct.ring_thickness)
+    ring = max(aqueduct.voussoirs or (math.pi * outer / (1.2 * course),))
+    cover = max(aqueduct.cover or (1.5 * course,))
+    spandrel = (clear + pier) * (outer + cover) - 0.5 * math.pi * outer * outer
+    per_span = (
+        max(aqueduct.pier_courses) * aqueduct.pier_blocks + ring + max(spandrel, 0.0) / course / (aqueduct.unit_length or 2.0 * course)
+    )
+    channel = 2.0 * (clear + pier) * (aqueduct.channel_height or aqueduct.channel_width or 0.0) / course / (2.0 * course)
+    return max(aqueduct.spans) * (aqueduct.tiers * per_span + channel)
 
 
 def _channel(aqueduct: AqueductTable, tier: Tier, density: float) -> list[Block]:

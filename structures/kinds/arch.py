@@ -19,7 +19,9 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from masonry_cd.errors import InputError, parse_table
+from masonry_cd.fields import is_number
 from masonry_cd.model.blocks import Block
+from structures import size
 from structures.geometry.checks import check
 from structures.geometry.prism import prism_xz, rectangle
 from structures.layout.arch_profiles import AGREE, RingTable, joints_of
@@ -30,7 +32,7 @@ def _abutment(value: Any) -> float | None:
     """true -> nan (the default depth), false -> None, a number -> itself."""
     if isinstance(value, bool):
         return math.nan if value else None
-    if isinstance(value, (int, float)) and 0 < value < math.inf:
+    if isinstance(value, (int, float)) and is_number(value) and value > 0:
         return float(value)
     raise ValueError("must be true, false or the depth of the abutments above 0 [m]")
 
@@ -107,6 +109,7 @@ def _buttresses(arch: ArchTable, inner: np.ndarray, outer: np.ndarray, density: 
     if wide < bed * (1.0 - AGREE):
         raise InputError(f"structure.buttress_width: must be at least the width of the springing, {bed:.4g} m, got {wide:g}")
     height = arch.buttress_height or 2.0 * wide
+    size.within(arch.voussoirs + 2.0 * (arch.buttress_courses or 2.0 * height / wide), "buttress_height")
     beds = np.linspace(-height, 0.0, (arch.buttress_courses or max(1, round(2.0 * height / wide))) + 1)
     near, far = float(inner[0]), float(inner[0]) - max(wide, bed)
     pieces = [rectangle(near, far, low, high) for low, high in pairwise(beds)]

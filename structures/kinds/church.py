@@ -18,6 +18,7 @@ from typing import Any
 
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
+from structures import size
 from structures.geometry.checks import check
 from structures.kinds import church_parts
 from structures.kinds.church_table import ChurchTable
@@ -32,6 +33,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     """
     keys = with_defaults(parse_table(ChurchTable, table, "structure"))
     _fits(keys)
+    size.within(_estimate(keys), "block_length")
     church = church_parts.Church.of(keys)
     walls = church_parts.walls(church)
     beds = beds_of(church, walls)
@@ -46,6 +48,18 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     blocks.append(wall_plan.ground(blocks, 0.3 * max(keys.height, keys.tower_height if keys.tower else 0.0), church.course, density))
     check(blocks)
     return blocks
+
+
+def _estimate(keys: ChurchTable) -> float:
+    """About how many blocks a church has: the faces of its walls over that of a block."""
+    walls = (2.0 * keys.length + 4.0 * keys.width) * keys.height
+    if keys.tower:
+        walls += 4.0 * keys.tower_side * keys.tower_height
+    if keys.aisles:
+        walls += 2.0 * (keys.length + 2.0 * keys.aisle_width) * keys.aisle_height
+    if keys.roof == "vault":
+        walls += 2.0 * keys.length * keys.width
+    return walls / keys.block_length / (keys.course_height or 0.5 * keys.block_length) * keys.leaves
 
 
 def with_defaults(keys: ChurchTable) -> ChurchTable:

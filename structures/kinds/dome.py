@@ -20,6 +20,7 @@ from pydantic import Field
 
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
+from structures import size
 from structures.geometry.checks import check
 from structures.layout import rings, wall_plan
 from structures.schema import Height, Length, Table
@@ -48,6 +49,8 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     keys = parse_table(DomeTable, table, "structure")
     inner, unit = 0.5 * keys.span, keys.unit_length or 1.5 * keys.thickness
     ring = rings.Ring(keys.sides, keys.sides, start=math.pi / keys.sides)
+    high = keys.drum_height / keys.thickness + 0.6 * (keys.rows or 0.25 * math.pi * keys.span / keys.thickness)  # 0.6: rows get shorter
+    size.within(high * max(1.0, 2.0 * inner * ring.slope / unit) * keys.sides, "unit_length" if keys.unit_length else "thickness")
     rows: list[rings.Row] = []
     level = 0.0
     if keys.drum_height:

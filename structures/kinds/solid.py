@@ -28,6 +28,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties
+from structures import size
 from structures.files import foreign
 from structures.files.blockfile import METRES, sound
 from structures.files.meshfile import mended, placed
@@ -107,6 +108,7 @@ def _cut(keys: SolidTable, path: Path, scale: float) -> foreign.Answer:
         "running": keys.bond == "running",
         "chord": keys.chord,
         "tolerance": keys.tolerance,
+        "most_blocks": size.most_blocks(),
     }
     limits = foreign.Limits(seconds=keys.time_limit)
     pieces, figures = foreign.read("structures.files.cutting:cut", path, asked, limits, advice="; structure.time_limit gives it longer")

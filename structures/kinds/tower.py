@@ -21,6 +21,7 @@ from pydantic import Field
 
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
+from structures import size
 from structures.geometry.checks import check
 from structures.layout import wall_plan
 from structures.layout.openings import Opening, opening_of
@@ -55,8 +56,10 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         InputError: a key that is unknown or out of range, or measures that do not fit together.
     """
     keys = parse_table(TowerTable, table, "structure")
-    walls = elevations(keys)
     unit = keys.unit_length or 2.0 * keys.course_height
+    around = 2.0 * (keys.side + (keys.side_y or keys.side))
+    size.within(around / unit * (keys.height / keys.course_height) * keys.leaves, "course_height")
+    walls = elevations(keys)
     blocks = wall_plan.build(walls, wall_plan.levels(walls, keys.course_height), unit, density, keys.bonded)
     blocks.append(wall_plan.ground(blocks, 0.5 * keys.height, keys.base_depth or keys.course_height, density))
     if keys.inclination:

@@ -26,6 +26,7 @@ from pydantic import Field
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces
+from structures import size
 from structures.geometry.checks import check
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import between, box, prism_xz
@@ -79,6 +80,7 @@ def _barrel(keys: VaultTable, density: float) -> list[Block]:
     intrados, extrados = joints_of(keys)
     length = keys.length or float(intrados[-1, 0] - intrados[0, 0])
     unit = keys.unit_length or 1.2 * keys.thickness
+    size.within(keys.voussoirs * (length / unit), "unit_length")
     blocks = barrel(intrados, extrados, (-0.5 * length, 0.5 * length), unit, density, keys.bonded)
     margin = 0.25 * keys.thickness
     for number, end in enumerate((0, -1), start=1):
@@ -131,6 +133,7 @@ def _cross(keys: VaultTable, density: float) -> list[Block]:
     if pier <= keys.thickness * (1.0 + 1e-6):
         raise InputError(f"structure.pier: must exceed the thickness of the vault, {keys.thickness:g} m, got {pier:g}")
     unit = keys.unit_length or 1.2 * keys.thickness
+    size.within(4.0 * keys.voussoirs * (0.5 * half + pier) / unit, "unit_length")
     blocks = []
     groins: Groins = {}
     for k, profile in enumerate(voussoirs(intrados, extrados)):

@@ -17,6 +17,7 @@ from pydantic import Field
 
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
+from structures import size
 from structures.geometry.checks import check
 from structures.layout import wall_plan
 from structures.layout.openings import opening_of
@@ -47,6 +48,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     keys = parse_table(WallTable, table, "structure")
     wall = elevation(keys)
     unit = keys.unit_length or 2.0 * keys.course_height
+    size.within(keys.length / unit * ((keys.height + 0.5 * keys.gable) / keys.course_height) * keys.leaves, "course_height")
     blocks = wall_plan.build([wall], wall_plan.levels([wall], keys.course_height), unit, density)
     margin = 0.5 * (keys.height + keys.gable)
     blocks.append(wall_plan.ground(blocks, margin, keys.base_depth or 2.0 * keys.course_height, density))

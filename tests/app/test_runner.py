@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -216,6 +217,20 @@ def test_the_report_adds_up(unbroken):
 def test_lifts_out_of_overlaps_are_reported_beside_the_balance():
     assert RunReport().lift_share == 0.0
     assert RunReport(work_max=200.0, energy={"correction": 5.0}).lift_share == pytest.approx(0.025)
+
+
+def test_a_balance_beside_no_work_has_a_measure_of_its_own():
+    report = RunReport(fall=2.0, balance_max=1e-11, work_max=1e-25)
+    assert report.balance_error == pytest.approx(1e14)  # nothing was solved yet: no other measure
+    energy = dict.fromkeys((*ENERGIES, "kinetic"), 0.0) | {"balance": 1e-11}
+    step = StepReport(*[0] * len(StepReport.__dataclass_fields__))
+    for _ in range(5):
+        report.add(replace(step, reason="", closing=None), 1e-8, energy)
+    assert report.resolution == pytest.approx(1e-7)
+    assert report.balance_error == pytest.approx(1e-4)
+    assert report.at_rest
+    report.work_max = 1e-6
+    assert (report.balance_error, report.at_rest) == (pytest.approx(1e-5), False)
 
 
 def test_what_a_gentle_run_leaves_out_is_counted(tmp_path):

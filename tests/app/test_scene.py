@@ -167,10 +167,18 @@ def test_toml_written_reads_back_the_same():
         (('[[loads]]\nkind = "gravity"\n\n[[loads]]', "[loads]"), "loads: every load is a table of its own, headed [[loads]]"),
         (("crack_map = true", "crack_map = 3"), "report.crack_map: input should be a valid boolean"),
         (("crack_map = true", "crack_map = 'yes'"), "report.crack_map: input should be a valid boolean, got 'yes'"),
-        (("duration = 8.0", "duration = 1e12"), "run: duration 1e+12 s takes 1e+15 steps of dt 0.001 s; at most 1e+08"),
+        (("duration = 8.0", "duration = 1e12"), "run: duration 1e+12 s takes 1e+15 steps of dt 0.001 s; at most 2e+07"),
         (
             ("[run]\ndt", "[run]\nsolver = 'nlgz'\ndt"),
             "run.solver: input should be 'admm', 'auto', 'interior', 'newton' or 'nlgs', got 'nlgz'",
+        ),
+        (
+            ("[run]\ndt", f"[run]\nseed = {2**63}\ndt"),
+            "run.seed: input should be less than or equal to 9223372036854775807, got 9223372036854775808",
+        ),
+        (
+            ("[run]\ndt", "[run]\nmax_iterations = 1000000001\ndt"),
+            "run.max_iterations: input should be less than or equal to 1000000000, got",
         ),
         (("[run]\ndt", "[run]\ngravity = -9.81\ndt"), "run.gravity: should be three numbers [x, y, z], got -9.81"),
         (("radius = 10.0", "radius = 10.0 m"), "scene.toml:4: not valid TOML"),

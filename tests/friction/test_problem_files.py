@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -285,3 +287,61 @@ def test_one_negative_eigenvalue_is_found(tmp_path: Path) -> None:
                 read_problem(tmp_path / "p.npz")
         else:
             assert read_problem(tmp_path / "p.npz").contacts == local.contacts
+
+
+def damaged(place: str, value: object) -> Callable[[h5py.File], None]:
+    def change(file: h5py.File) -> None:
+        del file[place]
+        file[place] = value
+
+    return change
+
+
+def external(file: h5py.File) -> None:
+    del file["fclib_global/M/x"]
+    file["fclib_global/M"].create_dataset("x", shape=(4,), dtype="f8", external=[("/dev/zero", 0, 32)])
+
+
+def announced(file: h5py.File) -> None:
+    del file["fclib_global/vectors/f"]
+    file["fclib_global/vectors"].create_dataset("f", shape=(10**15,), dtype="f8", chunks=(1000,))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (damaged("fclib_global/M/x", h5py.SoftLink("/nowhere")), "p.hdf5: fclib_global/M/x is missing"),
+        (damaged("fclib_global/vectors", h5py.SoftLink("/fclib_global/vectors")), "p.hdf5: no HDF5 file that can be read"),
+        (damaged("fclib_global/M", h5py.SoftLink("/nowhere")), "p.hdf5: no HDF5 file that can be read"),
+        (damaged("fclib_global/M/x", h5py.ExternalLink("/etc/passwd", "/")), "p.hdf5: fclib_global/M/x lies in another file"),
+        (external, "p.hdf5: fclib_global/M/x keeps its data in another file"),
+        (announced, "p.hdf5: announces arrays of 8e+06 GB, at most 16 GB are read"),
+    ],
+)
+def test_links_other_files_and_sizes_that_are_not_there(tmp_path: Path, change: Callable[[h5py.File], None], message: str) -> None:
+    write_problem(tmp_path / "p.hdf5", scenes.tower(3))
+    with h5py.File(tmp_path / "p.hdf5", "r+") as file:
+        change(file)
+    with pytest.raises(InputError) as failure:
+        read_problem(tmp_path / "p.hdf5")
+    assert str(failure.value).startswith(f"{tmp_path}/{message}")
+    assert str(failure.value).isprintable()
+
+
+def test_damaged_npz_files(tmp_path: Path) -> None:
+    """Each byte of the compressed data, and a header that announces 256 TiB."""
+    write_problem(tmp_path / "p.npz", scenes.tower(3))
+    whole = (tmp_path / "p.npz").read_bytes()
+    for at in range(30, len(whole), 97):
+        (tmp_path / "q.npz").write_bytes(whole[:at] + bytes([whole[at] ^ 0x5A]) + whole[at + 1 :])
+        try:
+            read_problem(tmp_path / "q.npz")
+        except InputError as failure:
+            assert str(failure).startswith(f"{tmp_path}/q.npz: ")
+    head = (
+        np.lib.format.magic(1, 0) + b"\x76\0" + b"{'descr': '<f8', 'fortran_order': False, 'shape': (35184372088832,), }".ljust(117) + b"\n"
+    )
+    with zipfile.ZipFile(tmp_path / "r.npz", "w") as file:
+        file.writestr("mu.npy", head)
+    with pytest.raises(InputError, match=r"r\.npz: no \.npz file that can be read"):
+        read_problem(tmp_path / "r.npz")

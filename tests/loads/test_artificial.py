@@ -97,6 +97,7 @@ def test_equal_seeds_give_equal_bits_and_others_another_motion() -> None:
         ({"period": 0.5, "periods": [0.1, 1.0]}, "loads[0]: give period or periods, not both"),
         ({"period": 5.0}, "loads[0]: period: must lie between 0.1 and 2 s"),
         ({"periods": [1.0, 0.1]}, "loads[0].periods: must be [from, to] in seconds"),
+        ({"duration": 3e4}, "loads[0].duration: input should be less than or equal to 600, got 30000.0"),
         ({"duration": 10.0}, "loads[0]: duration: 10 s leave less than 1 s after rise and level"),
     ],
 )

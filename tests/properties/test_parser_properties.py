@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -14,12 +13,12 @@ import records
 from hypothesis import given
 from hypothesis import strategies as st
 from places import EXAMPLES
+from refusals import SCENE, TETRA, refusal
 
 import loads
 from loads.readers import READERS, Request, Source, read
 from masonry_cd.app.case import build_structure
 from masonry_cd.app.scene import read_scene
-from masonry_cd.errors import InputError
 
 LONGEST = 500  # characters of a message, its folder apart
 SCENES = sorted(path.read_text(encoding="utf-8") for path in EXAMPLES.glob("*.toml"))
@@ -32,18 +31,6 @@ WORDS = [
     "\x1b[31m",
 ]  # fmt: skip
 VALUES: list[Any] = [None, True, 0, -1, 10**30, 1e308, -0.0, "", "x", "a\0b", "\ud800", "y" * 6000, [], {}, [[]], [[[[1]]]], {"a": 1}]
-
-
-def refused_in_one_line(folder: Path, action: Callable[[], object]) -> None:
-    """Success, or an InputError that is one printable line."""
-    try:
-        with np.errstate(all="ignore"):
-            action()
-    except InputError as error:
-        message = str(error).replace(str(folder), "")
-        assert message
-        assert message.isprintable()
-        assert len(message) < LONGEST, message
 
 
 @st.composite
@@ -80,14 +67,14 @@ def test_scenes(text: str, tmp_path_factory: pytest.TempPathFactory) -> None:
         scene = read_scene(folder / "scene.toml")
         loads.build(scene.loads, scene.run.dt, min(scene.run.steps, 200), scene.run.gravity, scene.folder)
 
-    refused_in_one_line(folder, prepared)
+    refusal(folder, prepared, LONGEST)
 
 
 @given(data=st.binary(max_size=200))
 def test_scenes_of_any_bytes(data: bytes, tmp_path_factory: pytest.TempPathFactory) -> None:
     folder = tmp_path_factory.mktemp("scene")
     (folder / "scene.toml").write_bytes(data)
-    refused_in_one_line(folder, lambda: read_scene(folder / "scene.toml"))
+    refusal(folder, lambda: read_scene(folder / "scene.toml"), LONGEST)
 
 
 @given(key=st.sampled_from(["run.dt", "run", "loads[0].amplitude", "loads", "structure.kind", "a.b.c", "loads[7].x", "", "=", "[0]"]),
@@ -95,20 +82,9 @@ def test_scenes_of_any_bytes(data: bytes, tmp_path_factory: pytest.TempPathFacto
 def test_changes_by_the_command_line(key: str, value: str, tmp_path_factory: pytest.TempPathFactory) -> None:
     folder = tmp_path_factory.mktemp("scene")
     (folder / "scene.toml").write_text(SCENES[0], encoding="utf-8")
-    refused_in_one_line(folder, lambda: read_scene(folder / "scene.toml", [f"{key}={value}"]))
+    refusal(folder, lambda: read_scene(folder / "scene.toml", [f"{key}={value}"]), LONGEST)
 
 
-SCENE = """[structure]
-kind = "file"
-path = "b.json"
-[material]
-density = 2000.0
-friction = 0.6
-[run]
-dt = 1e-3
-duration = 0.1
-"""
-TETRA = {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]}
 FILE: dict[str, Any] = {
     "units": "m",
     "blocks": [
@@ -150,7 +126,7 @@ def test_block_files(text: str, tmp_path_factory: pytest.TempPathFactory) -> Non
     folder = tmp_path_factory.mktemp("blocks")
     (folder / "scene.toml").write_text(SCENE)
     (folder / "b.json").write_text(text)
-    refused_in_one_line(folder, lambda: build_structure(read_scene(folder / "scene.toml")))
+    refusal(folder, lambda: build_structure(read_scene(folder / "scene.toml")), LONGEST)
 
 
 def knet(values: np.ndarray = records.WAVE) -> str:
@@ -191,7 +167,7 @@ def test_records(format_: str, data: st.DataObject, request_: Request, tmp_path_
     folder = tmp_path_factory.mktemp("record")
     (folder / "quake.dat").write_text(data.draw(changed_lines(RECORDS[format_], WORDS)), encoding="utf-8")
     for name in ("auto", *READERS):
-        refused_in_one_line(folder, lambda name=name: sound(folder / "quake.dat", name, request_))
+        refusal(folder, lambda name=name: sound(folder / "quake.dat", name, request_), LONGEST)
 
 
 @given(content=st.binary(max_size=300))
@@ -199,7 +175,7 @@ def test_records_of_any_bytes(content: bytes, tmp_path_factory: pytest.TempPathF
     folder = tmp_path_factory.mktemp("record")
     (folder / "quake.dat").write_bytes(content)
     for name in ("auto", *(name for name in READERS if name != "mseed")):
-        refused_in_one_line(folder, lambda name=name: sound(folder / "quake.dat", name, Request(time_step=0.01)))
+        refusal(folder, lambda name=name: sound(folder / "quake.dat", name, Request(time_step=0.01)), LONGEST)
 
 
 def sound(path: Path, name: str, request: Request) -> None:

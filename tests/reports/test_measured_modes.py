@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from models import box, tower
+from refusals import refusal
 
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Block
@@ -123,3 +124,25 @@ def test_bad_files_are_reported_in_one_line(text: str, message: str, tmp_path: P
 def test_no_such_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"none.csv: cannot be read"):
         read_measured(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("mode,frequency_hz\n²,4\n", ':2: mode: should be a number from 1, got "²"'),
+        (f"mode,frequency_hz\n{'1' * 5000},4\n", ":2: mode: should be a number from 1, got "),
+        (f"mode,frequency_hz\n1,{'4' * 140_000}\n", ":2: no line of a table: field larger than field limit (131072)"),
+        ("mode,period_s\n1,5e-324\n", ":2: period_s: a frequency between 1e-06 and 1e+09 Hz is needed, got 4.94066e-324"),
+        ("mode,frequency_hz\n1,1e308\n", ":2: frequency_hz: a frequency between 1e-06 and 1e+09 Hz is needed, got 1e+308"),
+    ],
+)
+def test_numbers_that_no_mode_has(tmp_path: Path, text: str, message: str) -> None:
+    path = written(tmp_path, text)
+    assert (refusal(tmp_path, lambda: read_measured(path)) or "").startswith(f"{path.name}{message}")
+
+
+def test_components_of_any_size_resemble_alike() -> None:
+    shape = np.array([[1.0, np.nan, 0.5], [0.2, 0.1, -0.3]])
+    for size in (1e308, 1e-300, -1e200):
+        assert mac(size * shape, shape) == pytest.approx(1.0)
+    assert mac(0.0 * shape, shape) == 0.0

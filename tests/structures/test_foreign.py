@@ -245,6 +245,15 @@ def test_a_child_cuts_solids_to_the_same_bits(tmp_path: Path, name: str, model) 
     assert same(read, cutting.cut(tmp_path / name, **ASKED))
 
 
+@pytest.mark.parametrize("height", [1e-9, 1e-320])
+def test_more_stones_than_are_allowed_are_refused_before_they_are_cut(tmp_path: Path, height: float, model) -> None:
+    model("wall.brep")
+    with pytest.raises(InputError, match=r"^structure\.course_height: makes about .* blocks, at most 100000 are allowed; most_blocks = N "):
+        cad(tmp_path, "wall.brep", course_height=height)
+    with pytest.raises(InputError, match=r"makes about 8.7 blocks, at most 2 are allowed"):
+        cad(tmp_path, "wall.brep", most_blocks=2)
+
+
 def test_a_child_imports_no_more_than_it_needs() -> None:
     text = "import sys, structures.files.foreign, structures.files.mesh_readers, structures.files.cutting; print(*sys.modules)"
     there = set(subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True).stdout.split())

@@ -1,0 +1,140 @@
+"""A case in a process of its own: forked from one that has imported and compiled everything, within limits of time and memory."""
+
+from __future__ import annotations
+
+import os
+import resource
+import shutil
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Sequence
+from contextlib import suppress
+from io import FileIO, TextIOWrapper
+from pathlib import Path
+
+from benchmarks.fuzz.promises import Outcome, left_behind
+
+STEPS = 60  # those that warm up included, after which a run is interrupted: a changed duration may ask for a million
+ADDRESSES = 6 * 2**30  # beside those of the parent [B]
+LARGEST_FILE = 2**30  # [B]
+WALL = 180.0  # after which a case is stopped [s]
+PROCESSOR = 60  # after which the system stops it [s]
+FOREIGN = 10.0  # processor time that a file may take in the readers of foreign files, which have 120 s elsewhere [s]
+BLOCKS = 3000  # that a structure may have here, 100,000 elsewhere: large ones that are sound would take minutes to build
+MARK = "interrupted-by-the-worker"
+
+
+def run_case(folder: Path, command: Sequence[str], output: str) -> Outcome:
+    """Run a command line in a folder that holds its files and nothing else."""
+    before = {str(path.relative_to(folder)) for path in folder.rglob("*")}
+    aside = folder.with_name(folder.name + ".aside")  # what the case says, and its folder for temporary files
+    (aside / "tmp").mkdir(parents=True)
+    child = os.fork()
+    if child == 0:
+        _in_child(folder, command, aside)
+    status, usage = _waited(child)
+    temporary = [f"tmp/{path.name}" for path in (aside / "tmp").iterdir() if path.name.startswith("masonry")]
+    outcome = Outcome(
+        code=None if status is None else os.waitstatus_to_exitcode(status),
+        stdout=(aside / "stdout").read_text(errors="replace"),
+        stderr=(aside / "stderr").read_text(errors="replace"),
+        seconds=usage.ru_utime + usage.ru_stime,
+        memory=usage.ru_maxrss * 1024.0,
+        interrupted=(aside / MARK).exists(),
+        left=(*left_behind(folder, before, output), *temporary),
+        output=output not in before and (folder / output).exists(),
+    )
+    shutil.rmtree(aside)
+    return outcome
+
+
+def _waited(child: int) -> tuple[int | None, resource.struct_rusage]:
+    """Wait for a process and its children; None for one that had to be stopped."""
+    end, pause = time.monotonic() + WALL, 0.002
+    while True:
+        found, status, usage = os.wait4(child, os.WNOHANG)
+        if found:
+            with suppress(ProcessLookupError):
+                os.killpg(child, signal.SIGKILL)
+            return status, usage
+        if time.monotonic() > end:
+            with suppress(ProcessLookupError):
+                os.killpg(child, signal.SIGKILL)
+            return None, os.wait4(child, 0)[2]
+        time.sleep(pause)
+        pause = min(2.0 * pause, 0.05)
+
+
+def _in_child(folder: Path, command: Sequence[str], aside: Path) -> None:
+    """Become the command line: never returns."""
+    code = 99
+    try:
+        os.setpgid(0, 0)
+        os.chdir(folder)
+        os.environ["TMPDIR"] = str(aside / "tmp")
+        for number, name in ((1, "stdout"), (2, "stderr")):
+            file = os.open(aside / name, os.O_WRONLY | os.O_CREAT)
+            os.dup2(file, number)
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        sys.stdout, sys.stderr = (
+            TextIOWrapper(FileIO(n, "w", closefd=False), errors="backslashreplace") for n in (1, 2)
+        )  # whatever they were
+        _limit()
+        _interrupt_after_steps(aside / MARK)
+        code = _called(command)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        with suppress(BaseException):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
+
+
+def _called(command: Sequence[str]) -> int:
+    """The exit code of the command line."""
+    from masonry_cd.cli import main
+
+    sys.argv = ["masonry-cd", *command]
+    try:
+        main()
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 0 if end.code is None else 1
+    return 0
+
+
+def _limit() -> None:
+    """Limits of the system; soft ones, so that the readers of foreign files can set their own."""
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    wanted = {
+        resource.RLIMIT_CPU: PROCESSOR,
+        resource.RLIMIT_AS: pages * resource.getpagesize() + ADDRESSES,
+        resource.RLIMIT_FSIZE: LARGEST_FILE,
+        resource.RLIMIT_CORE: 0,
+    }
+    for which, most in wanted.items():
+        resource.setrlimit(which, (most, resource.getrlimit(which)[1]))
+    from structures import size
+    from structures.files import foreign
+
+    size.MOST = BLOCKS
+    foreign.Limits.__new__.__defaults__ = (FOREIGN, foreign.MEMORY, foreign.OUTPUT)
+
+
+def _interrupt_after_steps(mark: Path) -> None:
+    """Have Ctrl-C pressed after some steps of a run, which must then end as it promises."""
+    from masonry_cd.dynamics.moreau_jean import Stepper
+
+    step, done = Stepper.step, [0]
+
+    def counted(stepper: Stepper) -> object:
+        result = step(stepper)
+        done[0] += 1
+        if done[0] == STEPS:
+            mark.touch()
+            os.kill(os.getpid(), signal.SIGINT)
+        return result
+
+    Stepper.step = counted  # type: ignore[assignment,method-assign]

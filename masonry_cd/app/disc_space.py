@@ -1,0 +1,41 @@
+"""Whether the results of a run fit on the disc: estimated from its blocks, joints, frames and steps before the first step."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from masonry_cd.app.recorder import STEP_FIELDS
+from masonry_cd.errors import InputError
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.joints import Joints
+
+NUMBER = 8  # bytes
+OF_BLOCK = 3 + 4 + 6  # numbers of a frame: position, orientation, velocity
+OF_JOINT = 6 + 3  # numbers of a frame: six histories and the place of the force, see io/results.py; a tenth where joints are bonded
+
+
+def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int) -> float:
+    """About how large result.h5 will be, its ties and shocks apart [B]."""
+    frame = 1 + OF_BLOCK * assembly.count + (OF_JOINT + bool(assembly.laws.apex.any())) * joints.count
+    return float(NUMBER) * (frame * frames + len(STEP_FIELDS) * steps)
+
+
+def check_disc_space(folder: Path, needed: float, there: float = 0.0) -> None:
+    """Refuse a run whose results do not fit on the disc.
+
+    Args:
+        folder: for the results; it need not exist.
+        needed: of the results in all [B].
+        there: what the folder holds of them already [B].
+
+    Raises:
+        InputError: names what is needed and what is free.
+    """
+    place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    free = float(shutil.disk_usage(place).free)
+    if needed - there > free:
+        raise InputError(
+            f"run.frames_per_second: the results would take about {needed / 1e9:.3g} GB, {free / 1e9:.3g} GB are free where {folder} lies; "
+            "fewer frames, larger steps or a shorter run take less"
+        )

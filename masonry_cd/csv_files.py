@@ -1,0 +1,49 @@
+"""Tables as CSV that a spreadsheet opens without running anything.
+
+A spreadsheet takes a cell that begins with =, +, -, @ or a control character for a formula, and names come from files of strangers. So a
+text that begins like one gets an apostrophe before it, and what could end a cell in any country is quoted (OWASP, CSV injection); numbers
+stay as they are. Whoever reads such a table by a program takes one apostrophe away where more of them, or none, and one of these follow:
+every name is then what it was. What this program reads, it reads by number and place.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from masonry_cd.atomic import replacing
+
+# with the apostrophes before it, so that a guard can be told from what a name begins with; the last four are =, +, - and @ of full width
+FORMULA = re.compile("'*[=+\\-@\t\r\n\0\uff1d\uff0b\uff0d\uff20]")
+DIRECTIONS = {f"{sign}{axis}" for sign in "+-" for axis in "xyz"}  # columns of reports hold them; a formula of one letter does nothing
+SEPARATORS = ',;"\t\r\n|'
+
+
+def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Write a table; the file is there whole or not at all.
+
+    Args:
+        path: of the file.
+        header: names of the columns.
+        rows: cells, of which each is written as ``str`` shows it.
+    """
+    lines = (",".join(map(_field, row)) for row in (header, *rows))
+    with replacing(path) as part:
+        part.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="")
+
+
+def _field(value: object) -> str:
+    """A cell, guarded and quoted where it has to be."""
+    text = str(value)
+    if FORMULA.match(text) and not _is_number(text) and text not in DIRECTIONS:
+        text = f"'{text}"
+    return '"' + text.replace('"', '""') + '"' if any(c in text for c in SEPARATORS) else text
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

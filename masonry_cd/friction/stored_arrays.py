@@ -1,0 +1,85 @@
+"""Arrays from files of strangers: whatever is wrong with such a file ends in one line that names it.
+
+What a file announces is checked before memory is taken for it. Links to other files and data kept in other files are refused.
+"""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from masonry_cd.errors import InputError
+
+MOST = 16e9  # bytes of all arrays of a file: problems of millions of contacts
+BROKEN = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError, EOFError, OverflowError, MemoryError, NotImplementedError)
+
+
+def npz_arrays(path: Path) -> dict[str, np.ndarray]:
+    """All arrays of an .npz file.
+
+    Raises:
+        InputError: no such file, one that is damaged, or arrays of objects or beyond ``MOST``.
+    """
+    try:
+        with zipfile.ZipFile(path) as entries:
+            _check_size(path, float(sum(entry.file_size for entry in entries.infolist())))
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except InputError:
+        raise
+    except (*BROKEN, zipfile.BadZipFile, zlib.error, SyntaxError, RecursionError) as failure:
+        raise InputError(f"{path}: no .npz file that can be read ({_reason(failure)})") from None
+
+
+@contextmanager
+def open_hdf5(path: Path) -> Iterator[h5py.File]:
+    """An HDF5 file for reading; what the library finds wrong with it, then or later, is told in one line.
+
+    Raises:
+        InputError: also those of the body.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except InputError:
+        raise
+    except BROKEN as failure:
+        raise InputError(f"{path}: no HDF5 file that can be read ({_reason(failure)})") from None
+
+
+def datasets(group: h5py.Group | h5py.Dataset | None, prefix: str = "") -> dict[str, np.ndarray]:
+    """The datasets in a group by name, with a prefix; none where there is no group.
+
+    Raises:
+        InputError: data in another file, or beyond ``MOST``.
+    """
+    found = {}
+    if isinstance(group, h5py.Group):
+        path = Path(group.file.filename)
+        for name in group:
+            if isinstance(group.get(name, getlink=True), h5py.ExternalLink):
+                raise InputError(f"{path}: {prefix}{name} lies in another file")
+            item = group.get(name)
+            if isinstance(item, h5py.Dataset):
+                if item.external:
+                    raise InputError(f"{path}: {prefix}{name} keeps its data in another file")
+                _check_size(path, float(item.size or 0) * item.dtype.itemsize)
+                found[prefix + name] = np.asarray(item)
+    return found
+
+
+def _check_size(path: Path, size: float) -> None:
+    """Refuse arrays that are too large [B]."""
+    if size > MOST:
+        raise InputError(f"{path}: announces arrays of {size / 1e9:.3g} GB, at most {MOST / 1e9:g} GB are read")
+
+
+def _reason(failure: BaseException) -> str:
+    """What a library says, in its first line."""
+    return (str(failure).splitlines() or [type(failure).__name__])[0][:200]

@@ -1,0 +1,62 @@
+"""How many blocks a structure may have. Kinds estimate their number from their keys, before they make the first one.
+
+A misplaced decimal point, as a course of 1e-9 m, would otherwise fill the memory. The scene may raise the limit: ``structure.most_blocks``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+KEY = "most_blocks"
+MOST = 100_000  # a step of 20,000 blocks takes some 0.2 s, and a block some kilobytes
+
+_most: ContextVar[int] = ContextVar(KEY, default=MOST)
+
+
+def most_blocks() -> int:
+    """The limit that holds."""
+    return _most.get()
+
+
+@contextmanager
+def limited(most: object) -> Iterator[None]:
+    """Set the limit for what is built in the body.
+
+    Raises:
+        InputError: it is no whole number above zero.
+    """
+    from masonry_cd.errors import InputError
+
+    if isinstance(most, bool) or not isinstance(most, int) or most < 1:
+        raise InputError(f"structure.{KEY}: should be a whole number above 0, got {most!r}")
+    before = _most.set(most)
+    try:
+        yield
+    finally:
+        _most.reset(before)
+
+
+def within(estimate: float, key: str) -> None:
+    """Refuse a structure of too many blocks.
+
+    Args:
+        estimate: of their number; within a factor of two or three is enough.
+        key: the one that makes them many.
+
+    Raises:
+        InputError: names the key, the number and the limit.
+    """
+    from masonry_cd.errors import InputError
+
+    line = beyond(estimate, key, most_blocks())
+    if line:
+        raise InputError(line)
+
+
+def beyond(estimate: float, key: str, most: int) -> str:
+    """What :func:`within` says where an estimate, which may be infinite or none, exceeds a limit; else nothing."""
+    return (
+        "" if estimate <= most else f"structure.{key}: makes about {estimate:.2g} blocks, at most {most} are allowed; {KEY} = N allows more"
+    )

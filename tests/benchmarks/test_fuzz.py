@@ -1,0 +1,113 @@
+"""The search for inputs that break a promise: it sees each kind of broken promise, and its cases repeat."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.fuzz import inputs, mutators, promises, texts, worker
+
+LINE = "masonry-cd: error: a.toml:3: run.dt: missing\n"
+REFUSED = promises.Outcome(2, "", LINE, 0.1, 3e8, False, (), False)
+DONE = promises.Outcome(0, "written\n", "masonry-cd: warning: coarse\n", 0.1, 3e8, False, (), True)
+STOPPED = promises.Outcome(
+    130, "", "masonry-cd: warning: the run ended early, interrupted\nmasonry-cd: go on with: x\n", 1.0, 3e8, True, (), True
+)
+
+
+def test_kept_promises() -> None:
+    assert [promises.broken(outcome) for outcome in (REFUSED, DONE, STOPPED)] == ["", "", ""]
+    early = replace(DONE, code=1, stderr="masonry-cd: warning: the run ended early, no finite velocity; the results hold all frames\n")
+    assert promises.broken(early) == ""
+
+
+@pytest.mark.parametrize(
+    ("outcome", "wrong"),
+    [
+        (replace(REFUSED, code=None), "did not end"),
+        (replace(REFUSED, code=-11), "ended by signal 11"),
+        (replace(REFUSED, code=99, stderr="Traceback (most recent call last):\n"), "traceback"),
+        (replace(DONE, code=3), "exit code 3"),
+        (replace(DONE, code=130), "exit code 130"),
+        (replace(REFUSED, stderr=""), "0 lines for a refusal"),
+        (replace(REFUSED, stderr=LINE + LINE), "2 lines for a refusal"),
+        (replace(REFUSED, stderr="error\n"), "1 lines for a refusal"),
+        (replace(REFUSED, stderr=LINE[:-1] + "x" * 1000 + "\n"), "a line of more than 1000 characters"),
+        (replace(REFUSED, stderr=LINE[:-1] + "\x1b[31m\n"), "control characters in a line"),
+        (replace(DONE, stderr="/a/b.py:3: RuntimeWarning: overflow\n"), "other lines on standard error"),
+        (replace(DONE, code=1, stderr="masonry-cd: error: not enough memory\n"), "other lines on standard error"),
+        (replace(DONE, seconds=31.0), "took 31 s"),
+        (replace(DONE, memory=4e9), "took 4.0 GB"),
+        (replace(DONE, left=("result.part.h5",)), "left result.part.h5"),
+        (replace(DONE, left=("a.txt",)), "wrote a.txt"),
+        (replace(REFUSED, output=True), "left an output after a refusal"),
+    ],
+)
+def test_broken_promises(outcome: promises.Outcome, wrong: str) -> None:
+    assert promises.broken(outcome) == wrong
+
+
+def npz() -> bytes:
+    import io
+
+    out = io.BytesIO()
+    np.savez(out, q=np.arange(6.0), mu=np.ones(2), W_indptr=np.arange(3))
+    return out.getvalue()
+
+
+GOOD = {
+    inputs.BYTES: b"abc def\n" * 5,
+    inputs.LINES: texts.RECORDS["at2"].encode(),
+    inputs.TOKENS: texts.SCENES["sine"].encode(),
+    inputs.TOML: texts.SCENES["shocks"].encode(),
+    inputs.JSON: texts.blocks(),
+    inputs.NPZ: npz(),
+}
+
+
+@pytest.mark.parametrize("change", GOOD)
+def test_changes_repeat_and_mostly_change_something(change: str) -> None:
+    content = GOOD[change]
+    first, again = ([mutators.changed(content, change, np.random.default_rng([7, k])) for k in range(60)] for _ in range(2))
+    assert first == again
+    assert len(set(first)) > 40
+
+
+def test_changed_trees_are_mostly_read(tmp_path: Path) -> None:
+    """Else only the parser of the format would be tried."""
+    read = 0
+    for k in range(40):
+        try:
+            tomllib.loads(mutators.of_toml(GOOD[inputs.TOML], np.random.default_rng(k)).decode())
+            json.loads(mutators.of_json(GOOD[inputs.JSON], np.random.default_rng(k)))
+            read += 1
+        except (ValueError, RecursionError):
+            pass
+    assert read > 20
+
+
+@pytest.mark.parametrize("text", [texts.SCENES["sine"].replace("dt =", "td ="), "\0", ""])
+def test_a_case_is_refused_in_a_process_of_its_own(tmp_path: Path, text: str) -> None:
+    folder = tmp_path / "case"
+    folder.mkdir()
+    (folder / "scene.toml").write_text(text)
+    outcome = worker.run_case(folder, ["run", "scene.toml", "-o", "written"], "written")
+    assert (outcome.code, outcome.output, outcome.left) == (2, False, ())
+    assert outcome.stderr.startswith("masonry-cd: error: scene.toml")
+    assert promises.broken(outcome) == ""
+
+
+def test_what_a_case_leaves_is_seen(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").touch()
+    before = {"a.toml"}
+    (tmp_path / "written").mkdir()
+    (tmp_path / "written" / "result.h5").touch()
+    assert promises.left_behind(tmp_path, before, "written") == ()
+    (tmp_path / "written" / "result.part.h5").touch()
+    (tmp_path / "stray").touch()
+    assert promises.left_behind(tmp_path, before, "written") == ("stray", "written/result.part.h5")

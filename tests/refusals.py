@@ -1,0 +1,42 @@
+"""Inputs that are refused: by one readable line, and a small scene of a block file to try them on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+
+LONGEST = 900  # characters of a message, its folder apart: two cut values and the words around them
+SCENE = """title = "a"
+[structure]
+kind = "file"
+path = "b.json"
+[material]
+density = 2000.0
+friction = 0.6
+[run]
+dt = 1e-3
+duration = 0.1
+"""
+TETRA: dict[str, list[list[int]]] = {
+    "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]],
+}
+
+
+def refusal(folder: Path, action: Callable[[], Any], longest: int = LONGEST) -> str | None:
+    """The message, without the folder, of the InputError that an action raises, which is one printable line; None where it raises none."""
+    try:
+        with np.errstate(all="ignore"):
+            action()
+    except InputError as error:
+        message = str(error).replace(f"{folder}/", "")
+        assert message
+        assert message.isprintable()
+        assert len(message) < longest, message
+        return message
+    return None

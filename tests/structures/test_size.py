@@ -1,0 +1,73 @@
+"""Sizes that no machine holds: refused from an estimate, before the first block."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import structures
+from masonry_cd.errors import InputError
+from structures import size
+
+KINDS: list[dict[str, Any]] = [
+    {"kind": "wall", "leaves": 2, "gable": 2.0},
+    {"kind": "tower"},
+    {"kind": "church"},
+    {"kind": "church", "aisles": True, "roof": "vault", "windows": 2},
+    {"kind": "dome", "drum_height": 3.0, "oculus": 1.0},
+    {"kind": "dome", "unit_length": 0.3},
+    {"kind": "vault"},
+    {"kind": "vault", "form": "cross"},
+    {"kind": "arch", "span": 5.0, "thickness": 0.5, "buttress_width": 1.0, "buttress_courses": 50},
+    {"kind": "aqueduct"},
+    {"kind": "aqueduct", "spans": 5, "tiers": 2, "channel_width": 0.8},
+]
+
+
+@pytest.mark.parametrize("table", KINDS, ids=lambda table: "-".join(map(str, table.values())))
+def test_estimates_are_near_the_blocks_that_are_built(table: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    estimates: list[float] = []
+    monkeypatch.setattr(size, "within", lambda estimate, key: estimates.append(estimate))
+    count = len(structures.build(table, 2000.0, Path()))
+    assert 0.5 * count < estimates[0] < 2.0 * count
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "number"),
+    [
+        ({"kind": "wall", "course_height": 1e-9}, "course_height", r"6e\+18"),
+        ({"kind": "wall", "course_height": 1e-320}, "course_height", "inf"),
+        ({"kind": "wall", "unit_length": 1e-9}, "course_height", r"4.8e\+10"),
+        ({"kind": "tower", "course_height": 1e-9}, "course_height", r"2e\+20"),
+        ({"kind": "church", "block_length": 1e-9}, "block_length", r"2.4e\+21"),
+        ({"kind": "dome", "thickness": 1e-9, "rows": 400, "unit_length": 1e-9}, "unit_length", r"4.6e\+12"),
+        ({"kind": "dome", "thickness": 1e-9}, "thickness", r"3.6e\+19"),
+        ({"kind": "vault", "unit_length": 1e-9}, "unit_length", r"6e\+10"),
+        ({"kind": "vault", "form": "cross", "unit_length": 1e-9}, "unit_length", r"9.9e\+10"),
+        ({"kind": "arch", "span": 5.0, "thickness": 0.5, "buttress_width": 1.0, "buttress_height": 1e9}, "buttress_height", r"4e\+09"),
+        ({"kind": "aqueduct", "spans": 100_000}, "spans", r"5.6e\+06"),
+        ({"kind": "aqueduct", "course_height": 1e-9}, "course_height", r"9.9e\+18"),
+        ({"kind": "aqueduct", "pier_courses": 10**9}, "spans", r"6e\+09"),
+        ({"kind": "aqueduct", "clear_span": 1e200}, "course_height", "."),
+    ],
+)
+def test_too_many_blocks_are_refused_by_key_and_limit(table: dict[str, Any], key: str, number: str) -> None:
+    with pytest.raises(
+        InputError, match=rf"^structure\.{key}: makes about {number}.* blocks, at most 100000 are allowed; most_blocks = N "
+    ):
+        structures.build(table, 2000.0, Path())
+
+
+def test_the_scene_raises_or_lowers_the_limit() -> None:
+    assert len(structures.build({"kind": "wall", "most_blocks": 96}, 2000.0, Path())) == 103
+    with pytest.raises(InputError, match=r"makes about 96 blocks, at most 95 are allowed"):
+        structures.build({"kind": "wall", "most_blocks": 95}, 2000.0, Path())
+    assert size.most_blocks() == size.MOST
+
+
+@pytest.mark.parametrize("value", [0, -1, True, 2.5, "many", None, [1]])
+def test_a_limit_is_a_whole_number(value: object) -> None:
+    with pytest.raises(InputError, match=r"^structure\.most_blocks: should be a whole number above 0, got "):
+        structures.build({"kind": "wall", "most_blocks": value}, 2000.0, Path())
