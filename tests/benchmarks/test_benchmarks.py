@@ -107,7 +107,7 @@ def as_lmgc90(made, steps: int, tolerance: float) -> tuple[dict[str, np.ndarray]
         gap = np.where(found.gap > machine.system.constants.closed, found.gap, np.minimum(found.gap, 0.0))  # as the contact law saw it
         out[f"coor_{k}"], out[f"gap_{k}"] = found.point.copy(), gap[:, None]
         out[f"uc_{k}"] = frame[:, [1, 0, 2]].reshape(-1, 9)
-        out[f"rloc_{k}"], out[f"vloc_{k}"] = force[:, [1, 0, 2]], np.zeros((found.count, 3))
+        out[f"rloc_{k}"], out[f"vloc_{k}"] = force[:, [1, 0, 2]], np.zeros((len(found.gap), 3))
     return out | {"sampled": np.arange(1, steps + 1), "position": np.array(position), "axes": np.array(axes)}, errors
 
 
