@@ -14,6 +14,7 @@ from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
+from reports import outputs
 from reports.settings import Report
 
 
