@@ -22,7 +22,7 @@ from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties
 from reports.modal.shapes import Shapes
 
-MOST_MODES = 1000
+MOST_MODES = 10_000
 METHODS = ("continuum", "joints")
 AXES = "xyz"
 
