@@ -32,6 +32,7 @@ from structures.geometry.solid import cut_solid
 from structures.layout import wall_plan
 from structures.layout.aqueduct_tier import LEAST_BED, Tier, feet, joints, outline
 
+LEAST_CHANNEL = 0.1  # height of the walls of the channel, in courses
 LEAST_GAP = 0.4  # between two rings at the springing, in courses
 LEAST_CHORD = 0.35  # of a voussoir on the extrados, in courses
 
@@ -122,7 +123,11 @@ def _channel(aqueduct: AqueductTable, tier: Tier, density: float) -> list[Block]
     most = tier.width - 0.4 * tier.course
     if wide > most:
         raise InputError(f"structure.channel_width: must be at most {most:g} m, which leaves two walls, got {wide:g}")
-    low, high = tier.top, tier.top + (aqueduct.channel_height or wide)
+    height, least = aqueduct.channel_height or wide, LEAST_CHANNEL * tier.course
+    if height < least:
+        key = "channel_width" if aqueduct.channel_height is None else "channel_height"
+        raise InputError(f"structure.{key}: the walls of the channel must be at least {least:g} m high, got {height:g}")
+    low, high = tier.top, tier.top + height
     start, end, half = float(tier.left[0]), float(tier.right[-1]), 0.5 * tier.width
     walls = [
         wall_plan.Wall(f"channel_{name}", "channel", 0, start, end, near, far, low, high)

@@ -4,7 +4,6 @@ import os
 import signal
 import sys
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -223,9 +222,9 @@ def test_a_balance_beside_no_work_has_a_measure_of_its_own():
     report = RunReport(fall=2.0, balance_max=1e-11, work_max=1e-25)
     assert report.balance_error == pytest.approx(1e14)  # nothing was solved yet: no other measure
     energy = dict.fromkeys((*ENERGIES, "kinetic"), 0.0) | {"balance": 1e-11}
-    step = StepReport(*[0] * len(StepReport.__dataclass_fields__))
+    step = StepReport(*[0] * len(StepReport._fields))
     for _ in range(5):
-        report.add(replace(step, reason="", closing=None), 1e-8, energy)
+        report.add(step._replace(reason="", closing=None), 1e-8, energy)
     assert report.resolution == pytest.approx(1e-7)
     assert report.balance_error == pytest.approx(1e-4)
     assert report.at_rest

@@ -91,16 +91,16 @@ def test_contact_points_are_the_corners_of_the_overlap(lower: np.ndarray, upper:
     assume(nearest > 10.0 * SNAP)  # nor a corner that lies on a side: it snaps to it
     found = contacts(lower, upper, turn, elastic=False)
     if radius < 0.0:
-        assert found.count == 0 or found.gap.min() > 0.0
+        assert len(found.gap) == 0 or found.gap.min() > 0.0
         return
     points = found.point @ turn
-    assert found.normal == pytest.approx(np.tile(turn[:, 2], (found.count, 1)), abs=1e-12)
+    assert found.normal == pytest.approx(np.tile(turn[:, 2], (len(found.gap), 1)), abs=1e-12)
     assert np.abs(points[:, 2]).max() < 1e-12
     assert np.abs(found.gap).max() < 1e-12
     for polygon in (lower, upper):  # none outside of either face
         assert (half_planes(polygon) @ np.column_stack([points[:, :2], np.ones(len(points))]).T).max() < 1e-9
     assert hull_area(points[:, :2]) == pytest.approx(hull_area(corners), rel=1e-9)
-    assert found.count == len(corners)
+    assert len(found.gap) == len(corners)
     distance = np.linalg.norm(points[:, None, :2] - corners[None], axis=2)
     assert distance.min(axis=0).max() < 1e-9  # each corner of the overlap has its point
 
@@ -137,8 +137,8 @@ def test_boxes_whose_sides_are_flush_touch_over_their_rectangle(x: float, y: flo
     low, high = np.maximum([0.0, 0.0], [x, y]), np.minimum([a, b], [x + c, y + d])
     found = contacts(lower, upper, np.eye(3), elastic=False)
     if (high <= low).any():
-        assert found.count == 0
+        assert len(found.gap) == 0
         return
     corners = {(p, q, 0.0) for p in (low[0], high[0]) for q in (low[1], high[1])}
     assert {tuple(point) for point in np.round(found.point + 0.0, 9).tolist()} == corners
-    assert found.count == 4
+    assert len(found.gap) == 4

@@ -169,6 +169,10 @@ def test_same_table_gives_the_same_bits() -> None:
         ({"tiers": 2, "spans": [3, 2], "ends": "abutment"}, "structure.ends: abutments need tiers of one length"),
         ({"tiers": 2, "pier_width": [2.0, 8.0]}, "structure.pier_width: must be below the pitch, 7 m, in tier 2"),
         ({"channel_width": 1.9}, "structure.channel_width: must be at most 1.8 m, which leaves two walls, got 1.9"),
+        (
+            {"channel_width": 0.8, "channel_height": 5e-10},
+            "structure.channel_height: the walls of the channel must be at least 0.05 m high, got 5e-10",
+        ),
         ({"channel_height": 1.0}, "structure.channel_width: missing; it makes the channel whose height is given"),
         ({"pier_corses": 8}, 'structure.pier_corses: unknown key (did you mean "pier_courses"?)'),
     ],

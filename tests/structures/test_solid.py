@@ -58,7 +58,8 @@ def test_no_slivers_where_the_grid_does_not_suit_the_walls(tmp_path: Path) -> No
 
 
 def test_a_step_file_states_its_units_and_may_have_y_up(tmp_path: Path) -> None:
-    with gmsh_session() as gmsh:  # a wall of 2000 x 500 x 400 mm, y up; gmsh writes STEP in millimetres
+    with gmsh_session() as gmsh:  # a wall of 2000 x 500 x 400 mm, y up
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")  # OpenCASCADE keeps the unit of whoever used it last in this process
         gmsh.model.occ.addBox(0, 0, 0, 2000, 500, 400)
         gmsh.model.occ.synchronize()
         gmsh.write(str(tmp_path / "wall.step"))
