@@ -16,7 +16,7 @@ from pathlib import Path
 ROOMS = ("masonry_cd", "structures", "loads", "reports")
 MOST_LINES, MOST_ARGUMENTS = 400, 10  # of a file and of a kernel, as the design asks for
 KERNEL = re.compile(r"@(?:entry|kernel|njit|numba\.njit)\b")
-PRIVATE = re.compile(r"_[a-z]\w*")
+PRIVATE = re.compile(r"_(?!(?:replace|fields|asdict|make)$)[a-z]\w*")  # but those are the public names of any NamedTuple
 
 
 def sources(root: Path, *folders: str) -> dict[str, str]:

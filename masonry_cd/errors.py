@@ -13,6 +13,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 QUOTED = 300  # most characters of a value that a message quotes
 WORD = 400  # most characters of any other word
+LINE = 900  # most characters of a message; its beginning says where, its end what would do
 
 
 class InputError(ValueError):
@@ -26,7 +27,8 @@ def one_line(message: str) -> str:
     """A message that a terminal can show: control characters and lone surrogates by their codes, quoted values and endless words cut."""
     shown = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in message)
     shown = re.sub(r'"([^"]*)"', lambda quoted: f'"{_cut(quoted.group(1), QUOTED)}"', shown)
-    return re.sub(r"\S+", lambda word: _cut(word.group(), WORD), shown)
+    shown = re.sub(r"\S+", lambda word: _cut(word.group(), WORD), shown)
+    return shown if len(shown) <= LINE else f"{shown[: LINE // 2]} ... {shown[-LINE // 3 :]}"
 
 
 def _cut(text: str, most: int) -> str:
