@@ -10,7 +10,8 @@
    256 ... begin with the other one, unless a single iteration of it costs more than a step of the first. What ADMM does not solve at the
    cost of WORTH iterations of Newton, nor Newton in NEWTON_LIMIT, the other one goes on with.
 3. What neither solves (a structure that slides or rocks as a whole) goes to the interior point method, which starts near the impulses of
-   the last step, not where the others got stuck, within a BUDGET; then to Newton again.
+   the last step, not where the others got stuck, within a BUDGET; then to Newton again. Structures slide for many steps: after a step that
+   needed it, the interior point method comes first, and every LOOK-th step begins as usual, to see whether the sliding is over.
 4. Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that sweeps of Gauss-Seidel get far. Where
    SWEEPS of them cost at most SWEEP_SHARE of the interior point method's first start, they follow it, and Newton them.
 
@@ -88,13 +89,16 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     first, search = known.first(), _Search(problem, options, start, memory)
     nearly = error <= NEARLY * options.tolerance
     known.deeper = nearly and error > options.tolerance
+    usual = not known.slides or known.steps % LOOK == 0
     order = turns(problem, first, costs, start is None)
     if nearly:
         search.turn(first, min(order[0][1], DEEP_LIMIT), deeper)
-    for method, limit in order:
+    for method, limit in order if usual else [*order[2:], *order[:2]]:
         if search.ended:
             break
         search.turn(method, limit)
+    if usual and start is not None:
+        known.slides = search.iterations[INTERIOR] > 0
     known.learn(first, [spent(costs, method, search.iterations[method]) for method in (ADMM, NEWTON)])
     return search.solution(known)
 
@@ -109,18 +113,21 @@ class Experience:
     costs: Costs = (0.0, 0.0, 0.0, 0.0)
     deeper: bool = False  # whether the last step was solved deeper than asked, because it began close to the solution
     error: float = 0.0  # at the last start looked at
+    slides: bool = False  # whether the last step begun as usual needed the interior point method
 
     @classmethod
     def recall(cls, start: Solution | None) -> Experience:
         """That of the step before, or a new one."""
         if start is None or "auto_tally" not in start.memory:
             return cls()
-        admm_cost, newton_cost, steps, contacts, *costs, deeper, error = start.memory["auto_tally"].tolist()
-        return cls([admm_cost, newton_cost], int(steps), int(contacts), (costs[0], costs[1], costs[2], costs[3]), bool(deeper), error)
+        admm_cost, newton_cost, steps, contacts, *costs, deeper, error, slides = start.memory["auto_tally"].tolist()
+        return cls(
+            [admm_cost, newton_cost], int(steps), int(contacts), (costs[0], costs[1], costs[2], costs[3]), bool(deeper), error, bool(slides)
+        )
 
     def beside(self, memory: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The memory of the methods, and this one (10,)."""
-        own = (*self.cost, self.steps, self.contacts, *self.costs, self.deeper, self.error)
+        """The memory of the methods, and this one (11,)."""
+        own = (*self.cost, self.steps, self.contacts, *self.costs, self.deeper, self.error, self.slides)
         return memory | {"auto_tally": np.array(own, dtype=float)}
 
     def first(self) -> int:
