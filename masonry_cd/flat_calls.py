@@ -1,8 +1,8 @@
 """Calls from Python to kernels that take NamedTuples: field by field, since numba looks longer at a NamedTuple than at its fields.
 
-At each call numba finds out the type of each argument, for a NamedTuple also by the names of its fields, which takes three times as long as
-for as many single arrays: a fifth of what a step of a small scene costs. So a kernel is entered through another one, made here,
-that takes all fields one by one and puts the NamedTuples together again in compiled code, where that costs nothing:
+At each call numba finds out the type of each argument, for a NamedTuple also by the names of its fields, which takes longer than for as
+many single arrays. So a kernel is entered through another one, made here, that takes all fields one by one and puts the NamedTuples
+together again in compiled code, where that costs nothing:
 
     kernel(position, shapes)   ->   flat(position, *shapes)   ->   kernel(position, Shapes(a, b, c))
 
@@ -11,7 +11,7 @@ Which arguments are NamedTuples is said by the annotations of the kernel.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from inspect import signature
 from types import FunctionType
 from typing import Any, get_type_hints
@@ -40,12 +40,17 @@ class FlatCall:
 
     def __init__(self, function: Callable[..., Any], kernel: Any, compile_flat: Callable[[Callable[..., Any]], Any]) -> None:
         self.py_func, self.kernel = function, kernel
-        classes, name = named_tuples(function), function.__name__
-        spread, put_together = _sources(name, classes)
-        names = {f"class_{i}": kind for i, kind in enumerate(_all_classes(classes))}
-        self.flat = compile_flat(_in_place_of(function, put_together, names | {"call": kernel}))
-        self._spread = _made(name, spread, {"call": self.flat})
-        self._regroup = _made(name, put_together, names | {"call": lambda *arguments: arguments})
+        kinds, name = named_tuples(function), function.__name__
+        classes: dict[str, Any] = {}
+        leaves: list[str] = []
+        whole = ", ".join([_whole(kind, classes, leaves) for kind in kinds])
+        put_together = f"def {name}({', '.join(leaves)}):\n    return call({whole})\n"
+        given = [f"argument_{i}" for i in range(len(kinds))]
+        apart = ", ".join(map(_apart, given, kinds))
+        take_apart = f"def {name}({', '.join(given)}):\n    return call({apart})\n"
+        self.flat = compile_flat(_in_place_of(function, put_together, classes | {"call": kernel}))
+        self._spread = _made(name, take_apart, {"call": self.flat})
+        self._regroup = _made(name, put_together, classes | {"call": lambda *arguments: arguments})
 
     def __call__(self, *arguments: Any) -> Any:
         return self._spread(*arguments)
@@ -54,19 +59,6 @@ class FlatCall:
         """What stands for all fields one by one, by argument again."""
         arguments: tuple[Any, ...] = self._regroup(*leaves)
         return arguments
-
-
-def _sources(name: str, classes: Classes) -> tuple[str, str]:
-    """The two functions of a call: one that takes NamedTuples apart, and one that puts them together."""
-    leaves, numbers = (f"leaf_{i}" for i in range(10**6)), iter(range(10**6))
-    given = [f"argument_{i}" for i in range(len(classes))]
-    apart = ", ".join(_apart(argument, kind) for argument, kind in zip(given, classes, strict=True))
-    used: list[str] = []
-    whole = ", ".join([_whole(kind, leaves, numbers, used) for kind in classes])
-    return (
-        f"def {name}({', '.join(given)}):\n    return call({apart})\n",
-        f"def {name}({', '.join(used)}):\n    return call({whole})\n",
-    )
 
 
 def _apart(value: str, kind: Any) -> str:
@@ -79,27 +71,20 @@ def _apart(value: str, kind: Any) -> str:
     return ", ".join(_apart(f"{value}[{i}]", each) for i, each in enumerate(inner))
 
 
-def _whole(kind: Any, leaves: Iterator[str], numbers: Iterator[int], used: list[str]) -> str:
-    """The expression that puts a value together from the next arguments, whose names go to ``used``."""
+def _whole(kind: Any, classes: dict[str, Any], leaves: list[str]) -> str:
+    """The expression that puts a value together: from further arguments, whose names go to ``leaves``, by ``classes``, which get names."""
     if kind is None:
-        used.append(next(leaves))
-        return used[-1]
-    number = next(numbers)
-    return f"class_{number}({', '.join([_whole(each, leaves, numbers, used) for each in _fields(kind)])})"
+        leaves.append(f"leaf_{len(leaves)}")
+        return leaves[-1]
+    name = f"class_{len(classes)}"
+    classes[name] = kind
+    return f"{name}({', '.join([_whole(each, classes, leaves) for each in _fields(kind)])})"
 
 
 def _fields(kind: Any) -> Classes:
     """The classes of the fields of a NamedTuple."""
     hints = get_type_hints(kind)
     return [_as_named_tuple(hints.get(name)) for name in kind._fields]
-
-
-def _all_classes(classes: Classes) -> Iterator[Any]:
-    """All NamedTuples, those in others after these, in the order in which they are put together."""
-    for kind in classes:
-        if kind is not None:
-            yield kind
-            yield from _all_classes(_fields(kind))
 
 
 def _made(name: str, source: str, names: dict[str, Any]) -> FunctionType:

@@ -47,7 +47,7 @@ def warn(lines: Iterable[str]) -> None:
 def errors_reported() -> Iterator[None]:
     """Report errors of the body in one line and set the exit code.
 
-    Numbers beyond their range are refused, or told by name: what numpy says of them besides, by line of this program, helps no user.
+    Numbers beyond their range are refused, or reported by name: what numpy says of them besides, by line of this program, helps no user.
     """
     from masonry_cd.errors import InputError
 

@@ -39,7 +39,7 @@ def npz_arrays(path: Path) -> dict[str, np.ndarray]:
 
 @contextmanager
 def open_hdf5(path: Path) -> Iterator[h5py.File]:
-    """An HDF5 file for reading; what the library finds wrong with it, then or later, is told in one line.
+    """An HDF5 file for reading; what the library finds wrong with it, then or later, is reported in one line.
 
     Raises:
         InputError: also those of the body.

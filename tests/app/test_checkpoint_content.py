@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import signal
-import traceback
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from datasets import contents
+from forked import ended
 from places import ROOT
 from typer.testing import CliRunner
 
@@ -24,12 +23,13 @@ from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
 from masonry_cd.io import checkpoint
 
+LIMIT = 300  # seconds after which a process counts as hanging
+
 SCENES = {  # what the stepper of each remembers: impacts and islands, bonds and springs, factors of the solver
     "islands": ("run.duration=0.3", 100),
     "mortar": ("run.duration=0.08", 25),
     "elastic": ("run.duration=0.08", 25),
 }
-LIMIT = 300  # seconds after which a process counts as hanging
 
 
 def masonry_cd(*words: object):
@@ -78,24 +78,6 @@ def wrong_ones(name: str, array: np.ndarray) -> dict[str, np.ndarray]:
         found["not a number"] = array.copy()
         found["not a number"].flat[array.size // 2] = -np.inf
     return found
-
-
-def ended(body: Callable[[], str]) -> str:
-    """Run a body in a process of its own; what it returns, or how it ended."""
-    read, write = os.pipe()
-    if (pid := os.fork()) == 0:
-        try:
-            signal.alarm(LIMIT)
-            os.write(write, body().encode())
-        except BaseException:
-            os.write(write, traceback.format_exc()[-3000:].encode())
-        finally:
-            os._exit(0)
-    os.close(write)
-    with os.fdopen(read, "rb") as said:
-        words = said.read().decode()
-    _, status = os.waitpid(pid, 0)
-    return f"ended by signal {os.WTERMSIG(status)}" if os.WIFSIGNALED(status) else words
 
 
 def refusals(name: str, out: Path, changed: list[dict[str, np.ndarray]], numbers: dict) -> str:
@@ -166,7 +148,7 @@ def test_no_index_out_of_place_reaches_a_kernel(stopped, tmp_path):
     out = tmp_path / "out"
     shutil.copytree(folder, out)
     arrays, numbers = checkpoint.load(out / checkpoint.NAME)
-    assert ended(lambda: refusals(name, out, out_of_place(arrays), numbers)) == ""
+    assert ended(lambda: refusals(name, out, out_of_place(arrays), numbers), LIMIT) == ""
 
 
 def test_every_number_is_checked(stopped):

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import random
 import shutil
 import signal
-import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from datasets import contents
+from forked import ended
 from places import ROOT
 from typer.testing import CliRunner
 
@@ -23,10 +22,10 @@ from masonry_cd.errors import InputError
 from masonry_cd.io.layout import FORMAT
 from masonry_cd.io.results import Results
 
+LIMIT = 120  # seconds after which a process counts as hanging
 SCENE = ROOT / "benchmarks" / "bits" / "tower.toml"
 ASKED = ("run", SCENE, "-q", "--set", "run.duration=0.2", "--set", "run.frames_per_second=100", "--set", "run.checkpoint_every=0.05", "-o")
 FLIPS, CUTS = 60, 20
-LIMIT = 120  # seconds after which a process counts as hanging
 HISTORIES = ("opening", "sliding", "normal_force", "force_point")
 
 
@@ -62,24 +61,6 @@ def commands(out: Path, stopped: Path) -> tuple[tuple[object, ...], ...]:
         ("compare", out, stopped / "whole"),
         (*ASKED, out, "--resume"),
     )
-
-
-def ended(body: Callable[[], None]) -> str:
-    """Run a body in a process of its own; "" where it holds, else what went wrong."""
-    read, write = os.pipe()
-    if (pid := os.fork()) == 0:
-        try:
-            signal.alarm(LIMIT)
-            body()
-        except BaseException:
-            os.write(write, traceback.format_exc()[-3000:].encode())
-        finally:
-            os._exit(0)
-    os.close(write)
-    with os.fdopen(read, "rb") as said:
-        words = said.read().decode()
-    _, status = os.waitpid(pid, 0)
-    return words or (f"ended by signal {os.WTERMSIG(status)}" if os.WIFSIGNALED(status) else "")
 
 
 def values(results: Results) -> Iterator[np.ndarray]:
@@ -146,7 +127,7 @@ def test_flipped_bits(stopped, tmp_path, seed):
     for _ in range(1 + seed % 3):
         data[rng.randrange(len(data) // (10 if seed % 2 else 1))] ^= 1 << rng.randrange(8)
     kept = marked(data) if seed % 5 == 0 else bytes(data)
-    assert ended(lambda: command_copes(seed // 2, folder_with(kept, stopped, tmp_path / "out"), stopped)) == ""
+    assert ended(lambda: command_copes(seed // 2, folder_with(kept, stopped, tmp_path / "out"), stopped), LIMIT) == ""
 
 
 @pytest.mark.parametrize("seed", range(CUTS))
@@ -154,7 +135,7 @@ def test_files_cut_off(stopped, tmp_path, seed):
     """Of a run that ended and, every other one, of a run that was killed, whose file does not say how long it is."""
     data = (stopped / "out" / "result.h5").read_bytes()
     kept = (marked(data) if seed % 2 else data)[: random.Random(seed).randrange(len(data))]
-    assert ended(lambda: command_copes(seed // 2, folder_with(kept, stopped, tmp_path / "out"), stopped)) == ""
+    assert ended(lambda: command_copes(seed // 2, folder_with(kept, stopped, tmp_path / "out"), stopped), LIMIT) == ""
 
 
 def test_what_precedes_the_damage_is_reported_with_a_word(stopped, tmp_path):
