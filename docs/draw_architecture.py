@@ -20,7 +20,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 PICTURE = ROOT / "docs" / "architecture.png"
 CORE, PLAIN = "masonry_cd", "masonry_cd/*.py"
-ROW, LANE, LEFT, TOP = 0.6, 0.36, 6.3, 1.0  # height of a row, width of a lane, where lanes begin, room for the title [in]
+ROW, LANE, LEFT, TOP = 0.74, 0.36, 6.3, 1.0  # height of a row, width of a lane, where lanes begin, room for the title [in]
 INK, PALE, CLIMBS = "#1f2933", "#7b8794", "#c0392b"
 BANDS = ("#e8f1f5", "#f6efe4")  # backgrounds of layers, by turns
 LANES = ("#1b6ca8", "#b5651d", "#2e7d5b", "#7a4b94")
