@@ -21,6 +21,7 @@ import signal
 import sys
 import tempfile
 import time
+import traceback
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -32,6 +33,7 @@ import numpy as np
 
 from benchmarks.bits.cases import HERE
 from benchmarks.bits.runs import read_folder
+from masonry_cd.cli import main
 from masonry_cd.cli.app import app
 from masonry_cd.io import checkpoint, segments
 from masonry_cd.io.result_writer import ResultWriter
@@ -72,8 +74,10 @@ class Wrong(Exception):
 
 
 def forked(words: Sequence[str], said: Path, before: Callable[[], None] = lambda: None) -> int:
-    """Start a run of the command line in a process of its own; return its number."""
+    """Start a run of the command line in a process of its own; return its number. Strikes are held back until the program begins."""
+    held = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
     if pid := os.fork():
+        signal.pthread_sigmask(signal.SIG_SETMASK, held)
         return pid
     code = 70
     try:
@@ -82,16 +86,29 @@ def forked(words: Sequence[str], said: Path, before: Callable[[], None] = lambda
             os.dup2(stream.fileno(), 2)
         for number in SIGNALS:
             signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+        sys.argv = ["masonry-cd", *words]
         before()
-        app(list(words), standalone_mode=True)
-    except SystemExit as end:
-        code = end.code if isinstance(end.code, int) else 0 if end.code is None else 1
-    except BaseException as failure:
-        print(f"Traceback: {failure!r}", flush=True)
+        code = _command(held)
+    except BaseException:
+        traceback.print_exc()
     finally:
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(code)
+
+
+def _command(held: set[signal.Signals]) -> int:
+    """Run the command line, with the signals held back that were so before; its exit code."""
+    try:
+        signal.pthread_sigmask(signal.SIG_SETMASK, held)
+        main()
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 0 if end.code is None else 1
+    except KeyboardInterrupt:  # a moment before or after the command, which lets none through
+        return 128 + signal.SIGINT
+    finally:
+        signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    return 0
 
 
 def ended(pid: int) -> int:
@@ -232,7 +249,7 @@ def undisturbed(folder: Path) -> dict[str, Reference]:
     return found
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def strike(words: Sequence[str] | None = None) -> int:
     """Strike until there were as many strikes as asked for; the number of runs that did not end as they should."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--times", type=int, default=20, help="kills and interrupts together")
@@ -260,7 +277,7 @@ def main(words: Sequence[str] | None = None) -> int:
             except Exception as failure:
                 wrong, done[f"{kind} {what}"] = wrong + 1, done[f"{kind} {what}"] + 1
                 print(f"{kind}, {what}, number {number}: {failure}", flush=True)
-                if asked.keep:
+                if asked.keep and out.exists():
                     shutil.copytree(out, asked.keep / f"{kind}-{number}", dirs_exist_ok=True)
             number += 1
     for what in ("kills", "interrupts"):
@@ -271,4 +288,4 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(min(main(), 1))
+    sys.exit(min(strike(), 1))

@@ -23,6 +23,7 @@ WALL = 180.0  # after which a case is stopped [s]
 PROCESSOR = 60  # after which the system stops it [s]
 FOREIGN = 10.0  # processor time that a file may take in the readers of foreign files, which have 120 s elsewhere [s]
 BLOCKS = 3000  # that a structure may have here, 100,000 elsewhere: large ones that are sound would take minutes to build
+MOST_STEPS = 1e6  # of a run, 2e7 elsewhere, whose loads take 4 GB and a minute: sound where there is that much
 MARK = "interrupted-by-the-worker"
 
 
@@ -116,10 +117,11 @@ def _limit() -> None:
     }
     for which, most in wanted.items():
         resource.setrlimit(which, (most, resource.getrlimit(which)[1]))
+    from masonry_cd.dynamics import settings
     from structures import size
     from structures.files import foreign
 
-    size.MOST = BLOCKS
+    size.MOST, settings.MOST_STEPS = BLOCKS, MOST_STEPS
     foreign.Limits.__new__.__defaults__ = (FOREIGN, foreign.MEMORY, foreign.OUTPUT)
 
 

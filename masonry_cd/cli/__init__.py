@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+
 
 def main() -> None:
-    """The entry point of the installed command."""
-    from masonry_cd.cli.app import app
+    """The entry point of the installed command. Ctrl-C while it loads, or a second one while it ends, leaves no traceback."""
+    try:
+        from masonry_cd.cli.app import app
 
-    app()
+        app()
+    except KeyboardInterrupt:
+        sys.exit(130)
