@@ -97,7 +97,7 @@ def forked(words: Sequence[str], said: Path, before: Callable[[], None] = lambda
         os._exit(code)
 
 
-def _command(held: set[signal.Signals]) -> int:
+def _command(held: set[int | signal.Signals]) -> int:
     """Run the command line, with the signals held back that were so before; its exit code."""
     try:
         signal.pthread_sigmask(signal.SIG_SETMASK, held)

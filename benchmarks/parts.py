@@ -36,7 +36,7 @@ from masonry_cd.model.joints import JointPeaks
 from masonry_cd.solvers import admm, interior, newton, nlgs
 
 PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: owner and attribute
-    "broad phase": ((detector, "list_holds"), (detector.Detector, "_rebuild")),
+    "broad phase": ((detector.Detector, "_rebuild"),),
     "narrow phase": ((detector, "update_pairs"), (detector, "write_contacts")),
     "motion": ((moreau_jean, "predict"), (moreau_jean, "update")),
     "contact rows": ((moreau_jean, "assemble"),),

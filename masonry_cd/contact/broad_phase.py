@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.contact.motion import Motion, part_reach
-from masonry_cd.jit import entry
+from masonry_cd.jit import borrower, entry
 from masonry_cd.model.blocks import Shapes
 
 SKIN = 0.2  # growth of the bounding boxes, as a share of the median width of the parts
@@ -59,8 +59,8 @@ def overlapping_boxes(boxes: np.ndarray, owner: np.ndarray, fixed: np.ndarray) -
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-@entry()
-def list_holds(listing: Listing, shapes: Shapes, motion: Motion, origin: np.ndarray) -> bool:
+@borrower()
+def list_holds(listing, shapes, motion, origin):
     """Whether no part has moved, nor may move within the step, by more than its allowance.
 
     ``origin`` (3,) is the displacement of the supports since the start [m].

@@ -73,7 +73,7 @@ class Detector:
         self._corners = np.maximum.reduceat(np.diff(shapes.solids.loop_start), shapes.solids.face_start[:-1])  # (P,) most of a face
         self._work = Workspace.allocate(shapes, int(self._corners.max()))
         self._listing = Listing.none(assembly.count, len(shapes.part_block))
-        self._memory = PairMemory.none()
+        self._remember(PairMemory.none())
         self.rebuilds = 0
         self.tally = np.zeros(4, dtype=np.int64)  # pairs so far that were APART, KEPT, CLIPPED, SEARCHED
 
@@ -102,9 +102,10 @@ class Detector:
             origin: (3,) displacement of the supports since the start [m].
         """
         motion = Motion(position, rotation, velocity, float(step), float(slack))
-        if not list_holds(self._listing, self._shapes, motion, origin):
+        count = self._update(motion, origin)
+        if count < 0:
             self._rebuild(motion, origin)
-        count = update_pairs(self._memory, self._shapes, motion, self._pair_by_area, self._work, self.tally)
+            count = self._update(motion, origin)
         found = ContactSet.allocate(count)
         write_contacts(self._memory, self._shapes.part_block, position, rotation, found)
         return found
@@ -139,6 +140,10 @@ class Detector:
         self._remember(PairMemory.restored(arrays, self._capacity(arrays["parts"])))
         self._listing = Listing(arrays["listed_position"], arrays["listed_rotation"], arrays["allowance"])
         self.tally, self.rebuilds = arrays["tally"], int(arrays["rebuilds"])
+
+    def _update(self, motion: Motion, origin: np.ndarray) -> int:
+        """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed anew."""
+        return int(update_pairs(self._listing, self._memory, self._shapes, motion, origin, self._pair_by_area, self._work, self.tally))
 
     def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
@@ -179,11 +184,26 @@ class Workspace(NamedTuple):
 
 
 @entry()
-def update_pairs(memory: PairMemory, shapes: Shapes, motion: Motion, by_area: np.ndarray, work: Workspace, tally: np.ndarray) -> int:
-    """Bring the points of all P pairs up to date, and the gap of each, inf where it is beyond the margin; return how many are within.
+def update_pairs(
+    listing: Listing,
+    memory: PairMemory,
+    shapes: Shapes,
+    motion: Motion,
+    origin: np.ndarray,
+    by_area: np.ndarray,
+    work: Workspace,
+    tally: np.ndarray,
+) -> int:
+    """Bring the points of all P pairs up to date, and the gap of each, inf where it is beyond the margin.
 
-    ``by_area`` (P,) whether the law of the joint goes by area; ``tally`` (4,) counts what was done.
+    ``origin`` (3,) is the displacement of the supports since the start [m]; ``by_area`` (P,) whether the law of the joint goes by area;
+    ``tally`` (4,) counts what was done.
+
+    Returns:
+        how many points are within the margin; -1, and nothing is done, where the list of pairs no longer holds.
     """
+    if not list_holds(listing, shapes, motion, origin):
+        return -1
     part_block, radius, size = shapes.part_block, shapes.radius, shapes.size
     parts, slot, count, gap, now = memory.parts, memory.slot, memory.point_count, memory.gap, work.now
     within = 0

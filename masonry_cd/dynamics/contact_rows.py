@@ -32,9 +32,8 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
         last.impulse, room,
     )  # fmt: skip
     rows = room.first(count)
-    rigid = FrictionProblem(
-        predicted.inverse_mass, predicted.v_free, rows.bodies, rows.jacobian, rows.offset, rows.mu, compliance=np.zeros(rows.offset.shape)
-    )
+    none = np.zeros((0, system.rows))
+    rigid = FrictionProblem(predicted.inverse_mass, predicted.v_free, rows.bodies, rows.jacobian, rows.offset, rows.mu, compliance=none)
     made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0))
     return made if system.laws is None else with_springs(system, system.laws, last, made)
 

@@ -21,7 +21,17 @@ import numpy as np
 from masonry_cd.dynamics.block_arrays import BlockArrays
 from masonry_cd.dynamics.system import Motion, StepLoads, System
 from masonry_cd.jit import borrower, entry
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.model.state import State, fill_rotations
+
+
+class Moved(NamedTuple):
+    """Where the blocks are at q_m and how they would move on, as the kernel writes it."""
+
+    position: np.ndarray  # (B, 3) [m]
+    orientation: np.ndarray  # (B, 4)
+    rotation: np.ndarray  # (B, 3, 3)
+    inverse_mass: np.ndarray  # (F, n, n)
+    v_free: np.ndarray  # (F, n) [m/s, rad/s]
 
 
 class Prediction(NamedTuple):
@@ -41,13 +51,12 @@ class Prediction(NamedTuple):
 
 def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:
     """Move the blocks to q_m, and find their free velocities."""
-    h, blocks, state = system.constants.step, system.blocks, last.state.copy()
-    drift(state.position, state.orientation, state.velocity, h * (1.0 - system.settings.theta))
-    rotation = rotation_matrices(state.orientation)
+    h, blocks, state, momentum = system.constants.step, system.blocks, last.state.copy(), last.angular_momentum
     bodies, n = len(system.reach), len(blocks.columns)
-    inverse_mass, v_free = np.empty((bodies, n, n)), np.empty((bodies, n))
-    free_velocity(blocks, rotation, state.velocity, last.angular_momentum, loads.acceleration, h, inverse_mass, v_free)
-    free = Prediction(loads, state, rotation, inverse_mass, v_free, last.angular_momentum, system.gravity, last.tensions)
+    rotation, inverse_mass, v_free = np.empty((len(momentum), 3, 3)), np.empty((bodies, n, n)), np.empty((bodies, n))
+    at_q_m = Moved(state.position, state.orientation, rotation, inverse_mass, v_free)
+    move_freely(blocks, state.velocity, momentum, loads.acceleration, h, system.settings.theta, at_q_m)
+    free = Prediction(loads, state, rotation, inverse_mass, v_free, momentum, system.gravity, last.tensions)
     return _with_carried_impulse(system, _with_forces(system, free), last.carried_impulse)
 
 
@@ -112,20 +121,22 @@ def drift(position, orientation, velocity, time):
 
 
 @entry()
-def free_velocity(
+def move_freely(
     blocks: BlockArrays,
-    rotation: np.ndarray,
     velocity: np.ndarray,
     momentum: np.ndarray,
     acceleration: np.ndarray,
     step: float,
-    inverse_mass: np.ndarray,
-    v_free: np.ndarray,
+    theta: float,
+    moved: Moved,
 ) -> None:
-    """Fill M^-1 (F, n, n) and the velocities without contact (F, n) of the free blocks, see the head of this file.
+    """Move the blocks to q_m, from where they are in ``moved``, and fill M^-1 and the free velocities, see the head of this file.
 
-    Rotations (B, 3, 3) at q_m, velocities (B, 6), angular momenta (B, 3), one body acceleration (3,) [m/s2].
+    Velocities (B, 6) at the beginning of the step [m/s, rad/s], angular momenta (B, 3), one body acceleration (3,) [m/s2].
     """
+    drift(moved.position, moved.orientation, velocity, step * (1.0 - theta))
+    rotation, inverse_mass, v_free = moved.rotation, moved.inverse_mass, moved.v_free
+    fill_rotations(moved.orientation, rotation)
     mass, inverse_inertia, free_index, columns = blocks.mass, blocks.inverse_inertia, blocks.free_index, blocks.columns
     full = np.zeros((6, 6))
     free = np.empty(6)

@@ -58,7 +58,7 @@ class ImpactContacts(NamedTuple):
     bodies: np.ndarray  # (C, 2) places among the free blocks; -1: a support
     jacobian: np.ndarray  # (C, 2, m, n)
     offset: np.ndarray  # (C, m) [m/s]
-    compliance: np.ndarray  # (C, m)
+    compliance: np.ndarray  # (C, m); (0, m): all are rigid
     is_open: np.ndarray  # (C,) bool: open at q_m
 
     @classmethod
@@ -184,7 +184,9 @@ def carried_impulse(
     for c in range(count):
         if is_open[c] or force[c, 0] <= 0.0:
             continue
-        parting = of_bodies(bodies, jacobian, c, 0, after, offset[c, 0]) + contacts.compliance[c, 0] * blow[c, 0]
+        parting = of_bodies(bodies, jacobian, c, 0, after, offset[c, 0])
+        if len(contacts.compliance):
+            parting += contacts.compliance[c, 0] * blow[c, 0]
         if parting <= LIFTED * fastest:
             continue
         first, second = bodies[c]

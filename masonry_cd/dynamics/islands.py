@@ -64,6 +64,7 @@ class Islands:
     def __init__(self, solver: Solver, bodies: int, apart: bool = True) -> None:
         self.solver, self._apart, self._age = solver, apart, 0
         self._root = np.arange(bodies) if apart else np.zeros(bodies, dtype=np.int64)  # first block of the group of each
+        self._several = apart and bodies > 1  # whether there are several groups
         self._hard = np.zeros(bodies, dtype=np.bool_)  # by first block: took more than EASY iterations since the last review
         self._asleep = np.zeros(bodies, dtype=np.bool_)  # by first block: the impulses of the step before did
         self._memory: dict[str, dict[int, dict[str, np.ndarray]]] = {FORCES: {}, IMPACTS: {}}  # of the solver, by first block
@@ -76,12 +77,13 @@ class Islands:
         self._age += 1
         if not self._apart:
             self.count = 1
-        if not self._apart or not (review or before.any()):  # all one island, and no other to meet
+        if not self._apart or not (review or self._several):  # all one island, and no other to meet
             return
         self._root = np.arange(len(before)) if review else before.copy()
         _link(problem.bodies, self._root)
         if review:
             self._review(problem, impulse, tolerance, self._hard[before])
+        self._several = bool(self._root.any())
         for first in np.flatnonzero(_changed(before, self._root)).tolist():
             self._asleep[first] = False
             for memory in self._memory.values():
@@ -113,7 +115,7 @@ class Islands:
         if problem.contacts == 0:
             self.sleeping = 0.0
             return self.solver(problem, options, start)
-        if not self._root.any():
+        if not self._several:
             return self._solve_whole(problem, options, start, kind)
         group, first = _groups(problem.bodies, self._root)
         residual, allowed, size = _measure(problem, start.impulse, options.tolerance, group, len(first))
@@ -193,6 +195,7 @@ class Islands:
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Take back what :meth:`snapshot` gave."""
         self._root, self._hard, self._asleep = arrays["root"], arrays["hard"], arrays["asleep"]
+        self._several = bool(self._root.any())
         self._age, self.count = arrays["counts"].tolist()
         self._memory = {FORCES: {}, IMPACTS: {}}
         for key, array in arrays.items():

@@ -91,7 +91,7 @@ class Springs(NamedTuple):
         c, m = problem.contacts, problem.dimension
         off = np.zeros(c, dtype=np.bool_)
         return cls(
-            np.zeros(c), off, off.copy(), np.zeros(c), np.zeros((c, m - 1)), np.zeros((c, m)), problem.compliance.copy(),
+            np.zeros(c), off, off.copy(), np.zeros(c), np.zeros((c, m - 1)), np.zeros((c, m)), np.zeros((c, m)),
             problem.offset.copy(),
         )  # fmt: skip
 

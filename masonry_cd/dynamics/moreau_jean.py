@@ -37,7 +37,7 @@ from masonry_cd.dynamics.islands import Islands
 from masonry_cd.dynamics.joint_history import bonded_shares, pretensioned
 from masonry_cd.dynamics.joint_law import JointMemory
 from masonry_cd.dynamics.new_state import RunStopped, update
-from masonry_cd.dynamics.overlaps import deepest_overlap, still_closing
+from masonry_cd.dynamics.overlaps import Overlap, still_closing
 from masonry_cd.dynamics.planar import Plane
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.dynamics.snapshot import part, prefixed
@@ -195,29 +195,28 @@ class Stepper:
         energy = account(system, last, made, solved.solution.impulse, new)
         self.motion, self.last, self.solution = new.motion._replace(energy=energy), made, solved.solution
         self.load_step += 1
-        return self._report(made, solved, begin)
+        return self._report(made, solved, new.deepest, begin)
 
     def friction_problem(self) -> StepProblem:
         """The friction problem of the next step. Asking for it changes nothing."""
         predicted = predict(self.system, self.motion, self.system.loads.of_step(self.load_step))
         return assemble(self.system, self.motion, predicted, detect(self.system, deepcopy(self.detector), predicted))
 
-    def _report(self, made: StepProblem, solved: Solved, begin: float) -> StepReport:
+    def _report(self, made: StepProblem, solved: Solved, deepest: Overlap, begin: float) -> StepReport:
         """What the step cost that began at a reading of the clock."""
         met = solved.error <= self.settings.tolerance
         closing = None if met else still_closing(self.system, made, self.motion.v)
-        penetration, overlapping = deepest_overlap(made)
         return StepReport(
             solved.solution.iterations,
             solved.error,
             clock.perf_counter() - begin,
             made.problem.contacts,
-            penetration,
+            deepest.depth,
             solved.solution.reason,
             solved.carried_impulse is not None,
             self.islands.count,
             self.islands.sleeping,
-            overlapping,
+            deepest.blocks,
             closing,
         )
 

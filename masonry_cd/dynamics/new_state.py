@@ -13,7 +13,7 @@ import numpy as np
 from masonry_cd.dynamics.block_arrays import BlockArrays
 from masonry_cd.dynamics.free_motion import drift, turned_tensor
 from masonry_cd.dynamics.joint_history import SpringWork, carried_over
-from masonry_cd.dynamics.overlaps import correct_overlaps
+from masonry_cd.dynamics.overlaps import Overlap, correct_overlaps, deepest_overlap
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import Motion, System
 from masonry_cd.jit import entry
@@ -28,6 +28,7 @@ class Update(NamedTuple):
 
     motion: Motion  # whose energies are still those of the last step
     kinetic: float  # energy of the free blocks [J]
+    deepest: Overlap  # at q_m
     lifted: np.ndarray | None  # (B, 3) shifts that took overlaps away [m]
     springs: SpringWork
 
@@ -54,7 +55,8 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray,
     )
     if not math.isfinite(kinetic):
         raise RunStopped(f"step {last.steps + 1}: {_what_broke(system, made, state.velocity, impulse)}")
-    lifted = correct_overlaps(system, made, state)
+    deepest = deepest_overlap(made)
+    lifted = correct_overlaps(system, made, deepest, state)
     drift(state.position, state.orientation, state.velocity, h * system.settings.theta)
     state.time = (last.steps + 1) * h
     joints, springs = carried_over(system, last, made, v, impulse)
@@ -62,7 +64,7 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray,
         state=state, angular_momentum=momentum, v=v, impulse=every, carried_impulse=carried, joints=joints,
         tensions=predicted.tensions, steps=last.steps + 1,
     )  # fmt: skip
-    return Update(motion, kinetic, lifted, springs)
+    return Update(motion, kinetic, deepest, lifted, springs)
 
 
 def _what_broke(system: System, made: StepProblem, velocity: np.ndarray, impulse: np.ndarray) -> str:

@@ -10,6 +10,8 @@ found by projected Gauss-Seidel on the normals alone. Velocities are not touched
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from masonry_cd.dynamics.free_motion import drift
@@ -25,10 +27,17 @@ CORRECTED = 0.2  # share of what is beyond that which one step takes away
 SWEEPS = 20  # of Gauss-Seidel
 
 
-def correct_overlaps(system: System, made: StepProblem, state: State) -> np.ndarray | None:
+class Overlap(NamedTuple):
+    """The largest overlap of rigid contacts at q_m."""
+
+    depth: float = 0.0  # [m]
+    blocks: tuple[int, int] = (-1, -1)  # that overlap; -1: none do
+
+
+def correct_overlaps(system: System, made: StepProblem, deepest: Overlap, state: State) -> np.ndarray | None:
     """Take a share of the overlaps away by moving the blocks of a state, in place; return the shifts (B, 3) [m], None for none."""
     gap, problem, allowed = made.rigid_gap, made.problem, OVERLAP * system.width
-    if gap.min(initial=0.0) > -allowed:
+    if deepest.depth < allowed:
         return None
     if len(gap) < problem.contacts:
         problem = problem.subset(made.rigid)
@@ -41,14 +50,14 @@ def correct_overlaps(system: System, made: StepProblem, state: State) -> np.ndar
     return state.position - before
 
 
-def deepest_overlap(made: StepProblem) -> tuple[float, tuple[int, int]]:
-    """The largest overlap of rigid contacts at q_m, at least 0 [m], and the two blocks; -1 where there are none."""
+def deepest_overlap(made: StepProblem) -> Overlap:
+    """The largest overlap of a step; the blocks are those of the smallest gap where that is positive."""
     gap = made.rigid_gap
     if not len(gap):
-        return 0.0, (-1, -1)
-    at = int(np.argmin(gap))
+        return Overlap()
+    at = int(gap.argmin())
     first, second = made.rows.blocks[at if made.springs is None else made.rigid[at]].tolist()
-    return max(0.0, -float(gap[at])), (first, second)
+    return Overlap(max(0.0, -float(gap[at])), (first, second))
 
 
 def still_closing(system: System, made: StepProblem, v: np.ndarray) -> Closing | None:

@@ -50,7 +50,7 @@ class FrictionProblem:
     jacobian: np.ndarray  # (C, 2, m, n) H by contact and body
     offset: np.ndarray  # (C, m) b [m/s]
     mu: np.ndarray  # (C,) coefficients of friction
-    compliance: np.ndarray  # (C, m) diagonal of C, not negative [m/s per N s]; zeros: rigid contacts
+    compliance: np.ndarray  # (C, m) diagonal of C, not negative [m/s per N s], zeros: rigid contacts; (0, m): all are rigid
 
     @property
     def contacts(self) -> int:
@@ -72,7 +72,7 @@ class FrictionProblem:
 
         If all contacts are rigid the compliance is left out, as (0, m): the kernels then save reading it.
         """
-        compliance = self.compliance if self.compliance.any() else self.compliance[:0]
+        compliance = self.compliance if len(self.compliance) and self.compliance.any() else self.compliance[:0]
         return ProblemArrays(
             np.ascontiguousarray(self.inverse_mass, dtype=np.float64),
             np.ascontiguousarray(self.v_free, dtype=np.float64),
@@ -105,11 +105,14 @@ class FrictionProblem:
 
     def apply(self, impulse: np.ndarray) -> np.ndarray:
         """w = (W + C) p + q, (C, m): the velocity that the law is about."""
-        return self.relative_velocity(self.body_velocity(impulse)) + self.compliance * impulse
+        u = self.relative_velocity(self.body_velocity(impulse))
+        return u + self.compliance * impulse if len(self.compliance) else u
 
     def delassus_diagonal(self) -> np.ndarray:
         """W_cc + C_cc, (C, m, m)."""
-        out = self.compliance[:, :, None] * np.eye(self.dimension)
+        out = np.zeros((self.contacts, self.dimension, self.dimension))
+        if len(self.compliance):
+            out += self.compliance[:, :, None] * np.eye(self.dimension)
         for side in range(2):
             on = self.bodies[:, side] >= 0
             h = self.jacobian[on, side]
@@ -120,7 +123,7 @@ class FrictionProblem:
         """The problem with some of its contacts only: a mask (C,) or their indices."""
         return replace(
             self, bodies=self.bodies[kept], jacobian=self.jacobian[kept], offset=self.offset[kept], mu=self.mu[kept],
-            compliance=self.compliance[kept],
+            compliance=self._compliance_of(kept),
         )  # fmt: skip
 
     def part(self, contacts: np.ndarray, blocks: np.ndarray, place: np.ndarray) -> FrictionProblem:
@@ -128,8 +131,12 @@ class FrictionProblem:
         bodies = self.bodies[contacts]
         return FrictionProblem(
             self.inverse_mass[blocks], self.v_free[blocks], np.where(bodies >= 0, place[bodies], -1), self.jacobian[contacts],
-            self.offset[contacts], self.mu[contacts], self.compliance[contacts],
+            self.offset[contacts], self.mu[contacts], self._compliance_of(contacts),
         )  # fmt: skip
+
+    def _compliance_of(self, contacts: np.ndarray) -> np.ndarray:
+        """That of some contacts, a mask or their indices."""
+        return self.compliance[contacts] if len(self.compliance) else self.compliance
 
     def jacobian_matrix(self) -> sparse.csr_matrix:
         """H as a sparse matrix (C m, B n)."""
@@ -153,7 +160,7 @@ class FrictionProblem:
         h, n, blocks = self.jacobian_matrix(), self.v_free.shape[1], len(self.inverse_mass)
         inverse = sparse.bsr_matrix((self.inverse_mass, np.arange(blocks), np.arange(blocks + 1)), (blocks * n, blocks * n))
         delassus = h @ inverse @ h.T
-        if self.compliance.any():
+        if self.compliance.any():  # not of (0, m)
             delassus += sparse.diags(self.compliance.ravel())
         return LocalProblem(delassus.tocsr(), self.free_relative_velocity(), self.mu)
 

@@ -41,12 +41,13 @@ class State:
 def rotation_matrices(orientation: np.ndarray) -> np.ndarray:
     """Rotation matrices (B, 3, 3), body to world, of unit quaternions (B, 4), w first."""
     out = np.empty((len(orientation), 3, 3))
-    _matrices(orientation, out)
+    fill_rotations(orientation, out)
     return out
 
 
 @entry()
-def _matrices(orientation, out):
+def fill_rotations(orientation: np.ndarray, out: np.ndarray) -> None:
+    """Fill ``out`` (B, 3, 3) with the rotation matrices of unit quaternions (B, 4), see :func:`rotation_matrices`."""
     for b in range(orientation.shape[0]):
         w, x, y, z = orientation[b, 0], orientation[b, 1], orientation[b, 2], orientation[b, 3]
         r = out[b]

@@ -97,8 +97,8 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         if search.ended:
             break
         search.turn(method, limit)
-    if usual and start is not None:
-        known.slides = search.iterations[INTERIOR] > 0
+    if usual:
+        known.slides = known.steps > 0 and search.iterations[INTERIOR] > 0
     known.learn(first, [spent(costs, method, search.iterations[method]) for method in (ADMM, NEWTON)])
     return search.solution(known)
 
@@ -113,7 +113,7 @@ class Experience:
     costs: Costs = (0.0, 0.0, 0.0, 0.0)
     deeper: bool = False  # whether the last step was solved deeper than asked, because it began close to the solution
     error: float = 0.0  # at the last start looked at
-    slides: bool = False  # whether the last step begun as usual needed the interior point method
+    slides: bool = False  # whether the last step begun as usual needed the interior point method; the first one begins with no impulses
 
     @classmethod
     def recall(cls, start: Solution | None) -> Experience:

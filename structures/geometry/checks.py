@@ -23,6 +23,7 @@ FLATNESS = 1e-5  # of faces and of convexity, relative to the size of the block
 OVERLAP = 1e-6  # depth, relative to the size of the smaller block
 FILLED = 1e-6  # volume of the convex parts of a block, relative to its own
 THIN = 1e-6  # width of a face, relative to the size of the block
+LONGEST_NAME = 200  # characters of a block or group, which tables, pages and closing lines show whole
 
 
 class Unsound(InputError):
@@ -116,6 +117,8 @@ def _check_names(blocks: Sequence[Block]) -> None:
         for what, word in (("name", block.name), ("group", block.group)):
             if any(c < " " or "\ud800" <= c <= "\udfff" for c in word):  # results and terminals take neither
                 raise Unsound(f'block "{block.name}": its {what} has control characters or halves of a character', [block.name])
+            if len(word) > LONGEST_NAME:
+                raise Unsound(f'block "{block.name}": its {what} has {len(word)} characters; at most {LONGEST_NAME}', [block.name])
         if not 0 < block.density < np.inf:
             raise Unsound(f'block "{block.name}": density must be above 0 kg/m3, got {block.density:g}', [block.name])
 

@@ -97,6 +97,13 @@ def test_names_given_twice() -> None:
     assert refused(box("a", 0, 0), box("a", 2, 0)) == 'block "a": two blocks have this name'
 
 
+def test_names_that_no_line_can_show() -> None:
+    long = "v" * 100_000
+    assert refused(box(long, 0, 0)) == f'block "{long[:300]} ...": its name has 100000 characters; at most 200'
+    assert refused(replace(box("a", 0, 0), group=long)) == 'block "a": its group has 100000 characters; at most 200'
+    check([replace(box(long[:200], 0, 0), group=long[:200])])
+
+
 def test_overlap_names_both_blocks_and_the_depth() -> None:
     assert refused(box("a", 0, 0), box("b", 0.998, 0.2)) == 'blocks "a" and "b" overlap by 2 mm'
     assert refused(box("outer", 0, 0), box("inner", 0.4, 0.4, (0.2, 0.2, 0.2))).startswith('blocks "outer" and "inner" overlap')
