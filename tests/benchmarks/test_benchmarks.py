@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from benchmarks import costs, memory, parts, peers, problem_files, rocking, scaling
+from benchmarks.counters import Counters
 from benchmarks.lmgc90_error import judge
 from benchmarks.ours import measure, stepper
 from benchmarks.scenes import GRAVITY, arcade, arch, scene, tower, wall
@@ -65,6 +66,22 @@ def test_ours_measures_a_run():
     assert 0 < out.detection_share < 1
     assert min(out.first_ms, out.median_ms, out.mean_ms) > 0
     assert sum(out.reasons.values()) == 20
+
+
+def test_instructions_are_those_of_this_thread():
+    counters = Counters.open()
+    if counters is None:
+        pytest.skip("this machine gives no counters of the processor")
+
+    def counted(turns: int) -> int:
+        before = counters.read()[0]
+        for _ in range(turns):
+            pass
+        return counters.read()[0] - before
+
+    one, ten = counted(100_000), counted(1_000_000)
+    assert 8.0 * one < ten < 12.0 * one
+    assert one > 100_000
 
 
 def test_ours_says_when_a_tolerance_is_missed():
