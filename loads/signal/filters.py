@@ -27,6 +27,7 @@ from loads.motion import smooth_step
 LARGEST_RATIO = 1000  # of whole numbers up / down in a resampling
 HALF_LENGTH = 20  # of the anti-aliasing filter, in samples of the slower rate
 CUTOFF = 0.85  # of the lower Nyquist frequency
+MOST_ZEROS = 1e7  # before and after a record that is filtered: the transient of the high-pass
 
 
 def taper_factors(count: int, step: float, length: float) -> np.ndarray:
@@ -71,11 +72,14 @@ def band_pass(values: np.ndarray, step: float, low: float, high: float, order: i
         order: n of each of the two passes.
 
     Raises:
-        ValueError: a corner at or above the Nyquist frequency.
+        ValueError: a corner at or above the Nyquist frequency, or one so low that the zeros at both ends would be beyond MOST_ZEROS.
     """
     nyquist = 0.5 / step
     if high >= nyquist:
         raise ValueError(f"its upper corner {high:g} Hz must lie below {nyquist:g} Hz, half the sampling rate")
+    lowest = 1.5 * order / step / MOST_ZEROS
+    if low < lowest:
+        raise ValueError(f"its lower corner {low:g} Hz must be at least {lowest:.2g} Hz at steps of {step:g} s")
     pad = int(np.ceil(1.5 * order / low / step))
     padded = np.concatenate([np.zeros(pad), values, np.zeros(pad)])
     for corner, kind in ((low, "highpass"), (high, "lowpass")):

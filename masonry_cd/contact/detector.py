@@ -102,10 +102,10 @@ class Detector:
             origin: (3,) displacement of the supports since the start [m].
         """
         motion = Motion(position, rotation, velocity, float(step), float(slack))
-        count = self._update(motion, origin)
+        count = self._update(motion, origin, False)
         if count < 0:
             self._rebuild(motion, origin)
-            count = self._update(motion, origin)
+            count = self._update(motion, origin, True)
         found = ContactSet.allocate(count)
         write_contacts(self._memory, self._shapes.part_block, position, rotation, found)
         return found
@@ -141,9 +141,13 @@ class Detector:
         self._listing = Listing(arrays["listed_position"], arrays["listed_rotation"], arrays["allowance"])
         self.tally, self.rebuilds = arrays["tally"], int(arrays["rebuilds"])
 
-    def _update(self, motion: Motion, origin: np.ndarray) -> int:
+    def _update(self, motion: Motion, origin: np.ndarray, just_listed: bool) -> int:
         """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed anew."""
-        return int(update_pairs(self._listing, self._memory, self._shapes, motion, origin, self._pair_by_area, self._work, self.tally))
+        return int(
+            update_pairs(
+                self._listing, self._memory, self._shapes, motion, origin, just_listed, self._pair_by_area, self._work, self.tally
+            )
+        )  # fmt: skip
 
     def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
@@ -190,19 +194,20 @@ def update_pairs(
     shapes: Shapes,
     motion: Motion,
     origin: np.ndarray,
+    just_listed: bool,
     by_area: np.ndarray,
     work: Workspace,
     tally: np.ndarray,
 ) -> int:
     """Bring the points of all P pairs up to date, and the gap of each, inf where it is beyond the margin.
 
-    ``origin`` (3,) is the displacement of the supports since the start [m]; ``by_area`` (P,) whether the law of the joint goes by area;
-    ``tally`` (4,) counts what was done.
+    ``origin`` (3,) is the displacement of the supports since the start [m]; ``just_listed``: the list holds, where motions are not finite
+    too; ``by_area`` (P,) whether the law of the joint goes by area; ``tally`` (4,) counts what was done.
 
     Returns:
         how many points are within the margin; -1, and nothing is done, where the list of pairs no longer holds.
     """
-    if not list_holds(listing, shapes, motion, origin):
+    if not just_listed and not list_holds(listing, shapes, motion, origin):
         return -1
     part_block, radius, size = shapes.part_block, shapes.radius, shapes.size
     parts, slot, count, gap, now = memory.parts, memory.slot, memory.point_count, memory.gap, work.now

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper
 from masonry_cd.errors import InputError
 
 RADIANS, STEPS = 30.0, 400  # step of settling, in radians of the swing of a block on its joint, and most steps
@@ -22,7 +22,7 @@ def settle(stepper: Stepper) -> int:
     """Bring a stepper to rest under its weight, and return the steps that took. Without elastic joints there is nothing to do.
 
     Raises:
-        InputError: the structure does not come to rest.
+        InputError: the structure does not come to rest, or its motion is not finite.
     """
     assembly = stepper.assembly
     if not assembly.laws.normal_stiffness.any():
@@ -31,8 +31,7 @@ def settle(stepper: Stepper) -> int:
     begin, steps, sunk, moved, still = trial.state.position.copy(), 0, 0.0, np.inf, False
     while not still and steps < STEPS and sunk <= SUNK * stepper.width:
         before, last = trial.state.position.copy(), moved
-        trial.step()
-        trial.halt()
+        _step_to_rest(trial)
         sunk = float(np.abs(trial.state.position - begin).max())
         moved = float(np.abs(trial.state.position - before).max())
         still = moved <= SETTLED * sunk or (moved <= ROUNDED * sunk and moved > 0.99 * last)
@@ -42,6 +41,15 @@ def settle(stepper: Stepper) -> int:
         raise InputError(f'run.settle: block "{block}" does not come to rest under its weight; settle = false starts the run without')
     stepper.begin_from(trial, stepper.settings.dt / trial.settings.dt)
     return steps
+
+
+def _step_to_rest(trial: Stepper) -> None:
+    """One step, whose motion is taken out."""
+    try:
+        trial.step()
+    except RunStopped as broken:
+        raise InputError(f"run.settle: {broken}; settle = false starts the run without") from None
+    trial.halt()
 
 
 def _trial(stepper: Stepper) -> Stepper:

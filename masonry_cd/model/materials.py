@@ -16,14 +16,15 @@ from masonry_cd.errors import InputError, suggest
 from masonry_cd.fields import Number, Table, is_number
 
 Value = TypeVar("Value")
+Stiffness = Annotated[Number, Field(ge=1.0, le=1e20)]  # on 1 Pa such joints shorten by a metre, and by less than rounding
 
 
 class JointLaw(Table):
     """The law of a joint, a table ``[material.joints]`` or ``[material.joints.arch-base]``."""
 
-    normal_stiffness: Annotated[Number, Field(gt=0)] | None = None
+    normal_stiffness: Stiffness | None = None
     """Elastic force per area and shortening [N/m3]; rigid when not given."""
-    tangential_stiffness: Annotated[Number, Field(gt=0)] | None = None
+    tangential_stiffness: Stiffness | None = None
     """Elastic force per area and slip [N/m3]; the normal one over 2.4, as of a material with Poisson's ratio 0.2, when not given."""
     cohesion: Annotated[Number, Field(ge=0)] = 0.0
     """Shear strength without compression, of a joint that has not broken yet [Pa]."""

@@ -95,6 +95,10 @@ def test_joint_laws_by_pairs_of_groups_or_one_for_all(write):
         ),
         ("[material.joints.arch-base]\ntheta = 0.4", ":11: material.joints.arch-base.theta: input should be greater than or equal to 0.5"),
         ("[material.joints]\ntangential_stiffness = 1e9", "material.joints.default: tangential_stiffness needs normal_stiffness"),
+        (
+            "[material.joints]\nnormal_stiffness = 5e-324",
+            "material.joints.default.normal_stiffness: input should be greater than or equal to 1",
+        ),
         ("[material.joints]\ntension = 1e5", "material.joints.default: tension needs normal_stiffness"),
         (
             "[material.joints]\ntheta = 0.5\n[material.joints.arch-base]\ntheta = 0.6",

@@ -233,6 +233,12 @@ def test_what_cannot_settle_is_reported():
         settle(machine)
 
 
+def test_weight_beyond_all_numbers_is_reported():
+    machine = stepper(block(), 1, joints={"default": JointLaw(normal_stiffness=1e9)}, acceleration=np.full((2, 3), np.nan))
+    with pytest.raises(InputError, match=r'run\.settle: step 1: the velocity of block "b" is not finite; .*settle = false starts the run'):
+        settle(machine)
+
+
 def test_stiff_joints_slip_like_rigid_ones():
     """A rectangular pulse of 0.5 g, friction 0.3, 0.2 s: the closed form is 65.4 mm."""
     dt, steps = 1e-3, 500

@@ -47,6 +47,9 @@ def test_band_pass_follows_its_formula_without_phase(frequency: float) -> None:
 def test_a_band_beyond_the_sampling_is_refused() -> None:
     with pytest.raises(ValueError, match="its upper corner 60 Hz must lie below 50 Hz"):
         band_pass(sine(1.0, 0.01), 0.01, 0.1, 60.0, 4)
+    for low in (1e-9, 5e-324):
+        with pytest.raises(ValueError, match=f"its lower corner {low:g} Hz must be at least 6e-05 Hz at steps of 0.01 s"):
+            band_pass(sine(1.0, 0.01), 0.01, low, 20.0, 4)
 
 
 def test_taper_is_level_at_both_ends_and_one_between() -> None:
