@@ -19,9 +19,8 @@ from pydantic import BaseModel, Field, model_validator
 
 from loads.motion import DirectionKey, LoadTable, RunGrid, strict
 from masonry_cd.errors import InputError, suggest
+from masonry_cd.fields import Instant
 from masonry_cd.model.blocks import Assembly
-
-NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 class Delay(BaseModel):
@@ -31,7 +30,7 @@ class Delay(BaseModel):
 
     direction: DirectionKey | None = None
     speed: Annotated[float, Field(gt=0.0)] | None = None  # apparent, along the direction [m/s]
-    seconds: dict[str, NotNegative] | None = None  # supports that are not named: 0 [s]
+    seconds: dict[str, Instant] | None = None  # supports that are not named: 0 [s]
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -55,7 +54,7 @@ class Delay(BaseModel):
 class ShakingTable(LoadTable):
     """What all loads have in common that move the base to and fro."""
 
-    start: NotNegative = 0.0  # time of the run at which the motion begins [s]
+    start: Instant = 0.0  # time of the run at which the motion begins [s]
     delay: Delay | None = None  # all supports move together without it
 
     def delay_of_blocks(self, grid: RunGrid, where: str) -> np.ndarray | None:

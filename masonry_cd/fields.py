@@ -11,6 +11,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Count = Annotated[int, Strict()]
 Flag = Annotated[bool, Strict()]
+LONGEST = 1e6  # time in a scene [s]: eleven days
+Instant = Annotated[float, Field(ge=0.0, le=LONGEST)]  # [s]
+Span = Annotated[float, Field(gt=0.0, le=LONGEST)]  # [s]
 
 
 def is_number(value: object) -> bool:

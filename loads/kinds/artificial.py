@@ -30,7 +30,7 @@ from loads.signal.intensity import in_words, intensity
 from loads.signal.response import Oscillators, response_spectrum
 from loads.supports import ShakingTable
 from masonry_cd.errors import InputError
-from masonry_cd.fields import is_number
+from masonry_cd.fields import Span, is_number
 
 STEP = 0.005  # [s] of the accelerogram
 DAMPING = 0.05  # for which code spectra stand
@@ -67,14 +67,14 @@ class SpectrumMatch(BaseModel):
     ground: Literal["A", "B", "C", "D", "E"] = "A"
     type: Literal[1, 2] | None = None  # EC8 only; 1 when left out
     f0: Positive | None = None  # NTC only
-    tc_star: Positive | None = None  # NTC only [s]
+    tc_star: Span | None = None  # NTC only [s]
     topography: Literal["T1", "T2", "T3", "T4"] | None = None  # NTC only; T1 when left out
     vertical: bool = False
-    period: Positive | None = None  # T1: the spectrum is matched from 0.2 to 2 T1 [s]
+    period: Span | None = None  # T1: the spectrum is matched from 0.2 to 2 T1 [s]
     periods: Annotated[tuple[float, float] | None, BeforeValidator(_range)] = None  # or in this range; 0.15 to 2 s when left out
     tolerance: Annotated[float, Field(ge=0.03, le=0.5)] = 0.10  # of the ratio to the target
-    rise: Positive = 2.0  # [s]
-    level: Positive = 10.0  # [s]
+    rise: Span = 2.0  # [s]
+    level: Span = 10.0  # [s]
     duration: Annotated[float, Field(gt=0.0, le=LONGEST_MOTION)] = 25.0  # [s]
     seed: Annotated[int, Field(ge=0)] = 0
 

@@ -30,7 +30,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.errors import InputError
-from masonry_cd.fields import is_number
+from masonry_cd.fields import Instant, is_number
 from masonry_cd.model.blocks import Assembly
 
 LONGEST_TIE = 1e6  # [m]
@@ -83,8 +83,8 @@ class PointTable(LoadTable):
     block: str
     force: VectorKey  # [N]
     point: Annotated[Vector | None, BeforeValidator(_vector)] = None  # at the start, in the world [m]; the centre of mass when left out
-    start: NotNegative = 0.0  # [s]
-    ramp: NotNegative = 0.0  # time in which it grows linearly [s]
+    start: Instant = 0.0  # [s]
+    ramp: Instant = 0.0  # time in which it grows linearly [s]
 
 
 class TieTable(LoadTable):

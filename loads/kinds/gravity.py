@@ -6,19 +6,19 @@ where joints are elastic (a load applied at once doubles their compression for a
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
-from pydantic import Field
 
 from loads.motion import LoadKind, LoadTable, Part, RunGrid, smooth_step
+from masonry_cd.fields import Instant
 
 
 class GravityTable(LoadTable):
     """Keys of ``kind = "gravity"``."""
 
     kind: Literal["gravity"] = "gravity"
-    ramp: Annotated[float, Field(ge=0.0)] = 0.0  # [s]
+    ramp: Instant = 0.0  # [s]
 
 
 def gravity(table: GravityTable, grid: RunGrid, where: str) -> Part:

@@ -30,7 +30,7 @@ from loads.signal.accelerogram import Accelerogram, Processed, Scaled, describe_
 from loads.signal.intensity import in_words
 from loads.supports import ShakingTable
 from masonry_cd.errors import parse_table
-from masonry_cd.fields import is_number
+from masonry_cd.fields import Span, is_number
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -70,9 +70,9 @@ class SequenceTable(ShakingTable):
     kind: Literal["sequence"] = "sequence"
     shocks: Annotated[list[ShockTable], Field(min_length=1)]
     rest: Annotated[float | str, BeforeValidator(_rest)] = "still"
-    longest_rest: Positive = 20.0  # [s]
+    longest_rest: Span = 20.0  # [s]
     still: Positive = 1e-3  # speed below which a block counts as still [m/s]
-    hold: Positive = 0.5  # how long all have to be [s]
+    hold: Span = 0.5  # how long all have to be [s]
 
 
 @dataclass(frozen=True)

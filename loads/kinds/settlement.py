@@ -19,15 +19,15 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator
 
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, Part, RunGrid
 from loads.supports import select_supports, structure
+from masonry_cd.dynamics.settings import MOST_STEPS
 from masonry_cd.errors import InputError
+from masonry_cd.fields import Instant, Span
 
 FEWEST_STEPS = 10  # of the run in a pulse
-
-NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 def _names(value: object) -> tuple[str, ...] | None:
@@ -50,8 +50,8 @@ class SettlementTable(LoadTable):
     supports: Annotated[tuple[str, ...], BeforeValidator(_names)]  # blocks, groups, or patterns with *
     direction: DirectionKey = Direction((0.0, 0.0, -1.0), "-z")
     displacement: float  # [m]
-    start: NotNegative = 0.0  # [s]
-    duration: Annotated[float, Field(gt=0.0)]  # [s]
+    start: Instant = 0.0  # [s]
+    duration: Span  # [s]
 
 
 class SpreadingTable(LoadTable):
@@ -61,8 +61,8 @@ class SpreadingTable(LoadTable):
     supports: Names = None  # all when left out
     direction: DirectionKey
     displacement: float  # by which the outermost supports part [m]
-    start: NotNegative = 0.0  # [s]
-    duration: Annotated[float, Field(gt=0.0)]  # [s]
+    start: Instant = 0.0  # [s]
+    duration: Span  # [s]
 
 
 def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:
@@ -109,6 +109,8 @@ def _pulse(table: SettlementTable | SpreadingTable, grid: RunGrid, where: str) -
     """The velocity of the whole displacement as a function of time."""
     if table.duration < FEWEST_STEPS * grid.dt:
         raise InputError(f"{where}.duration: {table.duration:g} s are less than {FEWEST_STEPS} steps of run.dt {grid.dt:g} s")
+    if table.duration > MOST_STEPS * grid.dt:
+        raise InputError(f"{where}.duration: {table.duration:g} s take more than {MOST_STEPS:g} steps of run.dt {grid.dt:g} s")
 
     def shape(times: np.ndarray) -> np.ndarray:
         x = np.clip((times - table.start) / table.duration, 0.0, 1.0)

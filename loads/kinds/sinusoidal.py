@@ -20,9 +20,9 @@ from pydantic import Field, model_validator
 from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step
 from loads.supports import ShakingTable
 from masonry_cd.errors import InputError
+from masonry_cd.fields import Instant, Span
 
 Positive = Annotated[float, Field(gt=0.0)]
-NotNegative = Annotated[float, Field(ge=0.0)]
 
 FINE = 400  # samples per cycle from which the peaks in the printed line are taken
 COARSE = 20  # a run with fewer steps per cycle than this is warned about
@@ -36,8 +36,8 @@ class SinusoidalTable(ShakingTable):
     amplitude: float  # C [m/s]
     frequency: Positive  # f [Hz]
     cycles: Positive | None = None
-    duration: Positive | None = None  # [s]
-    ramp: NotNegative = 0.0  # [s]
+    duration: Span | None = None  # [s]
+    ramp: Instant = 0.0  # [s]
 
     @model_validator(mode="after")
     def _one_length(self) -> Self:

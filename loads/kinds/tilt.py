@@ -23,6 +23,7 @@ from pydantic import Field, model_validator
 
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid, parse_direction
 from masonry_cd.errors import InputError
+from masonry_cd.fields import Instant
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -37,7 +38,7 @@ class TiltTable(LoadTable):
     rate: Positive  # [degrees/s]
     initial: Annotated[float, Field(ge=0.0, lt=90.0)] = 0.0  # angle from the first step on [degrees]
     angle: Annotated[float, Field(gt=0.0, le=90.0)] | None = None  # at which it stops [degrees]
-    start: NotNegative = 0.0  # [s]
+    start: Instant = 0.0  # [s]
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -56,7 +57,7 @@ class PushTable(LoadTable):
     rate: Positive  # of lambda [1/s], that is g per second
     initial: NotNegative = 0.0  # lambda from the first step on
     peak: Positive | None = None  # lambda at which it stops
-    start: NotNegative = 0.0  # [s]
+    start: Instant = 0.0  # [s]
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

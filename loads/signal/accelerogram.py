@@ -22,12 +22,11 @@ from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.filters import band_pass, resample, taper_factors
 from loads.signal.intensity import in_words, intensity
 from masonry_cd.errors import InputError
-from masonry_cd.fields import is_number
+from masonry_cd.fields import Instant, is_number
 
 FEWEST = 8  # samples
 
 Positive = Annotated[float, Field(gt=0.0)]
-NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 def _two_numbers(value: object, what: str) -> tuple[float, float]:
@@ -82,7 +81,7 @@ class Accelerogram(BaseModel):
     calibration: Annotated[float, Field(gt=0.0)] | None = None  # what one count means, in units; miniSEED only
     time_step: Positive | None = None  # [s], where the file has no time column
     window: Window | None = None  # part of the record to use, in its own time [s]
-    taper: NotNegative = 0.0  # [s] over which the acceleration rises and falls at the ends of the window
+    taper: Instant = 0.0  # [s] over which the acceleration rises and falls at the ends of the window
     resample: Resampling = None  # to this time step [s], without aliasing
     band: Band | None = None  # corners of a band-pass [Hz]
     band_order: Annotated[int, Field(ge=1, le=8)] = 4

@@ -120,6 +120,8 @@ def test_a_pier_goes_down_with_its_foot(three_piers: Assembly) -> None:
         ({**SETTLES, "supports": ["foot7"]}, 'loads[0].supports: "foot7" is no block or group (did you mean "foot'),
         ({**SETTLES, "supports": ["pier0"]}, 'loads[0].supports: "pier0" is not fixed; supports: foot0, foot1, foot2'),
         ({**SETTLES, "supports": []}, "loads[0].supports: must be the name of a fixed block or a group"),
+        ({**SETTLES, "start": 1e200}, "loads[0].start: input should be less than or equal to 1000000"),
+        ({**SETTLES, "duration": 9e5}, "loads[0].duration: 900000 s take more than 2e+07 steps of run.dt 0.001 s"),
         ({**SETTLES, "duration": 0.005}, "loads[0].duration: 0.005 s are less than 10 steps of run.dt 0.001 s"),
         ({k: v for k, v in SETTLES.items() if k != "supports"}, "loads[0].supports: missing"),
         (
