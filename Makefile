@@ -29,13 +29,14 @@ LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.s
 setup: libraries $(STAMP) $(WARM)
 	@echo "Set up: $(VENV)/bin/masonry-cd"
 
-# The demo and the tests compile the kernels that they need.
+# The demo compiles the kernels that it needs.
 demo: libraries $(STAMP)
 	@$(MAKE) --no-print-directory $(DEMO)
 	@echo "Demo: see $(DEMO) and out/demo/summary.json"
 
-test: libraries $(STAMP)
-	$(VENV)/bin/python -m pytest
+# On all cores, up to eight; the kernels come first, or else each process would compile them.
+test: libraries $(STAMP) $(WARM)
+	$(VENV)/bin/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 
 check: libraries $(STAMP)
 	$(VENV)/bin/ruff check .

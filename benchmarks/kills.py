@@ -23,7 +23,7 @@ import tempfile
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -233,10 +233,11 @@ def reference_every(out: Path, rng: random.Random, begun: bool) -> str:
     return note.read_text()
 
 
-def undisturbed(folder: Path) -> dict[str, Reference]:
+def undisturbed(folder: Path, kinds: Iterable[str]) -> dict[str, Reference]:
     """The runs to compare with, by kind; the first of each brings the kernels into memory."""
     found = {}
-    for kind, (scene, *changes) in SCENES.items():
+    for kind in kinds:
+        scene, *changes = SCENES[kind]
         words = ["run", str(HERE / f"{scene}.toml"), "-q", *(word for change in changes for word in ("--set", change))]
         out, said = folder / kind, folder / f"{kind}.said"
         with suppress(SystemExit):
@@ -258,13 +259,10 @@ def strike(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--minutes", type=float, default=float("inf"), help="end after these, whatever was reached")
     parser.add_argument("--keep", type=Path, help="folder for what a run left that did not end as it should")
     asked = parser.parse_args(words)
-    if asked.kind:
-        for kind in set(SCENES) - set(asked.kind):
-            del SCENES[kind]
     wrong, done, number, begin = 0, Counter[str](), 0, time.monotonic()
     with tempfile.TemporaryDirectory(prefix="kills") as name:
-        references = undisturbed(Path(name))
-        kinds = list(references)
+        kinds = asked.kind or list(SCENES)
+        references = undisturbed(Path(name), kinds)
         while sum(done.values()) < asked.times and time.monotonic() - begin < 60.0 * asked.minutes:
             kill, rng = number % 2 == 0, random.Random(f"{asked.seed} {number}")
             kind = kinds[number // 2 % len(kinds)]
