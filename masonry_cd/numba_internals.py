@@ -143,7 +143,7 @@ class _InnerLowering(NativeLowering):
 
 
 @lower_constant(types.Dispatcher)
-def _given(context: Any, builder: Any, kind: types.Dispatcher, kernel: Any) -> Any:
+def _given(context: Any, builder: Any, kind: Any, kernel: Any) -> Any:
     """What a kernel is passed as to another one: nothing, since its type says all. numba passes its address, which no cache can keep."""
     if issubclass(kind.dispatcher._compiler.pipeline_class, _Pipeline):
         return context.get_dummy_value()
