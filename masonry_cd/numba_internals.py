@@ -2,6 +2,7 @@
 
 A kernel that Python does not call ends as intermediate code in numba's pipeline, and is linked into its callers in that form. Cache entries
 are stamped by a string given. Settings are compared quickly, and calls with literal numbers use the version for all numbers of their kind.
+Kernels may be given to kernels as arguments, and what is compiled so is kept, too.
 """
 
 from __future__ import annotations
@@ -11,12 +12,14 @@ from collections.abc import Callable
 from typing import Any
 
 import numba
-from numba.core import caching
+from numba.core import caching, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
 from numba.core.compiler_machinery import register_pass
+from numba.core.imputils import lower_constant
 from numba.core.typed_passes import NativeLowering
 from numba.core.types.misc import unliteral
+from numba.experimental.function_type import lower_constant_dispatcher
 
 HASH = hash(Flags())  # that of all settings, by numba's definition
 
@@ -45,6 +48,7 @@ def compile_entry(function: Callable[..., Any], options: dict[str, Any], stamp: 
 
 def _dispatcher(function: Callable[..., Any], options: dict[str, Any], pipeline: type[Compiler], **more: Any) -> Any:
     compiled = numba.njit(pipeline_class=pipeline, no_cfunc_wrapper=True, **more, **options)(function)
+    compiled._type.name = function.__qualname__  # part of the names of the kernels that it is given to; by default long, with an address
     _take_numbers_by_kind(compiled)
     return compiled
 
@@ -136,6 +140,14 @@ class _InnerLowering(NativeLowering):
         state.targetctx.insert_user_function(name, lowered.fndesc, [state.library])
         state["cr"] = lowered._replace(cfunc=name)
         return True
+
+
+@lower_constant(types.Dispatcher)
+def _given(context: Any, builder: Any, kind: Any, kernel: Any) -> Any:
+    """What a kernel is passed as to another one: nothing, since its type says all. numba passes its address, which no cache can keep."""
+    if issubclass(kind.dispatcher._compiler.pipeline_class, _Pipeline):
+        return context.get_dummy_value()
+    return lower_constant_dispatcher(context, builder, kind, kernel)
 
 
 class _Name:

@@ -105,6 +105,32 @@ from masonry_cd.jit import entry
 def scaled_twice(x):
     return scaled(scaled(x))
 """
+GIVING = """
+from typing import Any, NamedTuple
+import numpy as np
+from kernel_below import scaled
+from masonry_cd.jit import entry, kernel
+
+class Operators(NamedTuple):
+    scale: Any
+    add: Any
+
+@kernel()
+def add(x, change):
+    return np.array([x[0] + change[0]])
+
+@kernel()
+def iterated(operators, x):
+    while x[0] < 4.0:
+        x = operators.add(x, np.full(1, operators.scale(x[0])))
+    return x[0]
+
+OPERATORS = Operators(scaled, add)
+
+@entry()
+def scaled_twice(x):
+    return iterated(OPERATORS, np.full(1, x))
+"""
 PROGRAM = """
 from kernel_above import scaled_twice
 print(scaled_twice(1.0), sum(scaled_twice.stats.cache_misses.values()))
@@ -115,9 +141,9 @@ print(scaled_twice(1.0), sum(scaled_twice.stats.cache_misses.values()))
 def run_kernel(tmp_path):
     """Runs a kernel whose callee, in another file, multiplies by a factor: the result, and how many versions were compiled."""
 
-    def run(factor: float, **environment: str) -> tuple[float, int]:
+    def run(factor: float, caller: str = CALLER, **environment: str) -> tuple[float, int]:
         (tmp_path / "kernel_below.py").write_text(CALLEE.format(factor=factor))
-        (tmp_path / "kernel_above.py").write_text(CALLER)
+        (tmp_path / "kernel_above.py").write_text(caller)
         root = str(ROOT)
         paths = os.pathsep.join([str(tmp_path), root])
         settings = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(tmp_path / "cache")} | environment
@@ -133,6 +159,12 @@ def test_an_edited_callee_in_another_file_makes_its_callers_anew(run_kernel):
     assert run_kernel(2.0) == (4.0, 0)
     assert run_kernel(3.0) == (9.0, 1)
     assert run_kernel(3.0) == (9.0, 0)
+
+
+def test_kernels_that_are_given_kernels_are_kept(run_kernel):
+    assert run_kernel(2.0, GIVING) == (9.0, 1)
+    assert run_kernel(2.0, GIVING) == (9.0, 0)
+    assert run_kernel(1.0, GIVING) == (4.0, 1)
 
 
 def test_a_damaged_cache_is_compiled_anew(run_kernel, tmp_path):

@@ -35,7 +35,7 @@ from masonry_cd.jit import has_cache, kept
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.materials import JointLaw
 from masonry_cd.solvers import Options, cores, interior
-from masonry_cd.solvers.interior_kernels import linearised_bodies
+from masonry_cd.solvers.linearised_bodies import linearised_bodies
 
 STEPS, STEP = 6, 1e-3  # [s]
 FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))

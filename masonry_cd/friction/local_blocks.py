@@ -37,7 +37,8 @@ def local_arrays(problem: LocalProblem) -> tuple[LocalArrays, np.ndarray]:
     """A local problem as the kernels take it, eliminated contact by contact in order, and the diagonal blocks of :func:`block_arrays`."""
     blocks, indices, indptr, own = block_arrays(problem)
     place, size = np.arange(problem.contacts), size_tuple(problem.dimension)
-    return LocalArrays(blocks, indices, indptr, problem.q, problem.mu, problem.scales(), place, size), own
+    none = np.empty((0, problem.dimension))
+    return LocalArrays(blocks, indices, indptr, problem.q, problem.mu, none, problem.scales(), place, size), own
 
 
 def in_elimination_order(given: LocalArrays) -> tuple[LocalArrays, Pattern]:

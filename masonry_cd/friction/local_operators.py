@@ -25,6 +25,7 @@ class LocalArrays(NamedTuple):
     indptr: np.ndarray  # (C + 1,) starts of the rows
     q: np.ndarray  # (C, m)
     mu: np.ndarray  # (C,)
+    compliance: np.ndarray  # (0, m): that of the contacts is part of W
     d: np.ndarray  # (C,) trace(W_cc) / m
     place: np.ndarray  # (C,) place of each contact in the order of elimination
     m: tuple[int, ...]  # m zeros, see small_blocks.py
@@ -153,7 +154,7 @@ def is_definite(
 ) -> bool:
     """Whether the symmetric part of W, with shift added to its diagonal, is positive definite: all squares of D are (Sylvester)."""
     count, m = len(place), len(size_m)
-    problem = LocalArrays(data, indices, indptr, np.empty((0, m)), np.empty(0), np.empty(0), place, size_m)
+    problem = LocalArrays(data, indices, indptr, np.empty((0, m)), np.empty(0), np.empty((0, m)), np.empty(0), place, size_m)
     lower = np.empty((len(symbolic.row), m, m))
     matrix, factor = BlockMatrix(np.empty((count, m, m)), lower, lower), allocate_factors(symbolic, size_m)
     place_blocks(problem, identities(count, size_m), symbolic, SYMMETRIC, matrix)

@@ -140,12 +140,18 @@ def law_velocity(problem, v, p, w):
                 w[c, i] += compliance[c, i] * p[c, i]
 
 
-@borrower(fastmath={"contract"})
+@borrower()
 def add_generalised_impulse(problem, p, out):
     """out += H^T p (B + 1, n); its last row, of the supports, is of no use."""
-    jacobian, index, m, n = problem.jacobian, problem.places, len(problem.m), len(problem.n)
-    for c in range(len(index)):
-        a, b = index[c, 0], index[c, 1]
+    add_generalised_impulse_of(problem, problem.places, p, 0, len(problem.places), out)
+
+
+@borrower(fastmath={"contract"})
+def add_generalised_impulse_of(problem, rows, p, first, end, out):
+    """out += H^T p for the contacts first to end, whose bodies have the rows (C, 2) of out."""
+    jacobian, m, n = problem.jacobian, len(problem.m), len(problem.n)
+    for c in range(first, end):
+        a, b = rows[c, 0], rows[c, 1]
         for i in range(m):
             x = p[c, i]
             for k in range(n):

@@ -15,33 +15,14 @@ from masonry_cd.linalg.supernodes import (
     end_inside,
     extent,
     has_single_columns,
+    load_blocks,
+    load_diagonal,
     number_rows,
     subtract_product,
     view_block,
 )
 from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.linalg.threads import share_of, wait
-
-
-@kernel()
-def load_symmetric(symbolic, s, where, diagonal, lower, square, panel, n):
-    """Copy blocks of a symmetric A in the columns of supernode s into the upper triangle of its square and into its panel."""
-    begin, end = symbolic.first[s], symbolic.first[s + 1]
-    square[:] = 0.0
-    panel[:] = 0.0
-    for j in range(begin, end):
-        k = (j - begin) * n
-        for p in range(n):
-            for q in range(n):
-                square[k + p, k + q] = diagonal[j, p, q]
-        for t in range(symbolic.column[j], symbolic.column[j + 1]):
-            i = where[symbolic.row[t]] * n
-            for p in range(n):
-                for q in range(n):
-                    if symbolic.row[t] < end:
-                        square[k + q, i + p] = lower[t, p, q]
-                    else:
-                        panel[k + q, i + p] = lower[t, p, q]
 
 
 @kernel()
@@ -78,7 +59,8 @@ def factorise_supernodes(symbolic, first, last, diagonal, lower, squares, panels
         number_rows(symbolic, s, where)
         width, length = n * (symbolic.first[s + 1] - symbolic.first[s]), n * (symbolic.start[s + 1] - symbolic.start[s])
         square, panel = square_at_work[: width * width].reshape((width, width)), view_block(panels, symbolic.panel[s], width, length, n)
-        load_symmetric(symbolic, s, where, diagonal, lower, square, panel, n)
+        load_diagonal(symbolic, s, diagonal, square, n)
+        load_blocks(symbolic, s, where, lower, square, panel, n)
         for e in range(symbolic.update_start[s], symbolic.update_start[s + 1]):
             d, t1 = symbolic.updater[e], end_inside(symbolic, e, symbolic.first[s + 1])
             its = view_block(

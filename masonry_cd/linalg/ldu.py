@@ -13,6 +13,8 @@ from masonry_cd.linalg.supernodes import (
     end_inside,
     extent,
     has_single_columns,
+    load_blocks,
+    load_diagonal,
     number_rows,
     subtract_product,
     view_supernode,
@@ -20,29 +22,13 @@ from masonry_cd.linalg.supernodes import (
 
 
 @kernel()
-def load_blocks(matrix, factor, s, where):
+def load(matrix, factor, s, where):
     """Blocks of A in the columns of supernode s into its square and its panels; ``where`` (N,) numbers their rows."""
     symbolic, n = factor.symbolic, len(factor.size)
-    diagonal, lower, upper = matrix
-    column, row = symbolic.column, symbolic.row
     square, low, up = view_supernode(factor, s)
-    begin, end = symbolic.first[s], symbolic.first[s + 1]
-    square[:] = 0.0
-    up[:] = 0.0
-    low[:] = 0.0
-    for j in range(begin, end):
-        k = (j - begin) * n
-        for p in range(n):
-            for q in range(n):
-                square[k + p, k + q] = diagonal[j, p, q]
-        for t in range(column[j], column[j + 1]):
-            i = where[row[t]] * n
-            for p in range(n):
-                for q in range(n):
-                    if row[t] < end:
-                        square[i + p, k + q], square[k + q, i + p] = lower[t, p, q], upper[t, p, q]
-                    else:
-                        low[k + q, i + p], up[k + q, i + p] = lower[t, p, q], upper[t, p, q]
+    load_diagonal(symbolic, s, matrix.diagonal, square, n)
+    load_blocks(symbolic, s, where, matrix.lower, square.T, low, n)
+    load_blocks(symbolic, s, where, matrix.upper, square, up, n)
 
 
 @kernel()
@@ -78,7 +64,7 @@ def factorise_ldu(matrix: BlockMatrix, factor: Factor) -> bool:
     where = np.empty(len(symbolic.column) - 1, dtype=np.int64)
     for s in range(count):
         number_rows(symbolic, s, where)
-        load_blocks(matrix, factor, s, where)
+        load(matrix, factor, s, where)
         for e in range(symbolic.update_start[s], symbolic.update_start[s + 1]):
             apply_update(factor, s, e, where, out)
         square, low, _ = view_supernode(factor, s)

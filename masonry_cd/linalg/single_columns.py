@@ -57,24 +57,13 @@ def load_column(matrix, symbolic, j, where, square, lows, ups, symmetric, n):
 
 
 @kernel(fastmath={"contract"}, inline="always")
-def multiply_transposed(a, i, b, t, out, n):
-    """out = a[i] b[t]^T for blocks."""
+def multiply_transposed(a, i, turned, b, t, out, n):
+    """out = a[i] b[t]^T for blocks, or if ``turned`` a[i]^T b[t]^T = (b[t] a[i])^T."""
     for p in range(n):
         for q in range(n):
             total = 0.0
             for r in range(n):
-                total += a[i, q, r] * b[t, p, r]
-            out[q, p] = total
-
-
-@kernel(fastmath={"contract"}, inline="always")
-def transpose_of_product(b, t, a, i, out, n):
-    """out = (b[t] a[i])^T for blocks."""
-    for p in range(n):
-        for q in range(n):
-            total = 0.0
-            for r in range(n):
-                total += b[t, p, r] * a[i, r, q]
+                total += (a[i, r, q] if turned else a[i, q, r]) * b[t, p, r]
             out[q, p] = total
 
 
@@ -129,14 +118,14 @@ def _eliminate_columns(matrix, factor, symmetric, scratch):
         k = head[j]
         while k >= 0:  # all columns k < j with a block in row j
             coming, t0, end = following[k], at[k], first[k + 1]
-            multiply_transposed(squares, k, lows if symmetric else ups, t0, turned, n)
+            multiply_transposed(squares, k, False, lows if symmetric else ups, t0, turned, n)
             subtract_block_product(square, 0, lows, t0, turned, size)
             for t in range(t0 + 1, end):
                 subtract_block_product(lows, where[below[t]], lows, t, turned, size)
             if symmetric:
                 put_transposed(turned, lows, t0, n)
             else:
-                transpose_of_product(lows, t0, squares, k, other, n)
+                multiply_transposed(squares, k, True, lows, t0, other, n)
                 for t in range(t0 + 1, end):
                     subtract_block_product(ups, where[below[t]], ups, t, other, size)
                 put_transposed(other, lows, t0, n)

@@ -80,6 +80,38 @@ def view_supernode(factor, s):
 
 
 @borrower()
+def load_diagonal(symbolic, s, diagonal, square, n):
+    """The blocks of A on its diagonal in the columns of supernode s into its square, which is zero elsewhere."""
+    begin = symbolic.first[s]
+    square[:] = 0.0
+    for j in range(begin, symbolic.first[s + 1]):
+        k = (j - begin) * n
+        for p in range(n):
+            for q in range(n):
+                square[k + p, k + q] = diagonal[j, p, q]
+
+
+@borrower()
+def load_blocks(symbolic, s, where, blocks, square, panel, n):
+    """The transposes of blocks (E, n, n) in the columns of supernode s into the upper triangle of its square and into its panel.
+
+    ``where`` (N,) numbers their rows.
+    """
+    begin, end = symbolic.first[s], symbolic.first[s + 1]
+    panel[:] = 0.0
+    for j in range(begin, end):
+        k = (j - begin) * n
+        for t in range(symbolic.column[j], symbolic.column[j + 1]):
+            i = where[symbolic.row[t]] * n
+            for p in range(n):
+                for q in range(n):
+                    if symbolic.row[t] < end:
+                        square[k + q, i + p] = blocks[t, p, q]
+                    else:
+                        panel[k + q, i + p] = blocks[t, p, q]
+
+
+@borrower()
 def has_single_columns(symbolic):
     """Whether each supernode is one node, all of them in one subtree."""
     return len(symbolic.first) == len(symbolic.column) and len(symbolic.subtree) == 2

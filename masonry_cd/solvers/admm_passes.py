@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from masonry_cd.friction.coulomb_law import tangent_length
 from masonry_cd.friction.natural_map import project_stretched, project_to_cone
-from masonry_cd.friction.operators import missing_momentum_of
+from masonry_cd.friction.operators import add_generalised_impulse_of, missing_momentum_of
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of
 from masonry_cd.linalg.intrinsics import prefetch
@@ -114,18 +114,11 @@ def clear_momentum(work, q):
     clear_ghosts(work.factor.symbolic, q, work.iterates.momentum)
 
 
-@borrower(fastmath={"contract"})
+@borrower()
 def add_momentum(work, q, p):
     """momentum += H^T p of the contacts of subtree q."""
-    jacobian, partition, momentum = work.problem.jacobian, work.partition, work.iterates.momentum
-    m, n = len(work.problem.m), len(work.problem.n)
-    for c in range(partition.start[q], partition.start[q + 1]):
-        a, b = partition.target[c, 0], partition.target[c, 1]
-        for i in range(m):
-            x = p[c, i]
-            for k in range(n):
-                momentum[a, k] += jacobian[c, 0, i, k] * x
-                momentum[b, k] += jacobian[c, 1, i, k] * x
+    start, target = work.partition.start, work.partition.target
+    add_generalised_impulse_of(work.problem, target, p, start[q], start[q + 1], work.iterates.momentum)
 
 
 @borrower(fastmath={"contract"})

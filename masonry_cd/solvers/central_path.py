@@ -30,7 +30,7 @@ class Iterate(NamedTuple):
     w: np.ndarray  # (C, m)
     p: np.ndarray  # (C, m)
     gamma: np.ndarray  # (C,) sliding speeds
-    v: np.ndarray  # (B + 1, n) body velocities
+    v: np.ndarray  # (B + 1, n) body velocities; of no use where W alone is given
 
 
 class Linearisation(NamedTuple):
@@ -270,13 +270,12 @@ def advance(here, step, way):
 
 @borrower()
 def begin_inside(problem, answer, cones, distance, here, u):
-    """The start: fill w, p and gamma from inside the cones, near the answer, and v with its velocities; u (C, m) is room.
+    """The start: w, p and gamma inside the cones, near the answer, and v its velocities; u (C, m) are those of the contacts.
 
     Returns the distance from the walls as a speed, ``distance`` times the largest without impulses.
     """
     shift, impulse = distance * answer.speed, answer.impulse
     copy_flat(answer.velocity, here.v)
-    relative_velocity(problem, here.v, u)
     for c in range(len(cones.mu)):
         here.gamma[c] = central_start(impulse[c], u[c], cones.mu[c], problem.d[c], shift, here.w[c], here.p[c], len(cones.m))
     return shift

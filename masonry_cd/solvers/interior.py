@@ -58,9 +58,9 @@ from masonry_cd.friction.problem import LocalProblem, Problem, Solution
 from masonry_cd.linalg.small_blocks import size_tuple
 from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.solvers import admm, nlgs
-from masonry_cd.solvers.interior_kernels import INTERIOR, PATH, PROXIMAL, linearised_bodies
 from masonry_cd.solvers.linearised import Elimination, Settings
-from masonry_cd.solvers.local_interior_kernels import interior_local, proximal_local
+from masonry_cd.solvers.linearised_bodies import INTERIOR, PATH, PROXIMAL, linearised_bodies
+from masonry_cd.solvers.linearised_local import interior_local, proximal_local
 from masonry_cd.solvers.options import Options
 
 DISTANCES = (1e-2, 1e-1, 1e-3)  # of the start from the walls of the cones, if there are impulses to start from

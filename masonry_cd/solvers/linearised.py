@@ -1,16 +1,22 @@
-"""What the methods that linearise the law share: their settings, the best answer so far, and the matrix M + H^T B H."""
+"""What the methods that linearise the law share: their settings, the best answer so far, and what they ask of a problem.
+
+Newton, the interior point method and proximal points are written once, for problems over bodies and for those given by W alone. What
+differs between these, such as the matrix that is factorised, are the kernels of a :class:`Kind`: linearised_bodies.py has those of the
+one, linearised_local.py those of the other.
+"""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from masonry_cd.friction.natural_map import size_of
-from masonry_cd.friction.operators import body_velocity, map_norm, relative_velocity
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.symbolic import SymbolicFactor
+
+Kernel = Any  # a compiled function
 
 
 class Elimination(NamedTuple):
@@ -43,16 +49,33 @@ class Answer(NamedTuple):
     speed: float  # largest component of q
 
 
+class Kind(NamedTuple):
+    """What the methods ask of a kind of problem, over bodies or given by W alone: kernels that theirs are given.
+
+    A system is a problem with room for its matrix, for the factors, and for one more array like v. The velocities v are those of the bodies
+    (B + 1, n), or where W alone is given those of the contacts (C, m).
+    """
+
+    map_norm: Kernel  # (system, p, v): norm of the natural map of impulses p (C, m); v <- their velocities
+    contact_velocity: Kernel  # (problem, v, u): u (C, m) <- velocities of the contacts
+    factorise: Kernel  # (system, blocks): the matrix of the problem with laws dp = -B du, B the first rows of blocks; False if that fails
+    # interior point
+    interior_residuals: Kernel  # (system, here, linear): what w and v miss
+    interior_direction: Kernel  # (system, linear, way): changes the products as wanted and takes these residuals away
+    # proximal points
+    begin_at: Kernel  # (system, centre, v): v <- the velocities of the centre, as they are counted
+    spring_residual: Kernel  # (system, springs, stiffness, v, held, out): x and p of the springs, what v misses, and the norm of that
+    spring_direction: Kernel  # (system, springs, search): the Newton step
+    spring_changes: Kernel  # (system, springs, stiffness, change): change dx of the trial impulses with one of the velocities
+    stiffest: Kernel  # (error): the stiffest springs whose problem can be solved where rounding is felt
+    move_centre: Kernel  # (centre, v): centre <- the velocities v, as they are counted
+
+
 @kernel()
-def first_answer(problem, impulse):
-    """The :class:`Answer` with which a method begins: ``impulse`` (C, m) itself, and its velocities and error."""
-    rows = (len(problem.free) + 1, len(problem.n))
-    v, room, q, error = np.zeros(rows), np.empty(rows), np.empty(impulse.shape), np.empty(1)
-    copy_flat(problem.free, v)
-    relative_velocity(problem, v, q)
-    size = size_of(q, problem.d)
-    body_velocity(problem, impulse, room, v)
-    error[0] = map_norm(problem, impulse, v) / size
+def first_answer(impulse, v, norm, q, d):
+    """The :class:`Answer` with which a method begins: impulses (C, m), their velocities, and the norm of their natural map."""
+    size, error = size_of(q, d), np.empty(1)
+    error[0] = norm / size
     return Answer(impulse, v, error, size, largest(q))
 
 

@@ -42,9 +42,9 @@ from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.friction.problem import LocalProblem, Problem, Solution
 from masonry_cd.linalg.small_blocks import size_tuple
 from masonry_cd.solvers import admm, nlgs
-from masonry_cd.solvers.interior_kernels import NEWTON, linearised_bodies
 from masonry_cd.solvers.linearised import Elimination, Settings
-from masonry_cd.solvers.local_newton_kernels import newton_local
+from masonry_cd.solvers.linearised_bodies import NEWTON, linearised_bodies
+from masonry_cd.solvers.linearised_local import newton_local
 from masonry_cd.solvers.options import Options
 
 LIMIT = 50  # iterations

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, map_norm, missing_momentum
+from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, map_norm, missing_momentum, relative_velocity
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.inertia import determinant_sign
 from masonry_cd.linalg.ldu import factorise_ldu
@@ -164,6 +164,7 @@ def path_bodies(problem, matrix, factor, answer, settings):
     back, tangent = allocate_iterate(shape, rows), allocate_iterate(shape, rows)
     ways = PathWays(back, tangent, allocate_iterate(shape, rows), allocate_iterate(shape, rows))
     # a point on the path at tau = 1, where w is off by far
+    relative_velocity(problem, answer.velocity, linear.miss)
     shift = begin_inside(problem, answer, cones, settings.distance, here, linear.miss)
     level = shift * shift / problem.d
     body_velocity(problem, here.p, room, here.v)

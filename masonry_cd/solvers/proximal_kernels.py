@@ -1,4 +1,4 @@
-"""Proximal points over bodies; see interior.py."""
+"""Proximal points, over bodies and where W alone is given; see interior.py."""
 
 from __future__ import annotations
 
@@ -7,25 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
-from masonry_cd.friction.operators import (
-    OrderedProblem,
-    add_generalised_impulse,
-    body_velocity,
-    change_at,
-    map_norm,
-    missing_momentum,
-    relative_velocity,
-)
 from masonry_cd.jit import borrower, entry, kernel
-from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat
-from masonry_cd.linalg.triangular import solve_ldu
-from masonry_cd.solvers.central_path import STIFFEST
-from masonry_cd.solvers.linearised import augment_blocks, keep_better
+from masonry_cd.solvers.linearised import keep_better
 
 FREE, HELD = np.bool_(False), np.bool_(True)  # whether a status may change; for plain False and True numba would compile the code twice
-MOST = 25  # iterations for one problem with springs
-FOLDS = 3  # times that the same contact turns at once, after which such a problem is given up
+FOLDS = 3  # times that the same contact turns at once, after which a problem with springs is given up
 
 
 class Springs(NamedTuple):
@@ -38,6 +25,22 @@ class Springs(NamedTuple):
     held: np.ndarray  # (C,) a status to come back to
     dx: np.ndarray  # (C, m) change of the trial impulses
     block: np.ndarray  # (C, m, m) B = -dp/du
+
+
+class Search(NamedTuple):
+    """Where the Newton steps for a problem with springs are."""
+
+    v: np.ndarray  # velocities
+    change: np.ndarray  # of them, a Newton step
+    trial: np.ndarray  # velocities a share of it ahead
+    residual: np.ndarray
+
+
+class Patience(NamedTuple):
+    """When proximal points give up."""
+
+    iterations: int  # for one problem with springs
+    failures: int  # problems in a row that could not be solved
 
 
 @kernel()
@@ -69,30 +72,6 @@ def project_trial(springs, mu, c, held, m):
         p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
 
 
-@borrower()
-def spring_residual(problem, springs, stiffness, v, held, out):
-    """Fill x and p of the springs at velocities v, and out = M (v_free - v) + H^T p (B + 1, n); returns the norm of that in M^-1."""
-    m, n, compliance, d = len(problem.m), len(problem.n), problem.compliance, problem.d
-    x, centre = springs.x, springs.centre
-    relative_velocity(problem, v, x)
-    for c in range(len(d)):
-        soft_n, soft_t = softness(compliance, d[c] / stiffness, c, m)
-        for i in range(m):
-            soft = soft_n if i == 0 else soft_t
-            own = compliance[c, i] if len(compliance) else 0.0
-            x[c, i] = ((soft - own) * centre[c, i] - x[c, i]) / soft
-        project_trial(springs, problem.mu, c, held, m)
-    missing_momentum(problem, v, out)
-    add_generalised_impulse(problem, springs.p, out)
-    out[-1] = 0.0
-    total = 0.0
-    for b in range(len(problem.inverse)):
-        for i in range(n):
-            for j in range(n):
-                total += out[b, i] * problem.inverse[b, i, j] * out[b, j]
-    return np.sqrt(max(total, 0.0))
-
-
 @kernel(inline="always")
 def spring_block(springs, mu, soft_n, soft_t, c, size_m):
     """Fill B = -dp/du of the springs of contact c, from its trial impulse and status."""
@@ -120,16 +99,6 @@ def spring_blocks(problem, springs, stiffness):
     for c in range(len(problem.mu)):
         soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, len(problem.m))
         spring_block(springs, problem.mu[c], soft_n, soft_t, c, problem.m)
-
-
-@borrower()
-def spring_changes(problem, springs, stiffness, change):
-    """Change dx of the trial impulses with a change of the velocities (B + 1, n)."""
-    m, n, d, jacobian, index = len(problem.m), len(problem.n), problem.d, problem.jacobian, problem.places
-    for c in range(len(d)):
-        soft_n, soft_t = softness(problem.compliance, d[c] / stiffness, c, m)
-        for i in range(m):
-            springs.dx[c, i] = -change_at(jacobian, index, c, i, change, n) / (soft_n if i == 0 else soft_t)
 
 
 @entry()
@@ -171,7 +140,7 @@ def add_step(v, step, change, out):
 
 
 @borrower()
-def shorten_step(problem, springs, stiffness, v, norm, change, trial, out):
+def shorten_step(kind, system, springs, stiffness, search, norm):
     """trial = v + step change with the first of the steps 1, 1/2, .. 1/16 that makes enough progress.
 
     Returns the norm of the residual there, and whether that is enough.
@@ -179,52 +148,49 @@ def shorten_step(problem, springs, stiffness, v, norm, change, trial, out):
     step, new = 2.0, np.inf
     while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
         step *= 0.5
-        add_step(v, step, change, trial)
-        new = spring_residual(problem, springs, stiffness, trial, FREE, out)
+        add_step(search.v, step, search.change, search.trial)
+        new = kind.spring_residual(system, springs, stiffness, search.trial, FREE, search.residual)
     return new, new < (1.0 - 0.1 * step) * norm
 
 
 @borrower()
-def turn_first(problem, springs, stiffness, v, change, out):
+def turn_first(kind, system, springs, stiffness, search):
     """Go along a change of the velocities as far as the first kink on the way, where a contact changes its status, or half of it.
 
     Returns the norm of the residual there, that contact or -1, and the step.
     """
+    v, change, residual, problem = search.v, search.change, search.residual, system.problem
     copy_flat(springs.held, springs.status)
-    spring_residual(problem, springs, stiffness, v, HELD, out)
-    spring_changes(problem, springs, stiffness, change)
+    kind.spring_residual(system, springs, stiffness, v, HELD, residual)
+    kind.spring_changes(system, springs, stiffness, change)
     step, which, other = first_change(problem.mu, springs.status, springs.x, springs.dx, problem.m)
     if step < 1.0:
         springs.status[which] = other
     add_step(v, min(step, 0.5) if step >= 1.0 else step, change, v)
-    return spring_residual(problem, springs, stiffness, v, HELD, out), which, step
+    return kind.spring_residual(system, springs, stiffness, v, HELD, residual), which, step
 
 
 @kernel()
-def settle_springs(problem, matrix, factor, springs, stiffness, goal, most, v):
-    """Semismooth Newton for the problem with springs: its impulses, and velocities v (B + 1, n) beginning at zero.
+def settle_springs(kind, system, springs, stiffness, goal, most, search):
+    """Semismooth Newton for the problem with springs: its impulses, and its velocities, from those given.
 
     Ends at a norm of ``goal`` or after ``most`` factorisations; returns whether it is solved and the number of these.
     """
-    out, change, trial = np.empty(v.shape), np.zeros(v.shape), np.zeros(v.shape)
-    v[:] = 0.0
-    norm = spring_residual(problem, springs, stiffness, v, FREE, out)
+    norm = kind.spring_residual(system, springs, stiffness, search.v, FREE, search.residual)
     spent, turned, last = 0, 0, -1
     while norm > goal and spent < most and turned < FOLDS:
-        spring_blocks(problem, springs, stiffness)
-        augment_blocks(problem, springs.block, matrix)
+        spring_blocks(system.problem, springs, stiffness)
         spent += 1
-        if not factorise_ldu(matrix, factor):
+        if not kind.factorise(system, springs.block):
             break
-        solve_ldu(factor, out)
-        copy_flat(out[: len(out) - 1], change)
+        kind.spring_direction(system, springs, search)
         copy_flat(springs.status, springs.held)
-        new, enough = shorten_step(problem, springs, stiffness, v, norm, change, trial, out)
+        new, enough = shorten_step(kind, system, springs, stiffness, search, norm)
         if enough:
-            copy_flat(trial, v)
+            copy_flat(search.trial, search.v)
             norm, last, turned = new, -1, 0
             continue
-        norm, which, step = turn_first(problem, springs, stiffness, v, change, out)
+        norm, which, step = turn_first(kind, system, springs, stiffness, search)
         if step < 1.0:
             turned, last = turned + 1 if which == last and step < 1e-9 else 0, which
     return norm <= goal, spent
@@ -241,35 +207,26 @@ def stiffness_after_springs(stiffness, solved, spent, slow):
 
 
 @kernel()
-def proximal_bodies(problem, matrix, factor, answer, settings):
-    """Proximal points over an OrderedProblem, see interior.py, from ``answer`` on, which gets better; returns the iterations.
-
-    Velocities are counted from those of the centre, which spares rounding: ``moved`` is the problem in their change.
-    """
-    moved = OrderedProblem(
-        problem.inverse, problem.mass, np.empty(problem.free.shape), problem.places, problem.block, problem.jacobian,
-        np.empty(problem.offset.shape), problem.mu, problem.compliance, problem.d, problem.m, problem.n,
-    )  # fmt: skip
-    springs = allocate_springs(answer.impulse)
-    centre_v, own_v = answer.velocity.copy(), answer.velocity.copy()
-    v, room = np.zeros(own_v.shape), np.empty(own_v.shape)
+def proximal_points(kind, system, patience, answer, settings):
+    """Proximal points with the operators of a :class:`Kind`, from ``answer`` on, which gets better; returns the iterations."""
+    springs, centre, own = allocate_springs(answer.impulse), answer.velocity.copy(), answer.velocity.copy()
+    search = Search(np.zeros(own.shape), np.zeros(own.shape), np.zeros(own.shape), np.empty(own.shape))
     error = answer.error[0]
     stiffness = min(max(1.0 / max(error, 1e-300), 1e2), 1e6)
     iterations, failed = 0, 0
-    while iterations < settings.limit and answer.error[0] > settings.tolerance and failed < 8:
+    while iterations < settings.limit and answer.error[0] > settings.tolerance and failed < patience.failures:
         goal = answer.size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
-        add_step(problem.free, -1.0, centre_v, moved.free)
-        relative_velocity(problem, centre_v, moved.offset)
-        solved, spent = settle_springs(moved, matrix, factor, springs, stiffness, goal, min(settings.limit - iterations, MOST), v)
+        most = min(settings.limit - iterations, patience.iterations)
+        kind.begin_at(system, centre, search.v)
+        solved, spent = settle_springs(kind, system, springs, stiffness, goal, most, search)
         iterations += spent
-        body_velocity(problem, springs.p, room, own_v)
-        new = map_norm(problem, springs.p, own_v) / answer.size
+        new = kind.map_norm(system, springs.p, own) / answer.size
         if not solved and not new < error:
             stiffness, failed = max(0.125 * stiffness, 1.0), failed + 1
             continue
-        stiffness = min(stiffness_after_springs(stiffness, solved, spent, new > 0.5 * error), STIFFEST)
+        stiffness = min(stiffness_after_springs(stiffness, solved, spent, new > 0.5 * error), kind.stiffest(new))
         error, failed = new, 0
         copy_flat(springs.p, springs.centre)
-        add_step(centre_v, 1.0, v, centre_v)
-        keep_better(answer, springs.p, own_v, error)
+        kind.move_centre(centre, search.v)
+        keep_better(answer, springs.p, own, error)
     return iterations

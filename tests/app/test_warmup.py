@@ -17,7 +17,7 @@ from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.flat_calls import FlatCall
 from masonry_cd.jit import compiled, kept
-from masonry_cd.solvers.interior_kernels import linearised_bodies
+from masonry_cd.solvers.linearised_bodies import linearised_bodies
 
 
 def versions() -> Counter[str]:
