@@ -86,7 +86,7 @@ def _best_plane(pieces: list[np.ndarray], on: float) -> tuple[np.ndarray, float]
     """The plane of the piece that splits the fewest others; of equals, the one that leaves the halves most alike."""
     normals, offsets = loop_planes(pieces)
     start = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
-    heights = np.concatenate(pieces) @ normals.T - offsets  # (points, planes)
+    heights = np.einsum("vi,pi->vp", np.concatenate(pieces), normals) - offsets  # (points, planes)
     above = np.maximum.reduceat(heights, start) > on
     below = np.minimum.reduceat(heights, start) < -on
     splits, even = (above & below).sum(axis=0), np.abs(above.sum(axis=0) - below.sum(axis=0))
@@ -96,10 +96,10 @@ def _best_plane(pieces: list[np.ndarray], on: float) -> tuple[np.ndarray, float]
 
 def _below(cell: Cell, normal: np.ndarray, offset: float, on: float) -> Cell | None:
     """The part of a cell below a plane; None where nothing of it is."""
-    heights = cell.vertices @ normal - offset
+    heights = _heights(cell.vertices, normal, offset)
     if heights.min() >= -on:
         return None
-    pieces = [cut for piece in cell.pieces if (cut := _polygon_below(piece, piece @ normal - offset, on)) is not None]
+    pieces = [cut for piece in cell.pieces if (cut := _polygon_below(piece, _heights(piece, normal, offset), on)) is not None]
     if heights.max() <= on:
         return Cell(cell.vertices, cell.faces, pieces)
     loops = [cut for face in cell.faces if (cut := _polygon_below(cell.vertices[list(face)], heights[list(face)], on)) is not None]
@@ -112,6 +112,11 @@ def _below(cell: Cell, normal: np.ndarray, offset: float, on: float) -> Cell | N
     while after[rim[-1]] != rim[0]:
         rim.append(after[rim[-1]])
     return Cell(points, (*faces, tuple(rim)), pieces)
+
+
+def _heights(points: np.ndarray, normal: np.ndarray, offset: float) -> np.ndarray:
+    """Distances (n,) of points (n, 3) from a plane [m]; BLAS would round otherwise on another processor."""
+    return np.asarray(np.sum(points * normal, axis=1) - offset)
 
 
 def _polygon_below(polygon: np.ndarray, heights: np.ndarray, on: float) -> np.ndarray | None:
