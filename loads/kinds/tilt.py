@@ -142,10 +142,10 @@ def _lean(table: TiltTable, down: np.ndarray, where: str) -> Direction:
     """The level direction to which the structure leans."""
     if table.direction is not None:
         key, lean = "direction", table.direction
-        slope = abs(float(np.dot(lean.vector, down)))
+        slope = abs(float(np.sum(lean.vector * down)))
     else:
         assert table.axis is not None
-        key, slope = "axis", abs(float(np.dot(table.axis.vector, down)))
+        key, slope = "axis", abs(float(np.sum(table.axis.vector * down)))
         turned = np.cross(table.axis.vector, down)
         lean = table.axis if slope > 1e-9 else parse_direction([float(n) + 0.0 for n in turned])
     if slope > 1e-9:

@@ -12,6 +12,7 @@ Its shell keeps its corners, but faces that are not convex become triangles: who
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -168,7 +169,8 @@ def _winding(block: Block, point: np.ndarray) -> float:
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
     below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
-    return float(np.arctan2(np.linalg.det(corners), below).sum() / (2.0 * np.pi))
+    sixfold = np.sum(a * np.cross(b, c), axis=1)
+    return sum(map(math.atan2, sixfold, below)) / (2.0 * math.pi)
 
 
 def _finished(cell: Cell, block: Block, on: float) -> Polyhedron:

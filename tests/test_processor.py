@@ -1,0 +1,76 @@
+"""Which processor kernels are compiled for, and that results depend neither on numpy's choice of loops by the processor nor on BLAS."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import llvmlite.binding
+import pytest
+from places import ROOT
+
+from benchmarks.bits.cases import HERE, Case
+from benchmarks.bits.other_processor import other_processor
+from benchmarks.bits.runs import run_case
+from masonry_cd import processor
+
+TARGET = "from masonry_cd import jit, processor; print(*processor.target())"
+CHOICES = (processor.SWITCH, "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES")
+PRODUCT = "import hashlib, numpy as np; a = np.random.default_rng(0).random((60, 60)); print(hashlib.sha256((a @ a).tobytes()).hexdigest())"
+TIE = """
+[[loads]]
+kind = "tie"
+blocks = ["v2", "v6"]
+diameter = 0.02
+tension = 2e3
+"""
+
+
+def printed(program: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """A program in a process of its own, whose environment chooses no processor but what is given here."""
+    plain = {name: value for name, value in os.environ.items() if name not in CHOICES} | {"PYTHONPATH": str(ROOT)}
+    return subprocess.run([sys.executable, "-c", program], env=plain | environment, capture_output=True, text=True, check=True)
+
+
+@pytest.fixture
+def native() -> str:
+    """LLVM's name of this processor; skips where it has no AVX2 and FMA."""
+    found = llvmlite.binding.get_host_cpu_features()
+    if not (found.get("avx2") and found.get("fma")):
+        pytest.skip("this processor has no AVX2 and FMA")
+    return str(llvmlite.binding.get_host_cpu_name())
+
+
+def test_kernels_are_compiled_for_any_processor_with_avx2_and_fma(native):
+    assert printed(TARGET).stdout == "x86-64-v3 +avx2,+fma,+bmi,+bmi2,+f16c,+lzcnt,+movbe\n"
+
+
+def test_the_environment_chooses_this_very_processor_or_another(native):
+    assert printed(TARGET, MASONRY_CD_NATIVE="1").stdout.split()[0] == native
+    assert printed(TARGET, NUMBA_CPU_NAME="generic").stdout == "generic \n"
+
+
+def test_numba_that_was_used_before_keeps_its_processor_with_a_warning(native):
+    done = printed("import numba; numba.njit(lambda: None); " + TARGET)
+    assert done.stdout.split()[0] == native
+    assert "before masonry_cd was imported" in done.stderr
+
+
+def test_a_processor_without_avx2_keeps_to_itself():
+    program = (
+        "import llvmlite.binding as b; found = b.get_host_cpu_features(); found['avx2'] = False; b.get_host_cpu_features = lambda: found; "
+    )
+    assert not printed(program + TARGET).stdout.startswith(processor.NAME)
+
+
+def test_results_depend_neither_on_loops_of_numpy_nor_on_blas(native, tmp_path):
+    """An arch with a tie under an artificial accelerogram: its shape and loads come from most of what could depend on them."""
+    environment = other_processor("Prescott")
+    assert printed(PRODUCT, **environment).stdout != printed(PRODUCT).stdout  # they do choose otherwise
+    text = (HERE / "record.toml").read_text().replace("duration = 0.6", "duration = 0.05").replace("voussoirs = 27", "voussoirs = 7")
+    (tmp_path / "arch.toml").write_text(text + TIE)
+    case = Case(tmp_path / "arch.toml")
+    found, other = run_case(case), run_case(case, environment)
+    assert found.keys() == other.keys()
+    assert [name for name in found if found[name].tobytes() != other[name].tobytes()] == []
