@@ -348,11 +348,10 @@ def _as_bodies(
     blocks.sum_duplicates()
     if not np.array_equal(blocks.indices, np.arange(count)) or (np.diff(blocks.indptr) != 1).any():
         return None
-    try:
-        inverse = np.linalg.inv(blocks.data)
-    except np.linalg.LinAlgError:
-        return None
     if (np.linalg.eigvalsh(blocks.data) <= 0).any():
+        return None
+    inverse = inverses(np.ascontiguousarray(blocks.data), size_tuple(n))  # LAPACK's rounds by the processor
+    if (np.abs(np.einsum("bij,bji->b", inverse, blocks.data) - n) > 0.5).any():  # singular but for rounding
         return None
     rows = h.T.tobsr((m, n))
     rows.sort_indices()
