@@ -7,6 +7,7 @@ blocks gives an acceleration at the times t_k = k dt of the run. Loads add up.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -102,8 +103,8 @@ class Direction:
         """The direction turned about the vertical z, counter-clockwise seen from above."""
         if degrees == 0.0:
             return self
-        angle = np.deg2rad(degrees)
-        (x, y, z), c, s = self.vector, float(np.cos(angle)), float(np.sin(angle))
+        angle = math.radians(degrees)
+        (x, y, z), c, s = self.vector, math.cos(angle), math.sin(angle)
         return Direction((c * x - s * y, s * x + c * y, z), f"{self.label} turned by {degrees:g} degrees")
 
 
@@ -125,7 +126,7 @@ def parse_direction(value: object) -> Direction:
     if len(numbers) != 3 or not all(map(is_number, numbers)):
         raise ValueError('must be "x", "y", "z" or a vector of three numbers such as [1, 0, 0]')
     numbers = [float(n) for n in numbers]
-    length = float(np.linalg.norm(numbers))
+    length = math.hypot(*numbers)
     if not np.isfinite(length) or length == 0.0:
         raise ValueError(f"a vector of finite length above zero is needed, got {numbers}")
     return Direction(

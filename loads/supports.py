@@ -43,7 +43,7 @@ class Delay(BaseModel):
         """The delay at each block (B,), which only counts for supports [s]."""
         assembly = structure(grid, f"{where}.delay")
         if self.direction is not None and self.speed is not None:
-            along = assembly.centre @ np.array(self.direction.vector)
+            along = np.sum(assembly.centre * self.direction.vector, axis=1)
             return np.where(assembly.fixed, (along - along[assembly.fixed].min()) / self.speed, 0.0)
         out = np.zeros(assembly.count)
         for name, seconds in (self.seconds or {}).items():

@@ -10,6 +10,8 @@ intermediate code here, which is optimised and translated once, in each kernel t
 Further, a number written in a call is a type of its own for numba, and the function called is compiled again for it; here it is one of its
 kind. Together they save half of the time of a first run.
 
+**Processor.** Kernels are compiled for any x86-64 with AVX2 and FMA, see ``processor.py``.
+
 **Calls.** NamedTuples among the arguments of a kernel that Python calls are passed field by field, see ``flat_calls.py``.
 
 What a kernel is compiled to must not depend on which kernel called it first, or else neither would its results. So it has its own
@@ -36,12 +38,14 @@ import numba
 from numba.extending import typeof_impl
 from numba.types import Dispatcher
 
+from masonry_cd import processor
 from masonry_cd.flat_calls import FlatCall, named_tuples
 
 NEWEST = (0, 68)  # minor version of numba that numba_internals.py was last tried with
 SWITCH = "MASONRY_CD_PLAIN_NJIT"  # environment variable: whether to use numba's own njit
 PLAIN = bool(os.environ.get(SWITCH)) or numba.version_info[:2] > NEWEST
 COMMON = {"nogil": True, "error_model": "numpy", "fastmath": False}  # options of all kernels
+processor.choose()  # before numba is given its first function
 DISPATCHER = type(numba.njit(lambda: None))  # what a compiled function is
 IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n#]*)|import[ \t]+([^\n#]*))", re.MULTILINE)
 

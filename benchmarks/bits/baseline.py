@@ -16,7 +16,13 @@ import numpy as np
 from benchmarks.bits.runs import Arrays
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "h5py", "cvxopt", "gmsh")
-SETTINGS = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "OPENBLAS_CORETYPE")  # of the environment, that choose instructions
+SETTINGS = (
+    "MASONRY_CD_NATIVE",
+    "NUMBA_CPU_NAME",
+    "NUMBA_CPU_FEATURES",
+    "OPENBLAS_CORETYPE",
+    "NPY_DISABLE_CPU_FEATURES",
+)  # of the environment, that choose instructions
 
 
 def digest(array: np.ndarray) -> str:

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -26,21 +27,25 @@ BY_THE_CLOCK = ("segments/", "closing")  # datasets that depend on when the run 
 ABOUT_PROGRAM = ("version", "versions", "explanation", "run", "format", "inputs", "constant")  # about the program, not the result
 
 
-def run_case(case: Case) -> Arrays:
+def run_case(case: Case, environment: Mapping[str, str] | None = None) -> Arrays:
     """Run a case and return its results by name, e.g. ``result.h5/joints/opening``; texts are arrays of bytes, a line or a key each.
+
+    Args:
+        case: to be run.
+        environment: variables to run it with, beside those of this process.
 
     Raises:
         RuntimeError: a command that failed, with its last line.
     """
     with TemporaryDirectory() as name:
-        folder = Path(name)
+        folder, given = Path(name), os.environ | (environment or {})
         words = ["run", str(case.scene), "-o", str(folder), "--quiet"]
         words += [word for change in case.changes for word in ("--set", change)]
-        _command(*words, *(["--dump-problem", str(case.dump)] if case.dump else []))
+        _command(given, *words, *(["--dump-problem", str(case.dump)] if case.dump else []))
         found = read_folder(folder)
         for problem in sorted(folder.glob("problem_*.npz")):
             for solve in case.solves:
-                found |= _solve(problem, solve, folder)
+                found |= _solve(problem, solve, folder, given)
     return found
 
 
@@ -56,12 +61,12 @@ def read_folder(folder: Path) -> Arrays:
     return found
 
 
-def _solve(problem: Path, solve: Solve, folder: Path) -> Arrays:
+def _solve(problem: Path, solve: Solve, folder: Path, environment: Mapping[str, str]) -> Arrays:
     """The solution of a problem from its file, and what the program says of it."""
     given = _local_form(problem, folder / "local") if solve.local else problem
     out, name = folder / "solutions" / "solution.npz", f"{problem.stem}/{solve.name}"
     said = _command(
-        "solve", str(given), "--solver", solve.solver, "--tolerance", repr(solve.tolerance),
+        environment, "solve", str(given), "--solver", solve.solver, "--tolerance", repr(solve.tolerance),
         "--max-iterations", str(solve.max_iterations), "--json", "-o", str(out),
     )  # fmt: skip
     return _npz(out, name) | {f"{name}/{key}": _text(json.dumps(value)) for key, value in _leaves(json.loads(said))}
@@ -75,9 +80,10 @@ def _local_form(problem: Path, folder: Path) -> Path:
     return folder / problem.name
 
 
-def _command(*words: str) -> str:
+def _command(environment: Mapping[str, str], *words: str) -> str:
     """Standard output of ``masonry-cd`` with these words."""
-    done = subprocess.run([sys.executable, "-m", "masonry_cd", *words], cwd=ROOT, capture_output=True, text=True)
+    command = [sys.executable, "-m", "masonry_cd", *words]
+    done = subprocess.run(command, cwd=ROOT, env=dict(environment), capture_output=True, text=True)
     if done.returncode:
         last = (done.stderr.strip() or done.stdout.strip() or "no word").splitlines()[-1]
         raise RuntimeError(f"masonry-cd {words[0]} ended with {done.returncode}: {last}")

@@ -29,6 +29,7 @@ from loads.signal.code_spectrum import CodeSpectrum, ec8, ntc
 from loads.signal.intensity import in_words, intensity
 from loads.signal.response import Oscillators, response_spectrum
 from loads.supports import ShakingTable
+from masonry_cd import libm
 from masonry_cd.errors import InputError
 from masonry_cd.fields import Span, is_number
 
@@ -139,7 +140,7 @@ def artificial(table: ArtificialTable, grid: RunGrid, where: str) -> Part:
     """
     motion, target, direction = drawn(table, where), table.target, table.direction
     low, high = table.range
-    periods = np.geomspace(low, high, 200)
+    periods = libm.geometric(low, high, 200)
     ratio = response_spectrum(motion.acceleration, STEP, periods, DAMPING).acceleration / target.at(periods)
     numbers = motion.numbers() | intensity(motion)
     at_rest = float(target.at(np.zeros(1))[0])
@@ -205,7 +206,7 @@ class _Judge:
     """Measures how far a spectrum strays from its target, at closely spaced periods inside the range asked for."""
 
     def __init__(self, table: SpectrumMatch) -> None:
-        periods = np.geomspace(*table.range, FINE)
+        periods = libm.geometric(*table.range, FINE)
         self._oscillators = Oscillators(periods, STEP, DAMPING)
         self._of_target = (2.0 * np.pi / periods) ** 2 / table.target.at(periods)
 
@@ -217,7 +218,7 @@ class _Judge:
 def envelope(times: np.ndarray, rise: float, level: float, duration: float) -> np.ndarray:
     """e(t) of the head of this file, faded out over the last half second."""
     last = rise + level
-    fall = np.exp(-3.0 * np.clip((times - last) / (duration - last), 0.0, 1.0))
+    fall = libm.exp(-3.0 * np.clip((times - last) / (duration - last), 0.0, 1.0))
     return np.asarray(np.minimum(times / rise, 1.0) ** 2 * fall * smooth_step((duration - times) / FADE))
 
 
@@ -226,22 +227,22 @@ def _brought_to_target(table: SpectrumMatch, random: np.random.Generator) -> Mat
     low, high = table.range
     count = round(table.duration / STEP) + 1
     times = STEP * np.arange(count)
-    length = 1 << int(np.ceil(np.log2(2 * count)))  # zeros behind, so that nothing comes round
+    length = 1 << (2 * count - 1).bit_length()  # zeros behind, so that nothing comes round
     frequency = np.fft.rfftfreq(length, STEP)
-    periods = np.geomspace(min(SHORTEST, low), max(LONGEST, 1.2 * high), PERIODS)
+    periods = libm.geometric(min(SHORTEST, low), max(LONGEST, 1.2 * high), PERIODS)
     target, squares = table.target.at(periods), (2.0 * np.pi / periods) ** 2
     oscillators = Oscillators(periods, STEP, DAMPING)
     inside = (periods >= low) & (periods <= high)
     judge = _Judge(table)
     ends = smooth_step(times / FADE) * smooth_step((table.duration - times) / FADE)
-    log_of = np.log(1.0 / np.maximum(frequency, 1e-3))
+    log_of, logs = -libm.log(np.maximum(frequency, 1e-3)), libm.log(periods)
 
     def shaped(values: np.ndarray, gain: np.ndarray) -> np.ndarray:
-        return np.asarray(np.fft.irfft(np.fft.rfft(values, length) * gain, length)[:count])
+        return np.asarray(np.fft.irfft(_amplified(np.fft.rfft(values, length), gain), length)[:count])
 
     # noise with amplitudes S / sqrt(f), about those of a motion with a level spectrum, nothing slower than twice the longest period
-    slow = 1.0 / (1.0 + (0.5 / periods[-1] / np.maximum(frequency, 1e-3)) ** 8)
-    gain = np.interp(log_of, np.log(periods), target) / np.sqrt(np.maximum(frequency, 0.1)) * slow
+    slow = 1.0 / (1.0 + (((0.5 / periods[-1] / np.maximum(frequency, 1e-3)) ** 2) ** 2) ** 2)
+    gain = np.interp(log_of, logs, target) / np.sqrt(np.maximum(frequency, 0.1)) * slow
     a = shaped(random.standard_normal(count), gain) * envelope(times, table.rise, table.level, table.duration)
     best = Match(integrate(a, STEP), np.inf, 0)
     for turn in range(TURNS):
@@ -253,9 +254,14 @@ def _brought_to_target(table: SpectrumMatch, random: np.random.Generator) -> Mat
             best = Match(motion, worst, turn) if worst < best.worst else best
             if best.worst <= 0.8 * table.tolerance:
                 break
-        factor = lacking if turn > 0 else np.full(PERIODS, np.exp(np.log(lacking[inside]).mean()))
-        a = shaped(motion.acceleration, np.interp(log_of, np.log(periods), factor)) * ends
+        factor = lacking if turn > 0 else np.full(PERIODS, float(libm.exp(libm.log(lacking[inside]).mean())))
+        a = shaped(motion.acceleration, np.interp(log_of, logs, factor)) * ends
     return best
+
+
+def _amplified(numbers: np.ndarray, gain: np.ndarray) -> np.ndarray:
+    """Complex numbers (n,) times real ones (n,), part by part: products of complex numbers round otherwise on another processor."""
+    return np.asarray((numbers.view(float).reshape(-1, 2) * gain[:, None]).view(complex)[:, 0])
 
 
 KINDS = {"artificial": LoadKind(ArtificialTable, artificial)}

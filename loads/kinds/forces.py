@@ -19,6 +19,7 @@ eigenvalue of sqrt(k_i k_j) g_i M^-1 g_j^T over all ties, and the same limit hol
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -153,7 +154,7 @@ class Forces:
         out = np.zeros((len(position), 6))
         for load in self.points:
             force = load.factor[step] * load.force
-            out[load.block] += np.concatenate([force, np.cross(rotation[load.block] @ load.arm, force)])
+            out[load.block] += np.concatenate([force, np.cross(np.sum(rotation[load.block] * load.arm, axis=1), force)])
         if self.ties:
             tension, along, arms = self._pull(position, rotation, velocity)
             force = tension[:, None] * along
@@ -168,7 +169,7 @@ class Forces:
     def _pull(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """N (T,) [N], unit vectors from the first end to the second (T, 3), and the arms in the world (T, 2, 3)."""
         ends, rest, bars = self._ends, self._arms, self._bars
-        arms = (rotation[ends] @ rest[..., None])[..., 0]
+        arms = np.sum(rotation[ends] * rest[..., None, :], axis=-1)
         places = position[ends] + arms
         line = places[:, 1] - places[:, 0]
         length = np.sqrt(np.sum(line * line, axis=1))
@@ -216,8 +217,8 @@ def point(table: PointTable, grid: RunGrid, where: str) -> Part:
     factor = np.clip(since / table.ramp, 0.0, 1.0) if table.ramp > 0.0 else (since >= 0.0).astype(float)
     arm = np.zeros(3) if table.point is None else np.array(table.point) - assembly.centre[block]
     load = PointLoad(block, arm, np.array(table.force), factor)
-    size = float(np.linalg.norm(load.force))
-    weight = assembly.mass[block] * float(np.linalg.norm(grid.gravity))
+    size = math.hypot(*load.force)
+    weight = assembly.mass[block] * math.hypot(*grid.gravity)
     relation = f", {size / weight:.3g} times its weight" if weight > 0.0 else ""
     return Part(
         forces=(load,),
@@ -238,7 +239,7 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
         raise InputError(f"{where}.blocks: both are fixed, a tie between them does nothing")
     centres = assembly.centre[list(ends)]
     points = centres if table.points is None else np.array(table.points)
-    length = float(np.linalg.norm(points[1] - points[0]))
+    length = math.hypot(*(points[1] - points[0]))
     if length == 0.0:
         raise InputError(f"{where}.points: both ends are at one point")
     if not length <= LONGEST_TIE:
@@ -284,12 +285,12 @@ def collect(parts: Sequence[Part], grid: RunGrid) -> Forces | None:
 def felt_mass(assembly: Assembly, ends: tuple[int, int], points: np.ndarray) -> float:
     """m_e of the head of this file [kg]; blocks that lean on others feel heavier, so this is the smallest it can be."""
     rows = _rows(assembly, ends, points)
-    return 1.0 / sum(float(row @ _accelerated(assembly, block, row)) for block, row in rows.items())
+    return 1.0 / sum(float(np.sum(row * _accelerated(assembly, block, row))) for block, row in rows.items())
 
 
 def _rows(assembly: Assembly, ends: tuple[int, int], points: np.ndarray) -> dict[int, np.ndarray]:
     """g of the head of this file, (6,) for each free block at the ends of a tie: what its velocity adds to L'."""
-    along = (points[1] - points[0]) / np.linalg.norm(points[1] - points[0])
+    along = (points[1] - points[0]) / math.hypot(*(points[1] - points[0]))
     sides = zip(ends, points, (-1.0, 1.0), strict=True)
     return {
         block: sign * np.concatenate([along, np.cross(place - assembly.centre[block], along)])
@@ -300,7 +301,14 @@ def _rows(assembly: Assembly, ends: tuple[int, int], points: np.ndarray) -> dict
 
 def _accelerated(assembly: Assembly, block: int, row: np.ndarray) -> np.ndarray:
     """M^-1 g^T of a block, (6,)."""
-    return np.concatenate([row[:3] / assembly.mass[block], np.linalg.solve(assembly.inertia[block], row[3:])])
+    return np.concatenate([row[:3] / assembly.mass[block], np.sum(_inverse(assembly.inertia[block]) * row[3:], axis=1)])
+
+
+def _inverse(inertia: np.ndarray) -> np.ndarray:
+    """Inverse of an inertia (3, 3), by its cofactors."""
+    a, b, c = inertia
+    columns = np.array([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+    return columns.T / np.sum(a * columns[0])
 
 
 def _highest(ties: Sequence[Tie], assembly: Assembly) -> tuple[float, float]:
@@ -312,7 +320,7 @@ def _highest(ties: Sequence[Tie], assembly: Assembly) -> tuple[float, float]:
             gain = _accelerated(assembly, block, row)
             for j, second in enumerate(rows):
                 if block in second:
-                    coupled[i, j] += np.sqrt(ties[i].stiffness * ties[j].stiffness) * float(second[block] @ gain)
+                    coupled[i, j] += np.sqrt(ties[i].stiffness * ties[j].stiffness) * float(np.sum(second[block] * gain))
     ratios = [0.5 * tie.damping * np.sqrt(coupled[i, i]) / tie.stiffness for i, tie in enumerate(ties)]
     return float(np.sqrt(np.linalg.eigvalsh(coupled)[-1])), max(map(float, ratios))
 

@@ -88,7 +88,7 @@ def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
         InputError: names that fit no support, supports that all stand at one place, or a pulse that the steps cannot follow.
     """
     moving = select_supports(table.supports, grid, f"{where}.supports")
-    place = structure(grid, where).centre @ np.array(table.direction.vector)
+    place = np.sum(structure(grid, where).centre * table.direction.vector, axis=1)
     low, high = place[moving].min(), place[moving].max()
     if high - low < 1e-9 * max(1.0, abs(high)):
         raise InputError(f"{where}.direction: the supports all stand at one place along {table.direction.label}, nothing can spread")

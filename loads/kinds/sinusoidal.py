@@ -19,6 +19,7 @@ from pydantic import Field, model_validator
 
 from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step
 from loads.supports import ShakingTable
+from masonry_cd import libm
 from masonry_cd.errors import InputError
 from masonry_cd.fields import Instant, Span
 
@@ -62,7 +63,7 @@ class SinusoidalTable(ShakingTable):
 
     def velocity(self, since: np.ndarray) -> np.ndarray:
         """v at times since the start of the motion (n,) [m/s]."""
-        wave = self.amplitude * np.sin(2.0 * np.pi * self.frequency * since)
+        wave = self.amplitude * libm.sin(2.0 * np.pi * self.frequency * since)
         if self.ramp > 0.0:
             wave = wave * smooth_step(since / self.ramp) * smooth_step((self.length - since) / self.ramp)
         return np.where((since > 0.0) & (since < self.length), wave, 0.0)

@@ -16,12 +16,14 @@ In both the structure needs time to fall: lambda has grown by rate times that ti
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid, parse_direction
+from masonry_cd import libm
 from masonry_cd.errors import InputError
 from masonry_cd.fields import Instant
 
@@ -77,11 +79,11 @@ def tilt(table: TiltTable, grid: RunGrid, where: str) -> Part:
     limit = 90.0 if table.angle is None else table.angle
     degrees = np.minimum(table.initial + table.rate * np.maximum(grid.times - table.start, 0.0), limit)
     phi = np.deg2rad(degrees)
-    added = size * (np.outer(np.cos(phi) - 1.0, down) + np.outer(np.sin(phi), lean.vector))
+    added = size * (np.outer(libm.cos(phi) - 1.0, down) + np.outer(libm.sin(phi), lean.vector))
     line = f"{where} tilt towards {lean.label}: {degrees[0]:g} to {degrees[-1]:.4g} degrees at {table.rate:g} degrees/s"
     return Part(
         acceleration=added,
-        lines=(f"{line}, lambda = tan(angle) up to {np.tan(phi[-1]):.4g}",),
+        lines=(f"{line}, lambda = tan(angle) up to {math.tan(phi[-1]):.4g}",),
         summary={
             "kind": "tilt",
             "direction": list(lean.vector),
@@ -123,15 +125,15 @@ def load_factors(acceleration: np.ndarray, gravity: np.ndarray) -> np.ndarray:
         acceleration: (n, 3) of the blocks, gravity included [m/s2].
         gravity: (3,) its direction when nothing is tilted [m/s2].
     """
-    down = gravity / np.linalg.norm(gravity)
-    along = acceleration @ down
+    down = gravity / math.hypot(*gravity)
+    along = np.sum(acceleration * down, axis=1)
     across = np.linalg.norm(acceleration - np.outer(along, down), axis=1)
     return np.divide(across, along, out=np.full(len(along), np.inf), where=along > 0.0)
 
 
 def _gravity(grid: RunGrid, where: str) -> tuple[np.ndarray, float]:
     """Direction and size of gravity."""
-    size = float(np.linalg.norm(grid.gravity))
+    size = math.hypot(*grid.gravity)
     if size == 0.0:
         raise InputError(f"{where}: needs gravity, but run.gravity is zero")
     return grid.gravity / size, size
@@ -141,10 +143,10 @@ def _lean(table: TiltTable, down: np.ndarray, where: str) -> Direction:
     """The level direction to which the structure leans."""
     if table.direction is not None:
         key, lean = "direction", table.direction
-        slope = abs(float(np.dot(lean.vector, down)))
+        slope = abs(float(np.sum(lean.vector * down)))
     else:
         assert table.axis is not None
-        key, slope = "axis", abs(float(np.dot(table.axis.vector, down)))
+        key, slope = "axis", abs(float(np.sum(table.axis.vector * down)))
         turned = np.cross(table.axis.vector, down)
         lean = table.axis if slope > 1e-9 else parse_direction([float(n) + 0.0 for n in turned])
     if slope > 1e-9:

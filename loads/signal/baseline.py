@@ -97,10 +97,23 @@ def correct(raw: History, order: int) -> History:
     # rows: end velocity, and end displacement over the duration, so that both are velocities and weigh alike
     ends = np.array([velocity[-1], [shape.displacement[-1] / raw.duration for shape in shapes]])
     wanted = np.array([raw.velocity[-1], raw.displacement[-1] / raw.duration])
-    coefficients = np.linalg.lstsq(ends, wanted, rcond=None)[0]
-    free = np.linalg.svd(ends)[2][2:].T  # the polynomials that leave both ends alone
-    if free.shape[1]:
-        left_over = raw.velocity - velocity @ coefficients
-        coefficients = coefficients + free @ np.linalg.lstsq(velocity @ free, left_over, rcond=None)[0]
-    polynomial = np.stack([shape.acceleration for shape in shapes], axis=1) @ coefficients
+    # least squares under two conditions: the smallest square of raw.velocity - velocity c, with ends c = wanted and multipliers for both
+    size = len(raw.velocity)
+    products = np.einsum("nk,nl->kl", velocity, velocity) / size
+    system = np.block([[products, ends.T], [ends, np.zeros((2, 2))]])
+    coefficients = _solved(system, np.concatenate([np.einsum("nk,n->k", velocity, raw.velocity) / size, wanted]))[: order + 1]
+    polynomial = sum(c * shape.acceleration for c, shape in zip(coefficients, shapes, strict=True))
     return integrate(raw.acceleration - polynomial, raw.step)
+
+
+def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """x of matrix x = right for a regular (n, n), by Gauss and Jordan with pivoting; LAPACK would round otherwise on another processor."""
+    rows = np.column_stack([matrix, right])
+    for k in range(len(rows)):
+        best = k + int(np.argmax(np.abs(rows[k:, k])))
+        rows[[k, best]] = rows[[best, k]]
+        rows[k] /= rows[k, k]
+        factor = rows[:, k].copy()
+        factor[k] = 0.0
+        rows -= factor[:, None] * rows[k]
+    return np.asarray(rows[:, -1])

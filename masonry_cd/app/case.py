@@ -5,6 +5,7 @@ Structures and loads are imported inside the functions, when a scene has passed 
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -93,7 +94,7 @@ def prepare(scene: Scene) -> Case:
     with said_if_slow(f"compiling the kernels{', once' if keeps() else ''}: this takes {for_good if keeps() else again}"):
         joints = find_joints(assembly)
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))
-    gravity = float(np.linalg.norm(scene.run.gravity))
+    gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = [FALLING] if gravity and not assembly.fixed.any() else []
     warnings = (*falling, *coarse, *_beyond_machine(scene.run.threads))

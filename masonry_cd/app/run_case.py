@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.case import Case
@@ -139,7 +138,7 @@ def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: f
     with Results.open(writer.path, sums=False) as results:
         summary |= outcome(case, results)
         fast = time_step_checks.after_run(case.assembly, results, settings.dt)
-        gravity = float(np.linalg.norm(settings.gravity))
+        gravity = math.hypot(*settings.gravity)
         restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.dt, settings.tolerance)
     summary["warnings"] = [*run_warnings(summary), *summary["warnings"], *fast, *restless]
     summary["wall_seconds"] = since + time.perf_counter()

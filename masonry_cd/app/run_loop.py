@@ -6,6 +6,7 @@ when it was taken does not matter: a resumed run gives the same bits as an unbro
 
 from __future__ import annotations
 
+import math
 import signal
 import time as clock
 from collections.abc import Callable
@@ -164,7 +165,7 @@ class _Loop:
 
 def _fall(stepper: Stepper) -> float:
     """The energy that a step of free fall would give to all free blocks [J]."""
-    speed = float(np.linalg.norm(stepper.settings.gravity)) * stepper.settings.dt
+    speed = math.hypot(*stepper.settings.gravity) * stepper.settings.dt
     return 0.5 * float(stepper.assembly.mass[~stepper.assembly.fixed].sum()) * speed * speed
 
 

@@ -16,6 +16,7 @@ that waits for a smaller one may wait in vain.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -127,5 +128,5 @@ def fastest(assembly: Assembly, results: Results) -> tuple[float, int, float] | 
 
 def _round_down(value: float) -> float:
     """The next value of one digit below: 0.00137 -> 0.001."""
-    power = 10.0 ** np.floor(np.log10(value))
+    power = 10.0 ** math.floor(math.log10(value))
     return float(np.floor(value / power * (1 + 1e-9)) * power)

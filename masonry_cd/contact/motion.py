@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -63,7 +64,7 @@ def pose_ahead(motion, a, b, position, rotation, pose):
         body = a if side == 0 else b
         v, r = motion.velocity[body], motion.rotation[body]
         speed = np.sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5])
-        c, s = np.cos(step * speed), np.sin(step * speed)
+        c, s = math.cos(step * speed), math.sin(step * speed)
         scale = 1.0 / speed if speed > 0.0 else 0.0
         x, y, z = scale * v[3], scale * v[4], scale * v[5]
         for d in range(3):

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from masonry_cd import libm
 from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper
 from masonry_cd.errors import InputError
 
@@ -65,4 +66,4 @@ def _step(stepper: Stepper) -> float:
     """Step in which the heaviest block on the softest joint would swing by RADIANS [s]."""
     a, free = stepper.assembly, ~stepper.assembly.fixed
     soft = a.laws.normal_stiffness[a.laws.normal_stiffness > 0.0].min()
-    return RADIANS * float(np.sqrt((a.mass[free] / np.cbrt(a.volume[free]) ** 2).max() / soft))
+    return RADIANS * float(np.sqrt((a.mass[free] / libm.cbrt(a.volume[free]) ** 2).max() / soft))

@@ -14,6 +14,7 @@ the implicit midpoint rule, which is reversible, so that a tumbling block does n
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -109,7 +110,7 @@ def drift(position, orientation, velocity, time):
         if speed == 0.0:
             continue
         half = 0.5 * time * speed
-        c, s = np.cos(half), np.sin(half) / speed
+        c, s = math.cos(half), math.sin(half) / speed
         x, y, z = s * wx, s * wy, s * wz
         qw, qx, qy, qz = orientation[b]
         pw = c * qw - x * qx - y * qy - z * qz
@@ -181,7 +182,7 @@ def _midpoint_rotation(inverse_inertia, momentum, step, planar, w):
         if step * speed < 1e-14:
             return
         ax, ay, az = w[0] / speed, w[1] / speed, w[2] / speed
-        c, s = np.cos(0.5 * step * speed), np.sin(0.5 * step * speed)
+        c, s = math.cos(0.5 * step * speed), math.sin(0.5 * step * speed)
         lx, ly, lz = _turn(momentum[0], momentum[1], momentum[2], ax, ay, az, c, -s)  # L seen by the body as it is at q_m
         bx = inverse_inertia[0, 0] * lx + inverse_inertia[0, 1] * ly + inverse_inertia[0, 2] * lz
         by = inverse_inertia[1, 0] * lx + inverse_inertia[1, 1] * ly + inverse_inertia[1, 2] * lz

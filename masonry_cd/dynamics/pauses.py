@@ -11,6 +11,7 @@ or is turned by more than TILT) may roll on the ground for as long as it likes.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -116,4 +117,4 @@ def fallen(assembly: Assembly, height: np.ndarray, state: State) -> np.ndarray:
     moved = state.position[:, 2] - assembly.centre[:, 2]
     base = float(moved[np.argmax(assembly.fixed)]) if assembly.fixed.any() else 0.0
     turn = 0.5 * (np.trace(rotation_matrices(state.orientation), axis1=1, axis2=2) - 1.0)  # cosine
-    return np.asarray((base - moved > DROP * height) | (turn < np.cos(np.radians(TILT))))
+    return np.asarray((base - moved > DROP * height) | (turn < math.cos(math.radians(TILT))))

@@ -30,7 +30,7 @@ from masonry_cd.friction.local_blocks import block_arrays, contact_pattern
 from masonry_cd.friction.local_operators import is_definite
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem
 from masonry_cd.friction.stored_arrays import datasets, npz_arrays, open_hdf5
-from masonry_cd.linalg.small_blocks import size_tuple
+from masonry_cd.linalg.small_blocks import inverses, size_tuple
 
 UNSYMMETRIC = 1e-2  # of the largest entry: published problems reach 1e-3
 INDEFINITE = 1e-4  # of the largest diagonal entry
@@ -233,7 +233,7 @@ def _write_fclib(path: Path, problem: Problem, title: str) -> None:
 def _global_form(problem: FrictionProblem) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray, np.ndarray]:
     """M, H (as FCLIB has it: unknowns by rows), f = M v_free and w = b."""
     bodies, n = problem.v_free.shape
-    mass = np.linalg.inv(problem.inverse_mass)
+    mass = inverses(np.ascontiguousarray(problem.inverse_mass), size_tuple(n))
     blocks = sparse.bsr_matrix((mass, np.arange(bodies), np.arange(bodies + 1)), (bodies * n, bodies * n)).tocsr()
     blocks.eliminate_zeros()
     f = np.einsum("bij,bj->bi", mass, problem.v_free).ravel()
@@ -348,11 +348,10 @@ def _as_bodies(
     blocks.sum_duplicates()
     if not np.array_equal(blocks.indices, np.arange(count)) or (np.diff(blocks.indptr) != 1).any():
         return None
-    try:
-        inverse = np.linalg.inv(blocks.data)
-    except np.linalg.LinAlgError:
-        return None
     if (np.linalg.eigvalsh(blocks.data) <= 0).any():
+        return None
+    inverse = inverses(np.ascontiguousarray(blocks.data), size_tuple(n))  # LAPACK's rounds by the processor
+    if (np.abs(np.einsum("bij,bji->b", inverse, blocks.data) - n) > 0.5).any():  # singular but for rounding
         return None
     rows = h.T.tobsr((m, n))
     rows.sort_indices()

@@ -22,6 +22,7 @@ from types import TracebackType
 import h5py
 import numpy as np
 
+from masonry_cd import jit
 from masonry_cd.atomic import part_of
 from masonry_cd.errors import InputError
 from masonry_cd.io.block_arrays import write_blocks
@@ -246,4 +247,4 @@ def versions() -> dict[str, str]:
     for name in ("masonry-cd", "numpy", "scipy", "numba", "h5py", "cvxopt"):
         with contextlib.suppress(Exception):
             out[name] = version(name)
-    return out
+    return out | {"kernels for": jit.processor.target()[0]}  # jit has chosen it

@@ -72,7 +72,7 @@ class Pattern:
     def operations(self, n: int) -> float:
         """Operations of an unsymmetric factorisation, for n unknowns per node."""
         width, below = n * np.diff(self.symbolic.first).astype(float), n * np.diff(self.symbolic.start).astype(float)
-        return float(4.0 * width @ (width * width / 2 + width * below + below * below))
+        return float(4.0 * np.sum(width * (width * width / 2 + width * below + below * below)))
 
     def locate(self, bodies: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool] | None:
         """Places (C, 2) of the bodies of each contact, the block (C,) that couples them, and whether they are those of the last contacts.

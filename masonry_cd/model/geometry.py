@@ -6,6 +6,7 @@ the faces, and the second moments of a tetrahedron (0, a, b, c) are polynomials 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -116,7 +117,7 @@ def mass_properties(vertices: np.ndarray, faces: Faces) -> MassProperties:
     """
     inner = vertices.mean(axis=0)  # integrate near the block: far from the origin the moments would cancel
     corners = (vertices - inner)[triangles(faces)]  # (n, 3 corners, 3)
-    sixfold = np.linalg.det(corners)  # six times the signed volume of each tetrahedron
+    sixfold = np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2]), axis=1)  # six times the signed volume of each tetrahedron
     volume = sixfold.sum() / 6.0
     total = corners.sum(axis=1)
     first = np.einsum("n,ni->i", sixfold, total) / 24.0
@@ -148,4 +149,4 @@ def relative_pose(position, rotation, a, b, pose):
 def relative_angle(pose):
     """Angle of the rotation in a relative pose (12,) [rad], exact near zero."""
     x, y, z = pose[10] - pose[8], pose[5] - pose[9], pose[6] - pose[4]
-    return np.arctan2(0.5 * np.sqrt(x * x + y * y + z * z), 0.5 * (pose[3] + pose[7] + pose[11] - 1.0))
+    return math.atan2(0.5 * np.sqrt(x * x + y * y + z * z), 0.5 * (pose[3] + pose[7] + pose[11] - 1.0))

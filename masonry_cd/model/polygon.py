@@ -13,6 +13,7 @@ So the corners of what is left follow in the order of the polygon: corner k, the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -38,7 +39,7 @@ def polygon_centroid(polygon: np.ndarray) -> np.ndarray:
 
 def loop_area(loop: np.ndarray) -> float:
     """Area of a polygon in space (n, 3) [m2]."""
-    return float(0.5 * np.linalg.norm(np.cross(loop[1:-1] - loop[0], loop[2:] - loop[0]).sum(axis=0)))
+    return 0.5 * math.hypot(*np.cross(loop[1:-1] - loop[0], loop[2:] - loop[0]).sum(axis=0))
 
 
 def loop_normal(loop: np.ndarray) -> np.ndarray:

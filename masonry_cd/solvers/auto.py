@@ -237,5 +237,5 @@ def _costs(problem: Problem, known: Experience, start: Solution | None) -> tuple
                 last, *_ = admm.recall(problem.arrays().bodies, len(problem.v_free), problem.v_free.shape[1], start)
                 memory = memory | last.arrays()
             pattern = last.pattern
-        known.contacts, known.costs = problem.contacts, tuple((np.array(ITERATION + CALL) @ work(problem, pattern)).tolist())
+        known.contacts, known.costs = problem.contacts, tuple(np.sum(np.array(ITERATION + CALL) * work(problem, pattern), axis=1).tolist())
     return known.costs, memory

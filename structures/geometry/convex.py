@@ -12,6 +12,7 @@ Its shell keeps its corners, but faces that are not convex become triangles: who
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -86,7 +87,7 @@ def _best_plane(pieces: list[np.ndarray], on: float) -> tuple[np.ndarray, float]
     """The plane of the piece that splits the fewest others; of equals, the one that leaves the halves most alike."""
     normals, offsets = loop_planes(pieces)
     start = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
-    heights = np.concatenate(pieces) @ normals.T - offsets  # (points, planes)
+    heights = np.einsum("vi,pi->vp", np.concatenate(pieces), normals) - offsets  # (points, planes)
     above = np.maximum.reduceat(heights, start) > on
     below = np.minimum.reduceat(heights, start) < -on
     splits, even = (above & below).sum(axis=0), np.abs(above.sum(axis=0) - below.sum(axis=0))
@@ -96,10 +97,10 @@ def _best_plane(pieces: list[np.ndarray], on: float) -> tuple[np.ndarray, float]
 
 def _below(cell: Cell, normal: np.ndarray, offset: float, on: float) -> Cell | None:
     """The part of a cell below a plane; None where nothing of it is."""
-    heights = cell.vertices @ normal - offset
+    heights = _heights(cell.vertices, normal, offset)
     if heights.min() >= -on:
         return None
-    pieces = [cut for piece in cell.pieces if (cut := _polygon_below(piece, piece @ normal - offset, on)) is not None]
+    pieces = [cut for piece in cell.pieces if (cut := _polygon_below(piece, _heights(piece, normal, offset), on)) is not None]
     if heights.max() <= on:
         return Cell(cell.vertices, cell.faces, pieces)
     loops = [cut for face in cell.faces if (cut := _polygon_below(cell.vertices[list(face)], heights[list(face)], on)) is not None]
@@ -112,6 +113,11 @@ def _below(cell: Cell, normal: np.ndarray, offset: float, on: float) -> Cell | N
     while after[rim[-1]] != rim[0]:
         rim.append(after[rim[-1]])
     return Cell(points, (*faces, tuple(rim)), pieces)
+
+
+def _heights(points: np.ndarray, normal: np.ndarray, offset: float) -> np.ndarray:
+    """Distances (n,) of points (n, 3) from a plane [m]; BLAS would round otherwise on another processor."""
+    return np.asarray(np.sum(points * normal, axis=1) - offset)
 
 
 def _polygon_below(polygon: np.ndarray, heights: np.ndarray, on: float) -> np.ndarray | None:
@@ -163,7 +169,8 @@ def _winding(block: Block, point: np.ndarray) -> float:
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
     below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
-    return float(np.arctan2(np.linalg.det(corners), below).sum() / (2.0 * np.pi))
+    sixfold = np.sum(a * np.cross(b, c), axis=1)
+    return sum(map(math.atan2, sixfold, below)) / (2.0 * math.pi)
 
 
 def _finished(cell: Cell, block: Block, on: float) -> Polyhedron:

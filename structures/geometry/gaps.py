@@ -8,6 +8,7 @@ of all its faces: faces stay planar, and faces without such a neighbour stay whe
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -83,7 +84,7 @@ def _facing(blocks: Sequence[Block], planes: Planes, tolerance: float) -> Iterat
     high = np.array([block.vertices.max(axis=0) for block in blocks]) + tolerance
     start = np.cumsum([0, *(len(block.faces) for block in blocks)])
     for a, b in overlapping_boxes(np.hstack([low, high]), np.arange(len(blocks)), np.zeros(len(blocks), dtype=bool)):
-        opposed = planes.normal[start[a] : start[a + 1]] @ planes.normal[start[b] : start[b + 1]].T < -np.cos(ANGLE)
+        opposed = planes.normal[start[a] : start[a + 1]] @ planes.normal[start[b] : start[b + 1]].T < -math.cos(ANGLE)
         for i, j in np.argwhere(opposed):
             yield int(start[a] + i), int(start[b] + j)
 

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
+from masonry_cd import libm
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces
@@ -97,4 +98,4 @@ def _slab(centre: tuple[float, float], half: float, low: float, high: float) -> 
 def _polygon(centre: tuple[float, float], radius: float, z: float, sides: int) -> np.ndarray:
     """A level regular polygon (sides, 3)."""
     angles = 2.0 * math.pi * (np.arange(sides) + 0.5) / sides
-    return np.stack([centre[0] + radius * np.cos(angles), centre[1] + radius * np.sin(angles), np.full(sides, z)], axis=1)
+    return np.stack([centre[0] + radius * libm.cos(angles), centre[1] + radius * libm.sin(angles), np.full(sides, z)], axis=1)

@@ -129,4 +129,4 @@ def inclined(blocks: Sequence[Block], angle: float) -> list[Block]:
     """The blocks turned about the y axis, towards +x [rad]."""
     c, s = math.cos(angle), math.sin(angle)
     turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-    return [replace(block, vertices=block.vertices @ turn.T) for block in blocks]
+    return [replace(block, vertices=np.einsum("vj,ij->vi", block.vertices, turn)) for block in blocks]

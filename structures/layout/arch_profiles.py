@@ -27,6 +27,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
+from masonry_cd import libm
 from masonry_cd.errors import InputError
 from structures.schema import Length, Table
 
@@ -159,7 +160,7 @@ def _pointed(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:
     outer, offset = inner + arch.thickness, inner - half  # the centre of the left arc lies at x = +offset
     apex = math.acos(offset / (inner + 0.5 * arch.thickness))
     angles = apex * np.arange(arch.voussoirs // 2) / (arch.voussoirs // 2)
-    unit = np.array([-np.cos(angles), np.sin(angles)]).T
+    unit = np.array([-libm.cos(angles), libm.sin(angles)]).T
     top = np.array([[0.0, math.sqrt(inner**2 - offset**2)], [0.0, math.sqrt(outer**2 - offset**2)]])
     ends = []
     for radius, crown in ((inner, top[0]), (outer, top[1])):

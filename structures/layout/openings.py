@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from masonry_cd import libm
 from masonry_cd.errors import InputError
 from structures.schema import HeadShape, OpeningTable
 
@@ -162,7 +163,7 @@ def haunch_break(opening: Opening, beds: Sequence[float], fixed: Sequence[float]
     if any(FIRST <= slope <= STEEP for slope in slopes):
         return None
     angles = 0.5 * (FIRST + STEEP) + 0.5 * (STEEP - FIRST) * np.array([0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9])
-    heights = opening.level + opening.outer * np.sin(angles)
+    heights = opening.level + opening.outer * libm.sin(angles)
     room = np.minimum(np.abs(heights[:, None] - np.array(fixed)[None, :]).min(axis=1), least)
     return float(heights[np.argmax(room)]), opening.depth_key
 
@@ -235,7 +236,7 @@ def _quads(inner: np.ndarray, outer: np.ndarray) -> list[tuple[str, np.ndarray]]
 def _arch(opening: Opening, beds: np.ndarray, springing: int, edges: dict[int, tuple[float, float]], course: float) -> Closing:
     target = max(0.6 * opening.depth, min(0.8 * course, 1.2 * opening.depth))
     angles, haunch = _corners(opening, beds, target)
-    unit = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
     if opening.start == 0.0:
         unit[0] = (1.0, 0.0)
     centre = np.array([0.0, opening.level])

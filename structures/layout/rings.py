@@ -18,6 +18,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from masonry_cd import libm
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces
 from structures.geometry.compound_block import compound_block
@@ -168,7 +169,7 @@ def dome_rows(group: str, inner: float, thickness: float, level: float, count: i
         top: angle of the last bed above the springing [rad].
     """
     angles = top * np.arange(count + 1) / count
-    unit = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    unit = np.stack([libm.cos(angles), libm.sin(angles)], axis=1)
     low, high = inner * unit + [0.0, level], (inner + thickness) * unit + [0.0, level]
     return [Row(group, np.array([low[k], high[k], high[k + 1], low[k + 1]])) for k in range(count)]
 
