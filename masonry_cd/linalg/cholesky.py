@@ -117,7 +117,7 @@ def factorise_cholesky(
     Returns False when A is not positive definite; if all columns are single, when a diagonal block cannot be inverted.
     """
     if has_single_columns(symbolic):
-        return factorise_columns(BlockMatrix(diagonal, lower, lower), Factor(symbolic, squares, panels, panels, size_n), SYMMETRIC)
+        return factorise_columns(BlockMatrix(diagonal, lower, lower), Factor(symbolic, squares, panels, panels, size_n), SYMMETRIC) != 0.0
     n, count = len(size_n), len(symbolic.first) - 1
     ok = factorise_supernodes(symbolic, 0, count, diagonal, lower, squares, panels, n)
     if ok:

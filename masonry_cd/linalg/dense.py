@@ -42,15 +42,16 @@ def gemm(x, at, rows, inner, g, begin, end, out):
 
 @borrower()
 def invert_square(a, column, out, work, size_n):
-    """Inverse of a square in place, block by block (Gauss & Jordan); False when a block cannot be inverted."""
-    n, size = len(size_n), len(a)
+    """Inverse of a square in place, block by block (Gauss & Jordan); the sign of its determinant, 0 when a block cannot be inverted."""
+    n, size, sign = len(size_n), len(a), 1.0
     block, inverse = work[0], work[1]
     for b in range(0, size, n):
         for p in range(n):
             for q in range(n):
                 block[p, q] = a[b + p, b + q]
-        if not invert(block, inverse, work[2], size_n):
-            return False
+        sign *= invert(block, inverse, work[2], size_n)
+        if sign == 0.0:
+            return sign
         for q in range(n):
             for i in range(size):
                 column[q, i] = 0.0 if b <= i < b + n else a[i, b + q]
@@ -66,7 +67,7 @@ def invert_square(a, column, out, work, size_n):
             to, what = a[i], out[i]
             for k in range(size):
                 to[k] -= what[k]
-    return True
+    return sign
 
 
 @borrower(fastmath={"contract"})

@@ -53,26 +53,27 @@ def apply_update(factor, s, e, where, out):
 
 
 @entry()
-def factorise_ldu(matrix: BlockMatrix, factor: Factor) -> bool:
-    """A = L D U: fill a :class:`Factor` from a :class:`BlockMatrix`. False when a block of D cannot be inverted."""
+def factorise_ldu(matrix: BlockMatrix, factor: Factor) -> float:
+    """A = L D U: fill a :class:`Factor` from a :class:`BlockMatrix`; the sign of det A, 0 when a block of D cannot be inverted."""
     symbolic, size = factor.symbolic, factor.size
     if has_single_columns(symbolic):
         return factorise_columns(matrix, factor, UNSYMMETRIC)
     n, count = len(size), len(symbolic.first) - 1
     widest, longest = extent(symbolic, 0, count, n)
     out, column, work = np.empty((widest, longest)), np.empty((n, widest)), np.empty((3, n, n))
-    where = np.empty(len(symbolic.column) - 1, dtype=np.int64)
+    where, sign = np.empty(len(symbolic.column) - 1, dtype=np.int64), 1.0
     for s in range(count):
         number_rows(symbolic, s, where)
         load(matrix, factor, s, where)
         for e in range(symbolic.update_start[s], symbolic.update_start[s + 1]):
             apply_update(factor, s, e, where, out)
         square, low, _ = view_supernode(factor, s)
-        if not invert_square(square, column, out, work, size):
-            return False
+        sign *= invert_square(square, column, out, work, size)
+        if sign == 0.0:
+            return sign
         width, length = low.shape
         gemm(square, 0, width, width, low, 0, length, out)
         for j in range(width):
             for i in range(length):
                 low[j, i] = out[j, i]
-    return True
+    return sign

@@ -104,9 +104,9 @@ def factorise_columns(matrix, factor, symmetric):
 
 @borrower(fastmath={"contract"})
 def _eliminate_columns(matrix, factor, symmetric, scratch):
-    """Column after column, each by those before it; False when a diagonal block cannot be inverted."""
+    """Column after column, each by those before it; the sign of the determinant, 0 when a diagonal block cannot be inverted."""
     symbolic, size = factor.symbolic, factor.size
-    n, count, first, below = len(size), len(symbolic.column) - 1, symbolic.start, symbolic.below
+    n, count, first, below, sign = len(size), len(symbolic.column) - 1, symbolic.start, symbolic.below, 1.0
     squares, lows = factor.squares.reshape((count, n, n)), factor.panels.reshape((len(below), n, n))
     ups = factor.others.reshape((len(below), n, n))
     head, following, at, where, work, square, turned, other = scratch
@@ -134,12 +134,13 @@ def _eliminate_columns(matrix, factor, symmetric, scratch):
                 at[k], following[k] = t0 + 1, head[below[t0 + 1]]
                 head[below[t0 + 1]] = k
             k = coming
-        if not invert(square[0], squares[j], work, size):
-            return False
+        sign *= invert(square[0], squares[j], work, size)
+        if sign == 0.0:
+            return sign
         if first[j] < first[j + 1]:
             at[j], following[j] = first[j], head[below[first[j]]]
             head[below[first[j]]] = j
-    return True
+    return sign
 
 
 @borrower(fastmath={"contract"})

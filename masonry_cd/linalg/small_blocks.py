@@ -49,8 +49,8 @@ def cholesky_small(a: np.ndarray, factor: np.ndarray, n: int) -> None:
 
 @borrower()
 def invert(a, out, work, size_n):
-    """Inverse of an (n, n) block by Gauss-Jordan with row pivoting; False if it is singular or not finite."""
-    n = len(size_n)
+    """Inverse of an (n, n) block by Gauss-Jordan with row pivoting; the sign of its determinant, or 0 if it is singular or not finite."""
+    n, sign = len(size_n), 1.0
     for i in range(n):
         for j in range(n):
             work[i, j] = a[i, j]
@@ -61,7 +61,9 @@ def invert(a, out, work, size_n):
             if abs(work[i, k]) > abs(work[best, k]):
                 best = i
         if not (0.0 < abs(work[best, k]) < np.inf):
-            return False
+            return 0.0
+        if (work[best, k] < 0.0) != (best != k):
+            sign = -sign
         if best != k:
             for j in range(n):
                 work[k, j], work[best, j] = work[best, j], work[k, j]
@@ -76,7 +78,7 @@ def invert(a, out, work, size_n):
                 for j in range(n):
                     work[i, j] -= factor * work[k, j]
                     out[i, j] -= factor * out[k, j]
-    return True
+    return sign
 
 
 @borrower(fastmath={"contract"})

@@ -10,7 +10,7 @@ import numpy as np
 from masonry_cd.friction.coulomb_law import tangent_length
 from masonry_cd.friction.operators import add_generalised_impulse, relative_velocity
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.small_blocks import copy_flat, invert
+from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.triangular import solve_ldu
 
 STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
@@ -129,39 +129,50 @@ def central_start(p, u, mu, d, shift, w, inner, m):
 
 
 @borrower()
-def linearise_contact(w, p, gamma, mu, soft, inverse, gain, work, size_m, size_k):
-    """Fill inverse (k, k) and gain (k, m) of one contact, see :class:`Linearisation`; work (3, k, k). False if they do not exist."""
-    m, k = len(size_m), len(size_k)
-    change, by_w = work[0], work[1]
-    change[:], by_w[:] = 0.0, 0.0
-    change[0, 0], by_w[0, 0] = w[0], p[0]
-    change[1, 0], change[1, m] = gamma * mu, mu * p[0]
+def linearise_contact(w, p, gamma, mu, soft, inverse, gain, size_m, size_k):
+    """Fill inverse (k, k) and gain (k, m) of one contact, see :class:`Linearisation`; False if they do not exist.
+
+    The products change with x = (dp, dgamma), dw = soft dp, by rows that are an arrow,
+
+        a x_0,     b x_0 + sum e_i x_i + f x_m,     g_i x_0 + d_i x_i + h_i x_m,     i = 1 .. m - 1,
+
+    where a and d_i are positive inside the cones: x_0 comes from the first row, x_i from its own, and x_m from the one that is left.
+    """
+    m, k, a, f = len(size_m), len(size_k), w[0] + p[0] * soft[0], mu * p[0]
+    first, slope, left = 1.0 / a, gamma * mu, f
     for i in range(1, m):
-        change[1, i], by_w[1, i] = w[i], p[i]
-        change[1 + i, i], change[1 + i, m], change[1 + i, 0], by_w[1 + i, i] = gamma, p[i], mu * w[i], mu * p[0]
+        own, share = 1.0 / (gamma + f * soft[i]), w[i] + p[i] * soft[i]
+        inverse[i, 1 + i], inverse[m, 1 + i] = own, share * own
+        slope -= share * own * mu * w[i]
+        left -= share * own * p[i]
+    last = 1.0 / left
+    for j in range(1, k):
+        inverse[0, j] = 0.0
+    inverse[0, 0], inverse[m, 0], inverse[m, 1] = first, -slope * first * last, last
+    for i in range(1, m):
+        inverse[m, 1 + i] *= -last
+    for i in range(1, m):
+        own = inverse[i, 1 + i]
+        inverse[i, 0] = -own * (mu * w[i] * first + p[i] * inverse[m, 0])
+        inverse[i, 1] = -own * p[i] * last
+        for j in range(1, m):
+            inverse[i, 1 + j] = (own if i == j else 0.0) - own * p[i] * inverse[m, 1 + j]
     for i in range(k):
-        for j in range(m):
-            change[i, j] += by_w[i, j] * soft[j]
-    regular = invert(change, inverse, work[2], size_k)
-    for i in range(k):
-        for j in range(m):
-            total = 0.0
-            for q in range(k):
-                total += inverse[i, q] * by_w[q, j]
-            gain[i, j] = total
-    return regular
+        gain[i, 0] = inverse[i, 0] * p[0]
+        for j in range(1, m):
+            gain[i, j] = inverse[i, 1] * p[j] + inverse[i, 1 + j] * f
+    return 0.0 < a < np.inf and 0.0 < abs(left) < np.inf
 
 
 @kernel()
 def linearise_products(cones, here, linear):
     """Fill the products of all contacts and their linearisation. False if one cannot be solved for its impulse."""
-    k, regular = len(cones.k), True
-    work = np.empty((3, k, k))
+    regular = True
     for c in range(len(cones.mu)):
         w, p, gamma, mu = here.w[c], here.p[c], here.gamma[c], cones.mu[c]
         complementarity(w, p, gamma, mu, len(cones.m), linear.product[c])
         inverse, gain = linear.inverse[c], linear.gain[c]
-        regular = linearise_contact(w, p, gamma, mu, linear.soft[c], inverse, gain, work, cones.m, cones.k) and regular
+        regular = linearise_contact(w, p, gamma, mu, linear.soft[c], inverse, gain, cones.m, cones.k) and regular
     return regular
 
 

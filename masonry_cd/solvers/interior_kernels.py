@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.inertia import determinant_sign
 from masonry_cd.solvers.central_path import (
     STIFFEST,
     advance,
@@ -109,9 +108,12 @@ def interior_point(kind, system, answer, settings):
         kind.interior_residuals(system, here, linear)
         soften(problem, stiffness, linear)
         regular = linearise_products(cones, here, linear)
-        if not (regular and mean_product(linear) > 0.0 and kind.factorise(system, linear.gain)):
+        if not (regular and mean_product(linear) > 0.0):
             break
-        if determinant_sign(system.factor) < 0.0 and stiffness > 1.0:
+        sign = kind.factorise(system, linear.gain)
+        if sign == 0.0:
+            break
+        if sign < 0.0 and stiffness > 1.0:
             stiffness = max(0.1 * stiffness, 1.0)  # beyond a turning point of the path
             continue
         step = min(1.0, 0.99 * predict_and_correct(kind, system, cones, here, linear, step, way))

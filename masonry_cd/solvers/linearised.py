@@ -58,7 +58,7 @@ class Kind(NamedTuple):
 
     map_norm: Kernel  # (system, p, v): norm of the natural map of impulses p (C, m); v <- their velocities
     contact_velocity: Kernel  # (problem, v, u): u (C, m) <- velocities of the contacts
-    factorise: Kernel  # (system, blocks): the matrix of the problem with laws dp = -B du, B the first rows of blocks; False if that fails
+    factorise: Kernel  # (system, blocks): the matrix with laws dp = -B du, B the first rows of blocks; the sign of its determinant or 0
     # interior point
     interior_residuals: Kernel  # (system, here, linear): what w and v miss
     interior_direction: Kernel  # (system, linear, way): changes the products as wanted and takes these residuals away

@@ -77,7 +77,7 @@ def map_norm(system, p, v):
 
 @kernel()
 def factorise(system, blocks):
-    """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m). False if that fails."""
+    """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
     augment_blocks(system.problem, blocks, system.matrix)
     return factorise_ldu(system.matrix, system.factor)
 
@@ -95,7 +95,7 @@ def in_series(block, compliance, share, softer, work, size_m):
     for i in range(m):
         for j in range(m):
             softer[i, j] = block[i, j] * compliance[j] + (1.0 if i == j else 0.0)
-    regular = invert(softer, share, work, size_m)
+    regular = invert(softer, share, work, size_m) != 0.0
     multiply(share, block, False, softer, size_m)
     return regular
 
@@ -129,7 +129,7 @@ def take_newton_step(system, stiffness, p, v):
     problem, law, room, m, n = system.problem, system.law, system.room, len(system.problem.m), len(system.problem.n)
     law_velocity(problem, v, p, system.w)
     linearise_contacts(problem, p, system.w, stiffness, law)
-    if not factorise(system, law.block):
+    if factorise(system, law.block) == 0.0:
         return np.inf
     missing_momentum(problem, v, room)
     add_generalised_impulse(problem, law.target, room)

@@ -77,7 +77,7 @@ def contact_velocity(problem, v, u):
 
 @kernel()
 def factorise(system, blocks):
-    """Factorise I + S W, S the first rows of ``blocks`` (C, m or more, m). False if that fails."""
+    """Factorise I + S W, S the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
     problem, matrix = system.problem, system.matrix
     place_blocks(problem, blocks, system.factor.symbolic, UNSYMMETRIC, matrix)
     for i in range(len(problem.place)):
@@ -118,7 +118,7 @@ def scale_rows(system, stiffness, p, u):
         multiply(law.block[0], system.own[c], False, work, size)
         for i in range(m):
             work[i, i] += 1.0
-        regular = regular and invert(work, inverse, room, size)
+        regular = regular and invert(work, inverse, room, size) != 0.0
         multiply(inverse, law.block[0], False, system.scale[c], size)
         for i in range(m):
             total = 0.0
@@ -139,7 +139,7 @@ def take_newton_step(system, stiffness, p, u):
         for r in range(m):
             for s in range(m):
                 matrix.diagonal[i, r, s] += unit[i, r, s]
-    if not (regular and factorise_ldu(matrix, system.factor)):
+    if not regular or factorise_ldu(matrix, system.factor) == 0.0:
         return np.inf
     solve_ldu(system.factor, system.room)
     for c in range(len(p)):

@@ -8,7 +8,6 @@ import numpy as np
 
 from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, map_norm, missing_momentum, relative_velocity
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.inertia import determinant_sign
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.solvers.central_path import (
@@ -177,10 +176,11 @@ def path_bodies(problem, matrix, factor, answer, settings):
         missing_velocity(problem, here, tau, linear)
         regular = linearise_products(cones, here, linear)
         augment_blocks(problem, linear.gain, matrix)
-        if not regular or not factorise_ldu(matrix, factor):
+        sign = factorise_ldu(matrix, factor)
+        if not regular or sign == 0.0:
             break
         path_directions(problem, factor, cones, here, linear, level, tau, ways, room)
-        change = choose_step(here, ways, cones, level, tau, -determinant_sign(factor), settings.wide)
+        change = choose_step(here, ways, cones, level, tau, -sign, settings.wide)
         advance(here, 1.0, ways.ahead)
         tau *= 1.0 + change
         take_impulse(here.p, problem.mu, impulse)

@@ -181,7 +181,7 @@ def settle_springs(kind, system, springs, stiffness, goal, most, search):
     while norm > goal and spent < most and turned < FOLDS:
         spring_blocks(system.problem, springs, stiffness)
         spent += 1
-        if not kind.factorise(system, springs.block):
+        if kind.factorise(system, springs.block) == 0.0:
             break
         kind.spring_direction(system, springs, search)
         copy_flat(springs.status, springs.held)

@@ -110,7 +110,10 @@ def test_a_factorised_matrix_solves_as_a_dense_one_does(
         assert factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size)
         solve_cholesky(symbolic, factor.squares, factor.panels, x, size)
     else:
-        assert factorise_ldu(BlockMatrix(diagonal, lower, upper), factor)
+        assert factorise_ldu(BlockMatrix(diagonal, lower, upper), factor) == np.linalg.slogdet(matrix).sign
+        diagonal[0, 0] *= -1.0
+        dense[np.arange(nodes), :, np.arange(nodes), :] = diagonal
+        assert factorise_ldu(BlockMatrix(diagonal, lower, upper), factor) == np.linalg.slogdet(matrix).sign
         solve_ldu(factor, x)
     np.testing.assert_allclose(x.ravel(), np.linalg.solve(matrix, right.ravel()), rtol=0.0, atol=1e-12 * np.abs(x).max())
 
@@ -122,5 +125,5 @@ def test_a_singular_block_is_reported(graph: tuple[int, np.ndarray, np.ndarray])
     diagonal, lower = np.tile(np.eye(2), (nodes, 1, 1)), np.zeros((len(symbolic.row), 2, 2))
     diagonal[4] = 0.0
     factor = allocate_factors(symbolic, size)
-    assert not factorise_ldu(BlockMatrix(diagonal, lower, lower), factor)
+    assert factorise_ldu(BlockMatrix(diagonal, lower, lower), factor) == 0.0
     assert not factorise_cholesky(symbolic, diagonal, lower, factor.squares, factor.panels, size)

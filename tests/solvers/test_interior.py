@@ -17,6 +17,7 @@ from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.friction.coulomb_law import SLIP, STICK
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.solvers.central_path import linearise_contact
 from masonry_cd.solvers.interior import TURN
 from masonry_cd.solvers.proximal_kernels import first_change
 
@@ -26,6 +27,29 @@ solve = SOLVERS["interior"]
 def seldom(*values: int) -> list:
     """Values of a parameter that only the long tests take."""
     return [pytest.param(value, marks=pytest.mark.validation) for value in values]
+
+
+@pytest.mark.parametrize("m", [2, 3])
+def test_the_products_of_a_contact_are_linearised(m: int) -> None:
+    """A change of impulse and sliding speed by the inverse, and of w by the springs and by du, changes the products as wanted."""
+    random, k = np.random.default_rng(5), m + 1
+    for _ in range(200):
+        mu, gamma = random.uniform(0.05, 2.0), 10.0 ** random.uniform(-8, 2)
+        p, w = (
+            np.r_[10.0 ** random.uniform(-8, 2), random.normal(size=m - 1)],
+            np.r_[10.0 ** random.uniform(-8, 2), random.normal(size=m - 1)],
+        )
+        p[1:] *= random.uniform() * mu * p[0] / np.linalg.norm(p[1:])  # inside the cones
+        w[1:] *= random.uniform() * gamma / np.linalg.norm(w[1:])
+        soft, du, wanted = 10.0 ** random.uniform(-12, 0, m), 1e-3 * gamma * random.normal(size=m), random.normal(size=k)
+        inverse, gain = np.empty((k, k)), np.empty((k, m))
+        assert linearise_contact.py_func(w, p, gamma, mu, soft, inverse, gain, (0,) * m, (0,) * k)
+        *dp, dgamma = inverse @ wanted - gain @ du
+        dw = du + soft * dp
+        terms = [np.r_[w[0] * dp[0], p[0] * dw[0]], np.r_[gamma * mu * dp[0], mu * p[0] * dgamma, w[1:] * dp[1:], p[1:] * dw[1:]]]
+        terms += [np.r_[gamma * dp[i], p[i] * dgamma, mu * p[0] * dw[i], mu * dp[0] * w[i]] for i in range(1, m)]
+        for found, asked in zip(terms, wanted, strict=True):
+            assert found.sum() == pytest.approx(asked, abs=1e-12 * max(np.abs(found).sum(), 1.0))
 
 
 @pytest.mark.parametrize("courses", [5, 20, 80])
