@@ -97,7 +97,7 @@ def stiffness_after(step, stiffness):
 @kernel()
 def interior_point(kind, system, answer, settings):
     """Interior point method with the operators of a :class:`Kind`, from near ``answer``, which gets better; returns the iterations."""
-    problem, impulse, v = system.problem, answer.impulse.copy(), answer.velocity.copy()
+    problem, factor, impulse, v = system.problem, system.factor, answer.impulse.copy(), answer.velocity.copy()
     cones = cones_of(problem.mu, problem.m, settings.k)
     here, way = allocate_iterate(impulse.shape, v.shape), allocate_iterate(impulse.shape, v.shape)
     linear = allocate_linearisation(len(impulse), cones)
@@ -111,7 +111,7 @@ def interior_point(kind, system, answer, settings):
         regular = linearise_products(cones, here, linear)
         if not (regular and mean_product(linear) > 0.0 and kind.factorise(system, linear.gain)):
             break
-        if determinant_sign(system.factor) < 0.0 and stiffness > 1.0:
+        if determinant_sign(factor) < 0.0 and stiffness > 1.0:
             stiffness = max(0.1 * stiffness, 1.0)  # beyond a turning point of the path
             continue
         step = min(1.0, 0.99 * predict_and_correct(kind, system, cones, here, linear, step, way))

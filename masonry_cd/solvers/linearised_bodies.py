@@ -39,33 +39,15 @@ PATIENCE = Patience(iterations=25, failures=8)
 
 
 class BodySystem(NamedTuple):
-    """A problem, and room for what is factorised."""
+    """A problem, and room for what the methods calculate."""
 
     problem: OrderedProblem
+    moved: OrderedProblem  # of proximal points: the problem in the change of the velocities from the centre, which spares rounding
     matrix: BlockMatrix  # M + H^T B H
     factor: Factor
     room: np.ndarray  # (B + 1, n)
-
-
-class LawSystem(NamedTuple):
-    """The same for Newton: with the linearised law."""
-
-    problem: OrderedProblem
-    matrix: BlockMatrix
-    factor: Factor
-    room: np.ndarray  # (B + 1, n)
-    law: LinearisedLaw
-    w: np.ndarray  # (C, m) H v + b + C p
-
-
-class SpringSystem(NamedTuple):
-    """The same for proximal points: velocities are counted from those of the centre, which spares rounding."""
-
-    problem: OrderedProblem
-    matrix: BlockMatrix
-    factor: Factor
-    room: np.ndarray  # (B + 1, n)
-    moved: OrderedProblem  # the problem in the change of the velocities
+    law: LinearisedLaw  # of Newton
+    w: np.ndarray  # (C, m) H v + b + C p, of Newton
 
 
 @borrower()
@@ -166,17 +148,6 @@ def direction(system, linear, way):
 # --- proximal points ----------------------------------------------------------------------------------------------------------------
 
 
-@kernel()
-def spring_system(system):
-    """Room for a :class:`SpringSystem`."""
-    problem, matrix, factor, room = system
-    moved = OrderedProblem(
-        problem.inverse, problem.mass, np.empty(problem.free.shape), problem.places, problem.block, problem.jacobian,
-        np.empty(problem.offset.shape), problem.mu, problem.compliance, problem.d, problem.m, problem.n,
-    )  # fmt: skip
-    return SpringSystem(problem, matrix, factor, room, moved)
-
-
 @borrower()
 def begin_at(system, centre, v):
     """Count velocities from ``centre`` (B + 1, n), and begin there: at v = 0."""
@@ -248,12 +219,16 @@ BODIES = Kind(
 
 
 @kernel()
-def body_system(problem, elimination):
-    """Room for a :class:`BodySystem` of ProblemArrays."""
-    symbolic, n = elimination.symbolic, problem.n
-    ordered = in_order(problem, elimination.order, elimination.places, elimination.block)
-    room = np.empty((len(elimination.order) + 1, len(n)))
-    return BodySystem(ordered, allocate_matrix(symbolic, n), allocate_factors(symbolic, n), room)
+def body_system(given, elimination):
+    """The :class:`BodySystem` of ProblemArrays."""
+    symbolic, m, n, shape = elimination.symbolic, given.m, given.n, given.offset.shape
+    problem = in_order(given, elimination.order, elimination.places, elimination.block)
+    moved = OrderedProblem(
+        problem.inverse, problem.mass, np.empty(problem.free.shape), problem.places, problem.block, problem.jacobian, np.empty(shape),
+        problem.mu, problem.compliance, problem.d, m, n,
+    )  # fmt: skip
+    room, law = np.empty((len(problem.free) + 1, len(n))), LinearisedLaw(np.empty(shape), np.empty((shape[0], len(m), len(m))), m)
+    return BodySystem(problem, moved, allocate_matrix(symbolic, n), allocate_factors(symbolic, n), room, law, np.empty(shape))
 
 
 @kernel()
@@ -279,14 +254,12 @@ def linearised_bodies(
     system = body_system(problem, elimination)
     answer, begin, stiffness = answer_of(system, impulse), np.nan, settings.stiffness
     if method == NEWTON:
-        law = LinearisedLaw(np.empty(impulse.shape), np.empty((*impulse.shape, len(problem.m))), problem.m)
-        with_law = LawSystem(system.problem, system.matrix, system.factor, system.room, law, np.empty(impulse.shape))
-        iterations, begin, stiffness = newton(take_newton_step, with_law, answer, settings)
+        iterations, begin, stiffness = newton(take_newton_step, system, answer, settings)
     elif method == INTERIOR:
         iterations = interior_point(BODIES, system, answer, settings)
     elif method == PATH:
-        iterations = path_bodies(system.problem, system.matrix, system.factor, answer, settings)
+        iterations = path_bodies(BODIES, system, answer, settings)
     else:
-        iterations = proximal_points(BODIES, spring_system(system), PATIENCE, answer, settings)
+        iterations = proximal_points(BODIES, system, PATIENCE, answer, settings)
     put_back(answer.velocity, elimination.order, velocity)
     return iterations, answer.error[0], begin, stiffness

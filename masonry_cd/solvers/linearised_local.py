@@ -87,7 +87,7 @@ def factorise(system, blocks):
 
 
 @kernel()
-def solve(system, x):
+def divide(system, x):
     """x <- (I + S W)^-1 x (C, m), by contact; ``room`` has x in the order of elimination."""
     m, place, right = len(system.problem.m), system.problem.place, system.room
     for c in range(len(place)):
@@ -181,7 +181,7 @@ def direction(system, linear, way):
     """The direction that changes the products as wanted and takes this residual away: (I + G W) dp = r, G the first rows of the gains."""
     m, k = len(system.problem.m), linear.product.shape[1]
     start_direction(linear, way, m, k)
-    solve(system, way.p)
+    divide(system, way.p)
     delassus_product(system.problem, way.p, way.w)
     for c in range(len(way.p)):
         for j in range(m):
@@ -237,7 +237,7 @@ def spring_direction(system, springs, search):
             change[c, i] = 0.0
             for j in range(m):
                 change[c, i] -= springs.block[c, i, j] * residual[c, j]
-    solve(system, change)  # that of p
+    divide(system, change)  # that of p
     delassus_product(system.problem, change, room)
     for c in range(len(residual)):
         for i in range(m):

@@ -6,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, map_norm, missing_momentum, relative_velocity
+from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, missing_momentum, relative_velocity
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.inertia import determinant_sign
-from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.solvers.central_path import (
     Iterate,
@@ -26,7 +25,7 @@ from masonry_cd.solvers.central_path import (
     soften,
     take_impulse,
 )
-from masonry_cd.solvers.linearised import augment_blocks, keep_better
+from masonry_cd.solvers.linearised import keep_better
 
 
 class PathWays(NamedTuple):
@@ -153,12 +152,13 @@ def choose_step(here, ways, cones, level, tau, sign, wide):
 
 
 @kernel()
-def path_bodies(problem, matrix, factor, answer, settings):
-    """The central path followed by its length over an OrderedProblem, see interior.py, from near ``answer``, which gets better.
+def path_bodies(kind, system, answer, settings):
+    """The central path followed by its length over bodies, see interior.py, from near ``answer``, which gets better.
 
     Returns the iterations.
     """
-    impulse, v, room = answer.impulse.copy(), np.zeros(answer.velocity.shape), np.empty(answer.velocity.shape)
+    problem, factor, room = system.problem, system.factor, system.room
+    impulse, v = answer.impulse.copy(), answer.velocity.copy()
     cones, rows, shape = cones_of(problem.mu, problem.m, settings.k), v.shape, impulse.shape
     here, linear = allocate_iterate(shape, rows), allocate_linearisation(len(impulse), cones)
     back, tangent = allocate_iterate(shape, rows), allocate_iterate(shape, rows)
@@ -176,16 +176,14 @@ def path_bodies(problem, matrix, factor, answer, settings):
         iterations += 1
         missing_velocity(problem, here, tau, linear)
         regular = linearise_products(cones, here, linear)
-        augment_blocks(problem, linear.gain, matrix)
-        if not regular or not factorise_ldu(matrix, factor):
+        if not (regular and kind.factorise(system, linear.gain)):
             break
         path_directions(problem, factor, cones, here, linear, level, tau, ways, room)
         change = choose_step(here, ways, cones, level, tau, -determinant_sign(factor), settings.wide)
         advance(here, 1.0, ways.ahead)
         tau *= 1.0 + change
         take_impulse(here.p, problem.mu, impulse)
-        body_velocity(problem, impulse, room, v)
-        error = map_norm(problem, impulse, v) / answer.size
+        error = kind.map_norm(system, impulse, v) / answer.size
         keep_better(answer, impulse, v, error)
         if not error < np.inf:
             break

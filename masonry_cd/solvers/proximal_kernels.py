@@ -176,10 +176,10 @@ def settle_springs(kind, system, springs, stiffness, goal, most, search):
 
     Ends at a norm of ``goal`` or after ``most`` factorisations; returns whether it is solved and the number of these.
     """
-    norm = kind.spring_residual(system, springs, stiffness, search.v, FREE, search.residual)
+    problem, norm = system.problem, kind.spring_residual(system, springs, stiffness, search.v, FREE, search.residual)
     spent, turned, last = 0, 0, -1
     while norm > goal and spent < most and turned < FOLDS:
-        spring_blocks(system.problem, springs, stiffness)
+        spring_blocks(problem, springs, stiffness)
         spent += 1
         if not kind.factorise(system, springs.block):
             break
