@@ -152,12 +152,12 @@ def choose_step(here, ways, cones, level, tau, sign, wide):
 
 
 @kernel()
-def path_bodies(kind, system, answer, settings):
+def path_bodies(kind, problem, work, answer, settings):
     """The central path followed by its length over bodies, see interior.py, from near ``answer``, which gets better.
 
     Returns the iterations.
     """
-    problem, factor, room = system.problem, system.factor, system.room
+    _, factor, room = work
     impulse, v = answer.impulse.copy(), answer.velocity.copy()
     cones, rows, shape = cones_of(problem.mu, problem.m, settings.k), v.shape, impulse.shape
     here, linear = allocate_iterate(shape, rows), allocate_linearisation(len(impulse), cones)
@@ -176,14 +176,14 @@ def path_bodies(kind, system, answer, settings):
         iterations += 1
         missing_velocity(problem, here, tau, linear)
         regular = linearise_products(cones, here, linear)
-        if not (regular and kind.factorise(system, linear.gain)):
+        if not (regular and kind.factorise(problem, work, linear.gain)):
             break
         path_directions(problem, factor, cones, here, linear, level, tau, ways, room)
         change = choose_step(here, ways, cones, level, tau, -determinant_sign(factor), settings.wide)
         advance(here, 1.0, ways.ahead)
         tau *= 1.0 + change
         take_impulse(here.p, problem.mu, impulse)
-        error = kind.map_norm(system, impulse, v) / answer.size
+        error = kind.map_norm(problem, impulse, room, v) / answer.size
         keep_better(answer, impulse, v, error)
         if not error < np.inf:
             break
