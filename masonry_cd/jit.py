@@ -10,7 +10,8 @@ intermediate code here, which is optimised and translated once, in each kernel t
 Further, a number written in a call is a type of its own for numba, and the function called is compiled again for it; here it is one of its
 kind. Together they save half of the time of a first run.
 
-**Calls.** NamedTuples among the arguments of a kernel that Python calls are passed field by field, see ``flat_calls.py``.
+**Calls.** NamedTuples among the arguments of a kernel that Python calls are passed field by field, see ``flat_calls.py``. A kernel may be
+given to another one as an argument, or a NamedTuple of kernels that is a constant of a module: it is compiled once for each that it is given.
 
 What a kernel is compiled to must not depend on which kernel called it first, or else neither would its results. So it has its own
 ``fastmath``, which numba would have it inherit from that caller.

@@ -70,7 +70,8 @@ class Kind(NamedTuple):
     # interior point
     interior_residuals: Kernel  # (problem, here, linear, room): what w and v miss
     interior_direction: Kernel  # (problem, work, linear, way): changes the products as wanted and takes these residuals away
-    # proximal points, ``moved`` the problem as its velocities are counted
+    # proximal points
+    movable: Kernel  # (problem): ``moved``, the problem with velocities as they are counted while springs settle
     begin_at: Kernel  # (problem, moved, centre, v): v <- the velocities of the centre
     spring_residual: Kernel  # (moved, springs, stiffness, v, held, out): x and p of the springs, what v misses, and the norm of that
     spring_direction: Kernel  # (moved, work, springs, search): the Newton step
@@ -79,13 +80,13 @@ class Kind(NamedTuple):
     move_centre: Kernel  # (centre, v): centre <- the velocities v
 
 
-@kernel()
+@kernel(inline="always")
 def allocate_work(symbolic, size, velocity):
     """:class:`Work` for blocks of a size, see small_blocks.py, and velocities like those given."""
     return Work(allocate_matrix(symbolic, size), allocate_factors(symbolic, size), np.empty(velocity.shape))
 
 
-@kernel()
+@kernel(inline="always")
 def first_answer(impulse, v, norm, q, d):
     """The :class:`Answer` with which a method begins: impulses (C, m), their velocities, and the norm of their natural map."""
     size, error = size_of(q, d), np.empty(1)

@@ -134,12 +134,6 @@ def interior_residuals(problem, here, linear, room):
     add_generalised_impulse(problem, here.p, room)
 
 
-@kernel()
-def direction(problem, work, linear, way):
-    """The direction that changes the products as wanted and takes these residuals away."""
-    interior_direction(problem, work.factor, work.room, linear, way)
-
-
 # --- proximal points ----------------------------------------------------------------------------------------------------------------
 
 
@@ -215,8 +209,8 @@ def spring_changes(problem, springs, stiffness, change):
 
 
 BODIES = Kind(
-    map_norm, relative_velocity, factorise, interior_residuals, direction, begin_at, spring_residual, spring_direction, spring_changes,
-    stiffest, move_centre,
+    map_norm, relative_velocity, factorise, interior_residuals, interior_direction, movable, begin_at, spring_residual,
+    spring_direction, spring_changes, stiffest, move_centre,
 )  # fmt: skip
 
 
@@ -251,6 +245,6 @@ def linearised_bodies(
     elif method == PATH:
         iterations = path_bodies(BODIES, ordered, work, answer, settings)
     else:
-        iterations = proximal_points(BODIES, ordered, movable(ordered), work, PATIENCE, answer, settings)
+        iterations = proximal_points(BODIES, ordered, work, PATIENCE, answer, settings)
     put_back(answer.velocity, elimination.order, velocity)
     return iterations, answer.error[0], begin, stiffness

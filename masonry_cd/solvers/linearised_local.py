@@ -170,6 +170,12 @@ def direction(problem, work, linear, way):
 # --- proximal points ----------------------------------------------------------------------------------------------------------------
 
 
+@kernel()
+def as_it_is(problem):
+    """The problem: velocities are counted from zero."""
+    return problem
+
+
 @borrower()
 def begin_at(problem, moved, centre, u):
     """u = centre (C, m)."""
@@ -229,8 +235,8 @@ def spring_changes(problem, springs, stiffness, change):
 
 
 LOCAL = Kind(
-    map_norm, contact_velocity, factorise, interior_residuals, direction, begin_at, spring_residual, spring_direction, spring_changes,
-    stiffest, move_centre,
+    map_norm, contact_velocity, factorise, interior_residuals, direction, as_it_is, begin_at, spring_residual, spring_direction,
+    spring_changes, stiffest, move_centre,
 )  # fmt: skip
 
 
@@ -253,4 +259,4 @@ def proximal_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Set
     """
     answer = answer_of(problem, impulse)
     work = allocate_work(symbolic, problem.m, answer.velocity)
-    return proximal_points(LOCAL, problem, problem, work, PATIENCE, answer, settings), answer.error[0]
+    return proximal_points(LOCAL, problem, work, PATIENCE, answer, settings), answer.error[0]

@@ -78,22 +78,22 @@ def off_path(product, goal):
 
 
 @kernel()
-def path_directions(problem, factor, cones, here, linear, level, tau, ways, momentum):
-    """Fill ``back``, ``tangent`` and ``bend``; the products on the path are tau times ``level`` (C,). ``momentum`` (B + 1, n) is room."""
-    m, wanted = len(cones.m), linear.wanted
+def path_directions(problem, work, cones, here, linear, level, tau, ways):
+    """Fill ``back``, ``tangent`` and ``bend``; the products on the path are tau times ``level`` (C,)."""
+    m, wanted, momentum = len(cones.m), linear.wanted, work.room
     missing_momentum(problem, here.v, momentum)
     add_generalised_impulse(problem, here.p, momentum)
     for c in range(len(level)):
         for i in range(m + 1):
             wanted[c, i] = (tau * level[c] if i < 2 else 0.0) - linear.product[c, i]
-    interior_direction(problem, factor, momentum, linear, ways.back)
+    interior_direction(problem, work, linear, ways.back)
     momentum[:] = 0.0
     for c in range(len(level)):
         for i in range(m + 1):
             wanted[c, i] = tau * level[c] if i < 2 else 0.0
         for i in range(m):
             linear.miss[c, i] = -tau * linear.far[c, i]
-    interior_direction(problem, factor, momentum, linear, ways.tangent)
+    interior_direction(problem, work, linear, ways.tangent)
     dw, dp, dgamma, _ = ways.tangent
     for c in range(len(level)):
         complementarity(dw[c], dp[c], dgamma[c], cones.mu[c], m, wanted[c])
@@ -101,7 +101,7 @@ def path_directions(problem, factor, cones, here, linear, level, tau, ways, mome
             wanted[c, i] = -wanted[c, i]
         for i in range(m):
             linear.miss[c, i] = 0.0
-    interior_direction(problem, factor, momentum, linear, ways.bend)
+    interior_direction(problem, work, linear, ways.bend)
 
 
 @borrower()
@@ -178,7 +178,7 @@ def path_bodies(kind, problem, work, answer, settings):
         regular = linearise_products(cones, here, linear)
         if not (regular and kind.factorise(problem, work, linear.gain)):
             break
-        path_directions(problem, factor, cones, here, linear, level, tau, ways, room)
+        path_directions(problem, work, cones, here, linear, level, tau, ways)
         change = choose_step(here, ways, cones, level, tau, -determinant_sign(factor), settings.wide)
         advance(here, 1.0, ways.ahead)
         tau *= 1.0 + change

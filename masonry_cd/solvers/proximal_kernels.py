@@ -207,14 +207,11 @@ def stiffness_after_springs(stiffness, solved, spent, slow):
 
 
 @kernel()
-def proximal_points(kind, problem, moved, work, patience, answer, settings):
-    """Proximal points with the operators of a :class:`Kind`, from ``answer`` on, which gets better; returns the iterations.
-
-    ``moved`` is the problem as its velocities are counted while its springs settle.
-    """
+def proximal_points(kind, problem, work, patience, answer, settings):
+    """Proximal points with the operators of a :class:`Kind`, from ``answer`` on, which gets better; returns the iterations."""
     springs, centre, own = allocate_springs(answer.impulse), answer.velocity.copy(), answer.velocity.copy()
     search = Search(np.zeros(own.shape), np.zeros(own.shape), np.zeros(own.shape), np.empty(own.shape))
-    error = answer.error[0]
+    moved, error = kind.movable(problem), answer.error[0]
     stiffness = min(max(1.0 / max(error, 1e-300), 1e2), 1e6)
     iterations, failed = 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and failed < patience.failures:
