@@ -12,7 +12,8 @@ kind. Together they save half of the time of a first run.
 
 **Processor.** Kernels are compiled for any x86-64 with AVX2 and FMA, see ``processor.py``.
 
-**Calls.** NamedTuples among the arguments of a kernel that Python calls are passed field by field, see ``flat_calls.py``.
+**Calls.** NamedTuples among the arguments of a kernel that Python calls are passed field by field, see ``flat_calls.py``. A kernel may be
+given to another one as an argument, or in a NamedTuple of kernels that is a constant of a module: the other one is compiled once for each.
 
 What a kernel is compiled to must not depend on which kernel called it first, or else neither would its results. So it has its own
 ``fastmath``, which numba would have it inherit from that caller.

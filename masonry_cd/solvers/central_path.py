@@ -197,17 +197,17 @@ def missing_velocity(problem, here, tau, linear):
 
 
 @kernel()
-def interior_direction(problem, factor, momentum, linear, way):
+def interior_direction(problem, work, linear, way):
     """The direction that changes the products as wanted and takes all other residuals away.
 
-    momentum (B + 1, n) is H^T p - M (v - v_free); the factors are those of M + H^T B H with B the first rows of the gains.
+    The factors are those of M + H^T B H with B the first rows of the gains; ``room`` has H^T p - M (v - v_free).
     """
     m, n, k = len(problem.m), len(problem.n), linear.product.shape[1]
     start_direction(linear, way, m, k)
     dw, dp, dgamma, out = way.w, way.p, way.gamma, way.v
-    copy_flat(momentum, out)
+    copy_flat(work.room, out)
     add_generalised_impulse(problem, dp, out)
-    solve_ldu(factor, out)
+    solve_ldu(work.factor, out)
     out[-1] = 0.0
     jacobian, index, gain, miss, soft = problem.jacobian, problem.places, linear.gain, linear.miss, linear.soft
     for c in range(len(index)):

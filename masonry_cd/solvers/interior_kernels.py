@@ -67,7 +67,7 @@ def centring_share(cones, way, linear, gap, undone, longest, step):
 
 
 @kernel()
-def predict_and_correct(kind, system, cones, here, linear, step, way):
+def predict_and_correct(kind, problem, work, cones, here, linear, step, way):
     """Predictor, then corrector with the centring that the predictor asks for; a corrector that leads nowhere is left out.
 
     ``step`` is the last one. Returns the longest step along the direction that stays inside the cones.
@@ -78,7 +78,7 @@ def predict_and_correct(kind, system, cones, here, linear, step, way):
         if turn == 2 and longest >= 0.1:
             break
         corrector_rhs(cones, way, linear, centring * gap, turn == 1)
-        kind.interior_direction(system, linear, way)
+        kind.interior_direction(problem, work, linear, way)
         longest = longest_step(here, way, cones)
         if turn == 0:
             centring = centring_share(cones, way, linear, gap, undone, longest, step)
@@ -94,9 +94,9 @@ def stiffness_after(step, stiffness):
 
 
 @kernel()
-def interior_point(kind, system, answer, settings):
+def interior_point(kind, problem, work, answer, settings):
     """Interior point method with the operators of a :class:`Kind`, from near ``answer``, which gets better; returns the iterations."""
-    problem, impulse, v = system.problem, answer.impulse.copy(), answer.velocity.copy()
+    impulse, v, room = answer.impulse.copy(), answer.velocity.copy(), work.room
     cones = cones_of(problem.mu, problem.m, settings.k)
     here, way = allocate_iterate(impulse.shape, v.shape), allocate_iterate(impulse.shape, v.shape)
     linear = allocate_linearisation(len(impulse), cones)
@@ -105,23 +105,23 @@ def interior_point(kind, system, answer, settings):
     step, stiffness, iterations, short = 1.0, settings.stiffness, 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and short < 6:
         iterations += 1
-        kind.interior_residuals(system, here, linear)
+        kind.interior_residuals(problem, here, linear, room)
         soften(problem, stiffness, linear)
         regular = linearise_products(cones, here, linear)
         if not (regular and mean_product(linear) > 0.0):
             break
-        sign = kind.factorise(system, linear.gain)
+        sign = kind.factorise(problem, work, linear.gain)
         if sign == 0.0:
             break
         if sign < 0.0 and stiffness > 1.0:
             stiffness = max(0.1 * stiffness, 1.0)  # beyond a turning point of the path
             continue
-        step = min(1.0, 0.99 * predict_and_correct(kind, system, cones, here, linear, step, way))
+        step = min(1.0, 0.99 * predict_and_correct(kind, problem, work, cones, here, linear, step, way))
         advance(here, step, way)
         short = short + 1 if step < 0.02 else 0
         stiffness = stiffness_after(step, stiffness)
         take_impulse(here.p, problem.mu, impulse)
-        error = kind.map_norm(system, impulse, v) / answer.size
+        error = kind.map_norm(problem, impulse, room, v) / answer.size
         keep_better(answer, impulse, v, error)
         if not error < np.inf:
             break

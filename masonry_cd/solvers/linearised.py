@@ -14,6 +14,7 @@ import numpy as np
 from masonry_cd.friction.natural_map import size_of
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import copy_flat
+from masonry_cd.linalg.supernodes import BlockMatrix, Factor, allocate_factors, allocate_matrix
 from masonry_cd.linalg.symbolic import SymbolicFactor
 
 Kernel = Any  # a compiled function
@@ -49,29 +50,43 @@ class Answer(NamedTuple):
     speed: float  # largest component of q
 
 
+class Work(NamedTuple):
+    """Room for the matrix of a problem whose law is linearised, for its factors, and for one more array."""
+
+    matrix: BlockMatrix
+    factor: Factor
+    room: np.ndarray  # (B + 1, n) or (C, m), as velocities
+
+
 class Kind(NamedTuple):
     """What the methods ask of a kind of problem, over bodies or given by W alone: kernels that theirs are given.
 
-    A system is a problem with room for its matrix, for the factors, and for one more array like v. The velocities v are those of the bodies
-    (B + 1, n), or where W alone is given those of the contacts (C, m).
+    Velocities v are those of the bodies (B + 1, n), or where W alone is given those of the contacts (C, m).
     """
 
-    map_norm: Kernel  # (system, p, v): norm of the natural map of impulses p (C, m); v <- their velocities
+    map_norm: Kernel  # (problem, p, room, v): norm of the natural map of impulses p (C, m); v <- their velocities
     contact_velocity: Kernel  # (problem, v, u): u (C, m) <- velocities of the contacts
-    factorise: Kernel  # (system, blocks): the matrix with laws dp = -B du, B the first rows of blocks; the sign of its determinant or 0
+    factorise: Kernel  # (problem, work, blocks): for laws dp = -B du, B the first rows of blocks; the sign of the determinant or 0
     # interior point
-    interior_residuals: Kernel  # (system, here, linear): what w and v miss
-    interior_direction: Kernel  # (system, linear, way): changes the products as wanted and takes these residuals away
+    interior_residuals: Kernel  # (problem, here, linear, room): what w and v miss
+    interior_direction: Kernel  # (problem, work, linear, way): changes the products as wanted and takes these residuals away
     # proximal points
-    begin_at: Kernel  # (system, centre, v): v <- the velocities of the centre, as they are counted
-    spring_residual: Kernel  # (system, springs, stiffness, v, held, out): x and p of the springs, what v misses, and the norm of that
-    spring_direction: Kernel  # (system, springs, search): the Newton step
-    spring_changes: Kernel  # (system, springs, stiffness, change): change dx of the trial impulses with one of the velocities
+    movable: Kernel  # (problem): ``moved``, the problem with velocities as they are counted while springs settle
+    begin_at: Kernel  # (problem, moved, centre, v): v <- the velocities of the centre
+    spring_residual: Kernel  # (moved, springs, stiffness, v, held, out): x and p of the springs, what v misses, and the norm of that
+    spring_direction: Kernel  # (moved, work, springs, search): the Newton step
+    spring_changes: Kernel  # (moved, springs, stiffness, change): change dx of the trial impulses with one of the velocities
     stiffest: Kernel  # (error): the stiffest springs whose problem can be solved where rounding is felt
-    move_centre: Kernel  # (centre, v): centre <- the velocities v, as they are counted
+    move_centre: Kernel  # (centre, v): centre <- the velocities v
 
 
-@kernel()
+@kernel(inline="always")
+def allocate_work(symbolic, size, velocity):
+    """:class:`Work` for blocks of a size, see small_blocks.py, and velocities like those given."""
+    return Work(allocate_matrix(symbolic, size), allocate_factors(symbolic, size), np.empty(velocity.shape))
+
+
+@kernel(inline="always")
 def first_answer(impulse, v, norm, q, d):
     """The :class:`Answer` with which a method begins: impulses (C, m), their velocities, and the norm of their natural map."""
     size, error = size_of(q, d), np.empty(1)

@@ -25,11 +25,10 @@ from masonry_cd.friction.operators import (
 from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat, invert, multiply
-from masonry_cd.linalg.supernodes import BlockMatrix, Factor, allocate_factors, allocate_matrix
 from masonry_cd.linalg.triangular import solve_ldu
 from masonry_cd.solvers.central_path import STIFFEST, interior_direction, missing_velocity
 from masonry_cd.solvers.interior_kernels import interior_point
-from masonry_cd.solvers.linearised import Elimination, Kind, Settings, augment_blocks, first_answer
+from masonry_cd.solvers.linearised import Elimination, Kind, Settings, allocate_work, augment_blocks, first_answer
 from masonry_cd.solvers.newton_kernels import LinearisedLaw, linearise_law, newton
 from masonry_cd.solvers.path_kernels import path_bodies
 from masonry_cd.solvers.proximal_kernels import Patience, add_step, project_trial, proximal_points, softness
@@ -38,48 +37,25 @@ NEWTON, INTERIOR, PATH, PROXIMAL = 0, 1, 2, 3  # methods that linearise the law
 PATIENCE = Patience(iterations=25, failures=8)
 
 
-class BodySystem(NamedTuple):
-    """A problem, and room for what is factorised."""
+class LawWork(NamedTuple):
+    """Room for the linearised law, of Newton."""
 
-    problem: OrderedProblem
-    matrix: BlockMatrix  # M + H^T B H
-    factor: Factor
-    room: np.ndarray  # (B + 1, n)
-
-
-class LawSystem(NamedTuple):
-    """The same for Newton: with the linearised law."""
-
-    problem: OrderedProblem
-    matrix: BlockMatrix
-    factor: Factor
-    room: np.ndarray  # (B + 1, n)
     law: LinearisedLaw
     w: np.ndarray  # (C, m) H v + b + C p
 
 
-class SpringSystem(NamedTuple):
-    """The same for proximal points: velocities are counted from those of the centre, which spares rounding."""
-
-    problem: OrderedProblem
-    matrix: BlockMatrix
-    factor: Factor
-    room: np.ndarray  # (B + 1, n)
-    moved: OrderedProblem  # the problem in the change of the velocities
-
-
 @borrower()
-def map_norm(system, p, v):
+def map_norm(problem, p, room, v):
     """Norm of the natural map of impulses p (C, m); v (B + 1, n) <- their velocities."""
-    body_velocity(system.problem, p, system.room, v)
-    return operators.map_norm(system.problem, p, v)
+    body_velocity(problem, p, room, v)
+    return operators.map_norm(problem, p, v)
 
 
 @kernel()
-def factorise(system, blocks):
-    """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
-    augment_blocks(system.problem, blocks, system.matrix)
-    return factorise_ldu(system.matrix, system.factor)
+def factorise(problem, work, blocks):
+    """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m). the sign of its determinant, 0 if that fails."""
+    augment_blocks(problem, blocks, work.matrix)
+    return factorise_ldu(work.matrix, work.factor)
 
 
 # --- Newton -----------------------------------------------------------------------------------------------------------------------
@@ -124,16 +100,17 @@ def linearise_contacts(problem, p, w, stiffness, law):
 
 
 @kernel()
-def take_newton_step(system, stiffness, p, v):
+def take_newton_step(problem, work, law_work, stiffness, p, v):
     """Impulses p and velocities v <- those that solve the linearised problem, see newton.py; returns the norm of their natural map."""
-    problem, law, room, m, n = system.problem, system.law, system.room, len(system.problem.m), len(system.problem.n)
-    law_velocity(problem, v, p, system.w)
-    linearise_contacts(problem, p, system.w, stiffness, law)
-    if factorise(system, law.block) == 0.0:
+    law, w = law_work
+    room, m, n = work.room, len(problem.m), len(problem.n)
+    law_velocity(problem, v, p, w)
+    linearise_contacts(problem, p, w, stiffness, law)
+    if factorise(problem, work, law.block) == 0.0:
         return np.inf
     missing_momentum(problem, v, room)
     add_generalised_impulse(problem, law.target, room)
-    solve_ldu(system.factor, room)
+    solve_ldu(work.factor, room)
     room[-1] = 0.0
     jacobian, index, target, block = problem.jacobian, problem.places, law.target, law.block
     for c in range(len(p)):
@@ -143,45 +120,37 @@ def take_newton_step(system, stiffness, p, v):
             change = change_at(jacobian, index, c, i, room, n)
             for k in range(m):
                 p[c, k] -= block[c, k, i] * change
-    return map_norm(system, p, v)
+    return map_norm(problem, p, room, v)
 
 
 # --- interior point -----------------------------------------------------------------------------------------------------------------
 
 
 @borrower()
-def interior_residuals(system, here, linear):
+def interior_residuals(problem, here, linear, room):
     """What w and v miss: H v + b + C p - w, and H^T p - M (v - v_free), which goes to ``room``."""
-    missing_velocity(system.problem, here, 0.0, linear)
-    missing_momentum(system.problem, here.v, system.room)
-    add_generalised_impulse(system.problem, here.p, system.room)
-
-
-@kernel()
-def direction(system, linear, way):
-    """The direction that changes the products as wanted and takes these residuals away."""
-    interior_direction(system.problem, system.factor, system.room, linear, way)
+    missing_velocity(problem, here, 0.0, linear)
+    missing_momentum(problem, here.v, room)
+    add_generalised_impulse(problem, here.p, room)
 
 
 # --- proximal points ----------------------------------------------------------------------------------------------------------------
 
 
 @kernel()
-def spring_system(system):
-    """Room for a :class:`SpringSystem`."""
-    problem, matrix, factor, room = system
-    moved = OrderedProblem(
+def movable(problem):
+    """Room for the problem in the change of the velocities from those of a centre, which spares rounding."""
+    return OrderedProblem(
         problem.inverse, problem.mass, np.empty(problem.free.shape), problem.places, problem.block, problem.jacobian,
         np.empty(problem.offset.shape), problem.mu, problem.compliance, problem.d, problem.m, problem.n,
     )  # fmt: skip
-    return SpringSystem(problem, matrix, factor, room, moved)
 
 
 @borrower()
-def begin_at(system, centre, v):
+def begin_at(problem, moved, centre, v):
     """Count velocities from ``centre`` (B + 1, n), and begin there: at v = 0."""
-    add_step(system.problem.free, -1.0, centre, system.moved.free)
-    relative_velocity(system.problem, centre, system.moved.offset)
+    add_step(problem.free, -1.0, centre, moved.free)
+    relative_velocity(problem, centre, moved.offset)
     v[:] = 0.0
 
 
@@ -198,9 +167,8 @@ def stiffest(error):
 
 
 @borrower()
-def spring_residual(system, springs, stiffness, v, held, out):
+def spring_residual(problem, springs, stiffness, v, held, out):
     """Fill x and p of the springs at velocities v, and out = M (v_free - v) + H^T p (B + 1, n); returns the norm of that in M^-1."""
-    problem = system.moved
     m, n, compliance, d = len(problem.m), len(problem.n), problem.compliance, problem.d
     x, centre = springs.x, springs.centre
     relative_velocity(problem, v, x)
@@ -223,17 +191,16 @@ def spring_residual(system, springs, stiffness, v, held, out):
 
 
 @kernel()
-def spring_direction(system, springs, search):
+def spring_direction(problem, work, springs, search):
     """The Newton step, (M + H^T B H) dv = r with the residual r, which it uses up."""
     residual, change = search.residual, search.change
-    solve_ldu(system.factor, residual)
+    solve_ldu(work.factor, residual)
     copy_flat(residual[: len(residual) - 1], change)
 
 
 @borrower()
-def spring_changes(system, springs, stiffness, change):
+def spring_changes(problem, springs, stiffness, change):
     """Change dx of the trial impulses with a change of the velocities (B + 1, n)."""
-    problem = system.moved
     m, n, d, jacobian, index = len(problem.m), len(problem.n), problem.d, problem.jacobian, problem.places
     for c in range(len(d)):
         soft_n, soft_t = softness(problem.compliance, d[c] / stiffness, c, m)
@@ -242,28 +209,19 @@ def spring_changes(system, springs, stiffness, change):
 
 
 BODIES = Kind(
-    map_norm, relative_velocity, factorise, interior_residuals, direction, begin_at, spring_residual, spring_direction, spring_changes,
-    stiffest, move_centre,
+    map_norm, relative_velocity, factorise, interior_residuals, interior_direction, movable, begin_at, spring_residual,
+    spring_direction, spring_changes, stiffest, move_centre,
 )  # fmt: skip
 
 
 @kernel()
-def body_system(problem, elimination):
-    """Room for a :class:`BodySystem` of ProblemArrays."""
-    symbolic, n = elimination.symbolic, problem.n
-    ordered = in_order(problem, elimination.order, elimination.places, elimination.block)
-    room = np.empty((len(elimination.order) + 1, len(n)))
-    return BodySystem(ordered, allocate_matrix(symbolic, n), allocate_factors(symbolic, n), room)
-
-
-@kernel()
-def answer_of(system, impulse):
+def answer_of(problem, impulse):
     """The answer to begin with: ``impulse`` (C, m) itself, and its velocities and error."""
-    problem, rows = system.problem, system.room.shape
-    v, q = np.zeros(rows), np.empty(impulse.shape)
+    rows = (len(problem.free) + 1, len(problem.n))
+    v, room, q = np.zeros(rows), np.empty(rows), np.empty(impulse.shape)
     copy_flat(problem.free, v)
     relative_velocity(problem, v, q)
-    norm = map_norm(system, impulse, v)
+    norm = map_norm(problem, impulse, room, v)
     return first_answer(impulse, v, norm, q, problem.d)
 
 
@@ -276,17 +234,17 @@ def linearised_bodies(
     Python enters here alone, so that their factorisation, the larger part of each, is compiled once. Returns iterations, natural map
     error, and of Newton the error at the start and the stiffness at the end.
     """
-    system = body_system(problem, elimination)
-    answer, begin, stiffness = answer_of(system, impulse), np.nan, settings.stiffness
+    ordered = in_order(problem, elimination.order, elimination.places, elimination.block)
+    answer, begin, stiffness = answer_of(ordered, impulse), np.nan, settings.stiffness
+    work = allocate_work(elimination.symbolic, problem.n, answer.velocity)
     if method == NEWTON:
-        law = LinearisedLaw(np.empty(impulse.shape), np.empty((*impulse.shape, len(problem.m))), problem.m)
-        with_law = LawSystem(system.problem, system.matrix, system.factor, system.room, law, np.empty(impulse.shape))
-        iterations, begin, stiffness = newton(take_newton_step, with_law, answer, settings)
+        law = LinearisedLaw(np.empty(impulse.shape), np.empty((len(impulse), len(problem.m), len(problem.m))), problem.m)
+        iterations, begin, stiffness = newton(take_newton_step, ordered, work, LawWork(law, np.empty(impulse.shape)), answer, settings)
     elif method == INTERIOR:
-        iterations = interior_point(BODIES, system, answer, settings)
+        iterations = interior_point(BODIES, ordered, work, answer, settings)
     elif method == PATH:
-        iterations = path_bodies(system.problem, system.matrix, system.factor, answer, settings)
+        iterations = path_bodies(BODIES, ordered, work, answer, settings)
     else:
-        iterations = proximal_points(BODIES, spring_system(system), PATIENCE, answer, settings)
+        iterations = proximal_points(BODIES, ordered, work, PATIENCE, answer, settings)
     put_back(answer.velocity, elimination.order, velocity)
     return iterations, answer.error[0], begin, stiffness

@@ -16,57 +16,37 @@ from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.single_columns import UNSYMMETRIC
 from masonry_cd.linalg.small_blocks import copy_flat, invert, multiply
-from masonry_cd.linalg.supernodes import BlockMatrix, Factor, allocate_factors, allocate_matrix
 from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.linalg.triangular import solve_ldu
 from masonry_cd.solvers.central_path import start_direction
 from masonry_cd.solvers.interior_kernels import interior_point
-from masonry_cd.solvers.linearised import Kind, Settings, first_answer
+from masonry_cd.solvers.linearised import Kind, Settings, allocate_work, first_answer
 from masonry_cd.solvers.newton_kernels import LinearisedLaw, linearise_law, newton
 from masonry_cd.solvers.proximal_kernels import Patience, project_trial, proximal_points
 
 PATIENCE = Patience(iterations=60, failures=16)
 
 
-class LocalSystem(NamedTuple):
-    """A problem, and room for what is factorised."""
+class ScaledRows(NamedTuple):
+    """Room for a matrix with rows scaled to unit diagonal blocks, T (I + B W), of Newton."""
 
-    problem: LocalArrays
-    matrix: BlockMatrix  # I + S W
-    factor: Factor
-    room: np.ndarray  # (C, m)
-
-
-class ScaledSystem(NamedTuple):
-    """The same for Newton, with rows scaled to unit diagonal blocks, T (I + B W)."""
-
-    problem: LocalArrays
-    matrix: BlockMatrix
-    factor: Factor
-    room: np.ndarray  # (C, m) T (g - p) in the order of elimination
     own: np.ndarray  # (C, m, m) W_cc
     unit: np.ndarray  # (C, m, m) T = (I + B W_cc)^-1 in the order of elimination
     scale: np.ndarray  # (C, m, m) T B
 
 
-@kernel()
-def allocate_system(problem, symbolic):
-    """Room for a :class:`LocalSystem`."""
-    return LocalSystem(problem, allocate_matrix(symbolic, problem.m), allocate_factors(symbolic, problem.m), np.empty(problem.q.shape))
-
-
 @borrower()
-def map_norm(system, p, u):
+def map_norm(problem, p, room, u):
     """Norm of the natural map of impulses p (C, m); u (C, m) <- their velocities."""
-    return local_norm(system.problem, p, u)
+    return local_norm(problem, p, u)
 
 
 @kernel()
-def answer_of(system, impulse):
+def answer_of(problem, impulse):
     """The answer to begin with: ``impulse`` (C, m) itself, and its velocities and error."""
     u = np.empty(impulse.shape)
-    norm = map_norm(system, impulse, u)
-    return first_answer(impulse, u, norm, system.problem.q, system.problem.d)
+    norm = local_norm(problem, impulse, u)
+    return first_answer(impulse, u, norm, problem.q, problem.d)
 
 
 @borrower()
@@ -76,24 +56,24 @@ def contact_velocity(problem, v, u):
 
 
 @kernel()
-def factorise(system, blocks):
-    """Factorise I + S W, S the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
-    problem, matrix = system.problem, system.matrix
-    place_blocks(problem, blocks, system.factor.symbolic, UNSYMMETRIC, matrix)
+def factorise(problem, work, blocks):
+    """Factorise I + S W, S the first rows of ``blocks`` (C, m or more, m). the sign of its determinant, 0 if that fails."""
+    matrix = work.matrix
+    place_blocks(problem, blocks, work.factor.symbolic, UNSYMMETRIC, matrix)
     for i in range(len(problem.place)):
         for r in range(len(problem.m)):
             matrix.diagonal[i, r, r] += 1.0
-    return factorise_ldu(matrix, system.factor)
+    return factorise_ldu(matrix, work.factor)
 
 
 @kernel()
-def solve(system, x):
+def divide(problem, work, x):
     """x <- (I + S W)^-1 x (C, m), by contact; ``room`` has x in the order of elimination."""
-    m, place, right = len(system.problem.m), system.problem.place, system.room
+    m, place, right = len(problem.m), problem.place, work.room
     for c in range(len(place)):
         for i in range(m):
             right[place[c], i] = x[c, i]
-    solve_ldu(system.factor, right)
+    solve_ldu(work.factor, right)
     for c in range(len(place)):
         for i in range(m):
             x[c, i] = right[place[c], i]
@@ -103,49 +83,48 @@ def solve(system, x):
 
 
 @kernel()
-def scale_rows(system, stiffness, p, u):
-    """The system (I + B W) (p+ - p) = g - p with its rows scaled to unit diagonal blocks: fill unit, scale and room.
+def scale_rows(problem, rows, stiffness, p, u, right):
+    """The system (I + B W) (p+ - p) = g - p with its rows scaled to unit diagonal blocks: fill unit, scale and right = T (g - p).
 
-    False if a T does not exist.
+    The latter in the order of elimination. False if a T does not exist.
     """
-    problem, right = system.problem, system.room
     m, size, place = len(problem.m), problem.m, problem.place
     law = LinearisedLaw(np.zeros((1, m)), np.zeros((1, m, m)), size)
     work, inverse, room, regular = np.empty((m, m)), np.empty((m, m)), np.empty((m, m)), True
     for c in range(len(p)):
         p2, u2 = (p[c, 2], u[c, 2]) if m == 3 else (0.0, 0.0)
         linearise_law((p[c, 0], p[c, 1], p2), (u[c, 0], u[c, 1], u2), problem.mu[c], problem.d[c], stiffness, law, 0)
-        multiply(law.block[0], system.own[c], False, work, size)
+        multiply(law.block[0], rows.own[c], False, work, size)
         for i in range(m):
             work[i, i] += 1.0
         regular = regular and invert(work, inverse, room, size) != 0.0
-        multiply(inverse, law.block[0], False, system.scale[c], size)
+        multiply(inverse, law.block[0], False, rows.scale[c], size)
         for i in range(m):
             total = 0.0
             for j in range(m):
                 total += inverse[i, j] * (law.target[0, j] - p[c, j])
-                system.unit[place[c], i, j] = inverse[i, j]
+                rows.unit[place[c], i, j] = inverse[i, j]
             right[place[c], i] = total
     return regular
 
 
 @kernel()
-def take_newton_step(system, stiffness, p, u):
+def take_newton_step(problem, work, rows, stiffness, p, u):
     """Impulses p and velocities u <- those that solve the linearised problem, see newton.py; returns the norm of their natural map."""
-    problem, matrix, unit, m = system.problem, system.matrix, system.unit, len(system.problem.m)
-    regular = scale_rows(system, stiffness, p, u)
-    place_blocks(problem, system.scale, system.factor.symbolic, UNSYMMETRIC, matrix)
+    (matrix, factor, right), unit, m = work, rows.unit, len(problem.m)
+    regular = scale_rows(problem, rows, stiffness, p, u, right)
+    place_blocks(problem, rows.scale, factor.symbolic, UNSYMMETRIC, matrix)
     for i in range(len(p)):
         for r in range(m):
             for s in range(m):
                 matrix.diagonal[i, r, s] += unit[i, r, s]
-    if not regular or factorise_ldu(matrix, system.factor) == 0.0:
+    if not regular or factorise_ldu(matrix, factor) == 0.0:
         return np.inf
-    solve_ldu(system.factor, system.room)
+    solve_ldu(factor, right)
     for c in range(len(p)):
         for i in range(m):
-            p[c, i] += system.room[problem.place[c], i]
-    return map_norm(system, p, u)
+            p[c, i] += right[problem.place[c], i]
+    return local_norm(problem, p, u)
 
 
 @entry()
@@ -156,10 +135,9 @@ def newton_local(
 
     Returns iterations, error, error at the start.
     """
-    _, matrix, factor, room = allocate_system(problem, symbolic)
-    system = ScaledSystem(problem, matrix, factor, room, own, np.empty(own.shape), np.empty(own.shape))
-    answer = answer_of(system, p)
-    iterations, begin, _ = newton(take_newton_step, system, answer, settings)
+    answer, rows = answer_of(problem, p), ScaledRows(own, np.empty(own.shape), np.empty(own.shape))
+    work = allocate_work(symbolic, problem.m, answer.velocity)
+    iterations, begin, _ = newton(take_newton_step, problem, work, rows, answer, settings)
     return iterations, answer.error[0], begin
 
 
@@ -167,9 +145,8 @@ def newton_local(
 
 
 @borrower()
-def interior_residuals(system, here, linear):
+def interior_residuals(problem, here, linear, room):
     """What w misses, W p + q - w."""
-    problem = system.problem
     delassus_product(problem, here.p, linear.miss)
     for c in range(len(here.p)):
         for i in range(len(problem.m)):
@@ -177,12 +154,12 @@ def interior_residuals(system, here, linear):
 
 
 @kernel()
-def direction(system, linear, way):
+def direction(problem, work, linear, way):
     """The direction that changes the products as wanted and takes this residual away: (I + G W) dp = r, G the first rows of the gains."""
-    m, k = len(system.problem.m), linear.product.shape[1]
+    m, k = len(problem.m), linear.product.shape[1]
     start_direction(linear, way, m, k)
-    solve(system, way.p)
-    delassus_product(system.problem, way.p, way.w)
+    divide(problem, work, way.p)
+    delassus_product(problem, way.p, way.w)
     for c in range(len(way.p)):
         for j in range(m):
             way.gamma[c] -= linear.gain[c, m, j] * way.w[c, j]
@@ -193,8 +170,14 @@ def direction(system, linear, way):
 # --- proximal points ----------------------------------------------------------------------------------------------------------------
 
 
+@kernel()
+def as_it_is(problem):
+    """The problem: velocities are counted from zero."""
+    return problem
+
+
 @borrower()
-def begin_at(system, centre, u):
+def begin_at(problem, moved, centre, u):
     """u = centre (C, m)."""
     copy_flat(centre, u)
 
@@ -212,9 +195,8 @@ def stiffest(error):
 
 
 @borrower()
-def spring_residual(system, springs, stiffness, u, held, out):
+def spring_residual(problem, springs, stiffness, u, held, out):
     """Fill x and p of the springs at velocities u (C, m), and out = W p + q - u (C, m); returns its norm."""
-    problem = system.problem
     m, total, x = len(problem.m), 0.0, springs.x
     for c in range(len(u)):
         for i in range(m):
@@ -229,32 +211,32 @@ def spring_residual(system, springs, stiffness, u, held, out):
 
 
 @kernel()
-def spring_direction(system, springs, search):
+def spring_direction(problem, work, springs, search):
     """The Newton step of u, du = r + W dp with (I + B W) dp = -B r and r the residual."""
-    m, residual, change, room = len(system.problem.m), search.residual, search.change, system.room
+    m, residual, change, room = len(problem.m), search.residual, search.change, work.room
     for c in range(len(residual)):
         for i in range(m):
             change[c, i] = 0.0
             for j in range(m):
                 change[c, i] -= springs.block[c, i, j] * residual[c, j]
-    solve(system, change)  # that of p
-    delassus_product(system.problem, change, room)
+    divide(problem, work, change)  # that of p
+    delassus_product(problem, change, room)
     for c in range(len(residual)):
         for i in range(m):
             change[c, i] = residual[c, i] + room[c, i]
 
 
 @borrower()
-def spring_changes(system, springs, stiffness, change):
+def spring_changes(problem, springs, stiffness, change):
     """Change dx of the trial impulses with a change of u (C, m)."""
     for c in range(len(change)):
-        for i in range(len(system.problem.m)):
+        for i in range(len(problem.m)):
             springs.dx[c, i] = -stiffness * change[c, i]
 
 
 LOCAL = Kind(
-    map_norm, contact_velocity, factorise, interior_residuals, direction, begin_at, spring_residual, spring_direction, spring_changes,
-    stiffest, move_centre,
+    map_norm, contact_velocity, factorise, interior_residuals, direction, as_it_is, begin_at, spring_residual, spring_direction,
+    spring_changes, stiffest, move_centre,
 )  # fmt: skip
 
 
@@ -264,9 +246,9 @@ def interior_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Set
 
     Returns iterations and natural map error.
     """
-    system = allocate_system(problem, symbolic)
-    answer = answer_of(system, impulse)
-    return interior_point(LOCAL, system, answer, settings), answer.error[0]
+    answer = answer_of(problem, impulse)
+    work = allocate_work(symbolic, problem.m, answer.velocity)
+    return interior_point(LOCAL, problem, work, answer, settings), answer.error[0]
 
 
 @entry()
@@ -275,6 +257,6 @@ def proximal_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Set
 
     Returns iterations (one factorisation each) and natural map error.
     """
-    system = allocate_system(problem, symbolic)
-    answer = answer_of(system, impulse)
-    return proximal_points(LOCAL, system, PATIENCE, answer, settings), answer.error[0]
+    answer = answer_of(problem, impulse)
+    work = allocate_work(symbolic, problem.m, answer.velocity)
+    return proximal_points(LOCAL, problem, work, PATIENCE, answer, settings), answer.error[0]

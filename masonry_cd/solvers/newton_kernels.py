@@ -65,12 +65,12 @@ def damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool,
 
 
 @kernel()
-def newton(take_step, system, answer, settings):
+def newton(take_step, problem, work, law, answer, settings):
     """Semismooth Newton from ``answer`` on, which gets better.
 
     ``take_step`` takes impulses p and their velocities v to those that solve the problem with its law linearised there at a stiffness, and
-    returns the norm of the natural map, which is infinite if there are none. Returns iterations, the error at the start, and the stiffness
-    at the end.
+    returns the norm of the natural map, which is infinite if there are none; ``law`` is its room for that. Returns iterations, the error at
+    the start, and the stiffness at the end.
     """
     p, v = answer.impulse.copy(), answer.velocity.copy()
     hold, hold_v = p.copy(), v.copy()
@@ -78,7 +78,7 @@ def newton(take_step, system, answer, settings):
     stiffness, iterations, refused = settings.stiffness, 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and refused < 8:
         iterations += 1
-        new = take_step(system, stiffness, p, v) / answer.size
+        new = take_step(problem, work, law, stiffness, p, v) / answer.size
         accepted, stiffness = damp(new, error, iterations == 1, stiffness)
         if accepted:
             error, refused = new, 0

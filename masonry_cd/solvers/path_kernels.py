@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, map_norm, missing_momentum, relative_velocity
+from masonry_cd.friction.operators import add_generalised_impulse, body_velocity, missing_momentum, relative_velocity
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.solvers.central_path import (
     Iterate,
@@ -25,7 +24,7 @@ from masonry_cd.solvers.central_path import (
     soften,
     take_impulse,
 )
-from masonry_cd.solvers.linearised import augment_blocks, keep_better
+from masonry_cd.solvers.linearised import keep_better
 
 
 class PathWays(NamedTuple):
@@ -78,22 +77,22 @@ def off_path(product, goal):
 
 
 @kernel()
-def path_directions(problem, factor, cones, here, linear, level, tau, ways, momentum):
-    """Fill ``back``, ``tangent`` and ``bend``; the products on the path are tau times ``level`` (C,). ``momentum`` (B + 1, n) is room."""
-    m, wanted = len(cones.m), linear.wanted
+def path_directions(problem, work, cones, here, linear, level, tau, ways):
+    """Fill ``back``, ``tangent`` and ``bend``; the products on the path are tau times ``level`` (C,)."""
+    m, wanted, momentum = len(cones.m), linear.wanted, work.room
     missing_momentum(problem, here.v, momentum)
     add_generalised_impulse(problem, here.p, momentum)
     for c in range(len(level)):
         for i in range(m + 1):
             wanted[c, i] = (tau * level[c] if i < 2 else 0.0) - linear.product[c, i]
-    interior_direction(problem, factor, momentum, linear, ways.back)
+    interior_direction(problem, work, linear, ways.back)
     momentum[:] = 0.0
     for c in range(len(level)):
         for i in range(m + 1):
             wanted[c, i] = tau * level[c] if i < 2 else 0.0
         for i in range(m):
             linear.miss[c, i] = -tau * linear.far[c, i]
-    interior_direction(problem, factor, momentum, linear, ways.tangent)
+    interior_direction(problem, work, linear, ways.tangent)
     dw, dp, dgamma, _ = ways.tangent
     for c in range(len(level)):
         complementarity(dw[c], dp[c], dgamma[c], cones.mu[c], m, wanted[c])
@@ -101,7 +100,7 @@ def path_directions(problem, factor, cones, here, linear, level, tau, ways, mome
             wanted[c, i] = -wanted[c, i]
         for i in range(m):
             linear.miss[c, i] = 0.0
-    interior_direction(problem, factor, momentum, linear, ways.bend)
+    interior_direction(problem, work, linear, ways.bend)
 
 
 @borrower()
@@ -152,12 +151,12 @@ def choose_step(here, ways, cones, level, tau, sign, wide):
 
 
 @kernel()
-def path_bodies(problem, matrix, factor, answer, settings):
-    """The central path followed by its length over an OrderedProblem, see interior.py, from near ``answer``, which gets better.
+def path_bodies(kind, problem, work, answer, settings):
+    """The central path followed by its length over bodies, see interior.py, from near ``answer``, which gets better.
 
     Returns the iterations.
     """
-    impulse, v, room = answer.impulse.copy(), np.zeros(answer.velocity.shape), np.empty(answer.velocity.shape)
+    impulse, v, room = answer.impulse.copy(), answer.velocity.copy(), work.room
     cones, rows, shape = cones_of(problem.mu, problem.m, settings.k), v.shape, impulse.shape
     here, linear = allocate_iterate(shape, rows), allocate_linearisation(len(impulse), cones)
     back, tangent = allocate_iterate(shape, rows), allocate_iterate(shape, rows)
@@ -175,17 +174,15 @@ def path_bodies(problem, matrix, factor, answer, settings):
         iterations += 1
         missing_velocity(problem, here, tau, linear)
         regular = linearise_products(cones, here, linear)
-        augment_blocks(problem, linear.gain, matrix)
-        sign = factorise_ldu(matrix, factor)
+        sign = kind.factorise(problem, work, linear.gain)
         if not regular or sign == 0.0:
             break
-        path_directions(problem, factor, cones, here, linear, level, tau, ways, room)
+        path_directions(problem, work, cones, here, linear, level, tau, ways)
         change = choose_step(here, ways, cones, level, tau, -sign, settings.wide)
         advance(here, 1.0, ways.ahead)
         tau *= 1.0 + change
         take_impulse(here.p, problem.mu, impulse)
-        body_velocity(problem, impulse, room, v)
-        error = map_norm(problem, impulse, v) / answer.size
+        error = kind.map_norm(problem, impulse, room, v) / answer.size
         keep_better(answer, impulse, v, error)
         if not error < np.inf:
             break

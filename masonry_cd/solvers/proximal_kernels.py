@@ -140,7 +140,7 @@ def add_step(v, step, change, out):
 
 
 @borrower()
-def shorten_step(kind, system, springs, stiffness, search, norm):
+def shorten_step(kind, moved, springs, stiffness, search, norm):
     """trial = v + step change with the first of the steps 1, 1/2, .. 1/16 that makes enough progress.
 
     Returns the norm of the residual there, and whether that is enough.
@@ -149,48 +149,48 @@ def shorten_step(kind, system, springs, stiffness, search, norm):
     while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
         step *= 0.5
         add_step(search.v, step, search.change, search.trial)
-        new = kind.spring_residual(system, springs, stiffness, search.trial, FREE, search.residual)
+        new = kind.spring_residual(moved, springs, stiffness, search.trial, FREE, search.residual)
     return new, new < (1.0 - 0.1 * step) * norm
 
 
 @borrower()
-def turn_first(kind, system, springs, stiffness, search):
+def turn_first(kind, moved, springs, stiffness, search):
     """Go along a change of the velocities as far as the first kink on the way, where a contact changes its status, or half of it.
 
     Returns the norm of the residual there, that contact or -1, and the step.
     """
-    v, change, residual, problem = search.v, search.change, search.residual, system.problem
+    v, change, _, residual = search
     copy_flat(springs.held, springs.status)
-    kind.spring_residual(system, springs, stiffness, v, HELD, residual)
-    kind.spring_changes(system, springs, stiffness, change)
-    step, which, other = first_change(problem.mu, springs.status, springs.x, springs.dx, problem.m)
+    kind.spring_residual(moved, springs, stiffness, v, HELD, residual)
+    kind.spring_changes(moved, springs, stiffness, change)
+    step, which, other = first_change(moved.mu, springs.status, springs.x, springs.dx, moved.m)
     if step < 1.0:
         springs.status[which] = other
     add_step(v, min(step, 0.5) if step >= 1.0 else step, change, v)
-    return kind.spring_residual(system, springs, stiffness, v, HELD, residual), which, step
+    return kind.spring_residual(moved, springs, stiffness, v, HELD, residual), which, step
 
 
 @kernel()
-def settle_springs(kind, system, springs, stiffness, goal, most, search):
+def settle_springs(kind, moved, work, springs, stiffness, goal, most, search):
     """Semismooth Newton for the problem with springs: its impulses, and its velocities, from those given.
 
     Ends at a norm of ``goal`` or after ``most`` factorisations; returns whether it is solved and the number of these.
     """
-    norm = kind.spring_residual(system, springs, stiffness, search.v, FREE, search.residual)
+    norm = kind.spring_residual(moved, springs, stiffness, search.v, FREE, search.residual)
     spent, turned, last = 0, 0, -1
     while norm > goal and spent < most and turned < FOLDS:
-        spring_blocks(system.problem, springs, stiffness)
+        spring_blocks(moved, springs, stiffness)
         spent += 1
-        if kind.factorise(system, springs.block) == 0.0:
+        if kind.factorise(moved, work, springs.block) == 0.0:
             break
-        kind.spring_direction(system, springs, search)
+        kind.spring_direction(moved, work, springs, search)
         copy_flat(springs.status, springs.held)
-        new, enough = shorten_step(kind, system, springs, stiffness, search, norm)
+        new, enough = shorten_step(kind, moved, springs, stiffness, search, norm)
         if enough:
             copy_flat(search.trial, search.v)
             norm, last, turned = new, -1, 0
             continue
-        norm, which, step = turn_first(kind, system, springs, stiffness, search)
+        norm, which, step = turn_first(kind, moved, springs, stiffness, search)
         if step < 1.0:
             turned, last = turned + 1 if which == last and step < 1e-9 else 0, which
     return norm <= goal, spent
@@ -207,20 +207,20 @@ def stiffness_after_springs(stiffness, solved, spent, slow):
 
 
 @kernel()
-def proximal_points(kind, system, patience, answer, settings):
+def proximal_points(kind, problem, work, patience, answer, settings):
     """Proximal points with the operators of a :class:`Kind`, from ``answer`` on, which gets better; returns the iterations."""
     springs, centre, own = allocate_springs(answer.impulse), answer.velocity.copy(), answer.velocity.copy()
     search = Search(np.zeros(own.shape), np.zeros(own.shape), np.zeros(own.shape), np.empty(own.shape))
-    error = answer.error[0]
+    moved, error = kind.movable(problem), answer.error[0]
     stiffness = min(max(1.0 / max(error, 1e-300), 1e2), 1e6)
     iterations, failed = 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and failed < patience.failures:
         goal = answer.size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
         most = min(settings.limit - iterations, patience.iterations)
-        kind.begin_at(system, centre, search.v)
-        solved, spent = settle_springs(kind, system, springs, stiffness, goal, most, search)
+        kind.begin_at(problem, moved, centre, search.v)
+        solved, spent = settle_springs(kind, moved, work, springs, stiffness, goal, most, search)
         iterations += spent
-        new = kind.map_norm(system, springs.p, own) / answer.size
+        new = kind.map_norm(problem, springs.p, work.room, own) / answer.size
         if not solved and not new < error:
             stiffness, failed = max(0.125 * stiffness, 1.0), failed + 1
             continue
