@@ -134,22 +134,31 @@ class Interrupt:
         self.number, self.at_once = 0, False
         self._stream, self._acknowledged = stream, False
         self._former: dict[int, Any] = {}
+        self._former_hook = sys.unraisablehook
 
     def __enter__(self) -> Interrupt:
         if threading.current_thread() is threading.main_thread():  # elsewhere signals cannot be handled
             for number in SIGNALS:
                 if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup means it
                     self._former[number] = signal.signal(number, self._handle)
+            self._former_hook, sys.unraisablehook = sys.unraisablehook, self._unraisable
         return self
 
     def __exit__(self, *_: object) -> None:
         for number, handler in self._former.items():
             signal.signal(number, handler)
+        if self._former:
+            sys.unraisablehook = self._former_hook
 
     def check(self) -> None:
         """Raise Interrupted if a signal has come."""
         if self.number:
             raise Interrupted(self.number)
+
+    def _unraisable(self, what: Any) -> None:
+        """Say nothing of a signal that came where Python raises nothing, as while an object is taken away: :meth:`check` knows of it."""
+        if not isinstance(what.exc_value, Interrupted):
+            self._former_hook(what)
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
         self.number = self.number or number

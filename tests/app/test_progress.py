@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import signal
+import sys
 import time
 
 import pytest
@@ -80,6 +81,35 @@ def test_signals_wait_for_the_check_however_many_come(number, request):
         with pytest.raises(Interrupted):
             signal.raise_signal(number)
     assert signal.getsignal(number) == signal.SIG_DFL
+
+
+class Leaving:
+    """Does something while it is taken away, where Python raises nothing."""
+
+    def __init__(self, last):
+        self.last = last
+
+    def __del__(self):
+        self.last()
+
+
+def fail():
+    raise ValueError("broken")
+
+
+def test_a_signal_where_nothing_is_raised_is_remembered_without_a_word(monkeypatch):
+    said = []
+    monkeypatch.setattr(sys, "unraisablehook", said.append)
+    with Interrupt(io.StringIO()) as interrupt:
+        interrupt.at_once = True
+        Leaving(lambda: signal.raise_signal(signal.SIGINT))
+        assert not said
+        with pytest.raises(Interrupted):
+            interrupt.check()
+        Leaving(fail)
+        assert len(said) == 1
+    Leaving(fail)
+    assert len(said) == 2
 
 
 def test_a_run_under_nohup_is_not_stopped_by_its_terminal():
