@@ -99,6 +99,11 @@ def compiled(kernel: Any) -> Any:
     return kernel.flat if isinstance(kernel, FlatCall) else kernel
 
 
+def compiled_for() -> str:
+    """LLVM's name of the processor that kernels are compiled for."""
+    return processor.target()[0]
+
+
 def has_cache(kernel: Any) -> bool:
     """Whether there is a folder to keep an entry in."""
     return compiled(kernel).stats.cache_path is not None

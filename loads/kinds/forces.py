@@ -32,6 +32,7 @@ from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.errors import InputError
 from masonry_cd.fields import Instant, is_number
+from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
 
 LONGEST_TIE = 1e6  # [m]
@@ -301,14 +302,8 @@ def _rows(assembly: Assembly, ends: tuple[int, int], points: np.ndarray) -> dict
 
 def _accelerated(assembly: Assembly, block: int, row: np.ndarray) -> np.ndarray:
     """M^-1 g^T of a block, (6,)."""
-    return np.concatenate([row[:3] / assembly.mass[block], np.sum(_inverse(assembly.inertia[block]) * row[3:], axis=1)])
-
-
-def _inverse(inertia: np.ndarray) -> np.ndarray:
-    """Inverse of an inertia (3, 3), by its cofactors."""
-    a, b, c = inertia
-    columns = np.array([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
-    return columns.T / np.sum(a * columns[0])
+    inverse = inverses(assembly.inertia[block : block + 1], size_tuple(3))[0]
+    return np.concatenate([row[:3] / assembly.mass[block], np.sum(inverse * row[3:], axis=1)])
 
 
 def _highest(ties: Sequence[Tie], assembly: Assembly) -> tuple[float, float]:

@@ -109,7 +109,7 @@ def _pulse(table: SettlementTable | SpreadingTable, grid: RunGrid, where: str) -
     """The velocity of the whole displacement as a function of time."""
     if table.duration < FEWEST_STEPS * grid.dt:
         raise InputError(f"{where}.duration: {table.duration:g} s are less than {FEWEST_STEPS} steps of run.dt {grid.dt:g} s")
-    if table.duration > MOST_STEPS * grid.dt:
+    if table.duration > MOST_STEPS * grid.dt:  # the pulse is added up over all of its steps, those beyond the run too
         raise InputError(f"{where}.duration: {table.duration:g} s take more than {MOST_STEPS:g} steps of run.dt {grid.dt:g} s")
 
     def shape(times: np.ndarray) -> np.ndarray:

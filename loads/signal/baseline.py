@@ -107,7 +107,10 @@ def correct(raw: History, order: int) -> History:
 
 
 def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """x of matrix x = right for a regular (n, n), by Gauss and Jordan with pivoting; LAPACK would round otherwise on another processor."""
+    """x of matrix x = right for a regular (n, n), by Gauss and Jordan with pivoting.
+
+    LAPACK would round otherwise on another processor, and a kernel would have to be compiled for each n.
+    """
     rows = np.column_stack([matrix, right])
     for k in range(len(rows)):
         best = k + int(np.argmax(np.abs(rows[k:, k])))

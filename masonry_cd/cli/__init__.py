@@ -6,10 +6,11 @@ import sys
 
 
 def main() -> None:
-    """The entry point of the installed command. Ctrl-C while it loads, or a second one while it ends, leaves no traceback."""
+    """The entry point of the installed command. Ctrl-C while it loads, or a second one while it ends, leaves a line and no traceback."""
     try:
         from masonry_cd.cli.app import app
 
         app()
     except KeyboardInterrupt:
+        print("masonry-cd: interrupted", file=sys.stderr)
         sys.exit(130)

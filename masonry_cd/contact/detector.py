@@ -143,11 +143,8 @@ class Detector:
 
     def _update(self, motion: Motion, origin: np.ndarray, just_listed: bool) -> int:
         """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed anew."""
-        return int(
-            update_pairs(
-                self._listing, self._memory, self._shapes, motion, origin, just_listed, self._pair_by_area, self._work, self.tally
-            )
-        )  # fmt: skip
+        known = (self._listing, self._memory, self._shapes)
+        return int(update_pairs(*known, motion, origin, just_listed, self._pair_by_area, self._work, self.tally))
 
     def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""

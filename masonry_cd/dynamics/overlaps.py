@@ -31,7 +31,7 @@ class Overlap(NamedTuple):
     """The largest overlap of rigid contacts at q_m."""
 
     depth: float = 0.0  # [m]
-    blocks: tuple[int, int] = (-1, -1)  # that overlap; -1: none do
+    blocks: tuple[int, int] = (-1, -1)  # of the contact with the smallest gap; -1: there is no contact
 
 
 def correct_overlaps(system: System, made: StepProblem, deepest: Overlap, state: State) -> np.ndarray | None:
@@ -51,7 +51,7 @@ def correct_overlaps(system: System, made: StepProblem, deepest: Overlap, state:
 
 
 def deepest_overlap(made: StepProblem) -> Overlap:
-    """The largest overlap of a step; the blocks are those of the smallest gap where that is positive."""
+    """The largest overlap of rigid contacts in a step."""
     gap = made.rigid_gap
     if not len(gap):
         return Overlap()

@@ -22,13 +22,13 @@ from types import TracebackType
 import h5py
 import numpy as np
 
-from masonry_cd import jit
 from masonry_cd.atomic import part_of
 from masonry_cd.errors import InputError
 from masonry_cd.io.block_arrays import write_blocks
 from masonry_cd.io.layout import CLOSING, FORMAT, JOINT_CONSTANTS, JOINT_PEAKS
 from masonry_cd.io.results import Results
 from masonry_cd.io.segments import Sealer, append, checksum_of_constants, growing, in_pieces
+from masonry_cd.jit import compiled_for
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 
@@ -247,4 +247,4 @@ def versions() -> dict[str, str]:
     for name in ("masonry-cd", "numpy", "scipy", "numba", "h5py", "cvxopt"):
         with contextlib.suppress(Exception):
             out[name] = version(name)
-    return out | {"kernels for": jit.processor.target()[0]}  # jit has chosen it
+    return out | {"kernels for": compiled_for()}

@@ -108,6 +108,11 @@ def triangles(faces: Faces) -> np.ndarray:
     return np.array(fans, dtype=np.int64).reshape(-1, 3)
 
 
+def sixfold_volumes(corners: np.ndarray) -> np.ndarray:
+    """Six times the signed volumes (n,) of tetrahedra of the origin and three corners each (n, 3 corners, 3), without LAPACK [m3]."""
+    return np.asarray(np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2]), axis=1))
+
+
 def mass_properties(vertices: np.ndarray, faces: Faces) -> MassProperties:
     """Integrate a closed polyhedron exactly.
 
@@ -117,7 +122,7 @@ def mass_properties(vertices: np.ndarray, faces: Faces) -> MassProperties:
     """
     inner = vertices.mean(axis=0)  # integrate near the block: far from the origin the moments would cancel
     corners = (vertices - inner)[triangles(faces)]  # (n, 3 corners, 3)
-    sixfold = np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2]), axis=1)  # six times the signed volume of each tetrahedron
+    sixfold = sixfold_volumes(corners)
     volume = sixfold.sum() / 6.0
     total = corners.sum(axis=1)
     first = np.einsum("n,ni->i", sixfold, total) / 24.0

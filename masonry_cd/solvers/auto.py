@@ -11,7 +11,8 @@
    cost of WORTH iterations of Newton, nor Newton in NEWTON_LIMIT, the other one goes on with.
 3. What neither solves (a structure that slides or rocks as a whole) goes to the interior point method, which starts near the impulses of
    the last step, not where the others got stuck, within a BUDGET; then to Newton again. Structures slide for many steps: after a step that
-   needed it, the interior point method comes first, and every LOOK-th step begins as usual, to see whether the sliding is over.
+   needed it (but for the first of all, which begins without impulses) the interior point method comes first, and every LOOK-th step begins
+   as usual, to see whether the sliding is over.
 4. Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that sweeps of Gauss-Seidel get far. Where
    SWEEPS of them cost at most SWEEP_SHARE of the interior point method's first start, they follow it, and Newton them.
 
@@ -113,7 +114,7 @@ class Experience:
     costs: Costs = (0.0, 0.0, 0.0, 0.0)
     deeper: bool = False  # whether the last step was solved deeper than asked, because it began close to the solution
     error: float = 0.0  # at the last start looked at
-    slides: bool = False  # whether the last step begun as usual needed the interior point method; the first one begins with no impulses
+    slides: bool = False  # whether the last step begun as usual, but for the first of all, needed the interior point method
 
     @classmethod
     def recall(cls, start: Solution | None) -> Experience:

@@ -53,7 +53,7 @@ def map_norm(problem, p, room, v):
 
 @kernel()
 def factorise(problem, work, blocks):
-    """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m). the sign of its determinant, 0 if that fails."""
+    """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
     augment_blocks(problem, blocks, work.matrix)
     return factorise_ldu(work.matrix, work.factor)
 

@@ -57,7 +57,7 @@ def contact_velocity(problem, v, u):
 
 @kernel()
 def factorise(problem, work, blocks):
-    """Factorise I + S W, S the first rows of ``blocks`` (C, m or more, m). the sign of its determinant, 0 if that fails."""
+    """Factorise I + S W, S the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
     matrix = work.matrix
     place_blocks(problem, blocks, work.factor.symbolic, UNSYMMETRIC, matrix)
     for i in range(len(problem.place)):

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces, Polyhedron, triangles
+from masonry_cd.model.geometry import Faces, Polyhedron, sixfold_volumes, triangles
 from masonry_cd.model.polygon import clip, loop_normal, loop_planes
 from structures.geometry.checks import FLATNESS
 from structures.geometry.merge_coplanar import merge_coplanar
@@ -169,8 +169,7 @@ def _winding(block: Block, point: np.ndarray) -> float:
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
     below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
-    sixfold = np.sum(a * np.cross(b, c), axis=1)
-    return sum(map(math.atan2, sixfold, below)) / (2.0 * math.pi)
+    return sum(map(math.atan2, sixfold_volumes(corners), below)) / (2.0 * math.pi)
 
 
 def _finished(cell: Cell, block: Block, on: float) -> Polyhedron:

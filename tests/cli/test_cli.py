@@ -22,6 +22,7 @@ from masonry_cd import __version__
 from masonry_cd.app.progress import Interrupt
 from masonry_cd.app.recorder import Recorder
 from masonry_cd.app.summary import closing_lines
+from masonry_cd.cli import main
 from masonry_cd.cli.app import app
 from masonry_cd.contact.detector import Detector
 from masonry_cd.dynamics.islands import Islands
@@ -71,6 +72,17 @@ print("modules", *sys.modules)
 """
     out = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=True)
     return set(out.stdout.splitlines()[-1].split()), out.stderr
+
+
+def test_ctrl_c_that_no_command_takes_leaves_one_line(monkeypatch, capsys):
+    def struck():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("masonry_cd.cli.app.app", struck)
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 130
+    assert capsys.readouterr().err == "masonry-cd: interrupted\n"
 
 
 def test_help_and_bad_scenes_need_no_heavy_import(tmp_path):
