@@ -20,7 +20,6 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-from scipy import signal
 
 from loads.motion import smooth_step
 
@@ -56,6 +55,8 @@ def resample(values: np.ndarray, step: float, wanted: float) -> np.ndarray:
     up, down = ratio.numerator, ratio.denominator
     if up == down:
         return values
+    from scipy import signal  # takes a second to load
+
     slower = max(up, down)
     low_pass = signal.firwin(2 * HALF_LENGTH * slower + 1, CUTOFF / slower, window=("kaiser", 8.0))
     return np.asarray(signal.resample_poly(values, up, down, window=low_pass, padtype="line"))
@@ -74,6 +75,8 @@ def band_pass(values: np.ndarray, step: float, low: float, high: float, order: i
     Raises:
         ValueError: a corner at or above the Nyquist frequency, or one so low that the zeros at both ends would be beyond MOST_ZEROS.
     """
+    from scipy import signal
+
     nyquist = 0.5 / step
     if high >= nyquist:
         raise ValueError(f"its upper corner {high:g} Hz must lie below {nyquist:g} Hz, half the sampling rate")

@@ -88,9 +88,9 @@ def prepare(scene: Scene) -> Case:
         raise InputError(f"{scene.path}: loads: the base is shaken, but no block of the structure is fixed")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
-    for_good = "about half a minute on two cores and is kept for later runs"
+    for_good = "one to three minutes on two cores and is kept for later runs"
     no_folder = "no folder takes numba's cache; NUMBA_CACHE_DIR names one that does"
-    again = f"a minute or two in each run, as {why_nothing_is_kept() or no_folder}"
+    again = f"two to four minutes in each run, as {why_nothing_is_kept() or no_folder}"
     with said_if_slow(f"compiling the kernels{', once' if keeps() else ''}: this takes {for_good if keeps() else again}"):
         joints = find_joints(assembly)
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))

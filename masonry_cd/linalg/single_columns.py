@@ -158,11 +158,11 @@ def forward_columns(symbolic, low, x, size_n):
                 x[i, p] = total
 
 
-@kernel(fastmath={"contract"})
-def backward_columns(symbolic, inverse, up, x, size_n):
-    """:func:`backward_substitution` where each supernode is one node."""
+@borrower(fastmath={"contract"})
+def backward_columns(symbolic, inverse, up, x, y, size_n):
+    """:func:`backward_substitution` where each supernode is one node; y is room for the entries of a node, at least."""
     n, below, size = len(size_n), symbolic.below, len(symbolic.column) - 1
-    squares, ups, y = inverse.reshape((size, n, n)), up.reshape((len(below), n, n)), np.empty(n, dtype=up.dtype)
+    squares, ups = inverse.reshape((size, n, n)), up.reshape((len(below), n, n))
     for j in range(size):
         for p in range(n):
             total = up.dtype.type(0.0)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry, kernel
+from masonry_cd.jit import borrower, entry
 from masonry_cd.linalg.single_columns import backward_columns, forward_columns
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.supernodes import Factor, gather_rows, has_single_columns, longest_line, subtract_rows
@@ -61,7 +61,7 @@ def solve_ldu(factor: Factor, x: np.ndarray) -> None:
     symbolic, size, low, up = factor.symbolic, factor.size, factor.panels, factor.others
     if has_single_columns(symbolic):
         forward_columns(symbolic, low, x, size)
-        backward_columns(symbolic, factor.squares, up, x, size)
+        backward_columns(symbolic, factor.squares, up, x, np.empty(len(size)), size)
         return
     n, count = len(size), len(symbolic.first) - 1
     longest, blocks, flat = longest_line(symbolic, 0, count, n), n * n, x.reshape(x.size)
@@ -79,40 +79,42 @@ def solve_ldu(factor: Factor, x: np.ndarray) -> None:
         add_rows(factor.squares, symbolic.square[s] * blocks, len(own), z, 1.0, own, size)
 
 
-@kernel()
-def forward_substitution(symbolic, first, last, row, panels, x, size_n):
-    """x <- L^-1 x of a symmetric matrix for supernodes first to last; ``row`` (R,) as in :func:`subtract_rows`."""
+@borrower()
+def forward_substitution(symbolic, first, last, row, panels, x, line, size_n):
+    """x <- L^-1 x of a symmetric matrix for supernodes first to last; ``row`` (R,) as in :func:`subtract_rows`.
+
+    ``line`` is room of the type of the panels for :func:`longest_line` entries.
+    """
     if has_single_columns(symbolic):
         forward_columns(symbolic, panels, x, size_n)
         return
     n, blocks, flat = len(size_n), len(size_n) * len(size_n), x.reshape(x.size)
-    y = np.empty(longest_line(symbolic, first, last, n), dtype=panels.dtype)
     for s in range(first, last):
         own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
-        add_columns(panels, symbolic.panel[s] * blocks, length, own, y, size_n)
-        subtract_rows(symbolic, s, row, y, x, n)
+        add_columns(panels, symbolic.panel[s] * blocks, length, own, line, size_n)
+        subtract_rows(symbolic, s, row, line, x, n)
 
 
-@kernel()
-def backward_substitution(symbolic, first, last, squares, panels, x, size_n):
-    """x <- L^-T D^-1 x of a symmetric matrix for supernodes first to last, after all later ones."""
+@borrower()
+def backward_substitution(symbolic, first, last, squares, panels, x, line, size_n):
+    """x <- L^-T D^-1 x of a symmetric matrix for supernodes first to last, after all later ones; ``line`` as for the forward one."""
     if has_single_columns(symbolic):
-        backward_columns(symbolic, squares, panels, x, size_n)
+        backward_columns(symbolic, squares, panels, x, line, size_n)
         return
     n, blocks, flat = len(size_n), len(size_n) * len(size_n), x.reshape(x.size)
-    y = np.empty(longest_line(symbolic, first, last, n), dtype=panels.dtype)
     for s in range(last - 1, first - 1, -1):
         own, length = flat[n * symbolic.first[s] : n * symbolic.first[s + 1]], n * (symbolic.start[s + 1] - symbolic.start[s])
-        copy_flat(own, y[: len(own)])
+        copy_flat(own, line[: len(own)])
         own[:] = 0.0
-        add_rows(squares, symbolic.square[s] * blocks, len(own), y, 1.0, own, size_n)
-        gather_rows(symbolic, s, x, y, n)
-        add_rows(panels, symbolic.panel[s] * blocks, length, y, -1.0, own, size_n)
+        add_rows(squares, symbolic.square[s] * blocks, len(own), line, 1.0, own, size_n)
+        gather_rows(symbolic, s, x, line, n)
+        add_rows(panels, symbolic.panel[s] * blocks, length, line, -1.0, own, size_n)
 
 
 @entry()
 def solve_cholesky(symbolic: SymbolicFactor, squares: np.ndarray, panels: np.ndarray, x: np.ndarray, size_n: tuple[int, ...]) -> None:
     """Solve A x = x in place for the factors of a symmetric A, x (N or more, n)."""
     count = len(symbolic.first) - 1
-    forward_substitution(symbolic, 0, count, symbolic.below, panels, x, size_n)
-    backward_substitution(symbolic, 0, count, squares, panels, x, size_n)
+    line = np.empty(longest_line(symbolic, 0, count, len(size_n)), dtype=panels.dtype)
+    forward_substitution(symbolic, 0, count, symbolic.below, panels, x, line, size_n)
+    backward_substitution(symbolic, 0, count, squares, panels, x, line, size_n)

@@ -2,8 +2,6 @@
 
 Each thread runs all of this, on its share of the contacts, the bodies or the subtrees, and they wait for one another where one needs what
 the others compute. What they decide they all decide alike, from the same numbers.
-
-The steps are inlined, since to pass the whole workspace on takes as long as an iteration over a few contacts.
 """
 
 from __future__ import annotations
@@ -15,6 +13,7 @@ from masonry_cd.friction.operators import ProblemArrays, measure_scales, put_in_
 from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat
+from masonry_cd.linalg.supernodes import longest_line
 from masonry_cd.linalg.threads import ThreadTeam, share_of, wait
 from masonry_cd.solvers.admm_factor import factorise_augmented
 from masonry_cd.solvers.admm_passes import add_momentum, carry_impulses, clear_momentum, eliminate_subtree, update_subtree
@@ -49,7 +48,8 @@ def admm_bodies(
     Returns iterations, natural map error, k at the end, the number of factorisations, and the error over the change of p.
     """
     k, fresh, rate, tolerance, limit = settings.k, settings.fresh, settings.rate, settings.tolerance, settings.limit
-    patience = PATIENCE if rate != 1.0 else PATIENCE // 2
+    patience, symbolic = PATIENCE if rate != 1.0 else PATIENCE // 2, work.factor.symbolic
+    line = np.empty(longest_line(symbolic, 0, len(symbolic.first) - 1, len(given.n)), dtype=work.factor.panels.dtype)
     size, error = start_iterates(team, given, order, work, settings, p_out, v_out)
     p, new = work.iterates.even, work.iterates.odd
     smallest = before = error
@@ -63,13 +63,13 @@ def admm_bodies(
                     break
                 continue
             fresh = False
-        change = eliminate(team, work, iterations, ahead, p, new) / size
+        change = eliminate(team, work, iterations, ahead, p, new, line) / size
         iterations += 1
         p, new = new, p
         # the change of p tells when to measure the error itself
         ahead = iterations - checked < 2 or (rate * change > tolerance and iterations - checked < patience)
         ahead = ahead and iterations < limit
-        update(team, work, iterations, ahead, p, new)
+        update(team, work, iterations, ahead, p, new, line)
         if ahead:
             continue
         error, checked = measure_carried(team, work, new, p) / size, iterations
@@ -86,7 +86,7 @@ def admm_bodies(
     return iterations, smallest, k, factorisations, rate
 
 
-@kernel(inline="always")
+@kernel()
 def start_iterates(team, given, order, work, settings, p_out, v_out):
     """Put the problem in order and start from the impulses p_out and their velocities, or from v_out, see :func:`admm_bodies`.
 
@@ -146,8 +146,8 @@ def sort_contacts(given, work, p, first, end):
                 problem.jacobian[c, 1, i, k] = jacobian[old, 1, i, k]
 
 
-@kernel(inline="always")
-def eliminate(team, work, iterations, ahead, p, new):
+@borrower()
+def eliminate(team, work, iterations, ahead, p, new, line):
     """The first step of ADMM, p to new, and forward substitution, level by level; returns the norm of the scaled change of p.
 
     If ``ahead``, the first level is done: :func:`update` did it while the factors were in the cache.
@@ -156,13 +156,13 @@ def eliminate(team, work, iterations, ahead, p, new):
     for y in range(1 if ahead else 0, len(level) - 1):
         first, last = share_of(team, level[y], level[y + 1])
         for q in range(first, last):
-            changes[q] = eliminate_subtree(work, q, -1, p, new)
+            changes[q] = eliminate_subtree(work, q, -1, p, new, line)
         wait(team)
     return np.sqrt(changes.sum())
 
 
-@kernel(inline="always")
-def update(team, work, iterations, ahead, p, new):
+@borrower()
+def update(team, work, iterations, ahead, p, new, line):
     """Backward substitution, level by level, and the second step of ADMM: v <- v+.
 
     If ``ahead``, the first step of the next iteration, p to new, follows in each subtree of the first level while its factors are in the
@@ -172,17 +172,17 @@ def update(team, work, iterations, ahead, p, new):
     for y in range(len(level) - 2, 0, -1):
         first, last = share_of(team, level[y], level[y + 1])
         for q in range(first, last):
-            update_subtree(work, q)
+            update_subtree(work, q, line)
         wait(team)
     first, last = share_of(team, level[0], level[1])
     for q in range(first, last):
-        update_subtree(work, q)
+        update_subtree(work, q, line)
         if ahead:
-            changes[q] = eliminate_subtree(work, q, q + 1 if q + 1 < last else -1, p, new)
+            changes[q] = eliminate_subtree(work, q, q + 1 if q + 1 < last else -1, p, new, line)
     wait(team)
 
 
-@kernel(inline="always")
+@borrower()
 def measure_carried(team, work, last, p):
     """The impulses that belong to the velocities of an iteration from ``last`` to p, (C, m); returns the norm of their natural map."""
     begin, end = share_of_subtrees(team, work.factor.symbolic)
@@ -211,7 +211,7 @@ def velocity_of_momentum(team, work, v):
     wait(team)
 
 
-@kernel()
+@borrower()
 def map_norm(team, work, p, v):
     """Norm of the natural map residual of impulses p (C, m) and velocities v (N + 1, n)."""
     problem, partition, sums, (begin, end) = work.problem, work.partition, work.sums[2], share_of_subtrees(team, work.factor.symbolic)
@@ -224,7 +224,7 @@ def map_norm(team, work, p, v):
     return total
 
 
-@kernel(inline="always")
+@borrower()
 def keep_best(team, work, error, smallest, p):
     """Keep the impulses and velocities just measured if their error is the smallest; go back to the best if it is not finite."""
     iterates = work.iterates
@@ -252,7 +252,7 @@ def adapt_stiffness(k, share, ends):
     return k, False
 
 
-@kernel(inline="always")
+@borrower()
 def write_answer(team, order, work, p_out, v_out):
     """Copy the best impulses and velocities, in the order of the problem, into p_out (C, m) and v_out (N, n)."""
     c0, c1 = share_of(team, 0, len(p_out))

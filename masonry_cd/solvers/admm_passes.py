@@ -5,18 +5,18 @@ from __future__ import annotations
 from masonry_cd.friction.coulomb_law import tangent_length
 from masonry_cd.friction.natural_map import project_stretched, project_to_cone
 from masonry_cd.friction.operators import add_generalised_impulse_of, missing_momentum_of
-from masonry_cd.jit import borrower, kernel
+from masonry_cd.jit import borrower
 from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of
 from masonry_cd.linalg.intrinsics import prefetch
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.triangular import backward_substitution, forward_substitution
 
 
-@kernel(inline="always")
-def eliminate_subtree(work, q, coming, p, new):
+@borrower()
+def eliminate_subtree(work, q, coming, p, new, line):
     """The contacts of subtree q, p to new (C, m), and L^-1 of the momentum that they leave; returns the squared scaled change of p.
 
-    ``coming`` is the subtree of the next backward substitution, or -1.
+    ``coming`` is the subtree of the next backward substitution, or -1; ``line`` is room for :func:`longest_line` numbers.
     """
     problem, symbolic, panels = work.problem, work.factor.symbolic, work.factor.panels
     v, momentum, x = work.iterates.v, work.iterates.momentum, work.iterates.correction
@@ -30,16 +30,16 @@ def eliminate_subtree(work, q, coming, p, new):
     clear_ghosts(symbolic, q, x)
     add_ghosts(symbolic, q, x)
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
-    forward_substitution(symbolic, begin, end, symbolic.target, panels, x, problem.n)
+    forward_substitution(symbolic, begin, end, symbolic.target, panels, x, line, problem.n)
     return change
 
 
-@kernel(inline="always")
-def update_subtree(work, q):
+@borrower()
+def update_subtree(work, q, line):
     """v <- v + L^-T D^-1 x for the bodies of subtree q, x from :func:`eliminate_subtree`, after all later subtrees."""
     symbolic, size_n = work.factor.symbolic, work.problem.n
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
-    backward_substitution(symbolic, begin, end, work.factor.squares, work.factor.panels, work.iterates.correction, size_n)
+    backward_substitution(symbolic, begin, end, work.factor.squares, work.factor.panels, work.iterates.correction, line, size_n)
     first, last = nodes_of(symbolic, q)
     size = (last - first) * len(size_n)
     v, x = work.iterates.v[first:last].reshape(size), work.iterates.correction[first:last].reshape(size)
