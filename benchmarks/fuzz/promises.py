@@ -6,9 +6,11 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from structures.files import foreign
+
 LONGEST = 1000  # characters of a line that a person reads
 SECONDS = 30.0  # of processor time
-MEMORY = 3.0e9  # resident [B]; the programs that read foreign files have a limit of their own
+MEMORY = float(foreign.MEMORY)  # resident [B]: what a program that reads foreign files may take
 ERROR, WARNING = "masonry-cd: error: ", "masonry-cd: warning: "
 STOPPED = re.compile(r"masonry-cd: interrupted.*|masonry-cd: go on with: .*|.*finishing the step.*")
 NOTES = re.compile(r"compiling the kernels.*|building .*")
