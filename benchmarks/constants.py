@@ -157,10 +157,13 @@ SWITCHED: dict[str, Any] = {
     "LOOK": 10**9,
     "TRIALS": (),
     "WORTH": 1e6,
-    "ADMM_LIMIT": 10**9,
+    "GLANCE": 120.0,
+    "CLOSE": 0.0,  # ADMM does not go on
     "NEWTON_LIMIT": 50,
     "SWEEPS": (10**9, 0),  # none
     "SWEEP_SHARE": 1.0,
+    "PATIENCE": 1e6,
+    "CHEAP": 0.0,
     "BUDGET": 1e12,
     "COLD_BUDGET": 1e12,
 }

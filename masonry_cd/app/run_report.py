@@ -30,6 +30,7 @@ class RunReport:
     error_max: float = 0.0
     steps_as_before: int = 0  # steps that the impulses of the step before solved: no iteration
     steps_missed: int = 0  # steps whose natural map error is above the tolerance
+    steps_accepted: int = 0  # those of them whose error the scene accepts
     steps_apart: int = 0  # steps that solved impacts apart from forces
     islands_mean: float = 0.0  # see dynamics/islands.py
     islands_max: int = 0
@@ -116,6 +117,7 @@ class RunReport:
             self.closing_max = max(self.closing_max, step.closing.speed)
         self.steps_as_before += step.iterations == 0 and step.contacts > 0
         self.steps_missed += not step.error <= tolerance
+        self.steps_accepted += step.accepted
         self.steps_apart += step.apart
         self.islands_mean += (step.islands - self.islands_mean) / (n + 1)
         self.islands_max = max(self.islands_max, step.islands)

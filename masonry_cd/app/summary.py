@@ -51,6 +51,8 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
             "error_max": report.error_max,
             "error_mean": report.error_mean,
             "steps_missed": report.steps_missed,
+            "accept": settings.accepted,
+            "steps_accepted": report.steps_accepted,
             "reasons": report.solver_reasons,
         },
         "islands": {"mean": report.islands_mean, "max": report.islands_max, "sleeping_mean": report.sleeping_mean},
@@ -141,8 +143,10 @@ def run_warnings(summary: dict[str, Any]) -> list[str]:
     """Steps that missed their tolerance, and a run that ended early."""
     solver, lines = summary["solver"], []
     if solver["steps_missed"]:
+        beyond = solver["steps_missed"] - solver["steps_accepted"]
         lines.append(
-            f"{solver['steps_missed']} of {summary['steps']} steps missed the tolerance {solver['tolerance']:g}; "
+            f"{solver['steps_missed']} of {summary['steps']} steps missed the tolerance {solver['tolerance']:g}, "
+            f"{beyond or 'none'} of them by more than is accepted ({solver['accept']:g}); "
             f"the largest error is {solver['error_max']:.1e} (each step's: solver/error in result.h5)"
         )
     closing = summary["closing"]

@@ -56,7 +56,15 @@ def _step_to_rest(trial: Stepper) -> None:
 def _trial(stepper: Stepper) -> Stepper:
     """A stepper of the same blocks and plane that settles."""
     a, settings = stepper.assembly, stepper.settings
-    own = {"dt": _step(stepper), "theta": 1.0, "tolerance": 1e-12, "max_iterations": None, "solver": "auto", "planar": False}
+    own = {
+        "dt": _step(stepper),
+        "theta": 1.0,
+        "tolerance": 1e-12,
+        "accept": 1e-12,
+        "max_iterations": None,
+        "solver": "auto",
+        "planar": False,
+    }
     held, pull = stepper.system.loads.at_rest()
     damped = replace(a, laws=replace(a.laws, theta=np.ones_like(a.laws.theta)))
     return Stepper(damped, held, pull, settings.model_copy(update=own), stepper.state, plane=stepper.plane)

@@ -153,7 +153,10 @@ class Islands:
             name = int(first[i])
             velocity = None if start.velocity is None else start.velocity[members]
             begin = Solution(impulse[own], velocity, 0, memory=memory.get(name, {}))
-            solved = self.solver(problem.part(own, members, place), replace(options, tolerance=float(groups.tolerance[i])), begin)
+            own_tolerance = float(groups.tolerance[i])
+            accept = options.accept * own_tolerance / options.tolerance
+            to_do = replace(options, tolerance=own_tolerance, accept=accept)
+            solved = self.solver(problem.part(own, members, place), to_do, begin)
             impulse[own], memory[name] = solved.impulse, solved.memory
             self._hard[name] |= solved.iterations > EASY
             if kind == FORCES:

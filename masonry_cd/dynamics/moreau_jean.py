@@ -69,6 +69,7 @@ class StepReport(NamedTuple):
     sleeping: float = 0.0  # share of the blocks whose island was not solved
     overlapping: tuple[int, int] = (-1, -1)  # the blocks of the largest overlap
     closing: Closing | None = None  # what a step that missed its tolerance has left closing
+    accepted: bool = False  # the step missed its tolerance, by no more than the scene accepts
 
 
 class Solved(NamedTuple):
@@ -110,7 +111,7 @@ def _shifted(impulse: np.ndarray, normal: np.ndarray) -> np.ndarray:
 def _solve_cones(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None) -> Solved:
     """Find the impulses of contacts whose cones begin at zero, impacts apart from forces."""
     s, problem, start = system.settings, made.problem, made.start
-    options = Options(s.tolerance, s.max_iterations, s.seed + number - 1, system.threads)
+    options = Options(s.tolerance, s.max_iterations, s.seed + number - 1, system.threads, s.accepted)
     impact = _impact(system, made)
     islands.link(problem, start.impulse, s.tolerance)
     if impact is None:
@@ -218,6 +219,7 @@ class Stepper:
             self.islands.sleeping,
             deepest.blocks,
             closing,
+            not met and solved.error <= self.settings.accepted,
         )
 
     @property

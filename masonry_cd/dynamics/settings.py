@@ -11,6 +11,7 @@ from masonry_cd.fields import Count, Flag, Number, Table, Vector
 from masonry_cd.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 from masonry_cd.solvers.solver_name import SolverName
 
+ACCEPT = 10.0  # natural map error that is accepted, in tolerances
 MOST_STEPS = 2e7  # of a run: some 4 GB of loads
 
 
@@ -27,6 +28,8 @@ class Run(Table):
     """Of the friction problem of each step."""
     tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-8
     """Natural map error that each step has to reach."""
+    accept: Annotated[Number, Field(gt=0, lt=1)] | None = None
+    """Natural map error at which a step may be left that would cost far more than others; ten times the tolerance when not given."""
     max_iterations: Annotated[Count, Field(ge=1, le=MOST_ITERATIONS)] | None = None
     """Iterations of each island after which a step counts as missed; the solver's own limit when not given."""
     seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0
@@ -47,14 +50,21 @@ class Run(Table):
     """[m/s2]."""
 
     @model_validator(mode="after")
-    def _at_least_a_step(self) -> Run:
+    def _fits(self) -> Run:
         if self.duration < self.dt:
             raise ValueError(f"duration {self.duration:g} s is shorter than one step dt {self.dt:g} s")
+        if self.accept is not None and self.accept < self.tolerance:
+            raise ValueError(f"accept {self.accept:g} is below the tolerance {self.tolerance:g}")
         if self.duration > MOST_STEPS * self.dt:
             raise ValueError(
                 f"duration {self.duration:g} s takes {self.duration / self.dt:.2g} steps of dt {self.dt:g} s; at most {MOST_STEPS:g}"
             )
         return self
+
+    @property
+    def accepted(self) -> float:
+        """Natural map error at which a step may be left that costs far more than others."""
+        return ACCEPT * self.tolerance if self.accept is None else self.accept
 
     @property
     def steps(self) -> int:

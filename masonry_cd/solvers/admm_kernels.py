@@ -6,6 +6,8 @@ the others compute. What they decide they all decide alike, from the same number
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from masonry_cd.friction.natural_map import size_of
@@ -24,6 +26,8 @@ SWITCH, WORSE = 40, 20  # iterations at one k after which it is reviewed, and wh
 WON = 0.1  # share of the error that may be left after as many iterations, or k changes
 BALANCE, ALL = 0.6, 0.95  # shares of the error that lie in the law: k falls below the one, grows above the other
 GROWTH, FALL = 5.0, 0.01  # factor by which k grows, and the least by which it falls, at a time
+LEG = 200  # iterations after which it is asked whether there is hope
+HOPE = 10.0  # times the limit: ADMM goes on while its last leg promises an end within that; legs are uneven
 SOFT, STIFF = 1.0, 1e6  # bounds of k
 SOFTEST = 1e-3  # k at which a factorisation that fails is not tried at a tenth of it again
 
@@ -54,6 +58,7 @@ def admm_bodies(
     p, new = work.iterates.even, work.iterates.odd
     smallest = before = error
     iterations, checked, switched, factorisations, ahead = 0, 0, 0, 0, False
+    reviewed, then = 0, error
     while iterations < limit and smallest > tolerance:
         if fresh:
             factorisations += 1
@@ -76,6 +81,10 @@ def admm_bodies(
         rate = error / change if change > 0.0 else 1.0
         keep_best(team, work, error, smallest, p)
         smallest = error if error < smallest else smallest
+        if iterations - reviewed >= LEG:
+            if smallest > tolerance and is_hopeless(then, smallest, tolerance, iterations, reviewed, limit):
+                limit = iterations
+            reviewed, then = iterations, smallest
         ends = iterations == limit and smallest > tolerance  # the next step begins with a k that suits this one better
         if ends or iterations - switched >= SWITCH or (iterations - switched >= WORSE and error > before):
             if ends or not error < WON * before:
@@ -237,6 +246,13 @@ def keep_best(team, work, error, smallest, p):
         copy_flat(iterates.best[c0:c1], p[c0:c1])
         copy_flat(iterates.best_v[b0:b1], iterates.v[b0:b1])
     wait(team)
+
+
+@borrower()
+def is_hopeless(then, now, tolerance, iterations, since, limit):
+    """Whether an error that fell as it did since an iteration, from ``then`` to ``now``, takes HOPE times the limit to the tolerance."""
+    gained, missing = math.log(then / now), math.log(now / tolerance)
+    return iterations * gained + (iterations - since) * missing > HOPE * limit * gained
 
 
 @borrower()

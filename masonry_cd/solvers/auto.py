@@ -8,13 +8,18 @@
 2. A step begins with ADMM or with Newton's method, whichever cost less when a step last began with it. An ADMM iteration propagates the
    error through the whole structure and is cheap; a Newton iteration is expensive, but few are needed if it starts close. Steps 4, 16, 64,
    256 ... begin with the other one, unless a single iteration of it costs more than a step of the first. What ADMM does not solve at the
-   cost of WORTH iterations of Newton, nor Newton in NEWTON_LIMIT, the other one goes on with.
+   cost of GLANCE iterations of Newton, nor Newton in NEWTON_LIMIT, the other one goes on with. After a step that Newton did not end it is
+   not asked, but in every LOOK-th step. Where the error is then CLOSE to the tolerance ADMM goes on, for as long as it gets on, to the cost
+   of WORTH iterations of Newton: it creeps to 1e-3 at a tenth of what other methods take, but hardly ever to 1e-8.
 3. What neither solves (a structure that slides or rocks as a whole) goes to the interior point method, which starts near the impulses of
    the last step, not where the others got stuck, within a BUDGET; then to Newton again. Structures slide for many steps: after a step that
    needed it (but for the first of all, which begins without impulses) the interior point method comes first, and every LOOK-th step begins
    as usual, to see whether the sliding is over.
 4. Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that sweeps of Gauss-Seidel get far. Where
    SWEEPS of them cost at most SWEEP_SHARE of the interior point method's first start, they follow it, and Newton them.
+
+5. A step that has cost PATIENCE times what steps usually do, and more than is CHEAP, ends where its error is small enough for the scene to
+   accept (``run.accept``). It counts as one that missed its tolerance.
 
 **Costs** are counted, not timed: contacts, and operations by the pattern of the factorisation, each with a weight. The choice, and with it
 every bit of the result, is then the same on every machine. ``python -m benchmarks.constants`` shows what each constant gains.
@@ -32,7 +37,7 @@ from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
 from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.solvers import admm, interior, newton, nlgs
-from masonry_cd.solvers.options import Options
+from masonry_cd.solvers.options import MOST_ITERATIONS, Options
 
 ADMM, NEWTON, INTERIOR, NLGS = 0, 1, 2, 3
 METHODS = (admm, newton, interior, nlgs)
@@ -51,10 +56,16 @@ LOOK = 8  # steps
 TRIALS = tuple(4**k for k in range(1, 16))  # steps that begin with the other one
 
 # Limits of a turn, in iterations.
-WORTH = 10.0  # iterations of Newton; what costs more of ADMM's is given up: Newton would surely have been cheaper
-ADMM_LIMIT = 200
+GLANCE = 10.0  # of Newton, at whose cost ADMM is left at first: what costs more Newton may do for less
+CLOSE = 100.0  # error, in tolerances, from which ADMM goes on
+WORTH = 120.0  # and at whose cost it is given up: what the interior point method's first start may cost
 NEWTON_LIMIT = 16
 SWEEPS = (2000, 20000)  # sweeps: fewer lead nowhere, more are not made
+
+# What a step may cost.
+PATIENCE = 5.0  # times the usual cost of a step, after which an error will do that the scene accepts
+CHEAP = 1e5  # a tenth of a second, which a step may always cost
+RATE, MORE = 1 / 16, 3.0  # of what is learnt about the usual cost from a step, and the most that it counts, in times of it
 
 # Costs, in microseconds on the machine of the fit: of a call of ADMM and of Newton, and of an iteration, by what :func:`work` counts, by
 # ``benchmarks.costs`` fitted to 14 shaken scenes of 1 to 5,008 blocks in a plane and in space. They meet most of what was measured to 15 %.
@@ -87,20 +98,23 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
             velocity = problem.body_velocity(start.impulse) if isinstance(problem, FrictionProblem) else None
             return Solution(start.impulse.copy(), velocity, 0, "as in the last step: converged", known.beside(start.memory), error)
     costs, memory = _costs(problem, known, start)
-    first, search = known.first(), _Search(problem, options, start, memory)
+    first, search = known.first(), _Search(problem, options, start, memory, costs, known.allowance())
     nearly = error <= NEARLY * options.tolerance
     known.deeper = nearly and error > options.tolerance
     usual = not known.slides or known.steps % LOOK == 0
-    order = turns(problem, first, costs, start is None)
+    opening, hard = openings(first, costs, known), turns(problem, costs, start is None)
     if nearly:
-        search.turn(first, min(order[0][1], DEEP_LIMIT), deeper)
-    for method, limit in order if usual else [*order[2:], *order[:2]]:
-        if search.ended:
-            break
+        search.turn(first, min(opening[0][1], DEEP_LIMIT), deeper)
+    for method, limit in opening if usual else hard:
+        search.turn(method, limit)
+    if usual and search.error <= CLOSE * options.tolerance:
+        search.turn(ADMM, iterations_worth(WORTH, costs))
+    for method, limit in hard if usual else opening:
         search.turn(method, limit)
     if usual:
         known.slides = known.steps > 0 and search.iterations[INTERIOR] > 0
-    known.learn(first, [spent(costs, method, search.iterations[method]) for method in (ADMM, NEWTON)])
+        known.stalls = known.stalls if search.stalled is None else search.stalled
+    known.learn(first, [spent(costs, method, search.iterations[method]) for method in (ADMM, NEWTON)], search.cost)
     return search.solution(known)
 
 
@@ -115,20 +129,21 @@ class Experience:
     deeper: bool = False  # whether the last step was solved deeper than asked, because it began close to the solution
     error: float = 0.0  # at the last start looked at
     slides: bool = False  # whether the last step begun as usual, but for the first of all, needed the interior point method
+    stalls: bool = False  # whether Newton did not end the last step in which it had a turn before the interior point method
+    usual: float = 0.0  # cost of a step, where one that costs more is counted as MORE times as much; 0: none but the first was solved
 
     @classmethod
     def recall(cls, start: Solution | None) -> Experience:
         """That of the step before, or a new one."""
         if start is None or "auto_tally" not in start.memory:
             return cls()
-        admm_cost, newton_cost, steps, contacts, *costs, deeper, error, slides = start.memory["auto_tally"].tolist()
-        return cls(
-            [admm_cost, newton_cost], int(steps), int(contacts), (costs[0], costs[1], costs[2], costs[3]), bool(deeper), error, bool(slides)
-        )
+        admm_cost, newton_cost, steps, contacts, *costs, deeper, error, slides, stalls, usual = start.memory["auto_tally"].tolist()
+        known = (costs[0], costs[1], costs[2], costs[3])
+        return cls([admm_cost, newton_cost], int(steps), int(contacts), known, bool(deeper), error, bool(slides), bool(stalls), usual)
 
     def beside(self, memory: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The memory of the methods, and this one (11,)."""
-        own = (*self.cost, self.steps, self.contacts, *self.costs, self.deeper, self.error, self.slides)
+        """The memory of the methods, and this one (13,)."""
+        own = (*self.cost, self.steps, self.contacts, *self.costs, self.deeper, self.error, self.slides, self.stalls, self.usual)
         return memory | {"auto_tally": np.array(own, dtype=float)}
 
     def first(self) -> int:
@@ -137,9 +152,18 @@ class Experience:
         hopeless = spent(self.costs, 1 - cheaper, 1) > self.cost[cheaper]
         return 1 - cheaper if self.steps in TRIALS and not hopeless else cheaper
 
-    def learn(self, first: int, costs: Sequence[float]) -> None:
-        """Take in what ADMM and Newton cost in a step. If the other one had to help, that is a first guess of its cost in its own turn."""
+    def allowance(self) -> float:
+        """What a step may cost whose error is small enough to be accepted."""
+        return max(PATIENCE * self.usual, CHEAP) if self.usual else np.inf
+
+    def learn(self, first: int, costs: Sequence[float], whole: float) -> None:
+        """Take in what ADMM and Newton cost in a step, and the ``whole`` of it.
+
+        If the other one of the two had to help, that is a first guess of its cost in its own turn.
+        """
         other = 1 - first
+        if self.steps > 0:  # the first one starts cold
+            self.usual += RATE * (min(whole, MORE * self.usual) - self.usual) if self.usual else whole
         self.steps += 1
         if sum(costs) > 0.0:  # else nothing happened
             self.cost[first] = sum(costs)
@@ -150,38 +174,66 @@ class Experience:
 class _Search:
     """The best answer so far, and the way to it."""
 
-    def __init__(self, problem: Problem, options: Options, start: Solution | None, memory: dict[str, np.ndarray]) -> None:
-        self.problem, self.options, self.memory = problem, options, memory
+    def __init__(
+        self, problem: Problem, options: Options, start: Solution | None, memory: dict[str, np.ndarray], costs: Costs, allowance: float
+    ) -> None:
+        self.problem, self.options, self.memory, self.costs, self.allowance = problem, options, memory, costs, allowance
         self.start, self.best = start or Solution(np.zeros((problem.contacts, problem.dimension)), None, 0), start
-        self.error = np.inf
+        self.error, self.accepted = np.inf, False
+        self.stalled: bool | None = None  # whether Newton, where it had a turn before the interior point method, did not end the step
         self.iterations = [0, 0, 0, 0]  # by method
         self.story: list[str] = []
 
     @property
     def ended(self) -> bool:
-        """Whether the tolerance or the limit of iterations is reached."""
-        return self.error <= self.options.tolerance or sum(self.iterations) == self.options.max_iterations
+        """Whether the tolerance or a limit is reached."""
+        return self.accepted or self.error <= self.options.tolerance or sum(self.iterations) == self.options.max_iterations
+
+    @property
+    def cost(self) -> float:
+        """What all turns cost so far."""
+        admm, newton, interior, sweeps = self.iterations
+        cost = spent(self.costs, ADMM, admm) + spent(self.costs, NEWTON, newton + interior)
+        return cost + sweeps * sweep(self.problem) if sweeps else cost
+
+    def enough(self, method: int) -> int:
+        """Iterations of a method until the step has cost what is allowed."""
+        each = (self.costs[ADMM], self.costs[NEWTON], self.costs[NEWTON], sweep(self.problem))[method]
+        return int(min(max(self.allowance - self.cost, 0.0) / each, MOST_ITERATIONS))
 
     def turn(self, method: int, limit: int, tolerance: float | None = None) -> None:
-        """Give a method its turn, from the best impulses so far; the interior point method from those of the last step, but for sweeps."""
+        """Give a method its turn, from the best impulses so far; the interior point method from those of the last step, but for sweeps.
+
+        Where the error will do, it has no more than the step is allowed.
+        """
+        if self.ended:
+            return
         tolerance = self.options.tolerance if tolerance is None else tolerance
+        enough = self.enough(method) if method == INTERIOR or self.error <= self.options.accept else 0
+        if self.error <= self.options.accept:
+            limit = min(limit, enough)
+            if limit < (interior.TURN if method == INTERIOR else 1):
+                self.accepted = True
+                return
         if self.options.max_iterations is not None:
             limit = min(limit, self.options.max_iterations - sum(self.iterations))
         begin = self.start if method == INTERIOR and not self.iterations[NLGS] else self.best or self.start
         begin = Solution(begin.impulse, begin.velocity, 0, memory=self.memory)
-        options = Options(tolerance, limit, self.options.seed, self.options.threads)
+        options = Options(tolerance, limit, self.options.seed, self.options.threads, self.options.accept, enough)
         found = METHODS[method].solve(self.problem, options, begin)
         self.memory = found.memory or self.memory
         self.iterations[method] += found.iterations
         self.story.append(NAMES[method])
         error = natural_map_error(self.problem, found.impulse)
+        if method == NEWTON and not self.iterations[INTERIOR]:
+            self.stalled = error > tolerance
         if error < self.error or self.best is None:
             self.best, self.error = found, error
 
     def solution(self, known: Experience) -> Solution:
         """The best answer, with the memory of all."""
         assert self.best is not None
-        tried = " + ".join(self.story[:4]) + (" and so on" if len(self.story) > 4 else "")
+        tried = " + ".join(self.story[:5]) + (" and so on" if len(self.story) > 5 else "")
         end = "converged" if self.error <= self.options.tolerance else f"missed, error {self.error:.1e}"
         reason, memory = f"{tried}: {end}", known.beside(self.memory)
         return Solution(self.best.impulse, self.best.velocity, sum(self.iterations), reason, memory, self.error)
@@ -190,6 +242,11 @@ class _Search:
 def spent(costs: Costs, method: int, iterations: int) -> float:
     """Cost of a call of ADMM or Newton and its iterations."""
     return costs[2 + method] + iterations * costs[method] if iterations else 0.0
+
+
+def sweep(problem: Problem) -> float:
+    """Cost of a sweep of Gauss-Seidel."""
+    return SWEEP * max(entries(problem), 1)
 
 
 def work(problem: Problem, pattern: Pattern) -> np.ndarray:
@@ -206,23 +263,33 @@ def entries(problem: Problem) -> int:
     return int(problem.w.nnz)
 
 
-def turns(problem: Problem, first: int, costs: Costs, cold: bool) -> list[tuple[int, int]]:
-    """Methods with their limits of iterations, in their order.
+def openings(first: int, costs: Costs, known: Experience) -> list[tuple[int, int]]:
+    """How a step begins: ADMM and Newton with their limits of iterations, in their order."""
+    both = [(ADMM, iterations_worth(GLANCE, costs)), (NEWTON, NEWTON_LIMIT)]
+    if known.stalls and known.steps % LOOK:
+        return both[:1]
+    return both if first == ADMM else both[::-1]
+
+
+def iterations_worth(newton: float, costs: Costs) -> int:
+    """Iterations of ADMM that cost as much as some of Newton."""
+    return max(int(newton * costs[NEWTON] / costs[ADMM]), 1)
+
+
+def turns(problem: Problem, costs: Costs, cold: bool) -> list[tuple[int, int]]:
+    """How it goes on if that does not solve it: methods with their limits of iterations, in their order.
 
     Args:
         problem: to be solved.
-        first: ADMM or NEWTON, which begins.
-        costs: of the two.
+        costs: of ADMM and Newton.
         cold: whether there is no step before.
     """
     budget = COLD_BUDGET if cold else BUDGET
-    limits = (min(max(int(WORTH * costs[NEWTON] / costs[ADMM]), 1), ADMM_LIMIT), NEWTON_LIMIT)
     one_start = interior.affordable(0.0)  # iterations
     allowed = min(SWEEP_SHARE * one_start * costs[NEWTON], budget)
-    sweeps = min(int(allowed / (SWEEP * max(entries(problem), 1))), SWEEPS[1])
+    sweeps = min(int(allowed / sweep(problem)), SWEEPS[1])
     packed = [(INTERIOR, one_start), (NLGS, sweeps), (NEWTON, NEWTON_LIMIT)] if sweeps >= SWEEPS[0] else []
-    hard = [(INTERIOR, interior.affordable(budget / costs[NEWTON])), (NEWTON, NEWTON_LIMIT)]
-    return [(first, limits[first]), (1 - first, limits[1 - first]), *packed, *hard]
+    return [*packed, (INTERIOR, interior.affordable(budget / costs[NEWTON])), (NEWTON, NEWTON_LIMIT)]
 
 
 def _costs(problem: Problem, known: Experience, start: Solution | None) -> tuple[Costs, dict[str, np.ndarray]]:

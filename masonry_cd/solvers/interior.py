@@ -151,7 +151,7 @@ def _search(tries: list[Try], options: Options) -> tuple[np.ndarray, int, float]
             iterations += spent
             if reached < error:
                 best, error = impulse.copy(), reached
-            if error <= options.tolerance or iterations >= limit:
+            if error <= options.tolerance or iterations >= limit or (error <= options.accept and iterations >= options.enough):
                 return best, iterations, error
     return best, iterations, error
 

@@ -12,8 +12,8 @@ from masonry_cd.arrays import Stored
 from masonry_cd.linalg.ordering import FIELDS, Pattern
 from masonry_cd.solvers.admm import NAMES
 
-TALLIES = {"admm_tally": 8, "auto_tally": 11}  # numbers in each
-COUNTS = {"admm_tally": (1, 3), "auto_tally": (2, 3, 8, 10)}  # those of them that are whole numbers or flags
+TALLIES = {"admm_tally": 8, "auto_tally": 13}  # numbers in each
+COUNTS = {"admm_tally": (1, 3), "auto_tally": (2, 3, 8, 10, 11)}  # those of them that are whole numbers or flags
 POSITIVE = {"admm_tally": (0, 5), "auto_tally": ()}  # and those that a matrix is scaled by
 
 

@@ -15,6 +15,8 @@ class Options:
 
     Attributes:
         tolerance: natural map error (scaled, see ``masonry_cd.friction.problem``) at which to stop.
+        accept: natural map error that will do after ``enough`` iterations; 0: none above the tolerance. The solvers that begin again from
+            elsewhere, ``auto`` and ``interior``, look at it.
         max_iterations: None takes the solver's own limit.
         seed: of the random sweep order.
         threads: at most, of the solvers that can use more than one.
@@ -24,6 +26,8 @@ class Options:
     max_iterations: int | None = None
     seed: int = 0
     threads: int = 1
+    accept: float = 0.0
+    enough: int = 0
 
 
 def cores() -> int:

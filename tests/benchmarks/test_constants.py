@@ -23,11 +23,11 @@ def test_all_that_is_spent_is_counted() -> None:
 
 def test_a_switched_constant_shows_in_the_counts_and_is_put_back() -> None:
     """Without a limit that goes by what Newton costs, ADMM goes on; more of the same cost more."""
-    usual, limit = measure(SCENES["thrown walls"]), auto.WORTH
-    with switched("WORTH", SWITCHED["WORTH"]):
+    usual, limit = measure(SCENES["thrown walls"]), auto.GLANCE
+    with switched("GLANCE", SWITCHED["GLANCE"]):
         other = measure(SCENES["thrown walls"])
     assert other.iterations[auto.ADMM] > usual.iterations[auto.ADMM]
-    assert limit == auto.WORTH
+    assert limit == auto.GLANCE
     assert measure(SCENES["thrown walls"]).iterations == usual.iterations
 
 

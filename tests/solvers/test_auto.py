@@ -41,12 +41,12 @@ def test_limit_bounds_all_methods_together() -> None:
 def test_learns_which_method_to_begin_with() -> None:
     """After a step that ADMM could not finish, the next one begins with Newton; what is solved at the start teaches nothing."""
     problem = thrown(0.3)
-    first = solve(problem, Options(tolerance=1e-10), None)
-    assert first.reason.startswith("admm + newton")
+    first = solve(problem, Options(tolerance=1e-9), None)
+    assert first.reason == "admm + newton: converged"
     nearby = replace(problem, v_free=1.001 * problem.v_free)
-    second = solve(nearby, Options(tolerance=1e-10), Solution(first.impulse, None, 0, memory=first.memory))
+    second = solve(nearby, Options(tolerance=1e-9), Solution(first.impulse, None, 0, memory=first.memory))
     assert second.reason.startswith("newton")
-    again = solve(nearby, Options(tolerance=1e-10), Solution(second.impulse, None, 0, memory=second.memory))
+    again = solve(nearby, Options(tolerance=1e-9), Solution(second.impulse, None, 0, memory=second.memory))
     assert again.iterations == 0
     assert auto.Experience.recall(again).cost == auto.Experience.recall(second).cost
 
@@ -59,7 +59,7 @@ def chosen(costs_by_step: dict[int, list[float]], steps: int, costs: auto.Costs 
         row = row + 1 if out and out[-1] == method else 0
         own, step = costs_by_step[method], [0.0, 0.0]
         step[method] = own[min(row, len(own) - 1)]
-        known.learn(method, step)
+        known.learn(method, step, sum(step))
         out.append(method)
     return np.array(out)
 
@@ -86,15 +86,44 @@ def test_no_trial_where_a_single_iteration_is_more_expensive() -> None:
 def test_a_method_that_helps_shows_what_it_costs() -> None:
     """What Newton took to finish a step is a first guess of what it costs in its own turn; a step without iterations shows nothing."""
     known = auto.Experience()
-    known.learn(auto.ADMM, [200.0, 100.0])
+    known.learn(auto.ADMM, [200.0, 100.0], 300.0)
     assert (known.cost, known.first()) == ([300.0, 100.0], auto.NEWTON)
-    known.learn(auto.NEWTON, [0.0, 0.0])
+    known.learn(auto.NEWTON, [0.0, 0.0], 0.0)
     assert known.cost == [300.0, 100.0]
+
+
+def test_a_step_may_cost_some_times_the_usual() -> None:
+    """The first step starts cold and does not count; a single step that costs far more hardly moves what is usual."""
+    known = auto.Experience()
+    known.learn(auto.ADMM, [9e6, 0.0], 9e6)
+    assert known.allowance() == np.inf
+    for _ in range(50):
+        known.learn(auto.ADMM, [1e5, 0.0], 1e5)
+    assert known.allowance() == pytest.approx(auto.PATIENCE * 1e5)
+    known.learn(auto.ADMM, [9e6, 0.0], 9e6)
+    assert known.allowance() < 1.2 * auto.PATIENCE * 1e5
+    known.usual = 1.0
+    assert known.allowance() == auto.CHEAP
+
+
+def test_an_accepted_error_ends_a_step_that_has_cost_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where ADMM stalls, the step ends with what it has found if that will do, and goes on to other methods if not."""
+    problem, glance = thrown(0.3), Options(tolerance=1e-10, accept=1e-1)
+    first = solve(problem, glance, None)
+    memory = first.memory | {"auto_tally": replace(auto.Experience.recall(first), usual=1.0, cost=[1.0, 2.0]).beside({})["auto_tally"]}
+    start, nearby = Solution(first.impulse, None, 0, memory=memory), replace(problem, v_free=1.3 * problem.v_free)
+    monkeypatch.setattr(auto, "CHEAP", 0.0)
+    monkeypatch.setattr(auto, "WORTH", 1.0)
+    left = solve(nearby, glance, start)
+    assert left.reason.startswith("admm: missed")
+    assert left.error is not None and 1e-10 < left.error <= 1e-1
+    exact = solve(nearby, Options(tolerance=1e-10), start)
+    assert exact.reason.startswith("admm + interior") and exact.error is not None and exact.error <= 1e-10
 
 
 def test_experience_survives_in_the_memory_of_a_solution() -> None:
     """All of it, beside what the methods keep."""
-    known = auto.Experience([3.0, 4.0], 5, 6, (7.0, 8.0, 9.0, 10.0), True, 11.0)
+    known = auto.Experience([3.0, 4.0], 5, 6, (7.0, 8.0, 9.0, 10.0), True, 11.0, True, True, 12.0)
     memory = known.beside({"other": np.ones(1)})
     assert auto.Experience.recall(Solution(np.zeros((1, 3)), None, 0, memory=memory)) == known
     assert "other" in memory
@@ -145,7 +174,7 @@ def test_sweeps_lead_on_in_packed_grains(monkeypatch: pytest.MonkeyPatch) -> Non
     solution = solve(problem, Options(tolerance=1e-8), None)
     assert natural_map_error(problem, solution.impulse) <= 1e-8
     assert "nlgs" in solution.reason
-    few = Options(tolerance=1e-8, max_iterations=400)  # the sweeps begin before that
+    few = Options(tolerance=1e-8, max_iterations=1500)  # the sweeps begin before that
     assert "nlgs" in solve(problem, few, None).reason
     monkeypatch.setattr(auto, "SWEEPS", (10**9, 0))
     assert "nlgs" not in solve(problem, few, None).reason
@@ -155,16 +184,38 @@ def test_sweeps_come_where_they_are_cheap() -> None:
     """Between two turns of the interior point method, where its first start costs more than they do."""
     problem = scenes.wall(3, 4)
     sweep = auto.SWEEP * auto.entries(problem)
-    usual, hard = [auto.ADMM, auto.NEWTON], [auto.INTERIOR, auto.NEWTON]
-    for newton, methods in ((1.0, usual + hard), (100.0 * sweep, [*usual, auto.INTERIOR, auto.NLGS, auto.NEWTON, *hard])):
-        turns = auto.turns(problem, auto.ADMM, (1.0, newton, 0.0, 0.0), cold=False)
+    hard = [auto.INTERIOR, auto.NEWTON]
+    for newton, methods in ((1.0, hard), (100.0 * sweep, [auto.INTERIOR, auto.NLGS, auto.NEWTON, *hard])):
+        turns = auto.turns(problem, (1.0, newton, 0.0, 0.0), cold=False)
         assert [method for method, _ in turns] == methods
 
 
 def test_limits_follow_costs() -> None:
-    """ADMM is given up where Newton would surely have been cheaper; a step may cost less than a problem that is solved once."""
-    problem = scenes.wall(3, 4)
-    assert auto.turns(problem, auto.ADMM, (1.0, 3.0, 0.0, 0.0), cold=False)[0] == (auto.ADMM, int(3 * auto.WORTH))
-    assert auto.turns(problem, auto.NEWTON, (1.0, 1e3, 0.0, 0.0), cold=False)[:2] == [(auto.NEWTON, 16), (auto.ADMM, auto.ADMM_LIMIT)]
-    step, once = (dict(auto.turns(problem, auto.ADMM, (1.0, 1e4, 0.0, 0.0), cold))[auto.INTERIOR] for cold in (False, True))
+    """A problem that is solved once may cost more than a step."""
+    problem, costs = scenes.wall(3, 4), (1.0, 1e4, 0.0, 0.0)
+    step, once = (dict(auto.turns(problem, costs, cold))[auto.INTERIOR] for cold in (False, True))
     assert step < once
+
+
+def test_newton_is_not_asked_after_a_step_that_it_did_not_end() -> None:
+    """Every eighth step is begun as if nothing were known."""
+    costs, newton = (1.0, 3.0, 0.0, 0.0), (auto.NEWTON, auto.NEWTON_LIMIT)
+    glance = (auto.ADMM, int(3 * auto.GLANCE))
+    known = auto.Experience(steps=5)
+    assert auto.openings(auto.ADMM, costs, known) == [glance, newton]
+    assert auto.openings(auto.NEWTON, costs, known) == [newton, glance]
+    known.stalls = True
+    assert auto.openings(auto.NEWTON, costs, known) == [glance]
+    known.steps = auto.LOOK
+    assert auto.openings(auto.NEWTON, costs, known) == [newton, glance]
+
+
+def test_admm_goes_on_where_newton_stalls(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Newton, cut short here, does not end the step; ADMM does, and in the next one Newton is not asked."""
+    monkeypatch.setattr(auto, "NEWTON_LIMIT", 1)
+    problem = thrown(0.3)
+    first = solve(problem, Options(tolerance=1e-5), None)
+    assert first.reason == "admm + newton + admm: converged"
+    nearby = replace(problem, v_free=1.1 * problem.v_free)
+    second = solve(nearby, Options(tolerance=1e-5), Solution(first.impulse, None, 0, memory=first.memory))
+    assert second.reason == "admm + admm: converged"
