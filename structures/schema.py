@@ -7,8 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Height = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+LONGEST = 1e6  # measure [m]: rounding then parts corners that are computed twice by 1e-9 m, far less than what is taken for one corner
+Length = Annotated[float, Field(gt=0, le=LONGEST, allow_inf_nan=False)]
+Height = Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False)]
 Place = Annotated[float, Field(allow_inf_nan=False)]
 HeadShape = Literal["lintel", "flat", "segmental", "round"]
 

@@ -74,4 +74,5 @@ class Run(Table):
     @property
     def frame_every(self) -> int:
         """Steps between two frames."""
-        return max(1, round(1.0 / (self.frames_per_second * self.dt)))
+        frames = self.frames_per_second * self.dt  # of a step; so few that they have no reciprocal where none falls into any run
+        return max(1, round(1.0 / frames)) if frames * MOST_STEPS > 1.0 else int(MOST_STEPS)

@@ -198,6 +198,8 @@ def _fclib_matrix(path: Path, group: h5py.Group, name: str) -> sparse.csr_matrix
         if nz >= 0:
             return sparse.coo_matrix((x[:nz], (i[:nz], p[:nz])), (rows, columns)).tocsr()
         compressed = (sparse.csc_matrix if nz == -1 else sparse.csr_matrix)((x, i, p), (rows, columns))
+        if (np.diff(compressed.indptr) < 0).any():  # of a matrix whose last offset is 0 check_format looks at none
+            raise ValueError("the offsets in p should not decrease")
         compressed.check_format(full_check=True)
         return compressed.tocsr()
     except ValueError as failure:

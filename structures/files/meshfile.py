@@ -58,8 +58,8 @@ def read(path: Path, density: float, scale: float, up: str, repair: bool = False
             parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
         try:
             blocks.append(compound_block(name, parts, density, "block"))
-        except RuntimeError:
-            raise InputError(f'{path.name}: block "{name}": its cells do not share whole faces') from None
+        except InputError as failure:
+            raise InputError(f"{path.name}: {failure}") from None
     if not blocks:
         raise InputError(f"{path.name}: no blocks in it")
     return blocks

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, Polyhedron
 
@@ -23,18 +24,20 @@ def compound_block(name: str, parts: Sequence[tuple[np.ndarray, Faces]], density
         parts: vertices (V, 3) [m] and faces of each; parts that touch share whole faces, corner by corner.
 
     Raises:
-        RuntimeError: two parts do not share a face.
+        InputError: names the block; two parts do not share a face, or all faces are shared.
     """
     if len(parts) == 1:
         return Block(name, *parts[0], density, group)
     vertices, faces = _welded(parts)
     loops = {frozenset(face): face for face in faces}
     if len(faces) - len(loops) < len(parts) - 1:
-        raise RuntimeError(f'block "{name}": its parts do not share whole faces')
+        raise InputError(f'block "{name}": its parts do not share whole faces')
     count: dict[frozenset[int], int] = {}
     for face in faces:
         count[frozenset(face)] = count.get(frozenset(face), 0) + 1
     outer = [face for face in faces if count[frozenset(face)] == 1]
+    if not outer:
+        raise InputError(f'block "{name}": its parts have no face of their own; corners within {1e3 * GRID:g} mm are taken for one')
     used = sorted({i for face in outer for i in face})
     number = {old: new for new, old in enumerate(used)}
     shell = tuple(tuple(number[i] for i in face) for face in outer)

@@ -33,7 +33,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     """
     keys = with_defaults(parse_table(ChurchTable, table, "structure"))
     _fits(keys)
-    size.within(_estimate(keys), "block_length")
+    size.within(_estimate(keys), "gable" if (keys.gable or 0.0) > 10.0 * keys.height else "block_length")
     church = church_parts.Church.of(keys)
     walls = church_parts.walls(church)
     beds = beds_of(church, walls)
@@ -52,7 +52,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
 
 def _estimate(keys: ChurchTable) -> float:
     """About how many blocks a church has: the faces of its walls over that of a block."""
-    walls = (2.0 * keys.length + 4.0 * keys.width) * keys.height
+    walls = (2.0 * keys.length + 4.0 * keys.width) * keys.height + keys.width * (keys.gable or 0.0)
     if keys.tower:
         walls += 4.0 * keys.tower_side * keys.tower_height
     if keys.aisles:

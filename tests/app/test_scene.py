@@ -123,6 +123,12 @@ def test_frames_are_a_whole_number_of_steps_apart():
     assert Run(dt=0.05, duration=1.0, frames_per_second=100).frame_every == 1
 
 
+@pytest.mark.parametrize(("frames_per_second", "dt"), [(1e-308, 1e-3), (5e-324, 1e-3), (50.0, 5e-324), (1e-6, 1e-3)])
+def test_frames_further_apart_than_any_run_is_long(frames_per_second, dt):
+    run = Run(dt=dt, duration=10.0 * dt, frames_per_second=frames_per_second)
+    assert run.frame_every > run.steps
+
+
 def test_overrides_are_toml_values_and_else_text(write):
     changes = ["run.dt=2e-3", "loads[1].amplitude=0.5", "run.solver=nlgs", "run.gravity=[0, 0, -1.62]", "material.friction.arch-base=0.4"]
     scene = read_scene(write(GOOD.replace("friction = 0.6", "friction.default = 0.6")), changes)

@@ -297,6 +297,12 @@ def damaged(place: str, value: object) -> Callable[[h5py.File], None]:
     return change
 
 
+def empty(file: h5py.File) -> None:
+    """Offsets of H that run out of it and end as those of a matrix without entries."""
+    offsets = file["fclib_global/H/p"]
+    offsets[1:-1], offsets[-1] = 52, 0
+
+
 def external(file: h5py.File) -> None:
     del file["fclib_global/M/x"]
     file["fclib_global/M"].create_dataset("x", shape=(4,), dtype="f8", external=[("/dev/zero", 0, 32)])
@@ -314,11 +320,12 @@ def announced(file: h5py.File) -> None:
         (damaged("fclib_global/vectors", h5py.SoftLink("/fclib_global/vectors")), "p.hdf5: no HDF5 file that can be read"),
         (damaged("fclib_global/M", h5py.SoftLink("/nowhere")), "p.hdf5: no HDF5 file that can be read"),
         (damaged("fclib_global/M/x", h5py.ExternalLink("/etc/passwd", "/")), "p.hdf5: fclib_global/M/x lies in another file"),
+        (empty, "p.hdf5: fclib_global/H: the offsets in p should not decrease"),
         (external, "p.hdf5: fclib_global/M/x keeps its data in another file"),
         (announced, "p.hdf5: announces arrays of 8e+06 GB, at most 16 GB are read"),
     ],
 )
-def test_links_other_files_and_sizes_that_are_not_there(tmp_path: Path, change: Callable[[h5py.File], None], message: str) -> None:
+def test_links_offsets_other_files_and_sizes_that_are_not_there(tmp_path: Path, change: Callable[[h5py.File], None], message: str) -> None:
     write_problem(tmp_path / "p.hdf5", scenes.tower(3))
     with h5py.File(tmp_path / "p.hdf5", "r+") as file:
         change(file)

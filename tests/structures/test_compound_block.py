@@ -39,8 +39,14 @@ def test_it_stands_on_all_its_parts() -> None:
 
 
 def test_parts_that_share_no_face_are_refused() -> None:
-    with pytest.raises(RuntimeError, match="do not share whole faces"):
+    with pytest.raises(InputError, match=r'^block "two": its parts do not share whole faces$'):
         compound_block("two", [box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), box((1.0, 0.0, 0.0), (2.0, 0.5, 1.0))], 2000.0, "wall")
+
+
+def test_parts_in_the_same_place_are_refused() -> None:
+    part = box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    with pytest.raises(InputError, match=r'^block "two": its parts have no face of their own; corners within 0\.0001 mm'):
+        compound_block("two", [part, part], 2000.0, "wall")
 
 
 def test_parts_that_do_not_fill_the_block_are_refused() -> None:

@@ -13,7 +13,7 @@ import structures
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.geometry import mass_properties
+from masonry_cd.model.geometry import Polyhedron, mass_properties
 from structures.files import meshfile
 from structures.geometry.prism import prism_xz
 
@@ -46,6 +46,14 @@ def test_bent_blocks_keep_their_parts(tmp_path: Path, suffix: str) -> None:
     again = file(tmp_path, f"cross.{suffix}")
     assert sorted(len(b.parts) for b in again) == sorted(len(b.parts) for b in blocks)
     assert volumes(again) == pytest.approx(volumes(blocks), rel=1e-12)
+
+
+def test_cells_of_a_block_that_share_no_face_are_named(tmp_path: Path) -> None:
+    cells = [prism_xz(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, top], [0.0, top]]), y, y + 1.0) for y, top in ((0.0, 1.0), (1.0, 0.5))]
+    parts = tuple(Polyhedron(*cell) for cell in cells)
+    meshfile.write(tmp_path / "steps.vtu", [Block("steps", *cells[0], 2000.0, parts=parts)])
+    with pytest.raises(InputError, match=r'^steps\.vtu: block "b0": its parts do not share whole faces$'):
+        file(tmp_path, "steps.vtu")
 
 
 def test_a_vtkhdf_holds_every_part_and_whose_it_is(tmp_path: Path) -> None:
