@@ -13,8 +13,8 @@
    of WORTH iterations of Newton: it creeps to 1e-3 at a tenth of what other methods take, but hardly ever to 1e-8.
 3. What neither solves (a structure that slides or rocks as a whole) goes to the interior point method, which starts near the impulses of
    the last step, not where the others got stuck, within a BUDGET; then to Newton again. Structures slide for many steps: after a step that
-   needed it (but for the first of all, which begins without impulses) the interior point method comes first, and every LOOK-th step begins
-   as usual, to see whether the sliding is over.
+   it solved (but for the first of all, which begins without impulses) at a cost that rule 5 allows it comes first; and every LOOK-th step
+   begins as usual, to see whether the sliding is over.
 4. Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that sweeps of Gauss-Seidel get far. Where
    SWEEPS of them cost at most SWEEP_SHARE of the interior point method's first start, they follow it, and Newton them.
 
@@ -112,7 +112,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     for method, limit in hard if usual else opening:
         search.turn(method, limit)
     if usual:
-        known.slides = known.steps > 0 and search.iterations[INTERIOR] > 0
+        known.slides = known.steps > 0 and search.iterations[INTERIOR] > 0 and search.solved_at_a_usual_cost
         known.stalls = known.stalls if search.stalled is None else search.stalled
     known.learn(first, [spent(costs, method, search.iterations[method]) for method in (ADMM, NEWTON)], search.cost)
     return search.solution(known)
@@ -128,7 +128,7 @@ class Experience:
     costs: Costs = (0.0, 0.0, 0.0, 0.0)
     deeper: bool = False  # whether the last step was solved deeper than asked, because it began close to the solution
     error: float = 0.0  # at the last start looked at
-    slides: bool = False  # whether the last step begun as usual, but for the first of all, needed the interior point method
+    slides: bool = False  # whether the interior point method solved the last step begun as usual, not the first, at a usual cost
     stalls: bool = False  # whether Newton did not end the last step in which it had a turn before the interior point method
     usual: float = 0.0  # cost of a step, where one that costs more is counted as MORE times as much; 0: none but the first was solved
 
@@ -195,6 +195,11 @@ class _Search:
         admm, newton, interior, sweeps = self.iterations
         cost = spent(self.costs, ADMM, admm) + spent(self.costs, NEWTON, newton + interior)
         return cost + sweeps * sweep(self.problem) if sweeps else cost
+
+    @property
+    def solved_at_a_usual_cost(self) -> bool:
+        """Whether the tolerance is reached, for what is allowed to a step whose error will do."""
+        return self.error <= self.options.tolerance and self.cost <= self.allowance
 
     def enough(self, method: int) -> int:
         """Iterations of a method until the step has cost what is allowed."""
