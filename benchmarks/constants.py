@@ -139,6 +139,7 @@ SCENES: dict[str, Scene] = {
     "demo": _file("examples/aqueduct_sinusoidal.toml", "run.duration=0.5"),
     "church": _file("benchmarks/bits/church.toml"),
     "large church": _file("examples/church_sine.toml", "run.duration=0.1"),
+    "sliding church": _file("examples/church_sine.toml", "run.duration=0.8"),
     "debris": _file("benchmarks/bits/debris.toml"),
     "islands": _file("benchmarks/bits/islands.toml"),
     "elastic": _file("benchmarks/bits/elastic.toml"),

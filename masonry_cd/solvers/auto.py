@@ -14,7 +14,7 @@
 3. What neither solves (a structure that slides or rocks as a whole) goes to the interior point method, which starts near the impulses of
    the last step, not where the others got stuck, within a BUDGET; then to Newton again. Structures slide for many steps: after a step that
    it solved (but for the first of all, which begins without impulses) at a cost that rule 5 allows it comes first; and every LOOK-th step
-   begins as usual, to see whether the sliding is over.
+   begins as usual, to see whether the sliding is over, but ADMM does not go on in it.
 4. Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that sweeps of Gauss-Seidel get far. Where
    SWEEPS of them cost at most SWEEP_SHARE of the interior point method's first start, they follow it, and Newton them.
 
@@ -107,7 +107,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         search.turn(first, min(opening[0][1], DEEP_LIMIT), deeper)
     for method, limit in opening if usual else hard:
         search.turn(method, limit)
-    if usual and search.error <= CLOSE * options.tolerance:
+    if usual and not known.slides and search.error <= CLOSE * options.tolerance:
         search.turn(ADMM, iterations_worth(WORTH, costs))
     for method, limit in hard if usual else opening:
         search.turn(method, limit)
