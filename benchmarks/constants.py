@@ -30,9 +30,6 @@ import scenes as problems
 from benchmarks import ours
 from benchmarks.scenes import GRAVITY, BenchScene, arcade, arch, tower, wall
 from benchmarks.sitting import head
-from masonry_cd.app.case import prepare
-from masonry_cd.app.scene import read_scene
-from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, natural_map_error
@@ -80,11 +77,8 @@ def _file(path: str, *changes: str) -> Scene:
     """The steps of a scene file."""
 
     def run(factor: float, spent: Spent) -> None:
-        case = prepare(read_scene(ROOT / path, list(changes)))
-        loading, settings = case.loading, case.scene.run
-        machine = Stepper(case.assembly, factor * loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
-        settle(machine)
-        _step(machine, settings.steps, spent)
+        machine = ours.stepper_of_file(ROOT / path, changes, factor)
+        _step(machine, machine.settings.steps, spent)
 
     return run
 

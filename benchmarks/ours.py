@@ -13,15 +13,19 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from math import nan
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from benchmarks.counters import Counters
 from benchmarks.scenes import GRAVITY, BenchScene, scene, tower
+from masonry_cd.app.case import prepare
+from masonry_cd.app.scene import read_scene
+from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.solvers import SOLVERS
@@ -74,6 +78,25 @@ def stepper(made: BenchScene, steps: int, solver: str = "auto", tolerance: float
     velocity = np.zeros((steps + 1, 1, 3))
     velocity[:, 0, 0] = made.base_velocity(steps)
     return Stepper(made.assembly(), velocity, np.tile([0.0, 0.0, -GRAVITY], (steps + 1, 1)), run)
+
+
+def stepper_of_file(path: Path, changes: Sequence[str] = (), factor: float = 1.0) -> Stepper:
+    """A stepper at the start of a scene file, settled on its joints.
+
+    Args:
+        path: of the scene.
+        changes: of its keys, as for ``--set``.
+        factor: by which its supports are shaken more.
+
+    Raises:
+        InputError: anything wrong with the scene.
+    """
+    case = prepare(read_scene(path, list(changes)))
+    loading, settings = case.loading, case.scene.run
+    machine = Stepper(case.assembly, factor * loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
+    if settings.settle:
+        settle(machine)
+    return machine
 
 
 def measure(made: BenchScene, steps: int | None = None, solver: str = "auto", tolerance: float = 1e-8, **settings: Any) -> Measured:

@@ -1,7 +1,7 @@
 r"""Where the time of a shaken scene goes: step by step, phase by phase, and solver by solver.
 
     python -m benchmarks.profile examples/aqueduct_sinusoidal.toml
-    python -m benchmarks.profile benchmarks/scenes/church315.toml --set run.duration=2 --json
+    python -m benchmarks.profile examples/church_sine.toml --set run.duration=1 --json
 
 The first table has the steps: under strong shaking a few of them may cost more than all the others. The second has the phases of a step.
 The third has what each method did: an iteration's time and instructions per contact, and the bytes that it reads at least, the arrays of
@@ -17,21 +17,19 @@ import json
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, field
 from math import nan
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
 from benchmarks.counters import Counters
+from benchmarks.ours import stepper_of_file
 from benchmarks.sitting import head, sitting
-from masonry_cd.app.case import prepare
-from masonry_cd.app.scene import read_scene
 from masonry_cd.dynamics import moreau_jean
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
 from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.linalg.symbolic import SymbolicFactor
@@ -80,13 +78,10 @@ def profile(path: Path, changes: Sequence[str] = ()) -> Profile:
     Raises:
         InputError: anything wrong with the scene.
     """
-    case = prepare(read_scene(path, list(changes)))
-    loading, settings = case.loading, case.scene.run
-    machine = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
-    settle(machine)
-    out = Profile(path.name, case.assembly.count, settings.tolerance, bandwidth=_bandwidth())
+    machine = stepper_of_file(path, changes)
+    out = Profile(path.name, machine.assembly.count, machine.settings.tolerance, bandwidth=_bandwidth())
     with _watched(out):
-        for _ in range(settings.steps):
+        for _ in range(machine.settings.steps):
             begin = time.process_time()
             report = machine.step()
             out.seconds.append(time.process_time() - begin)
@@ -132,14 +127,10 @@ def _watched(out: Profile) -> Iterator[None]:
         (interior, "linearised_bodies", method(interior.linearised_bodies, lambda kind, *_: NAMES[kind])),
         (nlgs, "nlgs_bodies", method(nlgs.nlgs_bodies, lambda *_: "nlgs")),
     ]
-    kept = [(owner, name, getattr(owner, name)) for owner, name, _ in places]
-    for owner, name, watched in places:
-        setattr(owner, name, watched)
-    try:
+    with ExitStack() as stack:
+        for owner, name, watched in places:
+            stack.enter_context(patch.object(owner, name, watched))
         yield
-    finally:
-        for owner, name, own in kept:
-            setattr(owner, name, own)
 
 
 def _problem_of(arguments: Sequence[Any]) -> ProblemArrays:

@@ -189,7 +189,7 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
         admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity
     )
     tally.learn(k, k_end, iterations, factorisations)
-    return Solution(impulse, velocity, iterations, _reason(error, options), memory.arrays())
+    return Solution(impulse, velocity, iterations, _reason(error, options, iterations < limit), memory.arrays())
 
 
 def recall(bodies: np.ndarray, count: int, n: int, start: Solution | None) -> tuple[Memory, np.ndarray, np.ndarray]:
@@ -211,9 +211,11 @@ def recall(bodies: np.ndarray, count: int, n: int, start: Solution | None) -> tu
     return memory, index, block
 
 
-def _reason(error: float, options: Options) -> str:
-    """Say how it ended."""
-    return "admm: converged" if error <= options.tolerance else f"admm: iteration limit reached at an error of {error:.1e}"
+def _reason(error: float, options: Options, given_up: bool = False) -> str:
+    """Say how it ended; given up is what has no hope of an end or no definite matrix."""
+    if error <= options.tolerance:
+        return "admm: converged"
+    return f"admm: {'given up' if given_up else 'iteration limit reached'} at an error of {error:.1e}"
 
 
 def _solve_local(problem: LocalProblem, options: Options, impulse: np.ndarray, limit: int) -> Solution:

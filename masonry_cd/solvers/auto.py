@@ -98,13 +98,14 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
             velocity = problem.body_velocity(start.impulse) if isinstance(problem, FrictionProblem) else None
             return Solution(start.impulse.copy(), velocity, 0, "as in the last step: converged", known.beside(start.memory), error)
     costs, memory = _costs(problem, known, start)
-    first, search = known.first(), _Search(problem, options, start, memory, costs, known.allowance())
+    search = _Search(problem, options, start, memory, costs, known.allowance())
     nearly = error <= NEARLY * options.tolerance
     known.deeper = nearly and error > options.tolerance
     usual = not known.slides or known.steps % LOOK == 0
-    opening, hard = openings(first, costs, known), turns(problem, costs, start is None)
+    opening, hard = openings(known.first(), costs, known), turns(problem, costs, start is None)
+    first, limit = opening[0]
     if nearly:
-        search.turn(first, min(opening[0][1], DEEP_LIMIT), deeper)
+        search.turn(first, min(limit, DEEP_LIMIT), deeper)
     for method, limit in opening if usual else hard:
         search.turn(method, limit)
     if usual and not known.slides and search.error <= CLOSE * options.tolerance:
@@ -138,8 +139,8 @@ class Experience:
         if start is None or "auto_tally" not in start.memory:
             return cls()
         admm_cost, newton_cost, steps, contacts, *costs, deeper, error, slides, stalls, usual = start.memory["auto_tally"].tolist()
-        known = (costs[0], costs[1], costs[2], costs[3])
-        return cls([admm_cost, newton_cost], int(steps), int(contacts), known, bool(deeper), error, bool(slides), bool(stalls), usual)
+        counted = (costs[0], costs[1], costs[2], costs[3])
+        return cls([admm_cost, newton_cost], int(steps), int(contacts), counted, bool(deeper), error, bool(slides), bool(stalls), usual)
 
     def beside(self, memory: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The memory of the methods, and this one (13,)."""
@@ -214,7 +215,7 @@ class _Search:
         if self.ended:
             return
         tolerance = self.options.tolerance if tolerance is None else tolerance
-        enough = self.enough(method) if method == INTERIOR or self.error <= self.options.accept else 0
+        enough = self.enough(method) if method == INTERIOR or self.error <= self.options.accept else MOST_ITERATIONS
         if self.error <= self.options.accept:
             limit = min(limit, enough)
             if limit < (interior.TURN if method == INTERIOR else 1):
@@ -231,7 +232,7 @@ class _Search:
         self.story.append(NAMES[method])
         error = natural_map_error(self.problem, found.impulse)
         if method == NEWTON and not self.iterations[INTERIOR]:
-            self.stalled = error > tolerance
+            self.stalled = error > self.options.tolerance
         if error < self.error or self.best is None:
             self.best, self.error = found, error
 

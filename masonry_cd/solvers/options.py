@@ -15,11 +15,11 @@ class Options:
 
     Attributes:
         tolerance: natural map error (scaled, see ``masonry_cd.friction.problem``) at which to stop.
-        accept: natural map error that will do after ``enough`` iterations; 0: none above the tolerance. The solvers that begin again from
-            elsewhere, ``auto`` and ``interior``, look at it.
+        accept: natural map error that will do for a step that has cost enough; 0: none above the tolerance. ``auto`` knows what is enough.
         max_iterations: None takes the solver's own limit.
         seed: of the random sweep order.
         threads: at most, of the solvers that can use more than one.
+        enough: iterations after which ``interior`` stops where the error will do.
     """
 
     tolerance: float = 1e-8
@@ -27,7 +27,7 @@ class Options:
     seed: int = 0
     threads: int = 1
     accept: float = 0.0
-    enough: int = 0
+    enough: int = MOST_ITERATIONS
 
 
 def cores() -> int:

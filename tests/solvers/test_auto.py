@@ -219,3 +219,14 @@ def test_admm_goes_on_where_newton_stalls(monkeypatch: pytest.MonkeyPatch) -> No
     nearby = replace(problem, v_free=1.1 * problem.v_free)
     second = solve(nearby, Options(tolerance=1e-5), Solution(first.impulse, None, 0, memory=first.memory))
     assert second.reason == "admm + admm: converged"
+
+
+def test_newton_that_ends_a_step_does_not_stall_if_it_falls_short_of_what_is_deeper() -> None:
+    """Close to the solution a step is solved deeper than asked; to get within the tolerance is enough there."""
+    problem = thrown(0.3)
+    first = solve(problem, Options(tolerance=1e-9), None)
+    memory = first.memory | replace(auto.Experience.recall(first), cost=[2.0, 1.0], stalls=False).beside({})
+    nearby = replace(problem, v_free=(1.0 + 1e-9) * problem.v_free)
+    again = solve(nearby, Options(tolerance=1e-9), Solution(first.impulse, None, 0, memory=memory))
+    assert again.error is not None and again.error <= 1e-9
+    assert not auto.Experience.recall(again).stalls
