@@ -45,7 +45,7 @@ WORTH = 0.05  # least gain of a constant in its best scene
 class Spent:
     """What a scene cost, and how well it was solved."""
 
-    iterations: list[int] = field(default_factory=lambda: [0, 0, 0, 0])  # by method, in the order of ``auto.NAMES``
+    iterations: list[int] = field(default_factory=lambda: [0] * len(auto.METHODS))  # by method, in the order of ``auto.NAMES``
     measurements: int = 0
     cost: float = 0.0  # by the weights of ``auto`` [us]
     steps: int = 0

@@ -33,11 +33,16 @@ from masonry_cd.dynamics import moreau_jean
 from masonry_cd.errors import InputError
 from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.linalg.symbolic import SymbolicFactor
-from masonry_cd.solvers import admm, interior, newton, nlgs
-from masonry_cd.solvers.linearised_bodies import INTERIOR, PATH, PROXIMAL
+from masonry_cd.solvers import admm, interior, newton, nlgs, pivoting
+from masonry_cd.solvers.linearised_bodies import INTERIOR, PATH, PIVOTING, PROXIMAL
 
 PHASES = ("predict", "detect", "assemble", "solve", "update", "account")  # functions of moreau_jean.py
-NAMES = {INTERIOR: "interior, damped path", PATH: "interior, path by its length", PROXIMAL: "interior, proximal points"}
+NAMES = {
+    INTERIOR: "interior, damped path",
+    PATH: "interior, path by its length",
+    PROXIMAL: "interior, proximal points",
+    PIVOTING: "pivoting",
+}
 COPIED = 2**25  # doubles copied to measure the bandwidth: 256 MiB, more than caches hold
 
 
@@ -125,6 +130,7 @@ def _watched(out: Profile) -> Iterator[None]:
         (admm, "run_by_team", method(admm.run_by_team, lambda *_: "admm")),
         (newton, "linearised_bodies", method(newton.linearised_bodies, lambda *_: "newton")),
         (interior, "linearised_bodies", method(interior.linearised_bodies, lambda kind, *_: NAMES[kind])),
+        (pivoting, "linearised_bodies", method(pivoting.linearised_bodies, lambda kind, *_: NAMES[kind])),
         (nlgs, "nlgs_bodies", method(nlgs.nlgs_bodies, lambda *_: "nlgs")),
     ]
     with ExitStack() as stack:

@@ -45,7 +45,7 @@ PATIENCE = 60.0  # to wait for the second process, beyond what this one took for
 @cache
 def compile_kernels(solver: str, planar: bool, by_area: bool) -> None:
     """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without."""
-    if solver in ("auto", "newton", "interior") and keeps() and not is_kept(planar) and cores() > 1:
+    if solver in ("auto", "newton", "interior", "pivoting") and keeps() and not is_kept(planar) and cores() > 1:
         with second_process(planar):
             _shake_cubes("admm", planar, by_area)
     _shake_cubes(solver, planar, by_area)

@@ -11,10 +11,10 @@
    cost of GLANCE iterations of Newton, nor Newton in NEWTON_LIMIT, the other one goes on with. After a step that Newton did not end it is
    not asked, but in every LOOK-th step. Where the error is then CLOSE to the tolerance ADMM goes on, for as long as it gets on, to the cost
    of WORTH iterations of Newton: it creeps to 1e-3 at a tenth of what other methods take, but hardly ever to 1e-8.
-3. What neither solves (a structure that slides or rocks as a whole) goes to the interior point method, which starts near the impulses of
-   the last step, not where the others got stuck, within a BUDGET; then to Newton again. Structures slide for many steps: after a step that
-   it solved (but for the first of all, which begins without impulses) at a cost that rule 5 allows it comes first; and every LOOK-th step
-   begins as usual, to see whether the sliding is over, but ADMM does not go on in it.
+3. What neither solves (a structure that slides or rocks as a whole) goes to pivoting if it is in a plane, and to the interior point method.
+   Both start near the impulses of the last step, not where the others got stuck, within a BUDGET; then comes Newton again. Structures slide
+   for many steps: after a step that these solved (but for the first of all, which begins without impulses) at a cost that rule 5 allows
+   they come first; and every LOOK-th step begins as usual, to see whether the sliding is over, but ADMM does not go on in it.
 4. Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that sweeps of Gauss-Seidel get far. Where
    SWEEPS of them cost at most SWEEP_SHARE of the interior point method's first start, they follow it, and Newton them.
 
@@ -36,12 +36,14 @@ import numpy as np
 from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
 from masonry_cd.linalg.ordering import Pattern
-from masonry_cd.solvers import admm, interior, newton, nlgs
+from masonry_cd.solvers import admm, interior, newton, nlgs, pivoting
 from masonry_cd.solvers.options import MOST_ITERATIONS, Options
 
-ADMM, NEWTON, INTERIOR, NLGS = 0, 1, 2, 3
-METHODS = (admm, newton, interior, nlgs)
-NAMES = ("admm", "newton", "interior", "nlgs")
+ADMM, NEWTON, INTERIOR, NLGS, PIVOTING = 0, 1, 2, 3, 4
+METHODS = (admm, newton, interior, nlgs, pivoting)
+NAMES = ("admm", "newton", "interior", "nlgs", "pivoting")
+
+LAST = (INTERIOR, PIVOTING)  # methods for structures that slide or rock as a whole
 
 # At rest. Errors are natural map errors, as multiples of the tolerance.
 NEARLY = 10.0  # error at the start below which a step is solved deeper than asked
@@ -113,7 +115,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     for method, limit in hard if usual else opening:
         search.turn(method, limit)
     if usual:
-        known.slides = known.steps > 0 and search.iterations[INTERIOR] > 0 and search.solved_at_a_usual_cost
+        known.slides = known.steps > 0 and search.asked_last and search.solved_at_a_usual_cost
         known.stalls = known.stalls if search.stalled is None else search.stalled
     known.learn(first, [spent(costs, method, search.iterations[method]) for method in (ADMM, NEWTON)], search.cost)
     return search.solution(known)
@@ -182,7 +184,7 @@ class _Search:
         self.start, self.best = start or Solution(np.zeros((problem.contacts, problem.dimension)), None, 0), start
         self.error, self.accepted = np.inf, False
         self.stalled: bool | None = None  # whether Newton, where it had a turn before the interior point method, did not end the step
-        self.iterations = [0, 0, 0, 0]  # by method
+        self.iterations = [0] * len(METHODS)  # by method
         self.story: list[str] = []
 
     @property
@@ -191,10 +193,15 @@ class _Search:
         return self.accepted or self.error <= self.options.tolerance or sum(self.iterations) == self.options.max_iterations
 
     @property
+    def asked_last(self) -> bool:
+        """Whether one of the methods for structures that slide or rock as a whole had a turn."""
+        return any(self.iterations[method] for method in LAST)
+
+    @property
     def cost(self) -> float:
         """What all turns cost so far."""
-        admm, newton, interior, sweeps = self.iterations
-        cost = spent(self.costs, ADMM, admm) + spent(self.costs, NEWTON, newton + interior)
+        admm, newton, interior, sweeps, pivoting = self.iterations
+        cost = spent(self.costs, ADMM, admm) + spent(self.costs, NEWTON, newton + interior + pivoting)
         return cost + sweeps * sweep(self.problem) if sweeps else cost
 
     @property
@@ -204,7 +211,7 @@ class _Search:
 
     def enough(self, method: int) -> int:
         """Iterations of a method until the step has cost what is allowed."""
-        each = (self.costs[ADMM], self.costs[NEWTON], self.costs[NEWTON], sweep(self.problem))[method]
+        each = self.costs[ADMM] if method == ADMM else sweep(self.problem) if method == NLGS else self.costs[NEWTON]
         return int(min(max(self.allowance - self.cost, 0.0) / each, MOST_ITERATIONS))
 
     def turn(self, method: int, limit: int, tolerance: float | None = None) -> None:
@@ -215,15 +222,15 @@ class _Search:
         if self.ended:
             return
         tolerance = self.options.tolerance if tolerance is None else tolerance
-        enough = self.enough(method) if method == INTERIOR or self.error <= self.options.accept else MOST_ITERATIONS
+        enough = self.enough(method) if method in LAST or self.error <= self.options.accept else MOST_ITERATIONS
         if self.error <= self.options.accept:
             limit = min(limit, enough)
-            if limit < (interior.TURN if method == INTERIOR else 1):
+            if limit < (interior.TURN if method in LAST else 1):
                 self.accepted = True
                 return
         if self.options.max_iterations is not None:
             limit = min(limit, self.options.max_iterations - sum(self.iterations))
-        begin = self.start if method == INTERIOR and not self.iterations[NLGS] else self.best or self.start
+        begin = self.start if method in LAST and not self.iterations[NLGS] else self.best or self.start
         begin = Solution(begin.impulse, begin.velocity, 0, memory=self.memory)
         options = Options(tolerance, limit, self.options.seed, self.options.threads, self.options.accept, enough)
         found = METHODS[method].solve(self.problem, options, begin)
@@ -231,7 +238,7 @@ class _Search:
         self.iterations[method] += found.iterations
         self.story.append(NAMES[method])
         error = natural_map_error(self.problem, found.impulse)
-        if method == NEWTON and not self.iterations[INTERIOR]:
+        if method == NEWTON and not self.asked_last:
             self.stalled = error > self.options.tolerance
         if error < self.error or self.best is None:
             self.best, self.error = found, error
@@ -295,7 +302,8 @@ def turns(problem: Problem, costs: Costs, cold: bool) -> list[tuple[int, int]]:
     allowed = min(SWEEP_SHARE * one_start * costs[NEWTON], budget)
     sweeps = min(int(allowed / sweep(problem)), SWEEPS[1])
     packed = [(INTERIOR, one_start), (NLGS, sweeps), (NEWTON, NEWTON_LIMIT)] if sweeps >= SWEEPS[0] else []
-    return [*packed, (INTERIOR, interior.affordable(budget / costs[NEWTON])), (NEWTON, NEWTON_LIMIT)]
+    pivots = [(PIVOTING, one_start)] if pivoting.applies(problem) else []
+    return [*packed, *pivots, (INTERIOR, interior.affordable(budget / costs[NEWTON])), (NEWTON, NEWTON_LIMIT)]
 
 
 def _costs(problem: Problem, known: Experience, start: Solution | None) -> tuple[Costs, dict[str, np.ndarray]]:

@@ -31,9 +31,10 @@ from masonry_cd.solvers.interior_kernels import interior_point
 from masonry_cd.solvers.linearised import Elimination, Kind, Settings, allocate_work, augment_blocks, first_answer
 from masonry_cd.solvers.newton_kernels import LinearisedLaw, linearise_law, newton
 from masonry_cd.solvers.path_kernels import path_bodies
+from masonry_cd.solvers.pivoting_kernels import pivoting_points
 from masonry_cd.solvers.proximal_kernels import Patience, add_step, project_trial, proximal_points, softness
 
-NEWTON, INTERIOR, PATH, PROXIMAL = 0, 1, 2, 3  # methods that linearise the law
+NEWTON, INTERIOR, PATH, PROXIMAL, PIVOTING = 0, 1, 2, 3, 4  # methods that linearise the law
 PATIENCE = Patience(iterations=25, failures=8)
 
 
@@ -244,6 +245,8 @@ def linearised_bodies(
         iterations = interior_point(BODIES, ordered, work, answer, settings)
     elif method == PATH:
         iterations = path_bodies(BODIES, ordered, work, answer, settings)
+    elif method == PIVOTING:
+        iterations = pivoting_points(BODIES, ordered, work, answer, settings)
     else:
         iterations = proximal_points(BODIES, ordered, work, PATIENCE, answer, settings)
     put_back(answer.velocity, elimination.order, velocity)

@@ -132,7 +132,10 @@ def solvers_for(problem: Problem, asked: Sequence[str] | None) -> tuple[str, ...
     """The solvers to measure: those asked for, or all that solve such a problem themselves."""
     if asked is not None:
         return tuple(asked)
-    return tuple(name for name in SOLVERS if name != "interior" or not isinstance(problem, LocalProblem))
+    left = {"interior"} if isinstance(problem, LocalProblem) else set[str]()
+    if isinstance(problem, LocalProblem) or problem.dimension == 3:
+        left.add("pivoting")
+    return tuple(name for name in SOLVERS if name not in left)
 
 
 def run_rows(

@@ -60,6 +60,8 @@ def _problem(source: Path, asked: Mapping[str, Any], overrides: Sequence[str], s
     lines += [_best(name, [row for row in rows if row.solver == name]) for name in names]
     if solvers is None and "interior" not in names:
         lines.append("interior: left out, it needs a problem over bodies")
+    if solvers is None and "pivoting" not in names:
+        lines.append("pivoting: left out, it needs a problem over bodies in a plane")
     return {"kind": "problem", "title": source.name, "rows": rows, "lines": lines, "warnings": [], "study": None}
 
 

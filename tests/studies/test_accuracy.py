@@ -11,6 +11,8 @@ import scenes
 from made_run import box
 from typer.testing import CliRunner
 
+from benchmarks import scenes as bench_scenes
+from benchmarks.ours import stepper
 from masonry_cd.cli.app import app
 from masonry_cd.friction.files import write_problem
 from masonry_cd.studies.accuracy import Motion, RunRow, SolverRow, motion_errors, run_rows, solver_rows, solvers_for
@@ -58,6 +60,13 @@ def test_interior_is_not_measured_where_gauss_seidel_would_stand_in_for_it():
     problem = scenes.wall(2, 2)
     assert "interior" in solvers_for(problem, None)
     assert "interior" not in solvers_for(problem.to_local(), None)
+
+
+def test_pivoting_is_not_measured_where_the_interior_point_method_would_stand_in_for_it():
+    problem = stepper(bench_scenes.wall(2, 2), 1).friction_problem().problem
+    assert "pivoting" in solvers_for(problem, None)
+    assert "pivoting" not in solvers_for(problem.to_local(), None)
+    assert "pivoting" not in solvers_for(scenes.wall(2, 2), None)
 
 
 def test_a_problem_file_gets_table_picture_and_lines(tmp_path):

@@ -1,0 +1,223 @@
+"""Proximal points in a plane, each solved by pivoting along a piecewise linear path; see pivoting.py."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK
+from masonry_cd.friction.operators import change_at
+from masonry_cd.jit import borrower, kernel
+from masonry_cd.linalg.small_blocks import copy_flat
+from masonry_cd.linalg.triangular import solve_ldu
+from masonry_cd.solvers.linearised import keep_better
+from masonry_cd.solvers.proximal_kernels import FREE, HELD, allocate_springs, softness, spring_blocks
+
+UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
+GROWTH = 10.0  # of K from one problem with springs to the next
+SOFTEST = 1e-3  # K at which pivoting gives up
+TIES = 1e-3  # of the tolerance: velocities by which ties are broken, relative to the largest
+GOLDEN = 0.6180339887498949
+FACTORISATIONS, MOST = 0, 1  # what is counted, and the most of it
+
+
+class Path(NamedTuple):
+    """Where the path is, and the pivots since the last factorisation.
+
+    Pivot k changes the matrix by H_c^T a b^T H_c for its contact c; with the matrix before, z_k solves for H_c^T a.
+    """
+
+    v: np.ndarray  # (B + 1, n) velocities
+    residual: np.ndarray  # (B + 1, n) M (v_free - v) + H^T p
+    rate: np.ndarray  # (B + 1, n) of v, along the path
+    z: np.ndarray  # (UPDATES, B + 1, n)
+    contact: np.ndarray  # (UPDATES,) c
+    a: np.ndarray  # (2,) of the last pivot
+    b: np.ndarray  # (UPDATES, 2)
+    ratio: np.ndarray  # (UPDATES,) of the determinants, after and before
+
+
+@kernel()
+def allocate_path(shape):
+    """A :class:`Path` for velocities of a shape (B + 1, n)."""
+    z, contact, b, ratio = np.zeros((UPDATES, *shape)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
+    return Path(np.zeros(shape), np.empty(shape), np.empty(shape), z, contact, np.empty(2), b, ratio)
+
+
+@borrower()
+def add_scaled(factor, source, target):
+    """target += factor source, both contiguous and of one shape."""
+    a, b = source.reshape(source.size), target.reshape(target.size)
+    for i in range(len(a)):
+        b[i] += factor * a[i]
+
+
+@borrower()
+def side_of(x):
+    """The side to which a contact slips that has the trial impulse x (2,): that of its friction."""
+    return 1.0 if x[1] > 0.0 else -1.0
+
+
+@borrower()
+def first_kink(problem, springs, stiffness, rate, taken):
+    """Take the trial impulses x along their old rate dx as far as was ``taken``; how far it is along the new one to the first kink.
+
+    Returns that length, infinite if there is none, the contact, and its status beyond.
+    """
+    mu, d, status, x, dx = problem.mu, problem.d, springs.status, springs.x, springs.dx
+    jacobian, index, n, first, which, beyond = problem.jacobian, problem.places, len(problem.n), np.inf, -1, OPEN
+    for c in range(len(mu)):
+        soft_n, soft_t = softness(problem.compliance, d[c] / stiffness, c, 2)
+        x[c, 0] += taken * dx[c, 0]
+        x[c, 1] += taken * dx[c, 1]
+        dx[c, 0] = -change_at(jacobian, index, c, 0, rate, n) / soft_n
+        dx[c, 1] = -change_at(jacobian, index, c, 1, rate, n) / soft_t
+        if status[c] == OPEN:
+            if dx[c, 0] > 0.0 and -x[c, 0] < first * dx[c, 0]:
+                first, which, beyond = max(-x[c, 0], 0.0) / dx[c, 0], c, SLIP
+            continue
+        if status[c] == STICK:
+            for side in (1.0, -1.0):
+                inside, change = mu[c] * x[c, 0] - side * x[c, 1], mu[c] * dx[c, 0] - side * dx[c, 1]
+                if change < 0.0 and inside < -first * change:
+                    first, which, beyond = max(inside, 0.0) / -change, c, SLIP
+            continue
+        side = side_of(x[c])
+        outside, change = side * x[c, 1] - mu[c] * x[c, 0], side * dx[c, 1] - mu[c] * dx[c, 0]
+        if mu[c] > 0.0 and change < 0.0 and outside < -first * change:
+            first, which, beyond = max(outside, 0.0) / -change, c, STICK
+        if dx[c, 0] < 0.0 and x[c, 0] < -first * dx[c, 0]:
+            first, which, beyond = max(x[c, 0], 0.0) / -dx[c, 0], c, OPEN
+    return first, which, beyond
+
+
+@borrower()
+def change_block(problem, springs, stiffness, path, k, c, step, beyond):
+    """Let contact c, a ``step`` ahead, change its status: as pivot k the change a b^T of its B = -dp/du.
+
+    It changes between open and slip, or between stick and slip.
+    """
+    mu, sign = problem.mu[c], 1.0 if beyond == SLIP else -1.0
+    soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, 2)
+    side = 1.0 if springs.x[c, 1] + step * springs.dx[c, 1] > 0.0 else -1.0
+    if springs.status[c] == OPEN or beyond == OPEN:
+        a_n, a_t, b_n, b_t = sign, sign * side * mu, 1.0 / soft_n, 0.0
+    else:
+        a_n, a_t, b_n, b_t = 0.0, sign, side * mu / soft_n, -1.0 / soft_t
+    path.contact[k] = c
+    path.a[0], path.a[1], path.b[k, 0], path.b[k, 1] = a_n, a_t, b_n, b_t
+    springs.status[c] = beyond
+
+
+@borrower()
+def weigh(problem, path, k, v):
+    """b^T H_c v of pivot k."""
+    c, b, n = path.contact[k], path.b[k], len(problem.n)
+    return b[0] * change_at(problem.jacobian, problem.places, c, 0, v, n) + b[1] * change_at(problem.jacobian, problem.places, c, 1, v, n)
+
+
+@kernel()
+def pivot(problem, work, path, k):
+    """Change the matrix by pivot k; returns the ratio of its determinants, after and before.
+
+    The rate of v follows, by the formula of Sherman and Morrison.
+    """
+    z, c, jacobian, index = path.z[k], path.contact[k], problem.jacobian, problem.places
+    z[:] = 0.0
+    for side in range(2):
+        for i in range(len(problem.n)):
+            z[index[c, side], i] += jacobian[c, side, 0, i] * path.a[0] + jacobian[c, side, 1, i] * path.a[1]
+    solve_ldu(work.factor, z)
+    z[-1] = 0.0
+    for e in range(k):
+        add_scaled(-weigh(problem, path, e, z) / path.ratio[e], path.z[e], z)
+    path.ratio[k] = 1.0 + weigh(problem, path, k, z)
+    if path.ratio[k] != 0.0:
+        add_scaled(-weigh(problem, path, k, path.rate) / path.ratio[k], z, path.rate)
+    return path.ratio[k]
+
+
+@kernel()
+def set_out(kind, moved, work, springs, stiffness, path, left, held):
+    """Factorise where the path is, and find its rate there; False if the matrix is singular."""
+    kind.spring_residual(moved, springs, stiffness, path.v, held, path.residual)
+    spring_blocks(moved, springs, stiffness)
+    if kind.factorise(moved, work, springs.block) == 0.0:
+        return False
+    path.rate[:] = 0.0
+    add_scaled(1.0 / left, path.residual, path.rate)
+    solve_ldu(work.factor, path.rate)
+    path.rate[-1] = 0.0
+    return True
+
+
+@kernel()
+def follow(kind, moved, work, springs, stiffness, path, counts):
+    """Follow the path from v until the residual vanishes; False where the path folds back, or ends in a ray.
+
+    ``counts`` are those of :func:`pivoting_points`.
+    """
+    left = 1.0  # share of the residual at the start
+    held: np.bool = FREE  # whether statuses are known, or follow the trial impulses
+    while counts[FACTORISATIONS] < counts[MOST]:
+        counts[FACTORISATIONS] += 1
+        if not set_out(kind, moved, work, springs, stiffness, path, left, held):
+            return False
+        held, taken = HELD, 0.0
+        for k in range(UPDATES):
+            step, c, beyond = first_kink(moved, springs, stiffness, path.rate, taken)
+            if step >= left:
+                add_scaled(left, path.rate, path.v)
+                kind.spring_residual(moved, springs, stiffness, path.v, HELD, path.residual)
+                return True
+            taken, left = step, left - step
+            add_scaled(step, path.rate, path.v)
+            change_block(moved, springs, stiffness, path, k, c, step, beyond)
+            if not pivot(moved, work, path, k) > 0.0:
+                return False
+    return False
+
+
+@borrower()
+def break_ties(offset, size):
+    """Add up to ``size`` to each velocity (C, 2), so that no two contacts reach a kink at once, nor one the tip of its cone.
+
+    It is another multiple of the golden section for each of them, without its whole part.
+    """
+    flat = offset.reshape(offset.size)
+    for i in range(len(flat)):
+        multiple = GOLDEN * (i + 1)
+        flat[i] += size * (multiple - math.floor(multiple))
+
+
+@borrower()
+def _ended(error, counts, settings):
+    """Whether the tolerance or the limit is reached, or an error that will do after enough factorisations."""
+    spent = counts[FACTORISATIONS]
+    return error <= settings.tolerance or spent >= counts[MOST] or (error <= settings.accept and spent >= settings.enough)
+
+
+@kernel()
+def pivoting_points(kind, problem, work, answer, settings):
+    """Proximal points by pivoting, with the operators of a :class:`Kind`, from ``answer`` on, which gets better.
+
+    Returns the number of factorisations.
+    """
+    springs, centre, own = allocate_springs(answer.impulse), answer.velocity.copy(), answer.velocity.copy()
+    path, moved, counts = allocate_path(own.shape), kind.movable(problem), np.zeros(2, dtype=np.int64)
+    counts[MOST], stiffness, factor = settings.limit, settings.stiffness, GROWTH
+    springs.dx[:] = 0.0
+    while not _ended(answer.error[0], counts, settings) and stiffness > SOFTEST:
+        kind.begin_at(problem, moved, centre, path.v)
+        break_ties(moved.offset, TIES * settings.tolerance * answer.speed)
+        if not follow(kind, moved, work, springs, stiffness, path, counts):
+            stiffness, factor = stiffness / factor, np.sqrt(GROWTH)
+            continue
+        error = kind.map_norm(problem, springs.p, work.room, own) / answer.size
+        copy_flat(springs.p, springs.centre)
+        kind.move_centre(centre, path.v)
+        stiffness = min(stiffness * factor, kind.stiffest(error))
+        keep_better(answer, springs.p, own, error)
+    return counts[FACTORISATIONS]
