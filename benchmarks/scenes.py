@@ -37,9 +37,10 @@ class BenchScene:
     amplitude: float = 0.0  # C [m/s]
     frequency: float = 2.0  # f [Hz]
     stiffness: float = 0.0  # of all joints, normal; 0: rigid [N/m3]
+    direction: tuple[float, float, float] = (1.0, 0.0, 0.0)  # along which the base moves, of unit length
 
     def base_velocity(self, steps: int) -> np.ndarray:
-        """Velocity of the base along x at t_k = k dt, (N + 1,) [m/s]."""
+        """Velocity of the base along its direction at t_k = k dt, (N + 1,) [m/s]."""
         return self.amplitude * np.sin(2.0 * np.pi * self.frequency * self.dt * np.arange(steps + 1))
 
     def assembly(self) -> Assembly:
