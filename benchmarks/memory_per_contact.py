@@ -1,7 +1,7 @@
 r"""Memory against size: bytes per contact of a shaken structure, and whether they stay flat over its steps.
 
     python -m benchmarks.memory_per_contact
-    python -m benchmarks.memory_per_contact church2380 wall25x12 --steps 100
+    python -m benchmarks.memory_per_contact church2380 wall24x12 --steps 100
 
 Each scene is stepped in a process of its own, in space. Its memory is what is resident above what the process held when all kernels were
 loaded and a small scene had been stepped: blocks, contacts, factors, what the methods keep, and what numba and numpy allocate for a while.
@@ -22,7 +22,7 @@ from benchmarks.ours import stepper, warm_up
 from benchmarks.scenes import BenchScene, scene
 from benchmarks.sitting import head, numbers_of, sitting
 
-SCENES = ("church2380", "church1190", "church595")  # about 300, 1,200 and 4,800 blocks
+SCENES = ("wall24x12", "wall49x24", "wall97x49", "church2380", "church1290", "church615")  # 300, 1,200, 4,800; 540, 1,200, 4,900 blocks
 TOLERANCE = 1e-3
 
 
@@ -36,7 +36,7 @@ class Measured:
     program: float  # resident before the scene was built [B]
     resident: float  # above that, mean over the last quarter of the steps [B]
     peak: float  # above that, the largest so far of the whole process [B]
-    growth: float  # of resident, last quarter beside the second one
+    growth: float  # of resident, last quarter beside the second one; 0 where it is too small to be seen
 
     @property
     def per_contact(self) -> float:
@@ -62,7 +62,9 @@ def measure(made: BenchScene, steps: int, threads: int = 1) -> Measured:
     quarter = steps // 4
     early, late = float(np.mean(resident[quarter : 2 * quarter])), float(np.mean(resident[-quarter:]))
     blocks = int((~machine.assembly.fixed).sum())
-    return Measured(made.name, blocks, float(np.mean(contacts)), program, late, _peak_bytes() - program, late / early - 1.0)
+    return Measured(
+        made.name, blocks, float(np.mean(contacts)), program, late, _peak_bytes() - program, late / early - 1.0 if early else 0.0
+    )
 
 
 def _peak_bytes() -> int:
