@@ -5,7 +5,8 @@ r"""Memory against size: bytes per contact of a shaken structure, and whether th
 
 Each scene is stepped in a process of its own, in space. Its memory is what is resident above what the process held when all kernels were
 loaded and a small scene had been stepped: blocks, contacts, factors, what the methods keep, and what numba and numpy allocate for a while.
-The first steps fill it; growth is that of the mean over the last quarter of the steps beside the second quarter.
+The first steps fill it, of buildings that slide the first few hundred, until each method has had its turn. Growth is that of the mean over
+the last quarter of the steps beside the second quarter.
 """
 
 from __future__ import annotations
