@@ -49,7 +49,13 @@ class BenchScene:
         return Assembly.from_blocks(self.blocks, self.friction, joints)
 
     def write(self, path: Path, steps: int) -> None:
-        """Write the scene for a peer: blocks, friction, time step and the base velocity of its steps."""
+        """Write the scene for a peer: blocks, friction, time step and the base velocity of its steps.
+
+        Raises:
+            ValueError: the base does not move along x, as peers move it.
+        """
+        if self.direction != (1.0, 0.0, 0.0):
+            raise ValueError(f"{self.name}: peers move the base along x only")
         blocks = [
             {"vertices": b.vertices.tolist(), "faces": [list(f) for f in b.faces], "density": b.density, "fixed": b.fixed}
             for b in self.blocks

@@ -86,11 +86,13 @@ def test_ten_cases_in_space_are_shaken_hard():
     assert max(machine.assembly.count for machine in machines.values()) < 250  # the sheet stays a matter of minutes
 
 
-def test_the_base_moves_along_the_direction_of_the_scene():
+def test_the_base_moves_along_the_direction_of_the_scene_and_no_peer_takes_it(tmp_path):
     machine = stepper(replace(tower(1), direction=(0.0, 0.6, 0.8)), 4)
     base = machine.system.loads.support_velocity[:, 0]
     assert base[3] == pytest.approx(tower(1).base_velocity(4)[3] * np.array([0.0, 0.6, 0.8]))
     assert base[3, 1] > 0.0
+    with pytest.raises(ValueError, match="along x only"):
+        replace(tower(1), direction=(0.0, 0.6, 0.8)).write(tmp_path / "scene.json", 4)
 
 
 def test_gaps_as_built_pass_at_rest():
