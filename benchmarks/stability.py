@@ -139,7 +139,7 @@ def run(case: StabilityCase, solver: str = "auto") -> Outcome:
             ways = [history[free] - history[support] for history in (moved, case.scene.dt * machine.state.velocity[:, :3])]
             lengths = [np.linalg.norm(way, axis=1).max() / width for way in ways]
             gain = -energy["friction"] - energy["impact"] - energy["damping"]
-            deep = max(0.0, report.penetration - built) / width
+            deep = np.maximum(0.0, report.penetration - built) / width  # NaN stays NaN
             seen.append(np.array([*lengths, deep, abs(energy["balance"]), gain, report.error]))
     drift, travel, penetration, balance, gained, error = (0.0 + np.max(seen, axis=0)).tolist()  # NaN stays NaN, and fails
     return Outcome(

@@ -1,4 +1,4 @@
-"""Structures in space that are shaken hard, ten of them, each giving way in a way of its own, and one at rest, built with gaps."""
+"""Structures in space that are shaken hard, ten of them, each giving way in a way of its own, and one at rest that was built with gaps."""
 
 from __future__ import annotations
 
