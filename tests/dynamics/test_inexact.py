@@ -14,6 +14,7 @@ from masonry_cd.contact.find_joints import INEXACT, MOST_INEXACT, built_gap, fin
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.materials import JointLaw
+from structures.noise import with_noise
 
 TABLE = {"kind": "aqueduct", "spans": 1, "pier_courses": 4}
 STEPS = 30
@@ -117,3 +118,17 @@ def test_mortar_bonds_over_gaps_as_built() -> None:
         shares[size] = machine.joint_bonds(pair_joint, joints)
     np.testing.assert_allclose(shares[4e-6], shares[0.0], atol=1e-3)
     assert shares[0.0].min() > 0.99
+
+
+def test_a_noisy_block_rocks_as_the_exact_one_does() -> None:
+    """It changes edges several times: what counts as closed changes neither when nor how hard."""
+    angles = []
+    for size in (0.0, 1e-6):
+        blocks, _ = with_noise([ground(2.0), box("b", (-0.2, -0.2, 0.0), (0.2, 0.2, 1.6))], {"size": size, "axes": "xyz"})
+        machine = stepper(blocks, 1500, dt=1e-3, friction=1.0, solver="auto", tolerance=1e-8, planar=False)
+        machine.kick(np.array([[0.0] * 6, [0.48, 0.0, 0.0, 0.0, 0.6, 0.0]]))
+        angles.append([(machine.step(), 2.0 * machine.state.orientation[1, 2])[1] for _ in range(1500)])
+    exact, noisy = np.array(angles)
+    assert np.ptp(exact) > 0.15
+    assert (np.diff(np.sign(exact)) != 0.0).sum() >= 2
+    assert np.abs(noisy - exact).max() < 1e-3
