@@ -76,7 +76,7 @@ def stepper(made: BenchScene, steps: int, solver: str = "auto", tolerance: float
         {"dt": made.dt, "duration": made.dt * steps, "theta": made.theta, "solver": solver, "tolerance": tolerance} | settings
     )
     velocity = np.zeros((steps + 1, 1, 3))
-    velocity[:, 0, 0] = made.base_velocity(steps)
+    velocity[:, 0, :] = made.base_velocity(steps)[:, None] * made.direction
     return Stepper(made.assembly(), velocity, np.tile([0.0, 0.0, -GRAVITY], (steps + 1, 1)), run)
 
 

@@ -37,9 +37,10 @@ class BenchScene:
     amplitude: float = 0.0  # C [m/s]
     frequency: float = 2.0  # f [Hz]
     stiffness: float = 0.0  # of all joints, normal; 0: rigid [N/m3]
+    direction: tuple[float, float, float] = (1.0, 0.0, 0.0)  # along which the base moves, of unit length
 
     def base_velocity(self, steps: int) -> np.ndarray:
-        """Velocity of the base along x at t_k = k dt, (N + 1,) [m/s]."""
+        """Velocity of the base along its direction at t_k = k dt, (N + 1,) [m/s]."""
         return self.amplitude * np.sin(2.0 * np.pi * self.frequency * self.dt * np.arange(steps + 1))
 
     def assembly(self) -> Assembly:
@@ -48,7 +49,13 @@ class BenchScene:
         return Assembly.from_blocks(self.blocks, self.friction, joints)
 
     def write(self, path: Path, steps: int) -> None:
-        """Write the scene for a peer: blocks, friction, time step and the base velocity of its steps."""
+        """Write the scene for a peer: blocks, friction, time step and the base velocity of its steps.
+
+        Raises:
+            ValueError: the base does not move along x, as peers move it.
+        """
+        if self.direction != (1.0, 0.0, 0.0):
+            raise ValueError(f"{self.name}: peers move the base along x only")
         blocks = [
             {"vertices": b.vertices.tolist(), "faces": [list(f) for f in b.faces], "density": b.density, "fixed": b.fixed}
             for b in self.blocks

@@ -26,6 +26,7 @@ class Outcome:
     gained: float  # energy that friction and impacts have given back
     missed: int
     error_max: float
+    worst: float  # cost of the most expensive step but the first, in times of the median
     stopped: str
 
     @property

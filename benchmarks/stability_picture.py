@@ -1,4 +1,7 @@
-"""The picture of the stability sheet: each measure of each case as a share of its limit; what passes lies left of the line."""
+"""The picture of the stability sheet: each measure of each case as a share of its limit; what passes lies left of the line.
+
+The measures of a row lie a little above one another, so that none hides another; at the left edge stand those that are zero or nearly so.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,8 @@ from reports.drawing.figure import COLOURS, FAINT, INK
 
 MEASURES = {"drift": "o", "penetration": "s", "balance": "^", "dissipation": "D"}
 LEAST, MOST = 1e-13, 1e4  # shares of a limit beyond these are drawn there
+APART = 0.19  # of the height of a row, between two measures
+MISSED, WORST = 1.33, 1.455  # right ends of the columns beside the verdicts, in widths of the axes
 
 
 def draw(outcomes: Sequence[Outcome], path: Path) -> None:
@@ -19,10 +24,10 @@ def draw(outcomes: Sequence[Outcome], path: Path) -> None:
     from matplotlib.figure import Figure
 
     places = _places(outcomes)
-    tall = 1.7 + 0.23 * (places[-1] + 1.0)
+    tall = 1.9 + 0.25 * (places[-1] + 1.0)
     figure: Any = Figure(figsize=(11.0, tall), dpi=100, facecolor="white")
     FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.33, 0.55 / tall, 0.45, (tall - 1.65) / tall))
+    axes = figure.add_axes((0.33, 0.65 / tall, 0.44, (tall - 1.95) / tall))
     axes.set_xscale("log")
     axes.set_xlim(LEAST / 3.0, MOST * 3.0)
     axes.set_ylim(places[-1] + 0.8, -1.0)
@@ -36,15 +41,19 @@ def draw(outcomes: Sequence[Outcome], path: Path) -> None:
     figure.text(0.015, 1.0 - 0.32 / tall, head, fontsize=15, fontweight="bold", color=INK, va="center")
     figure.text(
         0.015,
-        1.0 - 0.66 / tall,
-        "each measure as a share of its limit, which is the line; missed: steps that missed their tolerance",
+        1.0 - 0.74 / tall,
+        "each measure as a share of its limit, which is the line; missed: share of the steps that missed their tolerance;\n"
+        "worst: counted cost of the most expensive step but the first, in times of the median",
         fontsize=11,
         color=FAINT,
         va="center",
     )
     _key(figure, axes)
     axes.set_yticks([])
-    axes.set_xticks([10.0**k for k in range(-12, 5, 4)])
+    axes.set_xticks([LEAST, *(10.0**k for k in range(-8, 5, 4))])
+    axes.set_xticklabels(["0", "$10^{-8}$", "$10^{-4}$", "1", "$10^{4}$"])
+    axes.minorticks_off()
+    axes.set_xlabel("share of the limit", fontsize=10, color=FAINT)
     axes.tick_params(labelsize=10, colors=FAINT)
     for side in ("top", "right", "left"):
         axes.spines[side].set_visible(False)
@@ -70,16 +79,29 @@ def _row(axes: Any, found: Outcome, place: float) -> None:
             value, limit = found.limits[name]
             share = min(max(value / limit, LEAST), MOST)
             axes.plot(
-                share, place, marker, color=COLOURS[k], markersize=6, markerfacecolor=COLOURS[k] if share <= 1.0 else "white", mew=1.5
+                share,
+                place + APART * (k - 1.5),
+                marker,
+                color=COLOURS[k],
+                markersize=5.5,
+                markerfacecolor=COLOURS[k] if share <= 1.0 else "white",
+                mew=1.5,
             )
     words = f"fails: {', '.join(found.failures)}" if found.failures else "passes"
-    missed = f"; {found.missed} missed" if found.missed else ""
     weight = "bold" if found.failures else "normal"
-    axes.text(1.015, place, words + missed, color=INK if found.failures else FAINT, fontweight=weight, **side)
+    axes.text(1.015, place, words, color=INK if found.failures else FAINT, fontweight=weight, **side)
+    axes.text(
+        MISSED, place, f"{100.0 * found.missed / max(found.steps, 1):.1f} %" if found.missed else "0", ha="right", color=FAINT, **side
+    )
+    axes.text(WORST, place, f"{found.worst:.0f}", ha="right", color=FAINT, **side)
 
 
 def _groups(axes: Any, outcomes: Sequence[Outcome], places: Sequence[float]) -> None:
-    """The heading of each group above its first row."""
+    """The heading of each group above its first row, and those of the columns on the right."""
+    for at, word in ((MISSED, "missed"), (WORST, "worst")):
+        axes.text(
+            at, places[0] - 1.0, word, transform=axes.get_yaxis_transform(), ha="right", va="center", fontsize=9.5, color=INK, clip_on=False
+        )
     for k, found in enumerate(outcomes):
         if k == 0 or found.group != outcomes[k - 1].group:
             axes.text(

@@ -19,6 +19,8 @@ if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs 
 
 Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]]]"
 
+NOISE = "noise"  # key of the table of structures/noise.py
+
 KINDS: Extensions[Build] = Extensions("structures.kinds", "build")
 
 
@@ -31,12 +33,12 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
     """Build the blocks of a structure and check them.
 
     Args:
-        table: the scene's [structure] table, with ``kind``, and ``most_blocks`` where it is given.
+        table: the scene's [structure] table, with ``kind``, and ``most_blocks`` and ``noise`` where they are given.
         density: of the material [kg/m3]; the entries of a block file may state their own.
         folder: where the scene file lies; the path of a block file is relative to it.
 
     Returns:
-        the blocks, and lines on what was changed in making them: curved faces made flat, gaps closed.
+        the blocks, and lines on what was changed in making them: curved faces made flat, gaps closed, noise.
 
     Raises:
         InputError: an unknown kind, a key of that kind that is wrong, or blocks that are unsound.
@@ -51,10 +53,16 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
     if kind not in KINDS:
         hint = suggest(kind, KINDS)
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
-    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY)}
+    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, NOISE)}
     with size.limited(table.get(size.KEY, size.MOST)):
         made = KINDS[kind](rest, density, folder)
-    return made if isinstance(made, tuple) else (made, [])
+    blocks, notes = made if isinstance(made, tuple) else (made, [])
+    if NOISE not in table:
+        return blocks, notes
+    from structures import noise
+
+    blocks, more = noise.with_noise(blocks, table[NOISE])
+    return blocks, [*notes, *more]
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from masonry_cd.app import time_step_checks
 from masonry_cd.app.progress import said_if_slow
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import compile_kernels, keeps
-from masonry_cd.contact.find_joints import find_joints
+from masonry_cd.contact.find_joints import built_gap, find_joints
 from masonry_cd.dynamics.planar import find_plane
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError
@@ -29,6 +29,7 @@ from masonry_cd.solvers import cores
 if TYPE_CHECKING:
     from loads import Loading
 
+TOLD = 1e-8  # share of the smallest width: inexact joints as built are reported from there on; less is rounding
 FALLING = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
 
 
@@ -42,6 +43,7 @@ class Case:
     loading: Loading
     notes: tuple[str, ...]  # what was changed in making the blocks, in words
     warnings: tuple[str, ...]  # what the time step is too coarse for, and the machine too small
+    built_gap: float  # largest gap or overlap of the joints as built that counts as none [m]
     seconds: float  # to build it
 
 
@@ -92,13 +94,15 @@ def prepare(scene: Scene) -> Case:
     no_folder = "no folder takes numba's cache; NUMBA_CACHE_DIR names one that does"
     again = f"two to four minutes in each run, as {why_nothing_is_kept() or no_folder}"
     with said_if_slow(f"compiling the kernels{', once' if keeps() else ''}: this takes {for_good if keeps() else again}"):
-        joints = find_joints(assembly)
+        joints, built = find_joints(assembly), built_gap(assembly)
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = [FALLING] if gravity and not assembly.fixed.any() else []
     warnings = (*falling, *coarse, *_beyond_machine(scene.run.threads))
-    return Case(scene, assembly, joints, loading, tuple(notes), warnings, time.perf_counter() - begin)
+    if built > TOLD * assembly.width:
+        notes.append(f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
+    return Case(scene, assembly, joints, loading, tuple(notes), warnings, built, time.perf_counter() - begin)
 
 
 def _beyond_machine(threads: int) -> list[str]:

@@ -57,6 +57,7 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
         },
         "islands": {"mean": report.islands_mean, "max": report.islands_max, "sleeping_mean": report.sleeping_mean},
         "left_out": {"steps_without_iterations": report.steps_as_before} | report.left_out,
+        "built_gap": case.built_gap,
         "penetration_max": report.penetration_max,
         "penetration_where": report.penetration_where,
         "closing": {"steps": report.steps_closing, "speed_max": report.closing_max, "jam": report.jam},

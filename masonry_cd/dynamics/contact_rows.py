@@ -54,7 +54,8 @@ def fill_rows(
     Positions (B, 3) at q_m [m], velocities of the supports (S, 3) at the end of the step [m/s], coefficients of friction (G, G) by group,
     impulses of all contacts of the last set (., m) [N s].
 
-    Gaps up to ``closed`` [m] count as closed: positions at rest carry rounding, and gaps of that size only keep contacts undecided.
+    Gaps up to ``closed`` [m] count as closed, and become zero in ``rows``: positions at rest carry rounding, coordinates of files more than
+    that, and gaps of that size only keep contacts undecided.
 
     In a plane only the contacts on one side of the middle plane count, moved into it: the others are their mirror images. The centroid of
     a joint with an area lies in that plane and is its own image.
@@ -69,7 +70,8 @@ def fill_rows(
     for c in range(gap.shape[0]):
         if plane_axis >= 0 and point[c, plane_axis] > plane_at + (closed if area[c] > 0.0 else 0.0):
             continue
-        rows.active[count], rows.gap[count], rows.pair[count] = c, gap[c], found.pair[c]
+        is_closed = 0.0 <= gap[c] <= closed
+        rows.active[count], rows.gap[count], rows.pair[count] = c, 0.0 if is_closed else gap[c], found.pair[c]
         _frame(found.normal, c, plane_axis, frames, count)
         for i in range(m):
             offset[count, i] = 0.0

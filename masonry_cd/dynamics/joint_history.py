@@ -18,7 +18,7 @@ from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.model.joints import Joints
 
 CREEP = 1e-6  # slip and opening below this share of g h count as none when bonds are judged
-AT_START = 1e-6  # gaps up to this share of the smallest width are bonded in the first step
+AT_START = 1e-6  # gaps up to this share of the smallest width are bonded in the first step, or those of the joints as built
 
 
 class SpringWork(NamedTuple):
@@ -33,10 +33,10 @@ class SpringWork(NamedTuple):
 def with_springs(system: System, laws: JointLawArrays, last: Motion, rigid: StepProblem) -> StepProblem:
     """Give contacts of elastic and bonded joints their law in a problem of rigid contacts."""
     springs, loads, rows = Springs.none(rigid.problem), rigid.predicted.loads, rigid.rows
+    bonding = max(AT_START * system.width, system.inexact) if last.steps == 0 else -1.0
     load_springs(
         laws, rigid.found, rows, system.constants, rigid.predicted.rotation,
-        Velocities(last.v, loads.support_before), loads.support_after, last.joints, AT_START * system.width if last.steps == 0 else -1.0,
-        springs,
+        Velocities(last.v, loads.support_before), loads.support_after, last.joints, bonding, springs,
     )  # fmt: skip
     problem = replace(rigid.problem, compliance=springs.compliance, offset=springs.offset)
     return rigid._replace(springs=springs, problem=problem)

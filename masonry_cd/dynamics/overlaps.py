@@ -22,7 +22,7 @@ from masonry_cd.friction.infeasibility import Closing
 from masonry_cd.jit import entry
 from masonry_cd.model.state import State
 
-OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone
+OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone, or those of the joints as built
 CORRECTED = 0.2  # share of what is beyond that which one step takes away
 SWEEPS = 20  # of Gauss-Seidel
 
@@ -34,9 +34,14 @@ class Overlap(NamedTuple):
     blocks: tuple[int, int] = (-1, -1)  # of the contact with the smallest gap; -1: there is no contact
 
 
+def left_alone(system: System) -> float:
+    """The overlap that is not corrected [m]."""
+    return max(OVERLAP * system.width, system.inexact)
+
+
 def correct_overlaps(system: System, made: StepProblem, deepest: Overlap, state: State) -> np.ndarray | None:
     """Take a share of the overlaps away by moving the blocks of a state, in place; return the shifts (B, 3) [m], None for none."""
-    gap, problem, allowed = made.rigid_gap, made.problem, OVERLAP * system.width
+    gap, problem, allowed = made.rigid_gap, made.problem, left_alone(system)
     if deepest.depth < allowed:
         return None
     if len(gap) < problem.contacts:
@@ -64,7 +69,7 @@ def still_closing(system: System, made: StepProblem, v: np.ndarray) -> Closing |
     """The rigid contact that closes fastest at the end of a step, velocities (F, n), if the next ones do not take that away again."""
     rigid = made.rigid
     speed = -made.problem.relative_velocity(v)[rigid, 0]
-    if not speed.max(initial=0.0) * system.constants.step > OVERLAP * system.width:
+    if not speed.max(initial=0.0) * system.constants.step > left_alone(system):
         return None
     fastest = int(speed.argmax())
     return Closing(made.problem.subset(rigid), made.rows.blocks[rigid], fastest, float(speed[fastest]))

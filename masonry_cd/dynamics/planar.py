@@ -12,9 +12,8 @@ import numpy as np
 
 from masonry_cd.dynamics.block_forces import BlockForces
 from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.middle_plane import middle_plane
 from masonry_cd.model.state import State
-
-FLAT = 1e-9  # relative to the size of the structure
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +46,7 @@ def find_plane(
             continue
         if not _moves_in_plane(assembly, state, axis):
             continue
-        at = _middle(assembly, axis)
+        at = middle_plane(assembly, axis)
         if at is not None and not (forces is not None and forces.leaves_plane(axis, at, assembly.centre)):
             return Plane(axis, at)
     return None
@@ -59,20 +58,3 @@ def _moves_in_plane(assembly: Assembly, state: State, axis: int) -> bool:
     turned = [1 + d for d in range(3) if d != axis]
     shifted = state.position[:, axis] != assembly.centre[:, axis]
     return not (shifted.any() or state.velocity[:, across].any() or state.orientation[:, turned].any())
-
-
-def _middle(assembly: Assembly, axis: int) -> float | None:
-    """The common middle plane of prisms along ``axis``, or None."""
-    shapes = assembly.shapes
-    tolerance = FLAT * float(np.ptp(np.concatenate([block.vertices for block in assembly.blocks]), axis=0).max())
-    slanted = np.abs(shapes.solids.normals[:, axis])
-    if np.any((slanted > FLAT) & (slanted < 1.0 - FLAT)):
-        return None
-    middles = []
-    for block in assembly.blocks:
-        along = block.vertices[:, axis]
-        middle = 0.5 * float(along.min() + along.max())
-        if np.any(np.abs(np.abs(along - middle) - 0.5 * np.ptp(along)) > tolerance):
-            return None  # a corner between the two end faces
-        middles.append(middle)
-    return middles[0] if max(middles) - min(middles) <= tolerance else None

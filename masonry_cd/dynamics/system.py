@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.contact.find_joints import built_gap
 from masonry_cd.dynamics.block_arrays import BlockArrays, StepConstants
 from masonry_cd.dynamics.block_forces import BlockForces
 from masonry_cd.dynamics.joint_law import JointLawArrays, JointMemory, law_arrays
@@ -17,7 +18,8 @@ from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.state import State
 from masonry_cd.solvers.options import cores
 
-TOUCHING = 1e-8  # gaps up to this share of the smallest width count as closed
+TOUCHING = 1e-8  # gaps up to this share of the smallest width count as closed, or those of the joints as built
+SLACK = 1.5  # times the latter: a joint that slips or turns a little stays closed
 
 
 class StepLoads(NamedTuple):
@@ -63,6 +65,7 @@ class System:
     laws: JointLawArrays | None  # of elastic and bonded joints; None: all joints are rigid and dry
     reach: np.ndarray  # (F,) farthest corner of each free block from its centre [m]
     width: float  # of the thinnest free block [m]
+    inexact: float  # gaps and overlaps up to this count as none, since joints were built with such [m]
     gravity: float  # largest body acceleration of the run [m/s2]
     free_mass: np.ndarray  # (B,) [kg]; 0: a support
     stretch: float  # by which an intact joint can open at the most [m]
@@ -74,7 +77,7 @@ class System:
     def of(cls, assembly: Assembly, settings: Run, loads: Loads, plane: Plane | None) -> System:
         """Collect what follows from the blocks and the settings."""
         free = ~assembly.fixed
-        width = float(assembly.shapes.size[free[assembly.shapes.part_block]].min())
+        width, inexact = assembly.width, SLACK * built_gap(assembly)
         axis, at = (-1, 0.0) if plane is None else (plane.axis, float(plane.at))
         blocks = BlockArrays(
             mass=assembly.mass,
@@ -92,10 +95,11 @@ class System:
             plane=plane,
             free=free,
             blocks=blocks,
-            constants=StepConstants(float(settings.dt), axis, at, TOUCHING * width),
+            constants=StepConstants(float(settings.dt), axis, at, max(TOUCHING * width, inexact)),
             laws=law_arrays(assembly.laws) if assembly.laws.by_area.any() else None,
             reach=assembly.reach[free],
             width=width,
+            inexact=inexact,
             gravity=float(np.linalg.norm(loads.acceleration, axis=1).max()),
             free_mass=np.where(assembly.fixed, 0.0, assembly.mass),
             stretch=assembly.laws.stretch,

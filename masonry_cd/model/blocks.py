@@ -99,6 +99,11 @@ class Assembly:
         np.maximum.at(out, self.shapes.part_block, self.shapes.radius)
         return out
 
+    @property
+    def width(self) -> float:
+        """Smallest width of a free block [m]."""
+        return float(self.shapes.size[~self.fixed[self.shapes.part_block]].min())
+
     @classmethod
     def from_blocks(
         cls, blocks: Sequence[Block], friction: float | Mapping[str, float], joints: Mapping[str, JointLaw] | None = None

@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import costs, memory, parts, peers, problem_files, rocking, scaling
+from benchmarks import costs, memory, memory_per_contact, parts, peers, problem_files, rocking, scaling
 from benchmarks.counters import Counters
 from benchmarks.lmgc90_error import judge
 from benchmarks.ours import measure, stepper
 from benchmarks.scenes import GRAVITY, arcade, arch, scene, tower, wall
+from benchmarks.sitting import numbers_of
 from masonry_cd.dynamics import islands
 from masonry_cd.friction.problem import natural_map_error
 from masonry_cd.model.geometry import mass_properties
@@ -96,6 +97,19 @@ def test_in_space_there_are_twice_the_contacts_of_a_plane():
 def test_an_unknown_solver_is_named():
     with pytest.raises(ValueError, match='no solver "magic"'):
         measure(tower(1), 1, "magic")
+
+
+SIZES = ("wall10x10", "wall20x24")
+
+
+def test_memory_per_contact_is_that_of_the_scene():
+    small, large = (memory_per_contact.Measured(**numbers_of("benchmarks.memory_per_contact", [name, "--steps", "8"])) for name in SIZES)
+    assert small.contacts < 0.3 * large.contacts
+    assert 0.0 < large.resident <= large.peak
+    assert 500.0 < large.per_contact < 20_000.0
+    assert large.resident > 1.5 * small.resident
+    with pytest.raises(ValueError, match="steps: at least 4"):
+        memory_per_contact.measure(tower(2), 3)
 
 
 def test_memory_is_sampled_on_the_way():

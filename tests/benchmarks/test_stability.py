@@ -7,9 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.scenes import tower
+from benchmarks.counted_cost import BESIDE, counted
+from benchmarks.ours import stepper
+from benchmarks.scenes import arch, tower
 from benchmarks.stability import DRIFT, StabilityCase, cases, main, row, run, sheet
 from benchmarks.stability_picture import draw
+from benchmarks.strong_shaking import rest_cases, strong_cases
+from masonry_cd.contact.find_joints import built_gap
+from masonry_cd.solvers import admm, interior, newton, nlgs
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +69,54 @@ def test_the_cases_span_what_the_head_says():
     assert max(case.scene.stiffness for case in found) == 1e13
     assert {case.scene.friction for case in found} >= {0.0, 10.0}
     assert len({case.name for case in found}) == len(found)
+
+
+def test_ten_cases_in_space_are_shaken_hard():
+    """Each in a plane by no means, at 0.5 to 2 g; two with gaps as built, one on elastic joints, one shaken upwards more than a little."""
+    found = {name: scene for name, scene, _ in strong_cases()}
+    machines = {name: stepper(scene, 2) for name, scene in found.items()}
+    assert len(found) == 10
+    assert all(machine.plane is None for machine in machines.values())
+    peaks = [2 * np.pi * scene.frequency * scene.amplitude / 9.81 for scene in found.values()]
+    assert pytest.approx(min(peaks)) == 0.5 and max(peaks) == pytest.approx(2.0)
+    assert all(np.linalg.norm(scene.direction) == pytest.approx(1.0) for scene in found.values())
+    assert sum(built_gap(machine.assembly) > 1e-7 for machine in machines.values()) == 2
+    assert sum(scene.stiffness > 0.0 for scene in found.values()) == 1
+    assert max(scene.direction[2] for scene in found.values()) > 0.5
+    assert max(machine.assembly.count for machine in machines.values()) < 250  # the sheet stays a matter of minutes
+
+
+def test_the_base_moves_along_the_direction_of_the_scene_and_no_peer_takes_it(tmp_path):
+    machine = stepper(replace(tower(1), direction=(0.0, 0.6, 0.8)), 4)
+    base = machine.system.loads.support_velocity[:, 0]
+    assert base[3] == pytest.approx(tower(1).base_velocity(4)[3] * np.array([0.0, 0.6, 0.8]))
+    assert base[3, 1] > 0.0
+    with pytest.raises(ValueError, match="along x only"):
+        replace(tower(1), direction=(0.0, 0.6, 0.8)).write(tmp_path / "scene.json", 4)
+
+
+def test_gaps_as_built_pass_at_rest():
+    name, scene, _ = next(iter(rest_cases()))
+    found = run(StabilityCase("gaps", name, scene, 5))
+    assert (found.failures, found.missed) == ([], 0)
+    assert found.penetration < 1e-9 < built_gap(scene.assembly()) / 0.5  # the overlaps that it was built with are none of its own
+
+
+def test_costs_of_steps_are_counted():
+    """Equal in every run; a step without iterations costs what is beside them; nothing stays watched."""
+    methods, costs = (admm, newton, interior, nlgs), []
+    before = [method.solve for method in methods]
+    for _ in range(2):
+        machine = stepper(replace(arch(9), amplitude=0.5), 60)
+        with counted() as cost:
+            for _ in range(60):
+                report = machine.step()
+                cost.end_step(report.contacts)
+                assert (cost.steps[-1] == BESIDE * report.contacts) == (report.iterations == 0)
+        costs.append(cost)
+    assert [method.solve for method in methods] == before
+    assert costs[0].steps == costs[1].steps
+    assert costs[0].worst == max(costs[0].steps[1:]) / np.median(costs[0].steps[1:]) > 1.0
 
 
 def test_page_and_picture(standing, tmp_path):
