@@ -131,8 +131,8 @@ class Experience:
     costs: Costs = (0.0, 0.0, 0.0, 0.0)
     deeper: bool = False  # whether the last step was solved deeper than asked, because it began close to the solution
     error: float = 0.0  # at the last start looked at
-    slides: bool = False  # whether the interior point method solved the last step begun as usual, not the first, at a usual cost
-    stalls: bool = False  # whether Newton did not end the last step in which it had a turn before the interior point method
+    slides: bool = False  # whether one of the LAST methods solved the last step begun as usual, not the first, at a usual cost
+    stalls: bool = False  # whether Newton did not end the last step in which it had a turn before them
     usual: float = 0.0  # cost of a step, where one that costs more is counted as MORE times as much; 0: none but the first was solved
 
     @classmethod
