@@ -143,7 +143,7 @@ class Forces:
     points: tuple[PointLoad, ...]
     ties: tuple[Tie, ...]
 
-    def wrench(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: int) -> np.ndarray:
+    def wrench(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: int, ticks: int = 1) -> np.ndarray:
         """Force [N] and moment about the centre of mass [N m] on every block, (B, 6), in the world frame.
 
         Args:
@@ -151,10 +151,11 @@ class Forces:
             rotation: (B, 3, 3) body to world.
             velocity: (B, 6) linear and angular [m/s, rad/s].
             step: k of the loads.
+            ticks: n; point loads are the mean of those at t_k .. t_k+n-1.
         """
         out = np.zeros((len(position), 6))
         for load in self.points:
-            force = load.factor[step] * load.force
+            force = load.factor[step : step + ticks].mean() * load.force
             out[load.block] += np.concatenate([force, np.cross(np.sum(rotation[load.block] * load.arm, axis=1), force)])
         if self.ties:
             tension, along, arms = self._pull(position, rotation, velocity)
@@ -162,6 +163,14 @@ class Forces:
             for end, pull in enumerate((force, -force)):
                 np.add.at(out, self._ends[:, end], np.concatenate([pull, np.cross(arms[:, end], pull)], axis=1))
         return out
+
+    def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
+        """Largest acceleration [m/s2] by which point loads at t_k .. t_k+n-1 differ from their mean; masses (B,) of free blocks [kg]."""
+        largest = 0.0
+        for load in self.points:
+            factor = load.factor[step : step + ticks]
+            largest = max(largest, float(np.abs(factor - factor.mean()).max()) * math.hypot(*load.force) / float(mass[load.block]))
+        return largest
 
     def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         """N of each tie, (T,) [N]."""
