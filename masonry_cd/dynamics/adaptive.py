@@ -18,7 +18,7 @@ from masonry_cd.dynamics.settings import Run
 from masonry_cd.dynamics.step_control import REPEAT, StepControl
 from masonry_cd.model.blocks import Assembly
 
-TOLERANCE = 1e-4  # local error aimed at when the scene gives none, as a share of the smallest width of a block
+TOLERANCE = 3e-5  # local error aimed at when the scene gives none, as a share of the smallest width of a block
 
 
 def error_tolerance(settings: Run, assembly: Assembly) -> float:
