@@ -258,7 +258,7 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
     if not SOFTEST <= stiffness <= STIFFEST:
         raise InputError(f"{where}: its modulus and section make {stiffness:.3g} N/m, {SOFTEST:g} to {STIFFEST:g} N/m are taken")
     omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
-    _check_phase(omega, table.damping, grid.dt, f"{where}: run.dt {grid.dt:g} s is too long for its", "between these blocks")
+    _check_phase(omega, table.damping, grid, f"{where}:", "for its", "between these blocks")
     damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
     bar = Tie(ends, points - centres, length, table.section, stiffness, table.tension, damping)
     return Part(
@@ -288,7 +288,7 @@ def collect(parts: Sequence[Part], grid: RunGrid) -> Forces | None:
     if len(forces.ties) > 1:
         assert grid.assembly is not None
         omega, xi = _highest(forces.ties, grid.assembly)
-        _check_phase(omega, xi, grid.dt, f"loads: run.dt {grid.dt:g} s is too long for the", "of ties on the same blocks")
+        _check_phase(omega, xi, grid, "loads:", "for the", "of ties on the same blocks")
     return forces
 
 
@@ -329,12 +329,13 @@ def _highest(ties: Sequence[Tie], assembly: Assembly) -> tuple[float, float]:
     return float(np.sqrt(np.linalg.eigvalsh(coupled)[-1])), max(map(float, ratios))
 
 
-def _check_phase(omega: float, damping: float, dt: float, before: str, after: str) -> None:
+def _check_phase(omega: float, damping: float, grid: RunGrid, where: str, before: str, after: str) -> None:
     """Refuse a time step that is too long for bars of angular frequency omega."""
-    phase = omega * dt * (1.0 + damping)
+    key, step = ("run.dt", grid.dt) if grid.longest is None else ("run.dt_max", grid.longest)
+    phase = omega * step * (1.0 + damping)
     if phase > LARGEST_PHASE:
-        needs = f"{omega / (2.0 * np.pi):.3g} Hz {after}; at most {dt * LARGEST_PHASE / phase:.2g} s will do"
-        raise InputError(f"{before} {needs}")
+        needs = f"{omega / (2.0 * np.pi):.3g} Hz {after}; at most {step * LARGEST_PHASE / phase:.2g} s will do"
+        raise InputError(f"{where} {key} {step:g} s is too long {before} {needs}")
 
 
 def _blocks(grid: RunGrid, where: str) -> Assembly:
