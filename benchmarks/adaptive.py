@@ -80,6 +80,8 @@ def run_once(text: str) -> dict[str, Any]:
         case = prepare(read_scene(file))
         begin = time.process_time()
         summary = run_case(case, Path(folder) / "out")
+        if summary["signal"]:
+            raise KeyboardInterrupt
         return summary | {"processor": time.process_time() - begin}
 
 
