@@ -67,21 +67,23 @@ def build(
     gravity: Sequence[float],
     folder: Path,
     assembly: Assembly | None = None,
+    longest: float | None = None,
 ) -> Loading:
     """Sum all [[loads]] tables.
 
     Args:
         tables: as read from the scene file.
-        dt: time step [s].
+        dt: time step, or the shortest where it adapts [s].
         steps: number of steps N.
         gravity: (3,) [m/s2].
         folder: the scene file's folder, to which paths are relative.
         assembly: the blocks; without them no load may name one.
+        longest: the longest step where it adapts [s].
 
     Raises:
         InputError: an unknown kind, a bad key, or a bad record file.
     """
-    grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly)
+    grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly, longest)
     asked = [_parse(table, f"loads[{i}]") for i, table in enumerate(tables)]
     falls = _gravity_tables(asked)
     parts = [KINDS[table.kind].part(table, grid, f"loads[{i}]") for i, table in enumerate(asked)]

@@ -30,11 +30,12 @@ AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 class RunGrid:
     """What a load knows of the run: the N + 1 times t_k = k dt, the gravity, the folder of the scene file, and the blocks."""
 
-    dt: float  # [s]
+    dt: float  # the time step, or the shortest where it adapts [s]
     steps: int  # N
     gravity: np.ndarray  # (3,) [m/s2]
     folder: Path
     assembly: Assembly | None = None  # None: no structure yet; then no load may name a block
+    longest: float | None = None  # the longest step where it adapts [s]
 
     @cached_property
     def times(self) -> np.ndarray:

@@ -143,7 +143,7 @@ class Forces:
     points: tuple[PointLoad, ...]
     ties: tuple[Tie, ...]
 
-    def wrench(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: int) -> np.ndarray:
+    def wrench(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: int, ticks: int = 1) -> np.ndarray:
         """Force [N] and moment about the centre of mass [N m] on every block, (B, 6), in the world frame.
 
         Args:
@@ -151,10 +151,11 @@ class Forces:
             rotation: (B, 3, 3) body to world.
             velocity: (B, 6) linear and angular [m/s, rad/s].
             step: k of the loads.
+            ticks: n; point loads are the mean of those at t_k .. t_k+n-1.
         """
         out = np.zeros((len(position), 6))
         for load in self.points:
-            force = load.factor[step] * load.force
+            force = load.factor[step : step + ticks].mean() * load.force
             out[load.block] += np.concatenate([force, np.cross(np.sum(rotation[load.block] * load.arm, axis=1), force)])
         if self.ties:
             tension, along, arms = self._pull(position, rotation, velocity)
@@ -162,6 +163,14 @@ class Forces:
             for end, pull in enumerate((force, -force)):
                 np.add.at(out, self._ends[:, end], np.concatenate([pull, np.cross(arms[:, end], pull)], axis=1))
         return out
+
+    def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
+        """Largest acceleration [m/s2] by which point loads at t_k .. t_k+n-1 differ from their mean; masses (B,) of free blocks [kg]."""
+        largest = 0.0
+        for load in self.points:
+            factor = load.factor[step : step + ticks]
+            largest = max(largest, float(np.abs(factor - factor.mean()).max()) * math.hypot(*load.force) / float(mass[load.block]))
+        return largest
 
     def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         """N of each tie, (T,) [N]."""
@@ -249,7 +258,7 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
     if not SOFTEST <= stiffness <= STIFFEST:
         raise InputError(f"{where}: its modulus and section make {stiffness:.3g} N/m, {SOFTEST:g} to {STIFFEST:g} N/m are taken")
     omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
-    _check_phase(omega, table.damping, grid.dt, f"{where}: run.dt {grid.dt:g} s is too long for its", "between these blocks")
+    _check_phase(omega, table.damping, grid, f"{where}:", "for its", "between these blocks")
     damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
     bar = Tie(ends, points - centres, length, table.section, stiffness, table.tension, damping)
     return Part(
@@ -279,7 +288,7 @@ def collect(parts: Sequence[Part], grid: RunGrid) -> Forces | None:
     if len(forces.ties) > 1:
         assert grid.assembly is not None
         omega, xi = _highest(forces.ties, grid.assembly)
-        _check_phase(omega, xi, grid.dt, f"loads: run.dt {grid.dt:g} s is too long for the", "of ties on the same blocks")
+        _check_phase(omega, xi, grid, "loads:", "for the", "of ties on the same blocks")
     return forces
 
 
@@ -320,12 +329,13 @@ def _highest(ties: Sequence[Tie], assembly: Assembly) -> tuple[float, float]:
     return float(np.sqrt(np.linalg.eigvalsh(coupled)[-1])), max(map(float, ratios))
 
 
-def _check_phase(omega: float, damping: float, dt: float, before: str, after: str) -> None:
+def _check_phase(omega: float, damping: float, grid: RunGrid, where: str, before: str, after: str) -> None:
     """Refuse a time step that is too long for bars of angular frequency omega."""
-    phase = omega * dt * (1.0 + damping)
+    key, step = ("run.dt", grid.dt) if grid.longest is None else ("run.dt_max", grid.longest)
+    phase = omega * step * (1.0 + damping)
     if phase > LARGEST_PHASE:
-        needs = f"{omega / (2.0 * np.pi):.3g} Hz {after}; at most {dt * LARGEST_PHASE / phase:.2g} s will do"
-        raise InputError(f"{before} {needs}")
+        needs = f"{omega / (2.0 * np.pi):.3g} Hz {after}; at most {step * LARGEST_PHASE / phase:.2g} s will do"
+        raise InputError(f"{where} {key} {step:g} s is too long {before} {needs}")
 
 
 def _blocks(grid: RunGrid, where: str) -> Assembly:

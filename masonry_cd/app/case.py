@@ -83,7 +83,9 @@ def prepare(scene: Scene) -> Case:
 
             outputs.check(scene.report, blocks, scene.run.steps * scene.run.dt, scene.run.frame_every * scene.run.dt)
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
-        loading = loads.build(scene.loads, scene.run.dt, scene.run.steps, scene.run.gravity, scene.folder, assembly)
+        run = scene.run
+        longest = run.longest if run.adaptive else None
+        loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest)
     except InputError as error:
         raise scene.at_fault(error) from None
     if loading.support_velocity.any() and not assembly.fixed.any():

@@ -9,6 +9,7 @@ import numpy as np
 
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.arrays import Stored
+from masonry_cd.dynamics.adaptive import AdaptiveSteps
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
 from masonry_cd.io.layout import JOINT_PEAKS
@@ -44,6 +45,8 @@ def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], 
     for name in (*JOINT_PEAKS, "_area"):
         peaks.real(name, joints, finite=name != "first_opening_time")
     peaks.nothing_else()
+    if stepper.settings.adaptive:
+        AdaptiveSteps(stepper).check(stored.part("pace"))
     stored.nothing_else()
     steps = int(arrays["steps"][0])
     if (rows.get("step_time"), rows.get("time"), report.steps) != (steps, numbers["frames"], steps):

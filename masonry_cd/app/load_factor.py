@@ -40,7 +40,8 @@ def _load_factor(case: Case, results: Results) -> dict[str, Any]:
     found: dict[str, Any] = {"end": float(factor[-1]), "limit": limit, "given_way": None, "given_way_time": None}
     if len(beyond):
         time = float(results.time[beyond[0]])
-        found |= {"given_way": float(factor[round(time / case.scene.run.dt) - 1]), "given_way_time": time}
+        step = int(np.searchsorted(results.per_step("step_time"), time))  # that ended there: frames are at the ends of steps
+        found |= {"given_way": float(factor[step]), "given_way_time": time}
     return {"load_factor": found}
 
 

@@ -26,13 +26,14 @@ class Progress:
     """Call it with the number of steps done; use it as a context manager.
 
     Args:
-        total: steps of the run.
+        total: steps of the run, ticks where their length adapts.
         quiet: say nothing.
         stream: where to; standard error when not given.
+        tick: of a run whose steps adapt [s]; None for one of fixed steps.
     """
 
-    def __init__(self, total: int, quiet: bool = False, stream: TextIO | None = None) -> None:
-        self.total, self.done = total, 0
+    def __init__(self, total: int, quiet: bool = False, stream: TextIO | None = None, tick: float | None = None) -> None:
+        self.total, self.done, self._tick = total, 0, tick
         self._stream = stream or sys.stderr
         self._bar = _bar(self._stream) if self._stream.isatty() and not quiet else None
         self._every = float("inf") if quiet else BAR_SECONDS if self._bar else LINE_SECONDS
@@ -41,7 +42,7 @@ class Progress:
         self._begin = self._last = time.perf_counter()
         if self._bar:
             self._bar.start()
-            self._task = self._bar.add_task("steps", total=self.total)
+            self._task = self._bar.add_task("steps" if self._tick is None else "shortest steps", total=self.total)
             self._bar.refresh()
         return self
 
@@ -67,7 +68,10 @@ class Progress:
             self._bar.update(self._task, completed=self.done, refresh=True)
             return
         left = elapsed / self.done * (self.total - self.done)
-        line = f"step {self.done} of {self.total} ({100 * self.done / self.total:.0f} %), {in_words(elapsed)} so far, {in_words(left)} left"
+        steps = f"step {self.done} of {self.total}"
+        if self._tick is not None:
+            steps = f"{self.done * self._tick:.4g} of {self.total * self._tick:.4g} s"
+        line = f"{steps} ({100 * self.done / self.total:.0f} %), {in_words(elapsed)} so far, {in_words(left)} left"
         print(line, file=self._stream, flush=True)
 
 

@@ -104,7 +104,7 @@ def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, inte
     """Make the steps of a run and write result.h5."""
     settings, loading = case.scene.run, case.loading
     pauses = Pauses(case.assembly, loading.pauses, loading.shocks, settings.steps) if loading.shocks else None
-    show = Progress(settings.steps, quiet)
+    show = Progress(settings.steps, quiet, tick=settings.dt if settings.adaptive else None)
 
     def progress(done: int) -> None:
         show(done)
@@ -139,7 +139,7 @@ def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: f
         summary |= outcome(case, results)
         fast = time_step_checks.after_run(case.assembly, results, settings.dt)
         gravity = math.hypot(*settings.gravity)
-        restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.dt, settings.tolerance)
+        restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.longest, settings.tolerance)
     summary["warnings"] = [*run_warnings(summary), *summary["warnings"], *fast, *restless]
     summary["wall_seconds"] = since + time.perf_counter()
     writer.write_closing(as_json(summary))

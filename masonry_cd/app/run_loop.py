@@ -20,7 +20,8 @@ from masonry_cd.app.checkpoint_checks import check_content
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.recorder import Recorder
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper
+from masonry_cd.dynamics.adaptive import AdaptedStep, AdaptiveSteps
+from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper, StepReport
 from masonry_cd.dynamics.pauses import Aftermath, Pauses, Shock
 from masonry_cd.dynamics.snapshot import part, prefixed
 from masonry_cd.errors import InputError
@@ -40,7 +41,7 @@ def run(
     resume: bool = False,
     pauses: Pauses | None = None,
 ) -> RunReport:
-    """Advance to a number of steps of the loads and write the results as they come.
+    """Advance to a number of steps of the loads, ticks where the time step adapts, and write the results as they come.
 
     A run that cannot go on, or whose ``progress`` raises KeyboardInterrupt, ends early: the report says why, and all frames so far
     are kept. Ctrl-C within a step is for the caller to hold back (:class:`masonry_cd.app.progress.Interrupt`): otherwise it ends the run
@@ -51,7 +52,7 @@ def run(
         joints: of the stepper's assembly at rest, see :func:`masonry_cd.contact.find_joints.find_joints`.
         writer: of the result file.
         steps: of the loads, how many in all, those before a resumption included.
-        frame_every: steps between two frames; the first and the last state are always written.
+        frame_every: steps of length dt between two frames; the first and the last state are always written.
         progress: called after each step with the number of steps of the loads done.
         save_to: file for checkpoints; None takes none. The last is of the end, for who has more to do with the results.
         resume: go on from the checkpoint in ``save_to``; the writer must come from :meth:`ResultWriter.resumed`.
@@ -61,7 +62,9 @@ def run(
         InputError: a checkpoint that is missing, unreadable, or of another scene.
     """
     recorder = Recorder(writer, stepper, joints, pauses is not None)
-    loop = _Loop(stepper, recorder, RunReport(planar=stepper.plane is not None, fall=_fall(stepper)), pauses, save_to)
+    report = RunReport(planar=stepper.plane is not None, fall=_fall(stepper))
+    pace = AdaptiveSteps(stepper) if stepper.settings.adaptive else None
+    loop = _Loop(stepper, recorder, report, pauses, save_to, pace)
     if resume and save_to is not None:
         loop.resume(save_to)
     else:
@@ -91,24 +94,39 @@ class _Loop:
     report: RunReport
     pauses: Pauses | None
     save_to: Path | None
+    pace: AdaptiveSteps | None  # of steps that adapt
     saved: float = field(default_factory=clock.monotonic)  # when the last checkpoint was taken [s]
 
     def step(self, steps: int, frame_every: int) -> None:
         """Make a step and record it; after the last step of the loads, and at the end of a pause, with a frame."""
-        stepper, recorder = self.stepper, self.recorder
+        stepper, recorder, before, shock = self.stepper, self.recorder, self.stepper.load_step, None
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite stops the run by name
-            step = stepper.step()
-        before, shock = stepper.load_step - 1, None
+            adapted = None if self.pace is None else self.pace.step(self._room(steps, frame_every))
+            step = stepper.step() if adapted is None else adapted.report
+        applied = stepper.load_step
         if self.pauses is not None:
-            stepper.load_step = self.pauses.next_step(stepper.load_step, stepper.state)
+            stepper.load_step = self.pauses.next_step(applied, stepper.state, applied - before)
             shock = self.pauses.over(before, stepper.load_step)
-        self.report.look(step, stepper)
-        self.report.add(step, stepper.settings.tolerance, stepper.energy)
-        now = recorder.step(step, before + 1)
-        if stepper.steps % frame_every == 0 or stepper.load_step == steps or shock is not None:
+        self._account(step, adapted)
+        now = recorder.step(step, applied)
+        if stepper.motion.ticks % frame_every == 0 or stepper.load_step == steps or shock is not None:
             recorder.frame(now)
         if shock is not None:
-            recorder.shock(_aftermath(shock, before, stepper, recorder.frames - 1))
+            recorder.shock(_aftermath(shock, applied, stepper, recorder.frames - 1))
+
+    def _room(self, steps: int, frame_every: int) -> int:
+        """Ticks to the next instant that a step has to end at: a frame, a beginning or end in the loads."""
+        now = self.stepper.load_step
+        stops = [steps] if self.pauses is None else [steps, *(stop for stop in self.pauses.stops if stop > now)]
+        return min(frame_every - self.stepper.motion.ticks % frame_every, min(stops) - now)
+
+    def _account(self, step: StepReport, adapted: AdaptedStep | None) -> None:
+        """Take a step into the report."""
+        stepper = self.stepper
+        self.report.look(step, stepper)
+        self.report.add(step, stepper.settings.tolerance, stepper.energy, stepper.motion.span)
+        if adapted is not None and self.pace is not None:
+            self.report.adapted(adapted, float(np.sqrt((self.pace.drift**2).sum(axis=1)).max(initial=0.0)))
 
     def save_when_due(self) -> None:
         """Take a checkpoint if the last one is old enough."""
@@ -133,6 +151,7 @@ class _Loop:
         """Write the results so far to disk, then a checkpoint that counts their rows."""
         rows, mark = self.recorder.flushed_rows()
         arrays = self.stepper.snapshot() | prefixed("peaks", vars(self.recorder.peaks))
+        arrays |= {} if self.pace is None else prefixed("pace", self.pace.snapshot())
         numbers = {"report": asdict(self.report), "rows": rows, "mark": mark, "frames": self.recorder.frames}
         checkpoint.save(path, arrays, numbers | {"quiet": 0 if self.pauses is None else self.pauses.quiet})
 
@@ -148,6 +167,8 @@ class _Loop:
         except InputError as reason:
             raise InputError(f"{path}: {reason}") from None
         self.stepper.restore(arrays)
+        if self.pace is not None:
+            self.pace.restore(part("pace", arrays))
         vars(self.recorder.peaks).update(part("peaks", arrays))
         self.recorder.frames = numbers["frames"]
         if self.pauses is not None:
@@ -164,12 +185,12 @@ class _Loop:
 
 
 def _fall(stepper: Stepper) -> float:
-    """The energy that a step of free fall would give to all free blocks [J]."""
+    """The energy that a step of free fall, of length dt, would give to all free blocks [J]."""
     speed = math.hypot(*stepper.settings.gravity) * stepper.settings.dt
     return 0.5 * float(stepper.assembly.mass[~stepper.assembly.fixed].sum()) * speed * speed
 
 
-def _aftermath(shock: Shock, load_step: int, stepper: Stepper, frame: int) -> Aftermath:
-    """A shock whose rest has ended with the step that began at a step of the loads, in the time of the run."""
-    skipped, dt = load_step - (stepper.steps - 1), stepper.settings.dt
+def _aftermath(shock: Shock, applied: int, stepper: Stepper, frame: int) -> Aftermath:
+    """A shock whose rest has ended with the step that came to a step of the loads, in the time of the run."""
+    skipped, dt = applied - stepper.motion.ticks, stepper.settings.dt
     return Aftermath(shock.name, (shock.first - skipped) * dt, (shock.last - skipped) * dt, frame)

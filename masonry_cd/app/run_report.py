@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from masonry_cd.dynamics.adaptive import AdaptedStep
 from masonry_cd.dynamics.energy import WORKS
 from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.errors import InputError
@@ -46,11 +47,17 @@ class RunReport:
     planar: bool = False
     solver_reasons: dict[str, int] = field(default_factory=dict)  # how often each reason was given, # for its numbers
     left_out: dict[str, int] = field(default_factory=dict)  # of the detection, see there
+    spans: dict[str, int] = field(default_factory=dict)  # steps by their length in shortest ones, where it adapts
+    repeated_error: int = 0  # attempts undone for their local error
+    repeated_solver: int = 0  # attempts undone since the solver missed its tolerance
+    steps_too_long: int = 0  # of the shortest length, and yet wanted shorter
+    local_error_max: float = 0.0  # of the steps that stand [m]
+    base_drift_max: float = 0.0  # of the supports from their motion, see dynamics/local_error.py [m]
     stopped: str = ""  # why the run ended early; empty when it did not
     signal: int = 0  # the number of the one that stopped it
 
     work_max: float = 0.0  # largest work of the base, gravity or forces, or kinetic energy, so far [J]
-    fall: float = 0.0  # what a step of free fall would give to all free blocks [J]
+    fall: float = 0.0  # what a step of free fall of length dt would give to all free blocks [J]
     resolution: float = 0.0  # that times the tolerance, summed over the steps: works below it are what solving leaves [J]
 
     @classmethod
@@ -100,8 +107,17 @@ class RunReport:
             jam, self.closing_seen = find_jam(closing), closing.speed
             self.jam = self.jam if jam is None else f"{jam.in_words(assembly)} at {time:.4g} s"
 
-    def add(self, step: StepReport, tolerance: float, energy: Mapping[str, float]) -> None:
-        """Take in one step and the energies after it."""
+    def adapted(self, step: AdaptedStep, drift: float) -> None:
+        """Take in what choosing the length of a step took, and by how much the supports are off after it [m]."""
+        self.spans[str(step.span)] = self.spans.get(str(step.span), 0) + 1
+        self.repeated_error += step.repeated_error
+        self.repeated_solver += step.repeated_solver
+        self.steps_too_long += step.too_long
+        self.local_error_max = max(self.local_error_max, step.error)
+        self.base_drift_max = max(self.base_drift_max, drift)
+
+    def add(self, step: StepReport, tolerance: float, energy: Mapping[str, float], span: int = 1) -> None:
+        """Take in one step, so many times as long as dt, and the energies after it."""
         n = self.steps
         self.steps += 1
         self.stepping_seconds += step.seconds
@@ -124,7 +140,7 @@ class RunReport:
         self.sleeping_mean += (step.sleeping - self.sleeping_mean) / (n + 1)
         kind = NUMBER.sub("#", step.reason)  # like counts with like, and the dict stays small
         self.solver_reasons[kind] = self.solver_reasons.get(kind, 0) + 1
-        self.resolution += tolerance * self.fall
+        self.resolution += tolerance * self.fall * span * span
         self.energy = dict(energy)
         works = (abs(energy[name]) for name in WORKS)
         self.work_max = max(self.work_max, *works, energy["kinetic"])

@@ -12,7 +12,9 @@ import numpy as np
 from masonry_cd import __version__
 from masonry_cd.app.load_factor import joints_in_words, outcome_lines
 from masonry_cd.app.run_report import RunReport
+from masonry_cd.app.time_step_summary import steps_in_words, time_step_lines, time_step_summary
 from masonry_cd.atomic import replacing
+from masonry_cd.dynamics.adaptive import error_tolerance
 from masonry_cd.io.summary_file import FORMAT
 from masonry_cd.quantities import in_words, length
 from masonry_cd.solvers import cores
@@ -26,6 +28,7 @@ REPORTED = 1e-3  # share of the largest work from which on the closing lines rep
 def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
     """What the run itself yields for summary.json."""
     settings = case.scene.run
+    steps = time_step_summary(settings, report, error_tolerance(settings, case.assembly))
     energy = {("kinetic_end" if name == "kinetic" else name): value for name, value in report.energy.items()}
     return {
         "format": FORMAT,
@@ -34,7 +37,7 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
         "stopped": report.stopped,
         "signal": report.signal,
         "steps": report.steps,
-        "steps_asked": settings.steps,
+        "steps_asked": report.steps if settings.adaptive and not report.stopped else settings.steps,
         "dt": settings.dt,
         "wall_seconds": 0.0,
         "stepping_seconds": report.stepping_seconds,
@@ -69,6 +72,7 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
             "lift_share": report.lift_share,
         },
         "loads": case.loading.summary,
+        **steps,
     }
 
 
@@ -103,8 +107,9 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     deep = f", of {s['penetration_where']}" if s.get("penetration_where") else ""
     bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
     return [
-        f"{s['title']}: {s['steps']} steps of {length(s['dt'], 's')} in {in_words(s['stepping_seconds'])}, "
+        f"{s['title']}: {steps_in_words(s)} in {in_words(s['stepping_seconds'])}, "
         f"{length(per_step, 's')} per step; {in_words(s['wall_seconds'])} in all",
+        *time_step_lines(s),
         *outcome_lines(s),
         damage_line(s),
         *_part_lines(s),

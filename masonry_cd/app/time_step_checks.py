@@ -21,6 +21,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from masonry_cd.dynamics.local_error import PASSING
 from masonry_cd.dynamics.pauses import Pause
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Assembly
@@ -28,7 +29,6 @@ from masonry_cd.model.blocks import Assembly
 ENERGY = 0.95
 PER_PERIOD = 10.0
 ROCKING = 0.03
-PASSING = 0.25
 CHUNK_BYTES = 1 << 24  # velocities are read in chunks of this size
 
 

@@ -98,8 +98,10 @@ def _resuming(scene: Path, output: Path, changes: Sequence[str]) -> str:
 
 def _announce(prepared: Case) -> None:
     """What is about to be computed."""
+    from masonry_cd.app.time_step_summary import announced
+
     settings = prepared.scene.run
     joints = f"{prepared.assembly.count} blocks, {prepared.joints.count} joints"
-    typer.echo(f"{prepared.scene.title}: {joints}, {settings.steps} steps of {settings.dt:g} s, solver {settings.solver}")
+    typer.echo(f"{prepared.scene.title}: {joints}, {announced(settings)}, solver {settings.solver}")
     for line in (*prepared.notes, *prepared.loading.lines, *(f"warning: {line}" for line in prepared.warnings)):
         typer.echo(line)

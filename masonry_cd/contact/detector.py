@@ -13,6 +13,7 @@ pair has no points and may move by FAR of its width, they are those of its pose 
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -109,6 +110,14 @@ class Detector:
         found = ContactSet.allocate(count)
         write_contacts(self._memory, self._shapes.part_block, position, rotation, found)
         return found
+
+    def copied(self) -> Detector:
+        """A detector that remembers the same and goes its own way."""
+        other = copy.copy(self)
+        other._memory = PairMemory(*[array.copy() for array in self._memory])
+        other._listing = Listing(*[array.copy() for array in self._listing])
+        other.tally = self.tally.copy()
+        return other
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """What the detector remembers, as arrays for a checkpoint."""

@@ -10,11 +10,14 @@ import numpy as np
 class BlockForces(Protocol):
     """Forces that depend on where the blocks are and how they move; B blocks, T ties. World frame."""
 
-    def wrench(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: int) -> np.ndarray:
-        """Force [N] and moment about the centre of mass [N m] on every block, (B, 6), at a step of the loads.
+    def wrench(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: int, ticks: int = 1) -> np.ndarray:
+        """Force [N] and moment about the centre of mass [N m] on every block, (B, 6), mean over some steps of the loads from one on.
 
         Positions (B, 3) [m], rotations (B, 3, 3) body to world, velocities (B, 6) [m/s, rad/s].
         """
+
+    def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
+        """Largest acceleration [m/s2] by which forces given in time differ from their mean over some steps; masses (B,) [kg]."""
 
     def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         """Tension of each tie, (T,) [N]."""

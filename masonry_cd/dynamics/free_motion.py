@@ -67,7 +67,7 @@ def _with_forces(system: System, free: Prediction) -> Prediction:
     if forces is None:
         return free
     now = (free.state.position, free.rotation, free.state.velocity)
-    wrench = forces.wrench(*now, free.loads.number)[system.free]
+    wrench = forces.wrench(*now, free.loads.number, free.loads.ticks)[system.free]
     pull = system.gravity + float((np.linalg.norm(wrench[:, :3], axis=1) / system.assembly.mass[system.free]).max())
     impulse = system.constants.step * wrench[:, system.blocks.columns]
     pushed = _pushed(system, free, impulse, np.einsum("bij,bj->bi", free.inverse_mass, impulse))

@@ -41,6 +41,7 @@ from masonry_cd.dynamics.overlaps import Overlap, still_closing
 from masonry_cd.dynamics.planar import Plane
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.dynamics.snapshot import part, prefixed
+from masonry_cd.dynamics.start import motion_at_start
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import EnergyBalance, Loads, Motion, System, plane_of
 from masonry_cd.friction.infeasibility import Closing
@@ -70,6 +71,16 @@ class StepReport(NamedTuple):
     overlapping: tuple[int, int] = (-1, -1)  # the blocks of the largest overlap
     closing: Closing | None = None  # what a step that missed its tolerance has left closing
     accepted: bool = False  # the step missed its tolerance, by no more than the scene accepts
+
+
+class StepStart(NamedTuple):
+    """What a step changes, as it was before."""
+
+    motion: Motion
+    load_step: int
+    detector: Detector
+    last: StepProblem | None
+    solution: Solution
 
 
 class Solved(NamedTuple):
@@ -121,7 +132,13 @@ def _solve_cones(system: System, made: StepProblem, islands: Islands, number: in
     else:
         is_open, struck = impact
         both = solve_apart(
-            problem, is_open, ~struck, made.rows.gap, s.dt, start, lambda part, begin, kind: islands.solve(part, options, begin, kind)
+            problem,
+            is_open,
+            ~struck,
+            made.rows.gap,
+            system.constants.step,
+            start,
+            lambda part, begin, kind: islands.solve(part, options, begin, kind),
         )
         shown = {"forces": both.forces, "impacts": both.impacts}
         solved = Solved(both.solution, both.error, both.carried_impulse)
@@ -150,9 +167,9 @@ class Stepper:
 
     Args:
         assembly: the blocks.
-        support_velocity: (N + 1, S, 3) velocity of support motion s at t_k = k h [m/s].
+        support_velocity: (N + 1, S, 3) velocity of support motion s at t_k, k ticks of length dt [m/s].
         acceleration: (N + 1, 3) body acceleration at t_k, gravity included [m/s2].
-        settings: time step, theta, solver, tolerance, seed.
+        settings: time step, or the shortest where it adapts, theta, solver, tolerance, seed.
         start: where the run begins; None: at rest, as built.
         forces: on single blocks; None for none.
         plane: in which the scene moves, where that is known; None: looked for, if the settings want it.
@@ -173,7 +190,7 @@ class Stepper:
         plane = plane_of(assembly, state, settings, loads) if plane is None else plane
         self.assembly, self.settings, self.plane = assembly, settings, plane
         self.system = System.of(assembly, settings, loads, plane)
-        self.motion = _at_start(self.system, state)
+        self.motion = motion_at_start(self.system, state)
         self.detector = Detector(assembly)
         self.islands = Islands(SOLVERS[settings.solver], len(self.system.reach), settings.islands)
         self.load_step = 0  # k of the loads; it may run ahead of the steps, see pauses.py
@@ -181,25 +198,43 @@ class Stepper:
         self.last: StepProblem | None = None  # of the last step
         self.solution = Solution(np.zeros((0, self.system.rows)), None, 0)  # of the last step
 
-    def step(self) -> StepReport:
-        """Advance by one time step.
+    def step(self, ticks: int = 1) -> StepReport:
+        """Advance by one time step, of some ticks of length dt.
 
         Raises:
             RunStopped: a velocity is not finite.
         """
-        begin, system, last = clock.perf_counter(), self.system, self.motion
-        predicted = predict(system, last, system.loads.of_step(self.load_step))
+        begin = clock.perf_counter()
+        self._set_length(ticks)
+        system, last = self.system, self.motion
+        predicted = predict(system, last, system.loads.of_step(self.load_step, ticks))
         found = detect(system, self.detector, predicted)
         made = assemble(system, last, predicted, found)
         solved = solve(system, made, self.islands, last.steps + 1, self.watch)
         new = update(system, last, made, solved.solution.impulse, solved.carried_impulse)
         energy = account(system, last, made, solved.solution.impulse, new)
         self.motion, self.last, self.solution = new.motion._replace(energy=energy), made, solved.solution
-        self.load_step += 1
+        self.load_step += ticks
         return self._report(made, solved, new.deepest, begin)
 
+    def _set_length(self, ticks: int) -> None:
+        """Make steps of some ticks from here on; the impulses that the next one starts from grow with its length."""
+        if ticks != self.motion.span:
+            self.system = self.system.with_step(ticks * self.settings.dt)
+            share = ticks / self.motion.span
+            self.motion = self.motion._replace(impulse=share * self.motion.impulse, span=ticks)
+
+    def begin_of_step(self) -> StepStart:
+        """What a step changes, kept so that it can be undone by :meth:`undo`; what the solver learns in it stays."""
+        return StepStart(self.motion, self.load_step, self.detector.copied(), self.last, self.solution)
+
+    def undo(self, start: StepStart) -> None:
+        """Go back to the beginning of a step. The detector kept is used up: it serves once."""
+        self.motion, self.load_step, self.detector, self.last, self.solution = start
+        self.system = self.system.with_step(self.motion.span * self.settings.dt)
+
     def friction_problem(self) -> StepProblem:
-        """The friction problem of the next step. Asking for it changes nothing."""
+        """The friction problem of the next step, were it as long as the last. Asking for it changes nothing."""
         predicted = predict(self.system, self.motion, self.system.loads.of_step(self.load_step))
         return assemble(self.system, self.motion, predicted, detect(self.system, deepcopy(self.detector), predicted))
 
@@ -261,12 +296,15 @@ class Stepper:
         m = self.motion
         state = State(0.0, m.state.position, m.state.orientation, np.zeros_like(m.state.velocity))
         self.motion = m._replace(
-            state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None, steps=0
+            state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None, steps=0, ticks=0
         )
         self.load_step = 0
 
     def begin_from(self, other: Stepper, share: float) -> None:
-        """Begin in the state of another stepper of the same blocks and plane, with a share of the impulses of its last step."""
+        """Begin in the state of another stepper of the same blocks and plane, with a share of the impulses of its last step.
+
+        The share is that of the step, or the shortest, over the other's.
+        """
         m = other.motion
         energy = at_start(self.system, m.state, m.angular_momentum)
         self.motion = m._replace(impulse=share * m.impulse, tensions=self.tensions, energy=energy)
@@ -293,7 +331,12 @@ class Stepper:
         """All that the next step depends on, as arrays for a checkpoint."""
         m = self.motion
         state = {name: getattr(m.state, name) for name in ("position", "orientation", "velocity")}
-        own = {"angular_momentum": m.angular_momentum, "v": m.v, "impulse": m.impulse, "steps": np.array([m.steps, self.load_step])}
+        own = {
+            "angular_momentum": m.angular_momentum,
+            "v": m.v,
+            "impulse": m.impulse,
+            "steps": np.array([m.steps, self.load_step, m.ticks, m.span]),
+        }
         own["energy"] = np.array([m.energy.begun, *(m.energy.totals[name] for name in ENERGIES)])
         if m.carried_impulse is not None:
             own["carried_impulse"] = m.carried_impulse
@@ -318,8 +361,8 @@ class Stepper:
         stored.real("impulse", max(1, contacts), system.rows)
         if stored.holds("carried_impulse"):
             stored.real("carried_impulse", free, unknowns)
-        steps, load_step = stored.whole("steps", 2, high=len(loads.acceleration)).tolist()
-        if steps > load_step:
+        steps, load_step, ticks, span = stored.whole("steps", 4, high=len(loads.acceleration)).tolist()
+        if not (steps <= ticks <= load_step and span in self.settings.spans):
             stored.refuse("steps", "out of range")
         stored.real("energy", 1 + len(ENERGIES), finite=False)
         joints = stored.part("joints")
@@ -332,10 +375,10 @@ class Stepper:
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Go on from what :meth:`snapshot` gave, in a stepper of the same scene."""
-        steps, self.load_step = map(int, arrays["steps"])
+        steps, self.load_step, ticks, span = map(int, arrays["steps"])
         begun, *energies = arrays["energy"].tolist()
         self.motion = Motion(
-            state=State(steps * self.settings.dt, arrays["position"], arrays["orientation"], arrays["velocity"]),
+            state=State(ticks * self.settings.dt, arrays["position"], arrays["orientation"], arrays["velocity"]),
             angular_momentum=arrays["angular_momentum"],
             v=arrays["v"],
             impulse=arrays["impulse"],
@@ -344,23 +387,9 @@ class Stepper:
             tensions=self.tensions,
             energy=EnergyBalance(dict(zip(ENERGIES, energies, strict=True)), begun),
             steps=steps,
+            ticks=ticks,
+            span=span,
         )
+        self.system = self.system.with_step(span * self.settings.dt)
         self.detector.restore(part("detector", arrays))
         self.islands.restore(part("islands", arrays))
-
-
-def _at_start(system: System, state: State) -> Motion:
-    """What the first step begins with: no impulses, and the momenta and tensions of a state."""
-    rotation, forces = rotation_matrices(state.orientation), system.loads.forces
-    momentum: np.ndarray = angular_momenta(system.blocks, rotation, state.velocity)
-    return Motion(
-        state=state,
-        angular_momentum=momentum,
-        v=np.ascontiguousarray(state.velocity[system.free][:, system.blocks.columns]),
-        impulse=np.zeros((1, system.rows)),
-        carried_impulse=None,
-        joints=JointMemory.empty(0),
-        tensions=np.zeros(0) if forces is None else forces.tensions(state.position, rotation, state.velocity),
-        energy=at_start(system, state, momentum),
-        steps=0,
-    )

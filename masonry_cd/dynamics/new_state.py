@@ -58,11 +58,12 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray,
     deepest = deepest_overlap(made)
     lifted = correct_overlaps(system, made, deepest, state)
     drift(state.position, state.orientation, state.velocity, h * system.settings.theta)
-    state.time = (last.steps + 1) * h
+    ticks = predicted.loads.ticks
+    state.time = (last.ticks + ticks) * system.settings.dt
     joints, springs = carried_over(system, last, made, v, impulse)
     motion = last._replace(
         state=state, angular_momentum=momentum, v=v, impulse=every, carried_impulse=carried, joints=joints,
-        tensions=predicted.tensions, steps=last.steps + 1,
+        tensions=predicted.tensions, steps=last.steps + 1, ticks=last.ticks + ticks,
     )  # fmt: skip
     return Update(motion, kinetic, deepest, lifted, springs)
 

@@ -86,19 +86,21 @@ class Pauses:
     """
 
     def __init__(self, assembly: Assembly, pauses: Sequence[Pause], shocks: Sequence[Shock], steps: int) -> None:
-        self.quiet = 0  # steps in a row in which all that stands was still
+        self.quiet = 0  # steps of the loads in a row in which all that stands was still
+        ends = [(each.first, each.last) for each in pauses] + [(each.first, each.last) for each in shocks]
+        self.stops = sorted({step for pair in ends for step in pair})  # of the loads, at which something begins or ends
         self._assembly, self._pauses, self._shocks = assembly, pauses, shocks
         self._over = [shock.first for shock in shocks[1:]] + [steps]  # where the rest after each shock ends
         self._height = np.array([np.ptp(block.vertices[:, 2]) for block in assembly.blocks])
         self._reach = assembly.reach
 
-    def next_step(self, load_step: int, state: State) -> int:
-        """The step of the loads at which to go on after ``load_step``, with the state that it led to."""
+    def next_step(self, load_step: int, state: State, made: int = 1) -> int:
+        """The step of the loads at which to go on after ``load_step``, with the state that it led to by ``made`` of them at once."""
         pause = next((p for p in self._pauses if p.first < load_step < p.last), None)
         if pause is None:
             self.quiet = 0
             return load_step
-        self.quiet = self.quiet + 1 if self._fastest(state) < pause.speed else 0
+        self.quiet = self.quiet + made if self._fastest(state) < pause.speed else 0
         return pause.last if self.quiet >= pause.hold else load_step
 
     def over(self, before: int, after: int) -> Shock | None:

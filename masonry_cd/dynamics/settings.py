@@ -3,23 +3,34 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from masonry_cd.fields import Count, Flag, Number, Table, Vector
+from masonry_cd.fields import Count, Flag, Number, Table, Vector, is_number
 from masonry_cd.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 from masonry_cd.solvers.solver_name import SolverName
 
 ACCEPT = 10.0  # natural map error that is accepted, in tolerances
 MOST_STEPS = 2e7  # of a run: some 4 GB of loads
+AUTO = "auto"  # as run.dt: the time step adapts
+LONGEST_STEP = 1e-2  # dt_max when not given [s]
+RUNGS = 5  # halvings from dt_max to the shortest step when dt_min is not given
+ADAPTIVE_KEYS = ("dt_min", "dt_max", "dt_tolerance")
 
 
 class Run(Table):
     """The table ``[run]``: time, solver and output."""
 
     dt: Annotated[Number, Field(gt=0, le=0.1)]
-    """Time step [s]."""
+    """Time step [s], or "auto": it adapts between dt_min and dt_max, and this is the shortest, by which the loads are sampled."""
+    dt_min: Annotated[Number, Field(gt=0, le=0.1)] | None = None
+    """No step is shorter [s]; with dt = "auto" only. Steps are dt_max halved as often as stays above it; 5 times when not given."""
+    dt_max: Annotated[Number, Field(gt=0, le=0.1)] | None = None
+    """The longest step [s]; with dt = "auto" only, 0.01 when not given."""
+    dt_tolerance: Annotated[Number, Field(gt=0)] | None = None
+    """Local error of a step that is aimed at, root mean square over the blocks [m]; with dt = "auto" only."""
     duration: Annotated[Number, Field(gt=0)]
     """How long to compute [s]."""
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.5
@@ -49,6 +60,25 @@ class Run(Table):
     gravity: Vector = (0.0, 0.0, -9.81)
     """[m/s2]."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _ladder(cls, given: Any) -> Any:
+        """Put the shortest step in the place of "auto"."""
+        if not isinstance(given, Mapping):
+            return given
+        if given.get("dt") != AUTO:
+            asked = [key for key in ADAPTIVE_KEYS if given.get(key) is not None]
+            if asked and "dt" in given:
+                raise ValueError(f'{asked[0]} is for dt = "auto" alone, and dt is given as {given["dt"]!r}')
+            return given
+        longest = given.get("dt_max", LONGEST_STEP)
+        shortest = given.get("dt_min", longest * 2.0**-RUNGS if is_number(longest) else longest)
+        if not (is_number(longest) and is_number(shortest) and shortest > 0.0 and 0.0 < longest <= 0.1):
+            return {**given, "dt": LONGEST_STEP}  # one of the two is refused by its own name
+        if shortest > longest:
+            raise ValueError(f"dt_min {shortest:g} s is above dt_max {longest:g} s")
+        return {**given, "dt_max": longest, "dt": math.ldexp(longest, -math.floor(math.log2(longest / shortest) + 1e-9))}
+
     @model_validator(mode="after")
     def _fits(self) -> Run:
         if self.duration < self.dt:
@@ -67,12 +97,36 @@ class Run(Table):
         return ACCEPT * self.tolerance if self.accept is None else self.accept
 
     @property
+    def adaptive(self) -> bool:
+        """Whether the time step adapts."""
+        return self.dt_max is not None
+
+    @property
+    def longest(self) -> float:
+        """The longest time step [s]."""
+        return self.dt if self.dt_max is None else self.dt_max
+
+    @property
+    def longest_ticks(self) -> int:
+        """The longest step in shortest ones: a power of two."""
+        return round(self.longest / self.dt)
+
+    @property
+    def spans(self) -> tuple[int, ...]:
+        """The lengths that a step may have, in shortest ones: 1, 2, 4 ..."""
+        return tuple(1 << rung for rung in range(self.longest_ticks.bit_length()))
+
+    @property
     def steps(self) -> int:
-        """Steps N that cover the duration."""
+        """Steps N of length dt that cover the duration."""
         return math.ceil(self.duration / self.dt - 1e-6)
 
     @property
     def frame_every(self) -> int:
-        """Steps between two frames."""
-        frames = self.frames_per_second * self.dt  # of a step; so few that they have no reciprocal where none falls into any run
-        return max(1, round(1.0 / frames)) if frames * MOST_STEPS > 1.0 else int(MOST_STEPS)
+        """Steps of length dt between two frames: whole longest steps, or a power of two where that is longer than a frame lasts."""
+        frames = self.frames_per_second * self.longest  # of a step; so few that they have no reciprocal where none falls into any run
+        if not frames * MOST_STEPS > 1.0:
+            return int(MOST_STEPS)
+        if frames <= 1.0 or not self.adaptive:
+            return max(1, round(1.0 / frames)) * self.longest_ticks
+        return max(1, self.longest_ticks >> round(math.log2(frames)))

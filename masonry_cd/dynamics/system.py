@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -23,26 +23,27 @@ SLACK = 1.5  # times the latter: a joint that slips or turns a little stays clos
 
 
 class StepLoads(NamedTuple):
-    """The loads of one step, from t_k to t_k+1, with S prescribed motions."""
+    """The loads of one step, from t_k to t_k+n, with S prescribed motions."""
 
     number: int  # k + 1
+    ticks: int  # n
     support_before: np.ndarray  # (S, 3) velocities of the supports at t_k [m/s]
-    support_after: np.ndarray  # (S, 3) at t_k+1
-    acceleration: np.ndarray  # (3,) body acceleration, gravity included [m/s2]
+    support_after: np.ndarray  # (S, 3) at t_k+n
+    acceleration: np.ndarray  # (3,) body acceleration, gravity included, mean over the step [m/s2]
 
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """What acts in a run of N steps."""
+    """What acts in a run, sampled at N + 1 times a tick apart: the time step, or the shortest where it adapts."""
 
-    support_velocity: np.ndarray  # (N + 1, S, 3) velocity of support motion s at t_k = k h [m/s]
+    support_velocity: np.ndarray  # (N + 1, S, 3) velocity of support motion s at t_k, k ticks [m/s]
     acceleration: np.ndarray  # (N + 1, 3) body acceleration at t_k, gravity included [m/s2]
     forces: BlockForces | None  # on single blocks
 
-    def of_step(self, k: int) -> StepLoads:
-        """The loads of the step from t_k on."""
-        before, after = self.support_velocity[k : k + 2]
-        return StepLoads(k + 1, before, after, self.acceleration[k + 1])
+    def of_step(self, k: int, ticks: int = 1) -> StepLoads:
+        """The loads of a step of some ticks from t_k on; what the body forces put in is that of so many short steps."""
+        pull = self.acceleration[k + 1] if ticks == 1 else self.acceleration[k + 1 : k + ticks + 1].mean(axis=0)
+        return StepLoads(k + 1, ticks, self.support_velocity[k], self.support_velocity[k + ticks], pull)
 
     def at_rest(self) -> tuple[np.ndarray, np.ndarray]:
         """Support velocities (N + 1, S, 3) of none, and body accelerations (N + 1, 3) whose first two are the first of the run."""
@@ -108,6 +109,10 @@ class System:
             threads=min(settings.threads, cores()),
         )
 
+    def with_step(self, step: float) -> System:
+        """The system as steps of length h [s] see it."""
+        return replace(self, constants=self.constants._replace(step=step))
+
     @property
     def turning(self) -> np.ndarray:
         """(n,) bool: which unknowns of a block are angular velocities."""
@@ -139,9 +144,11 @@ class Motion(NamedTuple):
     state: State
     angular_momentum: np.ndarray  # (B, 3) of the free blocks [kg m2/s]
     v: np.ndarray  # (F, n) velocities of the free blocks
-    impulse: np.ndarray  # (C, m) of all contacts of the last step, one row at least [N s]
+    impulse: np.ndarray  # (C, m) of all contacts of the last step, one row at least [N s], in steps of length ``span``
     carried_impulse: np.ndarray | None  # (F, n) generalised impulse that an impact leaves to the next step, see impacts.py
     joints: JointMemory  # of elastic and bonded joints
     tensions: np.ndarray  # (T,) of the ties, as applied in the last step [N]
     energy: EnergyBalance
     steps: int  # done so far
+    ticks: int  # of the loads' sampling, that they took together
+    span: int  # ticks of the last one

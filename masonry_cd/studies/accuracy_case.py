@@ -78,6 +78,8 @@ def _scene(source: Path, asked: Mapping[str, Any], overrides: Sequence[str], say
     """Measure the runs of a scene, and how far seeds spread."""
     changes = [*overrides, *([] if asked["duration"] is None else [f"run.duration={asked['duration']!r}"])]
     scene = read_scene(source, changes)
+    if scene.run.adaptive:
+        raise InputError(f'{source}: run.dt is "auto", and accuracy compares fixed time steps; give it a scene with a number there')
     solvers, tolerances = _solvers(asked["solvers"]) or (scene.run.solver,), _tolerances(asked["tolerances"])
     from masonry_cd.studies.accuracy import DT_FACTORS, SCENE_TOLERANCES, run_rows
     from masonry_cd.studies.accuracy_seeds import seed_lines, seed_warnings, study_seeds

@@ -72,12 +72,19 @@ def lead(context: PageContext) -> str:
     extent = " × ".join(in_metres(v) for v in np.ptp(free, axis=0)) if len(free) else "nothing free"
     time = context.results.time
     span = f"{number(float(time[0]), 's')} to {number(float(time[-1]), 's')}"
-    dt = context.summary.get("dt")
-    steps = f", {context.steps} steps" + (f" of {number(1e3 * dt)} ms" if dt else "") if context.steps else ""
+    steps = f", {context.steps} steps{_lengths(context)}" if context.steps else ""
     return (
         f"{len(blocks)} blocks{named} and {context.results.joints.count} joints, {extent} (x, y, z) without supports; "
         f"{_supports(int(solids.fixed.sum()))}. Computed from {span}{steps}."
     )
+
+
+def _lengths(context: PageContext) -> str:
+    """How long the time steps were."""
+    dt, adapted = context.summary.get("dt"), context.summary.get("time_step")
+    if isinstance(adapted, dict) and all(isinstance(adapted.get(key), float) for key in ("shortest", "longest")):
+        return f" of {number(1e3 * adapted['shortest'])} to {number(1e3 * adapted['longest'])} ms"
+    return f" of {number(1e3 * dt)} ms" if dt else ""
 
 
 def _supports(count: int) -> str:

@@ -1,0 +1,30 @@
+"""The motion that a run begins with."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.dynamics.energy import at_start
+from masonry_cd.dynamics.free_motion import angular_momenta
+from masonry_cd.dynamics.joint_law import JointMemory
+from masonry_cd.dynamics.system import Motion, System
+from masonry_cd.model.state import State, rotation_matrices
+
+
+def motion_at_start(system: System, state: State) -> Motion:
+    """What the first step begins with: no impulses, and the momenta and tensions of a state."""
+    rotation, forces = rotation_matrices(state.orientation), system.loads.forces
+    momentum: np.ndarray = angular_momenta(system.blocks, rotation, state.velocity)
+    return Motion(
+        state=state,
+        angular_momentum=momentum,
+        v=np.ascontiguousarray(state.velocity[system.free][:, system.blocks.columns]),
+        impulse=np.zeros((1, system.rows)),
+        carried_impulse=None,
+        joints=JointMemory.empty(0),
+        tensions=np.zeros(0) if forces is None else forces.tensions(state.position, rotation, state.velocity),
+        energy=at_start(system, state, momentum),
+        steps=0,
+        ticks=0,
+        span=1,
+    )
