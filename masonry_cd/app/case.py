@@ -17,6 +17,7 @@ from masonry_cd.app.progress import said_if_slow
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import compile_kernels, keeps
 from masonry_cd.contact.find_joints import find_joints
+from masonry_cd.dynamics.pauses import HOLD, STILL
 from masonry_cd.dynamics.planar import find_plane
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError
@@ -40,6 +41,7 @@ class Case:
     assembly: Assembly
     joints: Joints
     loading: Loading
+    steps: int  # of the loads at most: beyond those of the duration where the run waits for its blocks to be still
     notes: tuple[str, ...]  # what was changed in making the blocks, in words
     warnings: tuple[str, ...]  # what the time step is too coarse for, and the machine too small
     seconds: float  # to build it
@@ -82,6 +84,7 @@ def prepare(scene: Scene) -> Case:
             outputs.check(scene.report, blocks, scene.run.steps * scene.run.dt, scene.run.frame_every * scene.run.dt)
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         loading = loads.build(scene.loads, scene.run.dt, scene.run.steps, scene.run.gravity, scene.folder, assembly)
+        loading = _until_still(scene, loading)
     except InputError as error:
         raise scene.at_fault(error) from None
     if loading.support_velocity.any() and not assembly.fixed.any():
@@ -98,7 +101,26 @@ def prepare(scene: Scene) -> Case:
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = [FALLING] if gravity and not assembly.fixed.any() else []
     warnings = (*falling, *coarse, *_beyond_machine(scene.run.threads))
-    return Case(scene, assembly, joints, loading, tuple(notes), warnings, time.perf_counter() - begin)
+    steps = len(loading.acceleration) - 1
+    return Case(scene, assembly, joints, loading, steps, tuple(notes), warnings, time.perf_counter() - begin)
+
+
+def _until_still(scene: Scene, loading: Loading) -> Loading:
+    """The loads, with a rest behind them where the run is to go on until its blocks are still.
+
+    Raises:
+        InputError: that is asked for, and the base still moves when the duration ends.
+    """
+    from loads.rest import base_moves_at_end, with_rest
+
+    settings = scene.run
+    if not scene.until_still:
+        return loading
+    if base_moves_at_end(loading):
+        if settings.until_still:
+            raise InputError(f"run.until_still: the base still moves when run.duration, {settings.duration:g} s, ends; make it longer")
+        return loading
+    return with_rest(loading, settings.most_steps - settings.steps, STILL, max(1, math.ceil(HOLD / settings.dt)))
 
 
 def _beyond_machine(threads: int) -> list[str]:

@@ -73,13 +73,13 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     _fits(case, folder, resume)
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
     if not resume:
-        dumped.check(1, settings.steps)
+        dumped.check(1, case.steps)
         _settle(stepper, scene)
     with locked(folder), Interrupt() as interrupt:
         mended = ""
         if resume:
             mended = choose(case, stepper, folder / RESULTS, saved)
-            dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, settings.steps)
+            dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, case.steps)
         else:
             _clear(folder)
         stepper.watch = dumped if dump else None
@@ -103,7 +103,8 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
 def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, interrupt: Interrupt, quiet: bool, resume: bool) -> RunReport:
     """Make the steps of a run and write result.h5."""
     settings, loading = case.scene.run, case.loading
-    pauses = Pauses(case.assembly, loading.pauses, loading.shocks, settings.steps) if loading.shocks else None
+    paused = loading.shocks or loading.pauses
+    pauses = Pauses(case.assembly, loading.pauses, loading.shocks, case.steps) if paused else None
     show = Progress(settings.steps, quiet)
 
     def progress(done: int) -> None:
@@ -111,7 +112,7 @@ def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, inte
         interrupt.check()
 
     with show:
-        return run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, pauses)
+        return run_steps(stepper, case.joints, writer, case.steps, settings.frame_every, progress, saved, resume, pauses)
 
 
 def _write_rest(case: Case, folder: Path, report: RunReport, summary: dict[str, Any], since: float) -> dict[str, Any]:
@@ -149,7 +150,7 @@ def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: f
 def _fits(case: Case, folder: Path, resume: bool) -> None:
     """Refuse results that do not fit on the disc."""
     settings, file = case.scene.run, folder / RESULTS
-    needed = result_bytes(case.assembly, case.joints, settings.steps // settings.frame_every + 2, settings.steps)
+    needed = result_bytes(case.assembly, case.joints, case.steps // settings.frame_every + 2, case.steps)
     try:
         check_disc_space(folder, needed, float(file.stat().st_size) if resume and file.exists() else 0.0)
     except InputError as error:

@@ -60,7 +60,7 @@ def run(
     Raises:
         InputError: a checkpoint that is missing, unreadable, or of another scene.
     """
-    recorder = Recorder(writer, stepper, joints, pauses is not None)
+    recorder = Recorder(writer, stepper, joints, pauses is not None and pauses.any_shocks)
     loop = _Loop(stepper, recorder, RunReport(planar=stepper.plane is not None, fall=_fall(stepper)), pauses, save_to)
     if resume and save_to is not None:
         loop.resume(save_to)

@@ -90,6 +90,12 @@ class Scene:
         """Folder from which relative paths in the scene are read."""
         return self.path.parent
 
+    @property
+    def until_still(self) -> bool:
+        """Whether the run goes on until its blocks are still: by default where damage is graded by what remains."""
+        graded = self.report.damage or self.report.html
+        return graded if self.run.until_still is None else self.run.until_still
+
     def at_fault(self, error: InputError) -> InputError:
         """An error with file and line before it, where its message begins with a key of this scene; else the error itself."""
         message = str(error)

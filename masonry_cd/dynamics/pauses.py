@@ -23,6 +23,8 @@ from masonry_cd.model.state import State, rotation_matrices
 
 DROP = 0.5  # of a block's height
 TILT = 45.0  # [degrees]
+STILL = 1e-3  # speed below which a block counts as still at the end of a run [m/s]
+HOLD = 0.5  # for which all blocks have to be still [s]
 
 
 class Pause(Protocol):
@@ -88,9 +90,14 @@ class Pauses:
     def __init__(self, assembly: Assembly, pauses: Sequence[Pause], shocks: Sequence[Shock], steps: int) -> None:
         self.quiet = 0  # steps in a row in which all that stands was still
         self._assembly, self._pauses, self._shocks = assembly, pauses, shocks
-        self._over = [shock.first for shock in shocks[1:]] + [steps]  # where the rest after each shock ends
+        self._over = [*(shock.first for shock in shocks[1:]), steps][: len(shocks)]  # where the rest after each shock ends
         self._height = np.array([np.ptp(block.vertices[:, 2]) for block in assembly.blocks])
         self._reach = assembly.reach
+
+    @property
+    def any_shocks(self) -> bool:
+        """Whether there are shocks to report on; a run that only goes on until its blocks are still has none."""
+        return bool(self._shocks)
 
     def next_step(self, load_step: int, state: State) -> int:
         """The step of the loads at which to go on after ``load_step``, with the state that it led to."""

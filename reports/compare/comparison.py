@@ -78,6 +78,8 @@ def compare(folders: Sequence[Path]) -> Comparison:
             settings = settings or report_of(results.scene)
             runs.append(_run(results, folder, name, settings))
             words += results.words
+            if end := runs[-1].damage.provisional:
+                words.append(f"{name}: grades, mechanisms and what is left are {end}")
     rows = [*_scene_rows(runs), *_damage_rows(runs), *_part_rows(runs), *_response_rows(runs), *_solver_rows(runs)]
     return Comparison(runs, rows, words)
 

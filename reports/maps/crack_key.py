@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.model.joints import Joints
-from reports.damage.joint_damage import Thresholds
 from reports.damage.macro_elements import DamageSnapshot
 from reports.drawing.figure import FAINT, INK, Box, Paint, Sheet, classes
 from reports.drawing.structure_picture import box_swatch, rgb
@@ -26,15 +24,13 @@ class Marks:
     opening: np.ndarray  # (J,) [m]
     sliding: np.ndarray  # (J,) [m]
     separated: np.ndarray  # (J,)
-    opened: np.ndarray  # (J,) beyond the threshold, not separated, not between two fallen blocks
+    opened: np.ndarray  # (J,) open, see reports.damage.definitions; not separated, neither of its blocks has fallen
     slid: np.ndarray  # (J,) likewise
 
     @classmethod
-    def of(cls, joints: Joints, snapshot: DamageSnapshot, thresholds: Thresholds) -> Marks:
+    def of(cls, snapshot: DamageSnapshot) -> Marks:
         """The marks of a frame's damage."""
-        live = ~snapshot.separated & ~(snapshot.down[joints.block_a] & snapshot.down[joints.block_b])
-        opened, slid = live & (snapshot.opening >= thresholds.opened), live & (snapshot.sliding >= thresholds.slid)
-        return cls(snapshot.opening, snapshot.sliding, snapshot.separated, opened, slid)
+        return cls(snapshot.opening, snapshot.sliding, snapshot.separated, snapshot.open, snapshot.slid)
 
 
 class Scale:

@@ -21,7 +21,9 @@ import numpy as np
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.joints import Joints
-from reports.damage.joint_damage import Thresholds, fallen
+from reports.damage.definitions import Thresholds
+from reports.damage.end_state import end_state
+from reports.damage.joint_damage import fallen, in_words, joint_damage
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids, frame_index, solids_of
 from reports.drawing.figure import Layout, Sheet, in_metres, layout, nice
@@ -151,7 +153,7 @@ def sheet_of(results: Results, frame: int, framed: Framing, samples: int = SAMPL
     key = Key(
         marks=subject.marks,
         scales=scales,
-        when="Residual" if subject.last and framed.alone else "Present",
+        when="Present" if not (subject.last and framed.alone) else "Provisional" if subject.provisional else "Residual",
         down=int(subject.down.sum()),
         outside=_outside(subject),
         moved=framed.factor * subject.largest > 2 * framed.pixel,
@@ -174,6 +176,8 @@ class Subject:
     last: bool  # the last frame
     marks: Marks
     drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
+    provisional: str  # of the last frame: why it is not the end, in words
+    suffered: str  # of the last frame: the damage over all steps, in words
 
     @property
     def pose(self) -> Pose:
@@ -194,15 +198,17 @@ class Subject:
 def _subject(results: Results, frame: int, framed: Framing) -> Subject:
     """Collect what a frame shows."""
     solids, thresholds = solids_of(results.blocks), framed.style.thresholds
-    snapshot = DamageSnapshot.at(results, frame, thresholds)
+    snapshot, last = DamageSnapshot.at(results, frame, thresholds), frame == results.frames - 1
     return Subject(
         framed=framed,
         joints=results.joints,
         solids=solids,
         snapshot=snapshot,
-        last=frame == results.frames - 1,
-        marks=Marks.of(results.joints, snapshot, thresholds),
+        last=last,
+        marks=Marks.of(snapshot),
         drawn=snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor),
+        provisional=end_state(results, thresholds).provisional if last else "",
+        suffered=in_words(joint_damage(results, thresholds)) if last and framed.alone else "",
     )
 
 
@@ -330,6 +336,8 @@ def _facts(subject: Subject) -> str:
     return (
         f"t = {subject.pose.time:.4g} s{' (last frame)' if subject.last else ''} · {framed.view.name} view{cut} · {shape}, relative to the "
         f"base · largest displacement {in_metres(subject.largest)}"
+        + (f"\nover all time steps: {subject.suffered}" if subject.suffered else "")
+        + (f" · {subject.provisional}" if subject.provisional else "")
     )
 
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from masonry_cd.io.results import Results
-from reports.damage.joint_damage import Thresholds, fallen_in, parted
+from reports.damage.definitions import Thresholds, fallen_in, parted
 from reports.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap
 
 LARGEST = 8191  # whole number of a block's largest component

@@ -16,7 +16,7 @@ from pictures import BASE, COLUMN, model_area, opening_scale, pixels, shares
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
-from reports.damage.joint_damage import Thresholds
+from reports.damage.definitions import Thresholds
 from reports.deformed import Pose, Solids
 from reports.drawing import render
 from reports.drawing.figure import in_metres, nice

@@ -15,7 +15,7 @@ from masonry_cd.cli.app import app
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.state import rotation_matrices
-from reports.damage.joint_damage import Thresholds
+from reports.damage.definitions import Thresholds
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, solids_of
 from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Marks, Scale
