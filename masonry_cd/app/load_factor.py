@@ -84,8 +84,8 @@ def joints_in_words(damage: dict[str, Any]) -> str:
     """How many joints opened, slid and came apart, and how far."""
     opened, slid = (damage.get(f"joints_only_{word}", damage[f"joints_{word}"]) for word in ("opened", "slid"))
     return (
-        f"{opened} opened, {slid} slid, {damage.get('joints_opened_and_slid', 0)} opened and slid, {damage['joints_separated']} separated "
-        f"(opened by at most {length(damage['opening_max'])}, slid by at most {length(damage['sliding_max'])})"
+        f"{opened} opened (at most {length(damage['opening_max'])}), {slid} slid (at most {length(damage['sliding_max'])}), "
+        f"{damage.get('joints_opened_and_slid', 0)} opened and slid, {damage['joints_separated']} separated"
     )
 
 
