@@ -89,7 +89,7 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
         rotation = rotation_matrices(np.asarray(results.orientation[frame], dtype=float))
         world = Pose(float(results.time[frame]), position, rotation)
         points = world.moved(solids, solids.vertices, solids.vertex_block)
-        moved = points - solids.vertices - base_shift(solids, position)
+        moved = points - solids.vertices - base_shift(results, solids, position)
         down = DamageSnapshot.at(results, frame, thresholds).down
         velocity = np.asarray(results.velocity[frame, :, :3])
         faces = solids.face_block
@@ -120,7 +120,7 @@ def _joints(results: Results, thresholds: Thresholds) -> Mesh:
         points = (on_a + on_b) / 2.0
         data: Arrays = {name: results.joints_at(name, frame) for name in histories}
         data["state"] = classify(snapshot.opening, snapshot.sliding, snapshot.separated, thresholds).astype(np.uint8)
-        return points + base_shift(solids, position), {"displacement": points - joints.polygon}, data
+        return points + base_shift(results, solids, position), {"displacement": points - joints.polygon}, data
 
     return Mesh(
         name="joints",

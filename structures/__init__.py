@@ -31,7 +31,7 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
     """Build the blocks of a structure and check them.
 
     Args:
-        table: the scene's [structure] table, with ``kind``, and ``most_blocks`` where it is given.
+        table: the scene's [structure] table, with ``kind``, and ``most_blocks`` and ``foundations`` where they are given.
         density: of the material [kg/m3]; the entries of a block file may state their own.
         folder: where the scene file lies; the path of a block file is relative to it.
 
@@ -51,10 +51,15 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
     if kind not in KINDS:
         hint = suggest(kind, KINDS)
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
-    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY)}
+    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, "foundations")}
     with size.limited(table.get(size.KEY, size.MOST)):
         made = KINDS[kind](rest, density, folder)
-    return made if isinstance(made, tuple) else (made, [])
+    blocks, notes = made if isinstance(made, tuple) else (made, [])
+    if "foundations" in table:
+        from structures.layout.foundations import in_pieces
+
+        blocks = in_pieces(blocks, table["foundations"])
+    return blocks, notes
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:

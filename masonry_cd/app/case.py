@@ -100,7 +100,7 @@ def prepare(scene: Scene) -> Case:
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = [FALLING] if gravity and not assembly.fixed.any() else []
-    warnings = (*falling, *coarse, *_beyond_machine(scene.run.threads))
+    warnings = (*loading.warnings, *falling, *coarse, *_beyond_machine(scene.run.threads))
     steps = len(loading.acceleration) - 1
     return Case(scene, assembly, joints, loading, steps, tuple(notes), warnings, time.perf_counter() - begin)
 

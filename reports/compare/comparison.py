@@ -89,7 +89,7 @@ def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
     solids = solids_of(results.blocks)
     free = np.flatnonzero(~solids.fixed)
     highest = int(free[np.argmax(solids.centre[free, 2])])
-    shift = base_shift(solids, np.asarray(results.position[: results.frames], dtype=float)) if solids.fixed.any() else 0.0
+    shift = base_shift(results, solids, np.asarray(results.position[: results.frames], dtype=float)) if solids.fixed.any() else 0.0
     moved = np.asarray(results.position[: results.frames, highest], dtype=float) - solids.centre[highest] - shift
     farthest = moved[np.argmax(np.hypot(*moved[:, :2].T)), :2]
     along = farthest / max(float(np.hypot(*farthest)), 1e-300)

@@ -1,7 +1,8 @@
 r"""Whether a frame is an end state: the blocks and the base are still, and the run was not cut off.
 
 Residual values, mechanisms and grades say what remains, so they hold only where nothing moves any more. The speed of a block is that of
-its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the first support. A block that has fallen may
+its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the support that
+moves least. A block that has fallen may
 roll for as long as it likes. What is faster than STILL, 1 mm/s, moves.
 """
 
@@ -27,7 +28,7 @@ class EndState:
     """How a structure moves at a frame."""
 
     time: float  # [s]
-    speed: float  # of the fastest block that stands, relative to the first support [m/s]
+    speed: float  # of the fastest block that stands, relative to that support [m/s]
     block: str  # its name, empty where no block stands
     base_speed: float  # of the fastest support [m/s]
     stopped: str  # why the run ended before its time; empty where it did not
@@ -55,7 +56,7 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
     solids, index = solids_of(results.blocks), frame_index(results, frame)
     velocity = np.asarray(results.velocity[index], dtype=float)
     standing = ~solids.fixed & ~fallen(results, thresholds, index)
-    speed = np.where(standing, speeds(velocity, solids), -1.0)
+    speed = np.where(standing, speeds(velocity, solids, results.support), -1.0)
     fastest = int(np.argmax(speed)) if standing.any() else -1
     base = np.linalg.norm(velocity[solids.fixed, :3], axis=1)
     return EndState(
@@ -67,9 +68,9 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
     )
 
 
-def speeds(velocity: np.ndarray, solids: Solids) -> np.ndarray:
-    """(B,) largest speed of a point of each block relative to the first support [m/s], for velocities (B, 6) [m/s, rad/s]."""
-    base = velocity[int(np.argmax(solids.fixed)), :3] if solids.fixed.any() else np.zeros(3)
+def speeds(velocity: np.ndarray, solids: Solids, support: int) -> np.ndarray:
+    """(B,) largest speed of a point of each block relative to a support [m/s], -1 for none; velocities (B, 6) [m/s, rad/s]."""
+    base = velocity[support, :3] if support >= 0 else np.zeros(3)
     reach = np.zeros(len(solids.centre))
     np.maximum.at(reach, solids.vertex_block, np.linalg.norm(solids.vertices - solids.centre[solids.vertex_block], axis=1))
     return np.asarray(np.linalg.norm(velocity[:, :3] - base, axis=1) + np.linalg.norm(velocity[:, 3:], axis=1) * reach)

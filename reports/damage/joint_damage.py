@@ -128,7 +128,7 @@ def displacements(results: Results) -> np.ndarray:
     step = max(1, CHUNK_BYTES // (24 * len(solids.centre)))
     for first in range(0, results.frames, step):
         position = np.asarray(results.position[first : min(first + step, results.frames)], dtype=float)
-        relative = position - base_shift(solids, position)[:, None] - solids.centre
+        relative = position - base_shift(results, solids, position)[:, None] - solids.centre
         largest[first : first + len(position)] = np.linalg.norm(relative[:, ~solids.fixed], axis=2).max(axis=1)
     return largest
 
