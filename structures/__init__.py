@@ -7,6 +7,7 @@ Whatever a kind builds passes :mod:`structures.geometry.checks` before it is ret
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -22,17 +23,17 @@ Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tup
 KINDS: Extensions[Build] = Extensions("structures.kinds", "build")
 
 
-def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
+def build(table: Mapping[str, Any], density: float | None, folder: Path) -> list[Block]:
     """The blocks of a structure, see :func:`build_with_notes`."""
     return build_with_notes(table, density, folder)[0]
 
 
-def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
+def build_with_notes(table: Mapping[str, Any], density: float | None, folder: Path) -> tuple[list[Block], list[str]]:
     """Build the blocks of a structure and check them.
 
     Args:
         table: the scene's [structure] table, with ``kind``, and ``most_blocks`` and ``foundations`` where they are given.
-        density: of the material [kg/m3]; the entries of a block file may state their own.
+        density: of the material [kg/m3]; the entries of a block file may state their own, and where all of them do there may be none.
         folder: where the scene file lies; the path of a block file is relative to it.
 
     Returns:
@@ -53,7 +54,7 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
     rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, "foundations")}
     with size.limited(table.get(size.KEY, size.MOST)):
-        made = KINDS[kind](rest, density, folder)
+        made = KINDS[kind](rest, math.nan if density is None else density, folder)
     blocks, notes = made if isinstance(made, tuple) else (made, [])
     if "foundations" in table:
         from structures.layout.foundations import in_pieces
@@ -63,10 +64,6 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:
-    """Blocks, joints, masses, contact graph and hyperstaticity of a structure, see :mod:`structures.summary`.
-
-    Raises:
-        InputError: a free block that touches nothing.
-    """
+    """Blocks, joints, masses, contact graph and hyperstaticity of a structure, see :mod:`structures.summary`."""
     made: dict[str, Any] = import_module("structures.summary").report(blocks)
     return made

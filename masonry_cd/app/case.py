@@ -74,6 +74,7 @@ def prepare(scene: Scene) -> Case:
         InputError: anything wrong with the structure, the material or the loads.
     """
     import loads
+    from structures.standing import standing
 
     begin = time.perf_counter()
     blocks, notes = build_structure(scene)
@@ -99,7 +100,7 @@ def prepare(scene: Scene) -> Case:
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
-    falling = [FALLING] if gravity and not assembly.fixed.any() else []
+    falling = [] if not gravity else standing(assembly).warnings() if assembly.fixed.any() else [FALLING]
     warnings = (*loading.warnings, *falling, *coarse, *_beyond_machine(scene.run.threads))
     steps = len(loading.acceleration) - 1
     return Case(scene, assembly, joints, loading, steps, tuple(notes), warnings, time.perf_counter() - begin)

@@ -122,6 +122,8 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
         text = f"# {path.name} with {' '.join(f'--set {change}' for change in overrides)}\n" + dump_toml(tables)
     try:
         top = parse_table(_Tables, tables, "")
+        if "density" not in top.material and top.structure.get("kind") != "file":
+            raise InputError("material.density: missing")  # only blocks of a file may bring their own
         return Scene(
             title=top.title or path.stem,
             structure=top.structure,
