@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import signal
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -93,7 +94,10 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
             }
             summary = _closing(case, writer, summary, since)
         interrupt.at_once = not report.signal  # from here on nothing is torn
-        summary = _write_rest(case, folder, report, summary, since)
+        summary = _write_damage(case, folder, summary, since)
+        if not report.stopped or report.signal == signal.SIGINT:  # who pressed Ctrl-C looks on; a second one ends the drawing
+            interrupt.at_once = True
+            summary = _write_asked(case, folder, summary, since)
         if not report.stopped:
             checkpoint.remove(saved)
         interrupt.at_once = False
@@ -115,21 +119,26 @@ def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, inte
         return run_steps(stepper, case.joints, writer, case.steps, settings.frame_every, progress, saved, resume, pauses)
 
 
-def _write_rest(case: Case, folder: Path, report: RunReport, summary: dict[str, Any], since: float) -> dict[str, Any]:
-    """Write what a run yields beside result.h5; return its summary, whose seconds count from a reading of the clock."""
+def _write_damage(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
+    """Write joints.csv and summary.json; return the summary, whose seconds count from a reading of the clock."""
     from reports.damage import joint_files
 
-    scene = case.scene
     with Results.open(folder / RESULTS) as results:
-        summary |= joint_files.write_joint_damage(results, folder, scene.report)
-        summary["wall_seconds"] = since + time.perf_counter()
-        write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
-        if scene.report.asks and not report.stopped:
-            from reports import outputs
+        summary |= joint_files.write_joint_damage(results, folder, case.scene.report)
+    summary["wall_seconds"] = since + time.perf_counter()
+    write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
+    return summary
 
-            summary |= outputs.write_asked(results, folder, scene.report, summary)
-            summary["wall_seconds"] = since + time.perf_counter()
-            write_json(summary, folder / SUMMARY)
+
+def _write_asked(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
+    """Write the tables, pictures and the page that the scene asks for; return the summary with what they add."""
+    if case.scene.report.asks:
+        from reports import outputs
+
+        with Results.open(folder / RESULTS) as results:
+            summary |= outputs.write_asked(results, folder, case.scene.report, summary)
+        summary["wall_seconds"] = since + time.perf_counter()
+        write_json(summary, folder / SUMMARY)
     return summary
 
 

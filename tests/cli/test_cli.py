@@ -32,6 +32,7 @@ from masonry_cd.friction.files import write_problem
 from masonry_cd.friction.problem import LocalProblem
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
+from reports import outputs
 from reports.damage import joint_files
 
 SUMMARY_KEYS = {
@@ -303,6 +304,31 @@ def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path,
     assert (result.exit_code, result.stderr) == (0, "")
     assert json.loads((out / "summary.json").read_text())["steps"] == 10
     assert not list(out.glob("checkpoint*"))
+
+
+def test_ctrl_c_leaves_the_reports_that_were_asked_for(block_on_plate, tmp_path, monkeypatch):
+    """Of what is there, as provisional; a second Ctrl-C ends their drawing. SIGTERM leaves no time for them."""
+    scene, out = block_on_plate(**SHAKEN, report="[report]\ndamage = true"), tmp_path / "out"
+    with monkeypatch.context() as pressed:
+        signals_in(pressed, Stepper, "step", 60)
+        result = masonry_cd("run", scene, "-o", out)
+    assert result.exit_code == 130
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["provisional"].startswith("provisional: interrupted after step 60")
+    assert summary["parts"][-1]["provisional"] == summary["provisional"]
+    assert (out / "damage.csv").exists()
+    assert f"grades, mechanisms and what is left are {summary['provisional']}" in result.stdout
+    assert result.stderr.splitlines()[-1].startswith("masonry-cd: go on with: masonry-cd run ")
+    for number in (signal.SIGINT, signal.SIGTERM):
+        with monkeypatch.context() as pressed:
+            signals_in(pressed, Stepper, "step", 60, number)
+            drawn = []
+            pressed.setattr(outputs, "write_part_damage", lambda *_, d=drawn: (d.append(1), signal.raise_signal(signal.SIGINT)))
+            result = masonry_cd("run", scene, "-o", tmp_path / str(number))
+        assert result.exit_code == 128 + number
+        assert not (tmp_path / str(number) / "damage.csv").exists()
+        assert bool(drawn) == (number == signal.SIGINT)
+        assert "go on with: masonry-cd run" in result.stderr
 
 
 def test_a_folder_belongs_to_one_run_at_a_time(block_on_plate, tmp_path, monkeypatch):
