@@ -30,6 +30,7 @@ from masonry_cd.solvers import cores
 if TYPE_CHECKING:
     from loads import Loading
 
+SMALL, LARGE = 0.3, 300.0  # extent of a structure beyond which its units are doubted [m]
 FALLING = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
 
 
@@ -101,9 +102,22 @@ def prepare(scene: Scene) -> Case:
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = [] if not gravity else standing(assembly).warnings() if assembly.fixed.any() else [FALLING]
-    warnings = (*loading.warnings, *falling, *coarse, *_beyond_machine(scene.run.threads))
+    warnings = (*_odd_size(assembly), *loading.warnings, *falling, *coarse, *_beyond_machine(scene.run.threads))
     steps = len(loading.acceleration) - 1
     return Case(scene, assembly, joints, loading, steps, tuple(notes), warnings, time.perf_counter() - begin)
+
+
+def _odd_size(assembly: Assembly) -> list[str]:
+    """A line where a structure is so small or large that its units are likely others."""
+    free = [block.vertices for block in assembly.blocks if not block.fixed]
+    if not free:
+        return []
+    corners = np.concatenate(free)
+    size = float(np.ptp(corners, axis=0).max())
+    if SMALL <= size <= LARGE:
+        return []
+    than = f"smaller than {SMALL:g} m" if size < SMALL else f"larger than {LARGE:g} m"
+    return [f"structure: {size:.3g} m in its largest extent, {than}: is it given in metres? A file's unit is its key units"]
 
 
 def _until_still(scene: Scene, loading: Loading) -> Loading:
