@@ -22,7 +22,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, field_validator
 
-from masonry_cd.app.scene_text import dump_toml, override, parse_toml, place_of, read_text
+from masonry_cd.app.scene_text import dump_toml, is_within, override, parse_toml, place_of, read_text
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.fields import Table
@@ -73,6 +73,23 @@ class _Tables(Table):
 
 
 @dataclass(frozen=True)
+class Origin:
+    """Where the keys of a scene come from: a line of its file, or ``--set``."""
+
+    text: str  # of the file
+    path: Path
+    changes: tuple[str, ...]  # by --set
+
+    def of(self, key: str) -> str:
+        """The place of a key: the last ``--set`` that gave it, or the file and its line, with those that changed something in it."""
+        given = [change for change in self.changes if is_within(key, change.partition("=")[0])]
+        if given:
+            return f"--set {given[-1].strip()}"
+        inside = [change for change in self.changes if is_within(change.partition("=")[0], key)]
+        return place_of(self.text, key, self.path) + "".join(f" with --set {change.strip()}" for change in inside)
+
+
+@dataclass(frozen=True)
 class Scene:
     """A scene file whose own tables are checked; ``structure`` and ``loads`` are checked by their rooms."""
 
@@ -84,6 +101,7 @@ class Scene:
     report: Report
     text: str  # what the results keep: the file's text, or that of the changed tables when --set was used
     path: Path
+    origin: Origin  # of its keys, for messages
 
     @property
     def folder(self) -> Path:
@@ -100,7 +118,7 @@ class Scene:
         """An error with file and line before it, where its message begins with a key of this scene; else the error itself."""
         message = str(error)
         key = re.match(r"((?:structure|material|loads|run|report|title)[^\s:]*)(?::| )", message)
-        return InputError(f"{place_of(self.text, key.group(1), self.path)}: {message}") if key else error
+        return InputError(f"{self.origin.of(key.group(1))}: {message}") if key else error
 
 
 def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
@@ -115,6 +133,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     """
     path = Path(path)
     text = read_text(path)
+    origin = Origin(text, path, tuple(overrides))
     tables = parse_toml(text, path)
     for change in overrides:
         override(tables, change)
@@ -133,7 +152,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
             report=parse_table(Report, top.report, "report"),
             text=text,
             path=path,
+            origin=origin,
         )
     except InputError as error:
-        key = str(error).partition(":")[0]
-        raise InputError(f"{path}: {error}" if overrides else f"{place_of(text, key, path)}: {error}") from None
+        raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None

@@ -112,6 +112,7 @@ class Sheet:
         from matplotlib.figure import Figure
 
         self.plan = plan
+        self._image: np.ndarray | None = None  # of the model
         self.figure: Any = Figure(figsize=(plan.size[0] / 100, plan.size[1] / 100), dpi=100, facecolor="white")
         FigureCanvasAgg(self.figure)
 
@@ -125,10 +126,8 @@ class Sheet:
         return axes
 
     def model(self, image: np.ndarray) -> None:
-        """Place the image of the model."""
-        left, bottom, width, height = self.plan.model
-        axes = self.axes(left, bottom, width, height)
-        axes.imshow(image, extent=(0, width, 0, height), interpolation="none", aspect="auto")
+        """Place the image of the model, (height, width, 3) uint8, pixel by pixel."""
+        self._image = image
 
     def head(self, title: str, facts: str) -> None:
         """Title and facts at the top."""
@@ -157,10 +156,17 @@ class Sheet:
             paint(axes, (left, bottom + 6, 46.0, 16.0))
             axes.text(left + 60, bottom + 13, text, fontsize=13, color=INK, va="center", parse_math=False)
 
-    def pixels(self) -> np.ndarray:
-        """The sheet as an image (height, width, 3) uint8."""
+    def pixels(self, under: np.ndarray | None = None) -> np.ndarray:
+        """The sheet as an image (height, width, 3) uint8, over another of its size whose signs lie beside its own."""
         self.figure.canvas.draw()
-        return np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
+        out = np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
+        if under is not None:
+            np.minimum(out, under, out=out)
+        if self._image is not None:
+            left, bottom, width, height = self.plan.model
+            top = len(out) - bottom - height
+            out[top : top + height, left : left + width] = self._image
+        return out
 
     def save(self, path: Path) -> None:
         """Write the PNG.
@@ -168,8 +174,10 @@ class Sheet:
         Raises:
             InputError: the file cannot be written.
         """
+        from PIL import Image
+
         try:
             with replacing(path) as part:
-                self.figure.savefig(part, dpi=100, facecolor="white")
+                Image.fromarray(self.pixels()).save(part, format="png", dpi=(100, 100))
         except OSError as error:
             raise InputError(f"{path}: cannot be written: {error.strerror}") from None

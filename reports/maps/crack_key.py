@@ -75,11 +75,18 @@ class Key:
     pixel: float
 
 
-def draw_key(sheet: Sheet, key: Key) -> None:
-    """The two colour scales, the signs with their numbers, and the scale bar."""
-    marks, scales, boxes = key.marks, key.scales, sheet.plan.keys(4)
-    for box, scale, name, dash in zip(boxes[:2], scales, ("opening", "sliding"), (False, True), strict=True):
+def draw_scales(sheet: Sheet, key: Key) -> None:
+    """What all maps of a sequence share: the two colour scales, the scale bar, and what the ribbons of forces mean."""
+    boxes = sheet.plan.keys(4)
+    for box, scale, name, dash in zip(boxes[:2], key.scales, ("opening", "sliding"), (False, True), strict=True):
         _scale_key(sheet.axes(*box), box, scale, f"{key.when} {name} [mm]", dash)
+    bar = sheet.axes(*boxes[3])
+    sheet.scale_bar(bar, key.pixel, 10, boxes[3][3] - 44, boxes[3][2] - 60)
+
+
+def draw_signs(sheet: Sheet, key: Key) -> None:
+    """The signs with their numbers, and the force of the widest ribbon."""
+    marks, scales, boxes = key.marks, key.scales, sheet.plan.keys(4)
     middle = [scale.colours[len(scale.colours) // 2] / 255.0 for scale in scales]
     both = marks.opened & marks.slid
     rows: list[tuple[Paint, str]] = [
@@ -94,9 +101,8 @@ def draw_key(sheet: Sheet, key: Key) -> None:
     if key.moved or not key.alone:
         rows.append((partial(box_swatch, colour=SHADOW), "shape at rest"))
     sheet.swatches(sheet.axes(*boxes[2]), rows, 0, boxes[2][3] - 4, pitch=29.0)
-    bar = sheet.axes(*boxes[3])
-    sheet.scale_bar(bar, key.pixel, 10, boxes[3][3] - 44, boxes[3][2] - 60)
     if key.force is not None:
+        bar = sheet.axes(*boxes[3])
         thrust = np.array(THRUST) / 255.0
         width = f"normal force, widest {key.force / 1000:.3g} kN"
         rows = [(partial(_band_sign, first=thrust, second=thrust), width), (_no_sign, THRUST_NOTE)]

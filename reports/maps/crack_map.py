@@ -27,10 +27,22 @@ from reports.damage.joint_damage import fallen, in_words, joint_damage
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids, frame_index, solids_of
 from reports.drawing.figure import Layout, Sheet, in_metres, layout, nice
-from reports.drawing.render import SAMPLES, Layer, Lines, Surface, View, Window, render, view_named
+from reports.drawing.render import SAMPLES, Canvas, Layer, Lines, Surface, View, Window, view_named
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, block_layers, rgb, structure_window
 from reports.maps.bands import Bands, band_corners, dashed, face_plates, joint_bands
-from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SHADOW, SLIDING_COLOURS, STONE, Key, Marks, Scale, draw_key
+from reports.maps.crack_key import (
+    FALLEN,
+    OPENING_COLOURS,
+    PARTED,
+    SHADOW,
+    SLIDING_COLOURS,
+    STONE,
+    Key,
+    Marks,
+    Scale,
+    draw_scales,
+    draw_signs,
+)
 from reports.maps.cut import FACING, Cut, axis_of, caps_of, clipped, clipped_lines, cut_named, traces
 from reports.maps.thrust import ribbons
 
@@ -139,6 +151,14 @@ def framing(results: Results, frames: Sequence[int], style: MapStyle) -> Framing
 
 def sheet_of(results: Results, frame: int, framed: Framing, samples: int = SAMPLES) -> Sheet:
     """The sheet of a frame; ``samples`` as in :func:`reports.drawing.render.render`."""
+    with Canvas(framed.view, framed.plan.pixels, samples) as canvas:
+        sheet, key = sheet_and_key(results, frame, framed, canvas)
+    draw_scales(sheet, key)
+    return sheet
+
+
+def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas) -> tuple[Sheet, Key]:
+    """The sheet of a frame without the scales of its key, which a sequence draws once, and what the key says."""
     subject = _subject(results, frame, framed)
     thresholds, largest = framed.style.thresholds, framed.style.largest
     scales = Scale(thresholds.opened, largest, OPENING_COLOURS), Scale(thresholds.slid, largest, SLIDING_COLOURS)
@@ -148,7 +168,7 @@ def sheet_of(results: Results, frame: int, framed: Framing, samples: int = SAMPL
         thrust, force = _thrust_layer(results, frame, subject)
         layers.append(thrust)
     sheet = Sheet(framed.plan)
-    sheet.model(render(layers, framed.view, framed.window, framed.plan.pixels, samples))
+    sheet.model(canvas.draw(layers, framed.window))
     sheet.head(results.title or "Crack map", _facts(subject))
     key = Key(
         marks=subject.marks,
@@ -161,8 +181,8 @@ def sheet_of(results: Results, frame: int, framed: Framing, samples: int = SAMPL
         force=force,
         pixel=framed.pixel,
     )
-    draw_key(sheet, key)
-    return sheet
+    draw_signs(sheet, key)
+    return sheet, key
 
 
 @dataclass(frozen=True, eq=False)

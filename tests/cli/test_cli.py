@@ -629,3 +629,36 @@ def test_numbers_are_kept_when_a_picture_fails(block_on_plate, tmp_path, monkeyp
     assert "no off-screen OpenGL" in result.stderr
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["steps"] == 10
     assert (tmp_path / "out" / "joints.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("run", "scene.toml", "-o", "out", "--resume", "--force"), "--resume and --force exclude each other"),
+        (("run", "scene.toml", "-o", "out", "--quiet", "--explain"), "--quiet and --explain exclude each other"),
+        (("report", "out", "--no-crack-map", "--time", "1.0"), "--time and --no-crack-map exclude each other"),
+        (("report", "out", "--no-crack-map", "--view", "front"), "--view and --no-crack-map exclude each other"),
+        (("report", "out", "--no-crack-map", "--html", "--cut", "y"), "--cut and --no-crack-map exclude each other"),
+    ],
+)
+def test_options_that_contradict_each_other_are_refused(arguments, said):
+    result = masonry_cd(*arguments)
+    assert (result.exit_code, result.stderr) == (2, f"masonry-cd: error: {said}: leave one out\n")
+
+
+def test_a_folder_that_may_not_be_written_is_refused_before_the_run(block_on_plate, tmp_path, monkeypatch):
+    scene, allowed = block_on_plate(), os.access
+    monkeypatch.setattr(os, "access", lambda path, mode, **more: mode != os.W_OK and allowed(path, mode, **more))  # root may write anywhere
+    result = masonry_cd("run", scene, "-o", tmp_path / "out")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == f"masonry-cd: error: {tmp_path}: nothing may be written there; -o names another folder\n"
+
+
+def test_a_reader_that_goes_away_leaves_one_line(block_on_plate, tmp_path):
+    """As in: masonry-cd run ... | head -1"""
+    command = [sys.executable, "-m", "masonry_cd", "run", str(block_on_plate(duration="duration = 0.02")), "-o", str(tmp_path / "out")]
+    read, write = os.pipe()
+    os.close(read)
+    ended = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(write)
+    assert (ended.returncode, ended.stderr) == (1, "masonry-cd: error: [Errno 32] Broken pipe\n")
