@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.io.results import Results
-from masonry_cd.quantities import length
+from masonry_cd.quantities import force, length
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
@@ -97,5 +97,5 @@ def _factor_line(factor: dict[str, Any]) -> str:
 
 
 def _tie_line(tie: dict[str, Any]) -> str:
-    most = f"{tie['tension_max'] / 1e3:.3g} kN ({tie['stress_max'] / 1e6:.3g} MPa) at {tie['tension_max_time']:.3g} s"
-    return f'tie "{tie["blocks"][0]}" to "{tie["blocks"][1]}": at most {most}, {tie["tension_end"] / 1e3:.3g} kN at the end'
+    most = f"{force(tie['tension_max'])} ({tie['stress_max'] / 1e6:.3g} MPa) at {tie['tension_max_time']:.3g} s"
+    return f'tie "{tie["blocks"][0]}" to "{tie["blocks"][1]}": at most {most}, {force(tie["tension_end"])} at the end'

@@ -16,6 +16,7 @@ import numpy as np
 
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
+from reports.drawing.render import View
 
 WIDTH = 1800  # of the sheet
 MARGIN = 40
@@ -148,6 +149,13 @@ class Sheet:
         axes.text(left, bottom + 16, "0", fontsize=12, color=INK, ha="center")
         axes.text(left + width, bottom + 16, in_metres(length), fontsize=12, color=INK, ha="center")
         axes.text(left, bottom - 22, "in the plane of the picture", fontsize=11, color=FAINT)
+
+    def triad(self, axes: Any, view: View, place: tuple[float, float], size: float = 26.0) -> None:
+        """The axes x, y, z as a view shows them, from a place in pixels."""
+        for name, colour, right, up in zip("xyz", ("#b2382c", "#2f7d3b", "#2b5fa8"), view.right, view.up, strict=True):
+            x, y = size * float(right), size * float(up)
+            axes.plot([place[0], place[0] + x], [place[1], place[1] + y], color=colour, linewidth=2.0)
+            axes.text(place[0] + 1.45 * x, place[1] + 1.45 * y, name, fontsize=12, color=colour, ha="center", va="center")
 
     def swatches(self, axes: Any, rows: Sequence[tuple[Paint, str]], left: float, top: float, pitch: float = 32.0) -> None:
         """A key: per row a function that paints into a box (left, bottom, width, height), and a text."""

@@ -34,6 +34,11 @@ class View:
     up: np.ndarray
     towards: np.ndarray
 
+    @property
+    def is_oblique(self) -> bool:
+        """Whether it looks along no axis, so that a picture does not show by itself where the axes point."""
+        return bool(np.abs(self.towards).max() < 0.999)
+
     def plane(self, points: np.ndarray) -> np.ndarray:
         """Points (N, 3) in the plane of the picture, (N, 2): right and up [m]."""
         return np.stack([points @ self.right, points @ self.up], axis=1)

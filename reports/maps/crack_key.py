@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.quantities import force
 from reports.damage.macro_elements import DamageSnapshot
 from reports.drawing.figure import FAINT, INK, Box, Paint, Sheet, classes
+from reports.drawing.render import View
 from reports.drawing.structure_picture import box_swatch, rgb
 from reports.maps.thrust import COLOUR as THRUST
 
+TRIAD = 80.0  # width of the axes beside the scale bar [pixels]
 STONE, FALLEN, PARTED, SHADOW = "#efe8da", "#c4a491", "#2b2b2b", "#e6e9ec"
 OPENING_COLOURS, SLIDING_COLOURS = ("YlGnBu", 0.4, 1.0), ("OrRd", 0.4, 1.0)  # colour map and the part of it in use
 
@@ -62,6 +65,7 @@ class Key:
         alone: a single map, whose key names only what it shows.
         force: of the widest ribbon [N], None where the forces are not drawn.
         pixel: size of a pixel [m].
+        view: from where.
     """
 
     marks: Marks
@@ -73,6 +77,7 @@ class Key:
     alone: bool
     force: float | None
     pixel: float
+    view: View
 
 
 def draw_scales(sheet: Sheet, key: Key) -> None:
@@ -81,7 +86,11 @@ def draw_scales(sheet: Sheet, key: Key) -> None:
     for box, scale, name, dash in zip(boxes[:2], key.scales, ("opening", "sliding"), (False, True), strict=True):
         _scale_key(sheet.axes(*box), box, scale, f"{key.when} {name} [mm]", dash)
     bar = sheet.axes(*boxes[3])
-    sheet.scale_bar(bar, key.pixel, 10, boxes[3][3] - 44, boxes[3][2] - 60)
+    width, height = boxes[3][2:]
+    room = TRIAD if key.view.is_oblique else 0.0
+    sheet.scale_bar(bar, key.pixel, 10, height - 44, width - 60 - room)
+    if key.view.is_oblique:
+        sheet.triad(bar, key.view, (width - 0.5 * TRIAD, height - 58))
 
 
 def draw_signs(sheet: Sheet, key: Key) -> None:
@@ -104,7 +113,7 @@ def draw_signs(sheet: Sheet, key: Key) -> None:
     if key.force is not None:
         bar = sheet.axes(*boxes[3])
         thrust = np.array(THRUST) / 255.0
-        width = f"normal force, widest {key.force / 1000:.3g} kN"
+        width = f"normal force, widest {force(key.force)}"
         rows = [(partial(_band_sign, first=thrust, second=thrust), width), (_no_sign, THRUST_NOTE)]
         sheet.swatches(bar, rows, 10, boxes[3][3] - 84, pitch=29.0)
 

@@ -13,7 +13,7 @@ The maps of one :class:`Framing` share view, amplification, window and colours: 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -44,7 +44,7 @@ from reports.maps.crack_key import (
     draw_signs,
 )
 from reports.maps.cut import FACING, Cut, axis_of, caps_of, clipped, clipped_lines, cut_named, traces
-from reports.maps.thrust import ribbons
+from reports.maps.thrust import WIDEST, ribbons
 
 BAND = 6.0  # width of a closed joint's band [pixels]
 BAND_OF_BLOCK = 0.2  # ... but no more than this share of a block's smallest extent
@@ -180,6 +180,7 @@ def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas)
         alone=framed.alone,
         force=force,
         pixel=framed.pixel,
+        view=framed.view,
     )
     draw_signs(sheet, key)
     return sheet, key
@@ -341,7 +342,9 @@ def _thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surfa
     framed, towards = subject.framed, subject.framed.view.towards
     surface, largest = ribbons(results, subject.solids, subject.pose, subject.snapshot, frame, framed.factor, framed.view, framed.pixel)
     if framed.cut is not None:
-        surface = clipped(surface, framed.cut)
+        towards_viewer = -float(framed.cut.normal @ np.ones(3))  # of a plane across an axis
+        nearer = replace(framed.cut, value=framed.cut.value + towards_viewer * WIDEST * framed.pixel)
+        surface = clipped(surface, nearer)  # what runs in the plane itself, as in the middle of an arch, stays whole
     if not len(surface.points):
         return surface, largest
     before = float((subject.drawn @ towards).max() - (surface.points @ towards).min()) + 0.01 * framed.window.height

@@ -138,7 +138,7 @@ function chooseBlock(block) {
   if (at >= 0) state.chosen.splice(at, 1);
   else {
     if (state.chosen.length === 4) state.chosen.shift();
-    const colour = HUES.find((hue) => !state.chosen.some((item) => item.colour === hue));
+    const colour = WATCHED.find((hue) => !state.chosen.some((item) => item.colour === hue));
     state.chosen.push({ block, colour });
   }
   showChosen();
@@ -291,7 +291,9 @@ async function start() {
   legend();
   chooseBlock(facts.top);
   by("loading").remove();
-  window.addEventListener("beforeprint", render);
+  const dated = () => { by("printed").textContent = `Printed on ${new Date().toISOString().slice(0, 10)}`; };
+  dated();
+  window.addEventListener("beforeprint", () => { dated(); render(); });
   requestAnimationFrame(draw);
 }
 

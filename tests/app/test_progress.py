@@ -13,7 +13,7 @@ import pytest
 from masonry_cd.app import progress
 from masonry_cd.app.progress import Interrupt, Interrupted, Progress, said_if_slow
 from masonry_cd.app.step_costs import StepCosts, shaking_classes
-from masonry_cd.quantities import in_words
+from masonry_cd.quantities import force, in_words
 
 
 @pytest.mark.parametrize(
@@ -21,6 +21,11 @@ from masonry_cd.quantities import in_words
 )
 def test_times_in_words(seconds, words):
     assert in_words(seconds) == words
+
+
+@pytest.mark.parametrize(("value", "words"), [(1.05e6, "1.05 MN"), (999_600.0, "1 MN"), (12e3, "12 kN"), (3.14159, "3.14 N"), (0.0, "0 N")])
+def test_forces_in_words(value, words):
+    assert force(value) == words
 
 
 def test_plain_lines_tell_steps_and_time_left(monkeypatch):
