@@ -50,7 +50,8 @@ BAND = 6.0  # width of a closed joint's band [pixels]
 BAND_OF_BLOCK = 0.2  # ... but no more than this share of a block's smallest extent
 LEAST_BAND = 2.5  # ... and no less than this [pixels]
 SEEN = 0.02  # amplified displacements reach at most this share of the picture
-REACH = 0.35  # the picture follows fallen blocks by at most this share of the structure's extent
+REACH = 0.35  # the picture follows blocks by at most this share of the structure's extent
+COLLAPSE = 1.0  # ... and where blocks have fallen, so that a heap of rubble is held
 MOST = 1000.0  # largest amplification
 CAP = 0.82  # faces of a cut are darker than others by this factor
 
@@ -144,7 +145,7 @@ def framing(results: Results, frames: Sequence[int], style: MapStyle) -> Framing
     free, window = ~solids.fixed[solids.vertex_block], rest
     for pose in poses:
         moved = pose.moved(solids, solids.vertices[free], solids.vertex_block[free], factor)
-        window = window.joined(followed(rest, view.plane(moved)))
+        window = window.joined(followed(rest, view.plane(moved), COLLAPSE if fell.any() else REACH))
     plan = layout(window.width / window.height)
     return Framing(style, view, cut, factor, window.fitted(plan.pixels), plan, alone=len(frames) == 1)
 
@@ -246,9 +247,9 @@ def amplification(pose: Pose, solids: Solids, down: np.ndarray, size: float) -> 
     return float(np.clip(nice(SEEN * size / largest), 1.0, MOST))
 
 
-def followed(rest: Window, moved: np.ndarray) -> Window:
-    """The window at rest, extended to points (N, 2) that have moved out of it, but for those flung so far that it would become a dot."""
-    reach, pad = REACH * max(rest.width, rest.height), 0.03 * max(rest.width, rest.height)
+def followed(rest: Window, moved: np.ndarray, share: float = REACH) -> Window:
+    """The window at rest, extended to points (N, 2) that have moved out of it, but for those flung farther than a share of its size."""
+    reach, pad = share * max(rest.width, rest.height), 0.03 * max(rest.width, rest.height)
     low, high = np.array([rest.left, rest.bottom]), np.array([rest.right, rest.top])
     near = moved[((moved > low - reach) & (moved < high + reach)).all(axis=1)]
     if not len(near):

@@ -84,6 +84,16 @@ def test_a_block_flung_far_does_not_make_the_structure_a_dot() -> None:
     assert window.width <= rest.width + crack_map.REACH * rest.height + 1e-9
 
 
+@pytest.mark.parametrize(("out", "held"), [(0.9, True), (3.0, False)])
+def test_the_rubble_of_a_collapse_is_in_the_picture_but_not_what_flew_off(tmp_path: Path, out: float, held: bool) -> None:
+    """The top block of a column lies on the ground beside it, at a share of the column's height from it."""
+    rest = at_rest(COLUMN)
+    fallen = shifted(rest, 3, (3.0 * out, 0, -2.0))
+    with Results.open(write_run(tmp_path / "run.h5", COLUMN, [rest, fallen])) as results:
+        window = crack_map.framing(results, [1], crack_map.MapStyle(view="front")).window
+    assert (window.right > fallen.position[3, 0]) == held
+
+
 def test_classes_run_1_2_5_and_do_not_depend_on_the_run() -> None:
     scale = opening_scale()
     np.testing.assert_allclose(np.array(scale.bounds) * 1e3, [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50])
