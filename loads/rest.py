@@ -36,9 +36,9 @@ def with_rest(loading: Loading, longest: int, speed: float, hold: int) -> Loadin
         speed: below which the structure counts as still [m/s].
         hold: steps that it has to be.
     """
-    if longest < 1:
-        return loading
     steps = len(loading.acceleration) - 1
+    if longest < 1 or any(pause.last == steps for pause in loading.pauses):  # a sequence has a rest of its own at its end
+        return loading
     velocity = np.pad(loading.support_velocity, ((0, longest), (0, 0), (0, 0)))
     acceleration = np.pad(loading.acceleration, ((0, longest), (0, 0)), mode="edge")
     forces = None if loading.forces is None else loading.forces.extended(longest)

@@ -30,6 +30,7 @@ from masonry_cd.solvers import cores
 if TYPE_CHECKING:
     from loads import Loading
 
+CORNERS = 4.0  # contacts of a joint
 SMALL, LARGE = 0.3, 300.0  # extent of a structure beyond which its units are doubted [m]
 FALLING = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
 
@@ -43,6 +44,7 @@ class Case:
     joints: Joints
     loading: Loading
     steps: int  # of the loads at most: beyond those of the duration where the run waits for its blocks to be still
+    still: float  # speed below which a block counts as still at the end [m/s]
     notes: tuple[str, ...]  # what was changed in making the blocks, in words
     warnings: tuple[str, ...]  # what the time step is too coarse for, and the machine too small
     seconds: float  # to build it
@@ -86,7 +88,6 @@ def prepare(scene: Scene) -> Case:
             outputs.check(scene.report, blocks, scene.run.steps * scene.run.dt, scene.run.frame_every * scene.run.dt)
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         loading = loads.build(scene.loads, scene.run.dt, scene.run.steps, scene.run.gravity, scene.folder, assembly)
-        loading = _until_still(scene, loading)
     except InputError as error:
         raise scene.at_fault(error) from None
     if loading.support_velocity.any() and not assembly.fixed.any():
@@ -103,8 +104,13 @@ def prepare(scene: Scene) -> Case:
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = [] if not gravity else standing(assembly).warnings() if assembly.fixed.any() else [FALLING]
     warnings = (*_odd_size(assembly), *loading.warnings, *falling, *coarse, *_beyond_machine(scene.run.threads))
+    still = _still_speed(scene.run, joints)
+    try:
+        loading = _until_still(scene, loading, still)
+    except InputError as error:
+        raise scene.at_fault(error) from None
     steps = len(loading.acceleration) - 1
-    return Case(scene, assembly, joints, loading, steps, tuple(notes), warnings, time.perf_counter() - begin)
+    return Case(scene, assembly, joints, loading, steps, still, tuple(notes), warnings, time.perf_counter() - begin)
 
 
 def _odd_size(assembly: Assembly) -> list[str]:
@@ -120,7 +126,14 @@ def _odd_size(assembly: Assembly) -> list[str]:
     return [f"structure: {size:.3g} m in its largest extent, {than}: is it given in metres? A file's unit is its key units"]
 
 
-def _until_still(scene: Scene, loading: Loading) -> Loading:
+def _still_speed(settings: Run, joints: Joints) -> float:
+    """Below which a block counts as still at the end of a run: STILL, or what the tolerance resolves, should that be more [m/s]."""
+    return max(
+        STILL, time_step_checks.resolved_speed(settings.tolerance, math.hypot(*settings.gravity), settings.dt, CORNERS * joints.count)
+    )
+
+
+def _until_still(scene: Scene, loading: Loading, still: float) -> Loading:
     """The loads, with a rest behind them where the run is to go on until its blocks are still.
 
     Raises:
@@ -135,7 +148,7 @@ def _until_still(scene: Scene, loading: Loading) -> Loading:
         if settings.until_still:
             raise InputError(f"run.until_still: the base still moves when run.duration, {settings.duration:g} s, ends; make it longer")
         return loading
-    return with_rest(loading, settings.most_steps - settings.steps, STILL, max(1, math.ceil(HOLD / settings.dt)))
+    return with_rest(loading, settings.most_steps - settings.steps, still, max(1, math.ceil(HOLD / settings.dt)))
 
 
 def _beyond_machine(threads: int) -> list[str]:

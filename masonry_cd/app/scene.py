@@ -29,6 +29,7 @@ from masonry_cd.fields import Table
 from masonry_cd.model.materials import Material
 from reports.settings import Report
 
+LONGEST_VALUE = 60  # characters of a --set that messages repeat
 FORMAT = 1  # of the keys of a scene; raised when an older program would misread them
 
 
@@ -84,9 +85,15 @@ class Origin:
         """The place of a key: the last ``--set`` that gave it, or the file and its line, with those that changed something in it."""
         given = [change for change in self.changes if is_within(key, change.partition("=")[0])]
         if given:
-            return f"--set {given[-1].strip()}"
+            return f"--set {_brief(given[-1])}"
         inside = [change for change in self.changes if is_within(change.partition("=")[0], key)]
-        return place_of(self.text, key, self.path) + "".join(f" with --set {change.strip()}" for change in inside)
+        return place_of(self.text, key, self.path) + "".join(f" with --set {_brief(change)}" for change in inside)
+
+
+def _brief(change: str) -> str:
+    """A change as it was typed, a long one by its key."""
+    key, _, value = change.strip().partition("=")
+    return f"{key}={value}" if len(value) <= LONGEST_VALUE else f"{key}=..."
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,7 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
         "steps": report.steps,
         "steps_asked": settings.steps,
         "longest": case.steps * settings.dt,
+        "still": case.still,
         "dt": settings.dt,
         "wall_seconds": 0.0,
         "stepping_seconds": report.stepping_seconds,

@@ -1,9 +1,9 @@
 r"""Whether a frame is an end state: the blocks and the base are still, and the run was not cut off.
 
 Residual values, mechanisms and grades say what remains, so they hold only where nothing moves any more. The speed of a block is that of
-its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the support that
-moves least. A block that has fallen may
-roll for as long as it likes. What is faster than STILL, 1 mm/s, moves.
+its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the support that moves least. A block that has
+fallen may roll for as long as it likes. What is faster than STILL, 1 mm/s, moves, or faster than the tolerance of the run resolves where that
+is more.
 """
 
 from __future__ import annotations
@@ -31,15 +31,16 @@ class EndState:
     speed: float  # of the fastest block that stands, relative to that support [m/s]
     block: str  # its name, empty where no block stands
     base_speed: float  # of the fastest support [m/s]
+    still: float  # what is faster moves [m/s]
     stopped: str  # why the run ended before its time; empty where it did not
 
     @property
     def provisional(self) -> str:
         """Why residual values and grades are provisional, in words; empty where they are final."""
         reasons = [self.stopped] if self.stopped else []
-        if self.base_speed > STILL:
+        if self.base_speed > self.still:
             reasons.append(f"the base still moving at {length(self.base_speed)}/s")
-        if self.speed > STILL:
+        if self.speed > self.still:
             reasons.append(f'still moving at {length(self.speed)}/s ("{self.block}")')
         return f"provisional: {', '.join(reasons)} at {self.time:.4g} s" if reasons else ""
 
@@ -64,6 +65,7 @@ def end_state(results: Results, thresholds: Thresholds | None = None, frame: int
         speed=float(speed[fastest]) if fastest >= 0 else 0.0,
         block=results.blocks[fastest].name if fastest >= 0 else "",
         base_speed=float(base.max(initial=0.0)),
+        still=float(results.closing.get("still", STILL)),
         stopped=_stopped(results) if index == results.frames - 1 else "",
     )
 

@@ -124,3 +124,25 @@ def test_the_base_must_have_come_to_rest(tmp_path: Path) -> None:
 def test_bounds_that_make_no_sense_are_refused(tmp_path: Path, changes: tuple[str, ...], message: str) -> None:
     with pytest.raises(InputError, match=message):
         case(tmp_path, *changes)
+
+
+def test_what_the_tolerance_does_not_resolve_counts_as_still(tmp_path: Path) -> None:
+    """tolerance g dt sqrt(contacts): 1e-8 resolves far less than 1 mm/s, 0.1 no less than 4 mm/s."""
+    assert case(tmp_path, "run.tolerance=1e-8").still == pytest.approx(1e-3)
+    assert case(tmp_path, "run.tolerance=0.1").still == pytest.approx(0.1 * 9.81 * 2e-3 * 2.0)
+
+
+def test_the_summary_and_the_result_say_below_which_speed_is_still(tmp_path: Path) -> None:
+    summary = run(tmp_path, "run.tolerance=0.1", "run.duration=0.1", "loads[0].amplitude=0.0")
+    with Results.open(tmp_path / "out" / "result.h5") as results:
+        assert results.closing["still"] == summary["still"] == pytest.approx(0.1 * 9.81 * 2e-3 * 2.0)
+
+
+def test_a_sequence_that_rests_at_its_end_needs_no_rest_more(tmp_path: Path) -> None:
+    shape = 'spectrum="EC8", ag=0.5, ground="B", duration=3.0, rise=0.5, level=1.5, seed=1, tolerance=0.3, periods=[0.1, 0.5]'
+    shock = f'{{components=[{{direction="x", {shape}}}]}}'
+    loads = f'loads=[{{kind="sequence", longest_rest=1.0, shocks=[{shock}]}}]'
+    made = case(tmp_path, loads, "run.duration=20.0", "report.damage=true")
+    end = made.loading.pauses[0].last
+    assert made.loading.pauses[1].last == made.steps == 22500, "time is left after the rest"
+    assert case(tmp_path, loads, f"run.duration={2e-3 * end}", "report.damage=true").steps == end
