@@ -2,8 +2,8 @@ r"""Whether a frame is an end state: the blocks and the base are still, and the 
 
 Residual values, mechanisms and grades say what remains, so they hold only where nothing moves any more. The speed of a block is that of
 its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the support that moves least. A block that has
-fallen may roll for as long as it likes. What is faster than STILL, 1 mm/s, moves, or faster than the tolerance of the run resolves where that
-is more.
+fallen may roll for as long as it likes. What is faster than STILL, 1 mm/s, moves; or faster than the tolerance of the run resolves, where
+that is more.
 """
 
 from __future__ import annotations
