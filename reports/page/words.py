@@ -99,15 +99,16 @@ def _supports(count: int) -> str:
 def outcome(context: PageContext) -> str:
     """The damage, in a sentence."""
     table, joints = context.table, context.results.joints.count
-    parts = [
-        f"{_of(context.only('opened'), joints)} joints opened (widest {in_metres(_most(table.max_opening))})",
-        f"{context.only('slid') or 'none'} slid (farthest {in_metres(_most(table.max_sliding))})",
+    counts = [
+        f"{_of(context.only('opened'), joints)} joints opened",
+        f"{context.only('slid') or 'none'} slid",
         f"{int(table.both.sum()) or 'none'} opened and slid",
         f"{context.count('separated') or 'none'} separated",
     ]
+    widest = f"the widest opening was {in_metres(_most(table.max_opening))}, the farthest sliding {in_metres(_most(table.max_sliding))}"
     free = int((~context.solids.fixed).sum())
     down = f"{len(context.fallen)} of {free} blocks fell" if context.fallen else "no block fell"
-    return f"{', '.join(parts)}; {down}. The largest displacement relative to the base is {in_metres(context.displacement_max)}."
+    return f"{', '.join(counts)}; {widest}; {down}. The largest displacement relative to the base is {in_metres(context.displacement_max)}."
 
 
 def notices(context: PageContext) -> str:
@@ -165,6 +166,7 @@ def parts(context: PageContext) -> str:
         "mechanism",
         "opened",
         "slid",
+        "opened and slid",
         "separated",
         "lost",
         "opening left [mm]",

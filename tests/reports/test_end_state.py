@@ -82,6 +82,12 @@ def test_tables_summary_text_and_page_say_so(tmp_path: Path) -> None:
     assert part_files.part_lines(damage.parts)[-1] == f"grades, mechanisms and what is left are {said}"
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "What is left is provisional" in page
+    table = page[page.index('<table class="parts">') :]
+    heads, cells = (
+        table[: table.index("</thead>")].count("<th "),
+        table[table.index("<tbody>") : table.index("</tr>", table.index("<tbody>"))],
+    )
+    assert heads == cells.count("<td") + cells.count("<th "), "each column has a heading"
     assert "Grades and what is left are provisional: still moving at 19 mm" in page
 
 
