@@ -145,9 +145,12 @@ def _damage_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
     whole = [run.damage.parts[-1] for run in runs]
     rows = [
         ("grade", "", "grade"),
+        ("grade given by", "", "grade_reason"),
+        ("provisional", "", "provisional"),
         ("mechanism", "", "mechanism"),
-        ("joints opened", "", "opened"),
-        ("joints slid", "", "slid"),
+        ("joints opened", "", "only_opened"),
+        ("joints slid", "", "only_slid"),
+        ("joints opened and slid", "", "opened_and_slid"),
         ("joints separated", "", "separated"),
         ("first opening", "s", "first_opening_time"),
         ("hinges, ever", "", "hinges_ever"),

@@ -82,8 +82,9 @@ def _response(axes: Any, runs: list[Run]) -> None:
 def _states(axes: Any, runs: list[Run]) -> None:
     """Joints by state, and lost blocks, side by side."""
     labels = (
-        ("opened", "joints\nopened"),
-        ("slid", "joints\nslid"),
+        ("only_opened", "joints\nopened"),
+        ("only_slid", "joints\nslid"),
+        ("opened_and_slid", "opened\nand slid"),
         ("separated", "joints\nseparated"),
         ("hinges", "hinges\nleft"),
         ("lost_blocks", "blocks\nlost"),
