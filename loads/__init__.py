@@ -43,6 +43,7 @@ class Loading:
         support_of: (B,) the motion that each block follows, -1 for a free block: the assembly's for this run; None without an assembly.
         shocks: of sequences, in order of time.
         pauses: rests that the run loop may end early, see ``loads.kinds.sequence``.
+        warnings: of what is likely a mistake in the tables.
         forces: on single blocks, which depend on where the blocks are, see ``loads.kinds.forces``; None where there are none.
     """
 
@@ -54,6 +55,7 @@ class Loading:
     shocks: tuple[Shock, ...] = ()
     pauses: tuple[Pause, ...] = ()
     forces: Forces | None = None
+    warnings: tuple[str, ...] = ()
 
     def load_factor(self, gravity: Sequence[float]) -> np.ndarray:
         """lambda at the times t_k, (N + 1,): body force across gravity over that along it; of a tilt, the tangent of its angle."""
@@ -101,14 +103,17 @@ def build(
     if base["end_speed"] > 1e-3 * base["peak_speed"]:
         lines.append(f"base: still moving at {base['end_speed']:.3g} m/s when the run ends at {grid.end:g} s")
     if velocity.shape[1] > 1:
-        first = f'; displacements are relative to "{assembly.names[int(np.argmax(assembly.fixed))]}"' if assembly is not None else ""
-        lines.append(f"base: {velocity.shape[1]} motions of the supports, apart by at most {base['largest_difference']:.4g} m{first}")
+        lines.append(
+            f"base: {velocity.shape[1]} motions of the supports, apart by at most {base['largest_difference']:.4g} m; "
+            "displacements are relative to the support that moves least"
+        )
+    warnings = tuple(line for part in parts for line in part.warnings)
     summary = {"tables": [part.summary for part in parts], "base": base}
     shocks = sorted((shock for part in parts for shock in part.shocks), key=lambda shock: shock.first)
     pauses = sorted((pause for part in parts for pause in part.pauses), key=lambda pause: pause.first)
     quiet = tuple(pause for pause in pauses if _nothing_changes(pause, velocity, acceleration))
     lines += [f'rest after "{pause.after}": not ended early, since other loads act in it' for pause in pauses if pause not in quiet]
-    return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, collect(parts, grid))
+    return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, collect(parts, grid), warnings)
 
 
 def _parse(table: Mapping[str, Any], where: str) -> LoadTable:

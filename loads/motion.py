@@ -61,6 +61,7 @@ class Part:
     share: np.ndarray | None = None  # (B,) factor on a support's motion; one when left out
     acceleration: np.ndarray | None = None  # (N + 1, 3) of the blocks [m/s2]
     lines: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()  # of what is likely a mistake
     summary: dict[str, Any] = field(default_factory=dict)
     shocks: tuple[Any, ...] = ()  # loads.kinds.sequence.Shock
     pauses: tuple[Any, ...] = ()  # loads.kinds.sequence.Pause

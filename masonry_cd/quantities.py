@@ -1,4 +1,4 @@
-"""Quantities as people read them: lengths and speeds with a prefix, time spans in hours, minutes and seconds."""
+"""Quantities as people read them: lengths, speeds and forces with a prefix, time spans in hours, minutes and seconds."""
 
 from __future__ import annotations
 
@@ -13,6 +13,14 @@ def length(value: float, unit: str = "m") -> str:
         if abs(value) >= factor * 0.9995:
             return f"{value / factor:.3g} {prefix}{unit}"
     return f"{value:.3g} {unit}"
+
+
+def force(value: float) -> str:
+    """A force with the prefix that reads best: ``1.05 MN``, ``12 kN``, ``0.3 N``."""
+    for factor, prefix in ((1e6, "M"), (1e3, "k")):
+        if abs(value) >= factor * 0.9995:
+            return f"{value / factor:.3g} {prefix}N"
+    return f"{value:.3g} N"
 
 
 def in_words(seconds: float) -> str:

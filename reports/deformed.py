@@ -5,8 +5,9 @@ A point X of block b, built at rest, moves rigidly to
     x(X) = R_b (X - c_b) + x_b,
 
 c_b the centre of mass at rest, x_b and R_b the position and rotation of the frame. Seen from the base, which itself rides on the
-ground, x is reduced by the translation s of the first support: any will do where all move together, and where they do not, as when one
-of them settles, it is the one to which the others are compared. A picture of a displacement too small to see shows instead
+ground, x is reduced by the translation s of a support: any will do where all move together, and where they do not, as when one
+of them settles, it is the one that moves least (:attr:`masonry_cd.io.results.Results.support`). A picture of a displacement too small to
+see shows instead
 
     X + f (x(X) - s - X),      f the amplification; f = 1 is the true shape.
 """
@@ -105,7 +106,7 @@ class Pose:
         frame = frame_index(results, frame)
         position = np.asarray(results.position[frame], dtype=float)
         rotation = rotation_matrices(np.asarray(results.orientation[frame], dtype=float))
-        return cls(float(results.time[frame]), position - base_shift(solids, position), rotation)
+        return cls(float(results.time[frame]), position - base_shift(results, solids, position), rotation)
 
     def displacement(self, solids: Solids) -> np.ndarray:
         """(B, 3) of the centres of mass, relative to the base [m]."""
@@ -117,12 +118,12 @@ class Pose:
         return points + factor * (np.einsum("nij,nj->ni", self.rotation[block], arm) + self.position[block] - points)
 
 
-def base_shift(solids: Solids, position: np.ndarray) -> np.ndarray:
-    """Translation of the first support, (..., 3) [m], for positions (..., B, 3); zero where there is no support."""
-    if not solids.fixed.any():
+def base_shift(results: Results, solids: Solids, position: np.ndarray) -> np.ndarray:
+    """Translation of the support that moves least, (..., 3) [m], for positions (..., B, 3); zero where there is no support."""
+    support = results.support
+    if support < 0:
         return np.zeros((*position.shape[:-2], 3))
-    first = int(np.argmax(solids.fixed))
-    return np.asarray(position[..., first, :] - solids.centre[first])
+    return np.asarray(position[..., support, :] - solids.centre[support])
 
 
 def frame_index(results: Results, frame: int) -> int:

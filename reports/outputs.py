@@ -147,9 +147,10 @@ def write_asked(results: Results, folder: Path, settings: Report, summary: Mappi
     times, beyond = times_within(results, settings.times)
     if times:
         draw_times(results, folder, settings, times)
-    if beyond:  # of a run that left out rests, or the settings had been refused
+    if beyond:  # of a run that left out rests or was interrupted, or the settings had been refused
         at = ", ".join(f"{time:g}" for time in beyond)
-        line = f"report.times: no map at {at} s: the run, whose rests were cut short, ends at {results.time[-1]:g} s"
+        why = "which was interrupted" if summary.get("stopped") else "whose rests were cut short"
+        line = f"report.times: no map at {at} s: the run, {why}, ends at {results.time[-1]:g} s"
         more["warnings"] = [*summary.get("warnings", ()), line]
     if settings.animation and results.frames > 1:
         draw_animation(results, folder / ANIMATION, settings)

@@ -31,7 +31,7 @@ from masonry_cd.io.hdf5_file import created
 from masonry_cd.io.layout import JOINT_HISTORIES
 from masonry_cd.io.results import Results
 from masonry_cd.model.state import rotation_matrices
-from reports.damage.joint_damage import Thresholds, classify
+from reports.damage.definitions import Thresholds, classify
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, base_shift, joint_corners, solids_of
 
@@ -89,7 +89,7 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
         rotation = rotation_matrices(np.asarray(results.orientation[frame], dtype=float))
         world = Pose(float(results.time[frame]), position, rotation)
         points = world.moved(solids, solids.vertices, solids.vertex_block)
-        moved = points - solids.vertices - base_shift(solids, position)
+        moved = points - solids.vertices - base_shift(results, solids, position)
         down = DamageSnapshot.at(results, frame, thresholds).down
         velocity = np.asarray(results.velocity[frame, :, :3])
         faces = solids.face_block
@@ -120,7 +120,7 @@ def _joints(results: Results, thresholds: Thresholds) -> Mesh:
         points = (on_a + on_b) / 2.0
         data: Arrays = {name: results.joints_at(name, frame) for name in histories}
         data["state"] = classify(snapshot.opening, snapshot.sliding, snapshot.separated, thresholds).astype(np.uint8)
-        return points + base_shift(solids, position), {"displacement": points - joints.polygon}, data
+        return points + base_shift(results, solids, position), {"displacement": points - joints.polygon}, data
 
     return Mesh(
         name="joints",

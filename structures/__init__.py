@@ -7,6 +7,7 @@ Whatever a kind builds passes :mod:`structures.geometry.checks` before it is ret
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -19,22 +20,23 @@ if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs 
 
 Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]]]"
 
+FOUNDATIONS = "foundations"  # key of structures/layout/foundations.py
 NOISE = "noise"  # key of the table of structures/noise.py
 
 KINDS: Extensions[Build] = Extensions("structures.kinds", "build")
 
 
-def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:
+def build(table: Mapping[str, Any], density: float | None, folder: Path) -> list[Block]:
     """The blocks of a structure, see :func:`build_with_notes`."""
     return build_with_notes(table, density, folder)[0]
 
 
-def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:
+def build_with_notes(table: Mapping[str, Any], density: float | None, folder: Path) -> tuple[list[Block], list[str]]:
     """Build the blocks of a structure and check them.
 
     Args:
-        table: the scene's [structure] table, with ``kind``, and ``most_blocks`` and ``noise`` where they are given.
-        density: of the material [kg/m3]; the entries of a block file may state their own.
+        table: the scene's [structure] table, with ``kind``, and ``most_blocks``, ``foundations`` and ``noise`` where they are given.
+        density: of the material [kg/m3]; the entries of a block file may state their own, and where all of them do there may be none.
         folder: where the scene file lies; the path of a block file is relative to it.
 
     Returns:
@@ -53,10 +55,14 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
     if kind not in KINDS:
         hint = suggest(kind, KINDS)
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
-    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, NOISE)}
+    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FOUNDATIONS, NOISE)}
     with size.limited(table.get(size.KEY, size.MOST)):
-        made = KINDS[kind](rest, density, folder)
+        made = KINDS[kind](rest, math.nan if density is None else density, folder)
     blocks, notes = made if isinstance(made, tuple) else (made, [])
+    if FOUNDATIONS in table:
+        from structures.layout.foundations import in_pieces
+
+        blocks = in_pieces(blocks, table[FOUNDATIONS])
     if NOISE not in table:
         return blocks, notes
     from structures import noise
@@ -66,10 +72,6 @@ def build_with_notes(table: Mapping[str, Any], density: float, folder: Path) -> 
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:
-    """Blocks, joints, masses, contact graph and hyperstaticity of a structure, see :mod:`structures.summary`.
-
-    Raises:
-        InputError: a free block that touches nothing.
-    """
+    """Blocks, joints, masses, contact graph and hyperstaticity of a structure, see :mod:`structures.summary`."""
     made: dict[str, Any] = import_module("structures.summary").report(blocks)
     return made

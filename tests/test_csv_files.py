@@ -13,7 +13,8 @@ from made_run import at_rest, box, write_run
 
 from masonry_cd.csv_files import write_csv
 from masonry_cd.io.results import Results
-from reports.damage.joint_damage import Thresholds, joint_damage, write_joints_csv
+from reports.damage.definitions import Thresholds
+from reports.damage.joint_damage import joint_damage, write_joints_csv
 from reports.paraview import export
 
 EVIL = "=cmd|'/c calc'!A1"

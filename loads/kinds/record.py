@@ -19,6 +19,7 @@ import numpy as np
 from loads.motion import DirectionKey, LoadKind, Part, RunGrid, smooth_step
 from loads.signal.accelerogram import Accelerogram, Scaled, describe_both, process, size_factor
 from loads.signal.baseline import History
+from loads.signal.plausible import doubts
 from loads.supports import ShakingTable
 
 FADE = 1.0  # [s] in which the velocity of an uncorrected record goes to zero after its end
@@ -60,6 +61,7 @@ def record(table: RecordTable, grid: RunGrid, where: str) -> Part:
         motion=lambda times: direction.along(sample(after, times - table.start)),
         delay=table.delay_of_blocks(grid, where),
         lines=(first, *describe_both(where, processed, table.correction), *_warnings(table, grid, where, after)),
+        warnings=tuple(doubts(processed, table.correction, where)),
         summary=summary,
     )
 

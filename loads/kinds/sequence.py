@@ -28,6 +28,7 @@ from loads.kinds.record import FADE, sample
 from loads.motion import Direction, DirectionKey, LoadKind, Part, RunGrid, describe
 from loads.signal.accelerogram import Accelerogram, Processed, Scaled, describe_both, process, size_factor
 from loads.signal.intensity import in_words
+from loads.signal.plausible import doubts
 from loads.supports import ShakingTable
 from masonry_cd.errors import parse_table
 from masonry_cd.fields import Span, is_number
@@ -103,6 +104,7 @@ class _Ready:
     parts: tuple[tuple[Direction, Processed], ...]
     factor: float
     length: float  # until the base stands still again [s]
+    doubts: tuple[str, ...]  # whether its records are what the user means
 
     def velocity(self, since: np.ndarray) -> np.ndarray:
         """Of the base at times since its start, (n, 3) [m/s]."""
@@ -143,6 +145,7 @@ def sequence(table: SequenceTable, grid: RunGrid, where: str) -> Part:
         motion=motion,
         delay=delay,
         lines=tuple(timed),
+        warnings=tuple(line for one in ready for line in one.doubts),
         summary={"kind": "sequence", "rest": table.rest, "shocks": [_summary(s, r, grid) for s, r in zip(shocks, ready, strict=True)]},
         shocks=tuple(shock for shock in shocks if shock.first < grid.steps),
         pauses=tuple(replace(p, last=min(p.last, grid.steps)) for p in pauses if p.first < grid.steps and table.rest == "still"),
@@ -157,12 +160,14 @@ def _prepare(shock: ShockTable, grid: RunGrid, where: str, place: int) -> tuple[
     factor = size_factor(shock.scale, shock.target_pga, max(one.after.numbers()["pga"] for one in raw))
     scaled = [one.scaled(factor) for one in raw]
     directions = [component.direction.turned(shock.rotate) for component in components]
-    lines, length = [], 0.0
+    lines, unsure, length = [], [], 0.0
     for component, direction, one, key in zip(components, directions, scaled, keys, strict=True):
         lines += _described(component, direction, one, factor, key)
+        if isinstance(component, Recorded):
+            unsure += doubts(one, component.correction, key)
         fades = isinstance(component, Recorded) and component.correction == "none"
         length = max(length, one.after.duration + (FADE if fades else 0.0))
-    return _Ready(shock.name or f"shock {place + 1}", tuple(zip(directions, scaled, strict=True)), factor, length), lines
+    return _Ready(shock.name or f"shock {place + 1}", tuple(zip(directions, scaled, strict=True)), factor, length, tuple(unsure)), lines
 
 
 def _described(component: Recorded | Artificial, direction: Direction, processed: Processed, factor: float, where: str) -> list[str]:

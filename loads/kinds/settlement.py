@@ -77,7 +77,20 @@ def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:
         motion=_pulse(table, grid, where),
         share=moving.astype(float),
         lines=(f"{where} settlement of {int(moving.sum())} supports by {along}, {_when(table)}", *_cut_short(table, grid, where)),
+        warnings=_all_alike(moving, grid, where),
         summary=_summary(table) | {"supports": _named(moving, grid)},
+    )
+
+
+def _all_alike(moving: np.ndarray, grid: RunGrid, where: str) -> tuple[str, ...]:
+    """A warning where a settlement leaves no support behind, so that the structure moves as a whole."""
+    count = int(structure(grid, where).fixed.sum())
+    if int(moving.sum()) < count:
+        return ()
+    which = "the only support" if count == 1 else f"all {count} supports alike"
+    return (
+        f"{where} the settlement moves {which}, so the structure goes down as a whole and is not strained; "
+        'structure.foundations divides a base, e.g. foundations = "corners" or { x = 4 }, so that a part of it can be named',
     )
 
 

@@ -17,6 +17,7 @@ from masonry_cd.app.progress import said_if_slow
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import compile_kernels, keeps
 from masonry_cd.contact.find_joints import built_gap, find_joints
+from masonry_cd.dynamics.pauses import HOLD, STILL
 from masonry_cd.dynamics.planar import find_plane
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from loads import Loading
 
 TOLD = 1e-8  # share of the smallest width: inexact joints as built are reported from there on; less is rounding
+CORNERS = 4.0  # contacts of a joint
+SMALL, LARGE = 0.3, 300.0  # extent of a structure beyond which its units are doubted [m]
 FALLING = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
 
 
@@ -41,6 +44,8 @@ class Case:
     assembly: Assembly
     joints: Joints
     loading: Loading
+    steps: int  # of the loads at most: beyond those of the duration where the run waits for its blocks to be still
+    still: float  # speed below which a block counts as still at the end [m/s]
     notes: tuple[str, ...]  # what was changed in making the blocks, in words
     warnings: tuple[str, ...]  # what the time step is too coarse for, and the machine too small
     built_gap: float  # largest gap or overlap of the joints as built that counts as none [m]
@@ -74,6 +79,7 @@ def prepare(scene: Scene) -> Case:
         InputError: anything wrong with the structure, the material or the loads.
     """
     import loads
+    from structures.standing import standing
 
     begin = time.perf_counter()
     blocks, notes = build_structure(scene)
@@ -84,7 +90,7 @@ def prepare(scene: Scene) -> Case:
             outputs.check(scene.report, blocks, scene.run.steps * scene.run.dt, scene.run.frame_every * scene.run.dt)
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         run = scene.run
-        longest = run.longest if run.adaptive else None
+        longest = run.longest_step if run.adaptive else None
         loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest)
     except InputError as error:
         raise scene.at_fault(error) from None
@@ -100,11 +106,55 @@ def prepare(scene: Scene) -> Case:
         compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
-    falling = [FALLING] if gravity and not assembly.fixed.any() else []
-    warnings = (*falling, *coarse, *_beyond_machine(scene.run.threads))
+    falling = [] if not gravity else standing(assembly).warnings() if assembly.fixed.any() else [FALLING]
+    warnings = (*_odd_size(assembly), *loading.warnings, *falling, *coarse, *_beyond_machine(scene.run.threads))
     if built > TOLD * assembly.width:
         notes.append(f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
-    return Case(scene, assembly, joints, loading, tuple(notes), warnings, built, time.perf_counter() - begin)
+    still = _still_speed(scene.run, joints)
+    try:
+        loading = _until_still(scene, loading, still)
+    except InputError as error:
+        raise scene.at_fault(error) from None
+    steps = len(loading.acceleration) - 1
+    return Case(scene, assembly, joints, loading, steps, still, tuple(notes), warnings, built, time.perf_counter() - begin)
+
+
+def _odd_size(assembly: Assembly) -> list[str]:
+    """A line where a structure is so small or large that its units are likely others."""
+    free = [block.vertices for block in assembly.blocks if not block.fixed]
+    if not free:
+        return []
+    corners = np.concatenate(free)
+    size = float(np.ptp(corners, axis=0).max())
+    if SMALL <= size <= LARGE:
+        return []
+    than = f"smaller than {SMALL:g} m" if size < SMALL else f"larger than {LARGE:g} m"
+    return [f"structure: {size:.3g} m in its largest extent, {than}: is it given in metres? A file's unit is its key units"]
+
+
+def _still_speed(settings: Run, joints: Joints) -> float:
+    """Below which a block counts as still at the end of a run: STILL, or what the tolerance resolves, should that be more [m/s]."""
+    return max(
+        STILL, time_step_checks.resolved_speed(settings.tolerance, math.hypot(*settings.gravity), settings.dt, CORNERS * joints.count)
+    )
+
+
+def _until_still(scene: Scene, loading: Loading, still: float) -> Loading:
+    """The loads, with a rest behind them where the run is to go on until its blocks are still.
+
+    Raises:
+        InputError: that is asked for, and the base still moves when the duration ends.
+    """
+    from loads.rest import base_moves_at_end, with_rest
+
+    settings = scene.run
+    if not scene.until_still:
+        return loading
+    if base_moves_at_end(loading):
+        if settings.until_still:
+            raise InputError(f"run.until_still: the base still moves when run.duration, {settings.duration:g} s, ends; make it longer")
+        return loading
+    return with_rest(loading, settings.most_steps - settings.steps, still, max(1, math.ceil(HOLD / settings.dt)))
 
 
 def _beyond_machine(threads: int) -> list[str]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.io.results import Results
-from masonry_cd.quantities import length
+from masonry_cd.quantities import force, length
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
@@ -83,9 +83,10 @@ def _shock_line(shock: dict[str, Any]) -> str:
 
 def joints_in_words(damage: dict[str, Any]) -> str:
     """How many joints opened, slid and came apart, and how far."""
+    opened, slid = (damage.get(f"joints_only_{word}", damage[f"joints_{word}"]) for word in ("opened", "slid"))
     return (
-        f"{damage['joints_opened']} opened (at most {length(damage['opening_max'])}), {damage['joints_slid']} slid "
-        f"(at most {length(damage['sliding_max'])}), {damage['joints_separated']} separated"
+        f"{opened} opened (at most {length(damage['opening_max'])}), {slid} slid (at most {length(damage['sliding_max'])}), "
+        f"{damage.get('joints_opened_and_slid', 0)} opened and slid, {damage['joints_separated']} separated"
     )
 
 
@@ -97,5 +98,5 @@ def _factor_line(factor: dict[str, Any]) -> str:
 
 
 def _tie_line(tie: dict[str, Any]) -> str:
-    most = f"{tie['tension_max'] / 1e3:.3g} kN ({tie['stress_max'] / 1e6:.3g} MPa) at {tie['tension_max_time']:.3g} s"
-    return f'tie "{tie["blocks"][0]}" to "{tie["blocks"][1]}": at most {most}, {tie["tension_end"] / 1e3:.3g} kN at the end'
+    most = f"{force(tie['tension_max'])} ({tie['stress_max'] / 1e6:.3g} MPa) at {tie['tension_max_time']:.3g} s"
+    return f'tie "{tie["blocks"][0]}" to "{tie["blocks"][1]}": at most {most}, {force(tie["tension_end"])} at the end'

@@ -1,10 +1,11 @@
-"""How far a run is: a bar with the time left on a terminal, a plain line every ten seconds elsewhere; signals between steps.
+"""How far a run is: a bar with the time left on a terminal, plain lines every ten seconds elsewhere (TERM=dumb too); signals between steps.
 
 A step may take microseconds, so a call costs no more than a look at the clock until there is something to draw.
 """
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -19,36 +20,47 @@ from masonry_cd.quantities import in_words
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
+    from masonry_cd.app.step_costs import StepCosts
+
 BAR_SECONDS, LINE_SECONDS = 0.2, 10.0
+PLAIN = ("", "dumb", "unknown")  # terminals that cannot go back in a line, by TERM
 
 
 class Progress:
     """Call it with the number of steps done; use it as a context manager.
 
     Args:
-        total: steps of the run, ticks where their length adapts.
+        total: steps of the run, ticks where their length adapts; one that goes on until its blocks are still may make more.
         quiet: say nothing.
         stream: where to; standard error when not given.
+        costs: measures what steps cost; by default all steps cost alike.
         tick: of a run whose steps adapt [s]; None for one of fixed steps.
     """
 
-    def __init__(self, total: int, quiet: bool = False, stream: TextIO | None = None, tick: float | None = None) -> None:
-        self.total, self.done, self._tick = total, 0, tick
+    def __init__(
+        self, total: int, quiet: bool = False, stream: TextIO | None = None, costs: StepCosts | None = None, tick: float | None = None
+    ) -> None:
+        self.total, self.done = total, 0
+        self._costs, self._tick = costs, tick
         self._stream = stream or sys.stderr
-        self._bar = _bar(self._stream) if self._stream.isatty() and not quiet else None
+        drawn = self._stream.isatty() and os.environ.get("TERM", "dumb") not in PLAIN
+        self._bar = _bar(self._stream) if drawn and not quiet else None
         self._every = float("inf") if quiet else BAR_SECONDS if self._bar else LINE_SECONDS
 
     def __enter__(self) -> Progress:
-        self._begin = self._last = time.perf_counter()
+        self._begin = self._last = self._before = time.perf_counter()
         if self._bar:
             self._bar.start()
-            self._task = self._bar.add_task("steps" if self._tick is None else "shortest steps", total=self.total)
+            self._task = self._bar.add_task("steps" if self._tick is None else "shortest steps", total=self.total, left="")
             self._bar.refresh()
         return self
 
     def __call__(self, done: int) -> None:
         self.done = done
         now = time.perf_counter()
+        if self._costs is not None:
+            self._costs.add(done, now - self._before)
+            self._before = now
         if now - self._last >= self._every:
             self._last = now
             self._show(now - self._begin)
@@ -64,15 +76,17 @@ class Progress:
             self._draw(elapsed)
 
     def _draw(self, elapsed: float) -> None:
+        alike = elapsed / max(1, self.done) * (self.total - self.done)
+        seconds = alike if self._costs is None else self._costs.seconds_left()
+        left = "until all blocks are still" if self.done > self.total else f"{in_words(seconds)} left"
         if self._bar:
-            self._bar.update(self._task, completed=self.done, refresh=True)
+            self._bar.update(self._task, total=max(self.total, self.done), completed=self.done, left=left, refresh=True)
             return
-        left = elapsed / self.done * (self.total - self.done)
+        share = f" ({100 * self.done / self.total:.0f} %)" if self.done <= self.total else ""
         steps = f"step {self.done} of {self.total}"
         if self._tick is not None:
             steps = f"{self.done * self._tick:.4g} of {self.total * self._tick:.4g} s"
-        line = f"{steps} ({100 * self.done / self.total:.0f} %), {in_words(elapsed)} so far, {in_words(left)} left"
-        print(line, file=self._stream, flush=True)
+        print(f"{steps}{share}, {in_words(elapsed)} so far, {left}", file=self._stream, flush=True)
 
 
 def _bar(stream: TextIO) -> Bar:
@@ -85,7 +99,6 @@ def _bar(stream: TextIO) -> Bar:
         TaskProgressColumn,
         TextColumn,
         TimeElapsedColumn,
-        TimeRemainingColumn,
     )
 
     columns: tuple[Any, ...] = (
@@ -94,10 +107,9 @@ def _bar(stream: TextIO) -> Bar:
         MofNCompleteColumn(),
         TaskProgressColumn(),
         TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
+        TextColumn("{task.fields[left]}"),
     )
-    return Progress(*columns, console=Console(file=stream), auto_refresh=False, speed_estimate_period=60)
+    return Progress(*columns, console=Console(file=stream), auto_refresh=False)
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import signal
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,6 +21,7 @@ from masonry_cd.app.resume import choose
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Scene
+from masonry_cd.app.step_costs import StepCosts, shaking_classes
 from masonry_cd.app.summary import as_json, run_summary, run_warnings, write_json
 from masonry_cd.atomic import part_of
 from masonry_cd.dynamics.equilibrium import settle
@@ -73,13 +75,13 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     _fits(case, folder, resume)
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
     if not resume:
-        dumped.check(1, settings.steps)
+        dumped.check(1, case.steps)
         _settle(stepper, scene)
     with locked(folder), Interrupt() as interrupt:
         mended = ""
         if resume:
             mended = choose(case, stepper, folder / RESULTS, saved)
-            dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, settings.steps)
+            dumped.check(checkpoint.load(saved)[1]["report"]["steps"] + 1, case.steps)
         else:
             _clear(folder)
         stepper.watch = dumped if dump else None
@@ -93,7 +95,10 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
             }
             summary = _closing(case, writer, summary, since)
         interrupt.at_once = not report.signal  # from here on nothing is torn
-        summary = _write_rest(case, folder, report, summary, since)
+        summary = _write_damage(case, folder, summary, since)
+        if not report.stopped or report.signal == signal.SIGINT:  # who pressed Ctrl-C looks on; a second one ends the drawing
+            interrupt.at_once = True
+            summary = _write_asked(case, folder, summary, since)
         if not report.stopped:
             checkpoint.remove(saved)
         interrupt.at_once = False
@@ -103,32 +108,39 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
 def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, interrupt: Interrupt, quiet: bool, resume: bool) -> RunReport:
     """Make the steps of a run and write result.h5."""
     settings, loading = case.scene.run, case.loading
-    pauses = Pauses(case.assembly, loading.pauses, loading.shocks, settings.steps) if loading.shocks else None
-    show = Progress(settings.steps, quiet, tick=settings.dt if settings.adaptive else None)
+    paused = loading.shocks or loading.pauses
+    pauses = Pauses(case.assembly, loading.pauses, loading.shocks, case.steps) if paused else None
+    costs = StepCosts(shaking_classes(loading.support_velocity[: settings.steps + 1], settings.dt))
+    show = Progress(settings.steps, quiet, costs=costs, tick=settings.dt if settings.adaptive else None)
 
     def progress(done: int) -> None:
         show(done)
         interrupt.check()
 
     with show:
-        return run_steps(stepper, case.joints, writer, settings.steps, settings.frame_every, progress, saved, resume, pauses)
+        return run_steps(stepper, case.joints, writer, case.steps, settings.frame_every, progress, saved, resume, pauses)
 
 
-def _write_rest(case: Case, folder: Path, report: RunReport, summary: dict[str, Any], since: float) -> dict[str, Any]:
-    """Write what a run yields beside result.h5; return its summary, whose seconds count from a reading of the clock."""
+def _write_damage(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
+    """Write joints.csv and summary.json; return the summary, whose seconds count from a reading of the clock."""
     from reports.damage import joint_files
 
-    scene = case.scene
     with Results.open(folder / RESULTS) as results:
-        summary |= joint_files.write_joint_damage(results, folder, scene.report)
-        summary["wall_seconds"] = since + time.perf_counter()
-        write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
-        if scene.report.asks and not report.stopped:
-            from reports import outputs
+        summary |= joint_files.write_joint_damage(results, folder, case.scene.report)
+    summary["wall_seconds"] = since + time.perf_counter()
+    write_json(summary, folder / SUMMARY)  # before the pictures, which may fail for want of a library
+    return summary
 
-            summary |= outputs.write_asked(results, folder, scene.report, summary)
-            summary["wall_seconds"] = since + time.perf_counter()
-            write_json(summary, folder / SUMMARY)
+
+def _write_asked(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
+    """Write the tables, pictures and the page that the scene asks for; return the summary with what they add."""
+    if case.scene.report.asks:
+        from reports import outputs
+
+        with Results.open(folder / RESULTS) as results:
+            summary |= outputs.write_asked(results, folder, case.scene.report, summary)
+        summary["wall_seconds"] = since + time.perf_counter()
+        write_json(summary, folder / SUMMARY)
     return summary
 
 
@@ -139,7 +151,7 @@ def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: f
         summary |= outcome(case, results)
         fast = time_step_checks.after_run(case.assembly, results, settings.dt)
         gravity = math.hypot(*settings.gravity)
-        restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.longest, settings.tolerance)
+        restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.longest_step, settings.tolerance)
     summary["warnings"] = [*run_warnings(summary), *summary["warnings"], *fast, *restless]
     summary["wall_seconds"] = since + time.perf_counter()
     writer.write_closing(as_json(summary))
@@ -149,7 +161,7 @@ def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: f
 def _fits(case: Case, folder: Path, resume: bool) -> None:
     """Refuse results that do not fit on the disc."""
     settings, file = case.scene.run, folder / RESULTS
-    needed = result_bytes(case.assembly, case.joints, settings.steps // settings.frame_every + 2, settings.steps)
+    needed = result_bytes(case.assembly, case.joints, case.steps // settings.frame_every + 2, case.steps)
     try:
         check_disc_space(folder, needed, float(file.stat().st_size) if resume and file.exists() else 0.0)
     except InputError as error:

@@ -61,7 +61,7 @@ def run(
     Raises:
         InputError: a checkpoint that is missing, unreadable, or of another scene.
     """
-    recorder = Recorder(writer, stepper, joints, pauses is not None)
+    recorder = Recorder(writer, stepper, joints, pauses is not None and pauses.any_shocks)
     report = RunReport(planar=stepper.plane is not None, fall=_fall(stepper))
     pace = AdaptiveSteps(stepper) if stepper.settings.adaptive else None
     loop = _Loop(stepper, recorder, report, pauses, save_to, pace)

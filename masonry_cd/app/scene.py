@@ -22,13 +22,14 @@ from typing import Annotated, Any
 
 from pydantic import Field, field_validator
 
-from masonry_cd.app.scene_text import dump_toml, override, parse_toml, place_of, read_text
+from masonry_cd.app.scene_text import dump_toml, is_within, override, parse_toml, place_of, read_text
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.fields import Table
 from masonry_cd.model.materials import Material
 from reports.settings import Report
 
+LONGEST_VALUE = 60  # characters of a --set that messages repeat
 FORMAT = 1  # of the keys of a scene; raised when an older program would misread them
 
 
@@ -73,6 +74,29 @@ class _Tables(Table):
 
 
 @dataclass(frozen=True)
+class Origin:
+    """Where the keys of a scene come from: a line of its file, or ``--set``."""
+
+    text: str  # of the file
+    path: Path
+    changes: tuple[str, ...]  # by --set
+
+    def of(self, key: str) -> str:
+        """The place of a key: the last ``--set`` that gave it, or the file and its line, with those that changed something in it."""
+        given = [change for change in self.changes if is_within(key, change.partition("=")[0])]
+        if given:
+            return f"--set {_brief(given[-1])}"
+        inside = [change for change in self.changes if is_within(change.partition("=")[0], key)]
+        return place_of(self.text, key, self.path) + "".join(f" with --set {_brief(change)}" for change in inside)
+
+
+def _brief(change: str) -> str:
+    """A change as it was typed, a long one by its key."""
+    key, _, value = change.strip().partition("=")
+    return f"{key}={value}" if len(value) <= LONGEST_VALUE else f"{key}=..."
+
+
+@dataclass(frozen=True)
 class Scene:
     """A scene file whose own tables are checked; ``structure`` and ``loads`` are checked by their rooms."""
 
@@ -84,17 +108,24 @@ class Scene:
     report: Report
     text: str  # what the results keep: the file's text, or that of the changed tables when --set was used
     path: Path
+    origin: Origin  # of its keys, for messages
 
     @property
     def folder(self) -> Path:
         """Folder from which relative paths in the scene are read."""
         return self.path.parent
 
+    @property
+    def until_still(self) -> bool:
+        """Whether the run goes on until its blocks are still: by default where damage is graded by what remains."""
+        graded = self.report.damage or self.report.html
+        return graded if self.run.until_still is None else self.run.until_still
+
     def at_fault(self, error: InputError) -> InputError:
         """An error with file and line before it, where its message begins with a key of this scene; else the error itself."""
         message = str(error)
         key = re.match(r"((?:structure|material|loads|run|report|title)[^\s:]*)(?::| )", message)
-        return InputError(f"{place_of(self.text, key.group(1), self.path)}: {message}") if key else error
+        return InputError(f"{self.origin.of(key.group(1))}: {message}") if key else error
 
 
 def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
@@ -109,6 +140,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     """
     path = Path(path)
     text = read_text(path)
+    origin = Origin(text, path, tuple(overrides))
     tables = parse_toml(text, path)
     for change in overrides:
         override(tables, change)
@@ -116,6 +148,8 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
         text = f"# {path.name} with {' '.join(f'--set {change}' for change in overrides)}\n" + dump_toml(tables)
     try:
         top = parse_table(_Tables, tables, "")
+        if "density" not in top.material and top.structure.get("kind") != "file":
+            raise InputError("material.density: missing")  # only blocks of a file may bring their own
         return Scene(
             title=top.title or path.stem,
             structure=top.structure,
@@ -125,7 +159,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
             report=parse_table(Report, top.report, "report"),
             text=text,
             path=path,
+            origin=origin,
         )
     except InputError as error:
-        key = str(error).partition(":")[0]
-        raise InputError(f"{path}: {error}" if overrides else f"{place_of(text, key, path)}: {error}") from None
+        raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None

@@ -145,6 +145,12 @@ def place_of(text: str, key: str, path: Path) -> str:
     return f"{path}:{at}" if at else str(path)
 
 
+def is_within(key: str, table: str) -> bool:
+    """Whether a key such as ``run.dt`` is, or lies in, another such as ``run``."""
+    wanted, above = _key_path(key), _key_path(table)
+    return bool(above) and wanted[: len(above)] == above
+
+
 def _key_path(key: str) -> list[tuple[str, int]]:
     """``loads[1].amplitude`` as [("loads", 1), ("amplitude", 0)]."""
     parts = re.findall(r'"?([\w-]+)"?(?:\[(\d+)\])?', key)

@@ -38,6 +38,8 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
         "signal": report.signal,
         "steps": report.steps,
         "steps_asked": report.steps if settings.adaptive and not report.stopped else settings.steps,
+        "longest": case.steps * settings.dt,
+        "still": case.still,
         "dt": settings.dt,
         "wall_seconds": 0.0,
         "stepping_seconds": report.stepping_seconds,
@@ -112,6 +114,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         *time_step_lines(s),
         *outcome_lines(s),
         damage_line(s),
+        *_end_lines(s),
         *_part_lines(s),
         *bonds,
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
@@ -134,6 +137,16 @@ def damage_line(s: dict[str, Any]) -> str:
     fallen = f"{s['collapsed_blocks'] or 'none'} of {s['blocks']} blocks fell"
     moved = f"largest displacement relative to the base {length(s['displacement_max'])}"
     return f"joints: {s['joints']}, of which {joints_in_words(s)}; {fallen}; {moved}"
+
+
+def _end_lines(s: dict[str, Any]) -> list[str]:
+    """How long the run went on beyond its duration, and whether what is left is final."""
+    more = s["steps"] * s["dt"] - s["steps_asked"] * s["dt"]
+    lines = []
+    if more > 0.5 * s["dt"] and not s.get("shocks"):
+        until = f"still moving when run.longest, {s['longest']:g} s, was over" if s.get("provisional") else "until all blocks were still"
+        lines.append(f"rest: {more:.4g} s more than run.duration, {until}")
+    return [*lines, *([f"what is left at the end is {s['provisional']}"] if s.get("provisional") else [])]
 
 
 def _part_lines(s: dict[str, Any]) -> list[str]:

@@ -21,7 +21,7 @@ def time_step_summary(settings: Run, report: RunReport, tolerance: float) -> dic
             "median": _median(lengths) * settings.dt,
             "longest": taken[-1] * settings.dt,
             "dt_min": settings.dt,
-            "dt_max": settings.longest,
+            "dt_max": settings.longest_step,
             "tolerance": tolerance,
             "local_error_max": report.local_error_max,
             "repeated_for_error": report.repeated_error,
@@ -46,7 +46,7 @@ def _median(lengths: list[tuple[int, int]]) -> int:
 def announced(settings: Run) -> str:
     """The steps that a run is about to make."""
     if settings.adaptive:
-        return f"{settings.steps * settings.dt:g} s in steps of {length(settings.dt, 's')} to {length(settings.longest, 's')}"
+        return f"{settings.steps * settings.dt:g} s in steps of {length(settings.dt, 's')} to {length(settings.longest_step, 's')}"
     return f"{settings.steps} steps of {settings.dt:g} s"
 
 

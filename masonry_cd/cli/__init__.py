@@ -7,10 +7,17 @@ import sys
 
 def main() -> None:
     """The entry point of the installed command. Ctrl-C while it loads, or a second one while it ends, leaves a line and no traceback."""
+    from masonry_cd.errors import InputError
+    from masonry_cd.rooms import require_own_rooms
+
     try:
+        require_own_rooms()
         from masonry_cd.cli.app import app
 
         app()
+    except InputError as error:
+        print(f"masonry-cd: error: {error}", file=sys.stderr)
+        sys.exit(2)
     except KeyboardInterrupt:
         print("masonry-cd: interrupted", file=sys.stderr)
         sys.exit(130)

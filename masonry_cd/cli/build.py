@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, free_folder
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, free_folder, warn
 
 if TYPE_CHECKING:
     from structures.geometry.checks import Unsound
@@ -57,7 +57,9 @@ def build(
             if picture:
                 _draw_problem(fault, output)
             raise
-        typer.echo("\n".join([*summary.lines(structures.report(blocks)), *notes]))
+        made = structures.report(blocks)
+        typer.echo("\n".join([*summary.lines(made), *notes]))
+        warn(summary.warnings(made))
         output.mkdir(parents=True, exist_ok=True)
         written = [output / f"blocks.{name}" for name in formats]
         for path in written:

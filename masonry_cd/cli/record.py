@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import errors_reported
+from masonry_cd.cli.shared import errors_reported, warn
 
 
 def record(
@@ -17,7 +17,7 @@ def record(
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help='A key of [[loads]] kind = "record": units=g, window=[5,17].')
     ] = None,
 ) -> None:
-    """Draw a record: acceleration, velocity, displacement and response spectrum, before and after its correction.
+    """Draw a record: acceleration, velocity, displacement and response spectrum, before and after its correction; and print its numbers.
 
     \b
     Examples:
@@ -26,10 +26,16 @@ def record(
     """
     with errors_reported():
         from loads.picture import file_picture
+        from loads.signal.accelerogram import Accelerogram, describe_both
+        from loads.signal.plausible import doubts
         from masonry_cd.app.scene_text import parse_change
         from masonry_cd.errors import InputError
 
         if not file.exists():
             raise InputError(f"{file}: no such record")
-        file_picture(file, output, **dict(parse_change(change) for change in set_ or ()))
+        keys = dict(parse_change(change) for change in set_ or ())
+        processed = file_picture(file, output, **keys)
+        correction = str(keys.get("correction", Accelerogram.model_fields["correction"].default))
+        typer.echo("\n".join(describe_both(file.name, processed, correction)))
         typer.echo(f"written: {output}")
+        warn(doubts(processed, correction, file.name))

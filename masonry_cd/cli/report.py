@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from masonry_cd.cli.shared import Folder, errors_reported, warn
+from masonry_cd.cli.shared import Folder, errors_reported, exclude, warn
 
 if TYPE_CHECKING:
     from masonry_cd.io.results import Results
@@ -41,6 +41,10 @@ def report(
       masonry-cd report out/aqueduct --html --no-crack-map
     """
     with errors_reported():
+        drawn = crack_map or times is not None or animation
+        for name, given in (("--view", view), ("--scale", scale), ("--cut", cut), ("--thrust", thrust)):
+            exclude((name, given is not None and not (name == "--scale" and (html or pdf))), ("--no-crack-map", not drawn))
+        exclude(("--time", time is not None), ("--no-crack-map", not crack_map))
         from masonry_cd.io.results import Results
         from reports.settings import report_of
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from masonry_cd.app.progress import Interrupted
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, errors_reported, free_folder
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, errors_reported, exclude, free_folder
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
@@ -45,6 +45,8 @@ def run(
       masonry-cd run aqueduct.toml -o out/aqueduct --force --set run.solver=nlgs --set run.tolerance=1e-6
     """
     with errors_reported():
+        exclude(("--resume", resume), ("--force", force))
+        exclude(("--quiet", quiet), ("--explain", explain))
         free_folder(output, ("result.h5", "summary.json"), force or resume)
         from masonry_cd.app.scene import read_scene
         from masonry_cd.io import checkpoint

@@ -37,6 +37,14 @@ def free_folder(folder: Path, marks: tuple[str, ...], force: bool) -> None:
         raise InputError(f"{folder}: holds results already; choose another folder, or --force to overwrite them")
 
 
+def exclude(first: tuple[str, object], second: tuple[str, object]) -> None:
+    """Refuse two options that contradict each other, each a name and what was given."""
+    from masonry_cd.errors import InputError
+
+    if first[1] and second[1]:
+        raise InputError(f"{first[0]} and {second[0]} exclude each other: leave one out")
+
+
 def warn(lines: Iterable[str]) -> None:
     """Print warnings, a line each."""
     for line in lines:

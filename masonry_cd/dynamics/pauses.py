@@ -23,6 +23,8 @@ from masonry_cd.model.state import State, rotation_matrices
 
 DROP = 0.5  # of a block's height
 TILT = 45.0  # [degrees]
+STILL = 1e-3  # speed below which a block counts as still at the end of a run [m/s]
+HOLD = 0.5  # for which all blocks have to be still [s]
 
 
 class Pause(Protocol):
@@ -90,9 +92,14 @@ class Pauses:
         ends = [(each.first, each.last) for each in pauses] + [(each.first, each.last) for each in shocks]
         self.stops = sorted({step for pair in ends for step in pair})  # of the loads, at which something begins or ends
         self._assembly, self._pauses, self._shocks = assembly, pauses, shocks
-        self._over = [shock.first for shock in shocks[1:]] + [steps]  # where the rest after each shock ends
+        self._over = [*(shock.first for shock in shocks[1:]), steps][: len(shocks)]  # where the rest after each shock ends
         self._height = np.array([np.ptp(block.vertices[:, 2]) for block in assembly.blocks])
         self._reach = assembly.reach
+
+    @property
+    def any_shocks(self) -> bool:
+        """Whether there are shocks to report on; a run that only goes on until its blocks are still has none."""
+        return bool(self._shocks)
 
     def next_step(self, load_step: int, state: State, made: int = 1) -> int:
         """The step of the loads at which to go on after ``load_step``, with the state that it led to by ``made`` of them at once."""

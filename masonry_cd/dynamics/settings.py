@@ -13,6 +13,7 @@ from masonry_cd.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 from masonry_cd.solvers.solver_name import SolverName
 
 ACCEPT = 10.0  # natural map error that is accepted, in tolerances
+WAIT = 5.0  # by which twice the duration is exceeded at most where a run waits for its blocks to be still [s]
 MOST_STEPS = 2e7  # of a run: some 4 GB of loads
 AUTO = "auto"  # as run.dt: the time step adapts
 LONGEST_STEP = 1e-2  # dt_max when not given [s]
@@ -33,6 +34,10 @@ class Run(Table):
     """Local error of a step that is aimed at, root mean square over the blocks [m]; with dt = "auto" only."""
     duration: Annotated[Number, Field(gt=0)]
     """How long to compute [s]."""
+    until_still: Flag | None = None
+    """Go on after the duration, with the base at rest, until all standing blocks are still; true by default where damage is graded."""
+    longest: Annotated[Number, Field(gt=0)] | None = None
+    """When such a run ends in any case [s]; twice the duration plus 5 s when not given."""
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.5
     """Of the Moreau-Jean step: 0.5 keeps the energy of a free motion, 1 damps it."""
     solver: SolverName = "auto"
@@ -83,12 +88,15 @@ class Run(Table):
     def _fits(self) -> Run:
         if self.duration < self.dt:
             raise ValueError(f"duration {self.duration:g} s is shorter than one step dt {self.dt:g} s")
+        if self.longest is not None and self.until_still is False:
+            raise ValueError("longest belongs to until_still = true")
+        if self.longest is not None and self.longest < self.duration:
+            raise ValueError(f"longest {self.longest:g} s is shorter than the duration {self.duration:g} s")
         if self.accept is not None and self.accept < self.tolerance:
             raise ValueError(f"accept {self.accept:g} is below the tolerance {self.tolerance:g}")
-        if self.duration > MOST_STEPS * self.dt:
-            raise ValueError(
-                f"duration {self.duration:g} s takes {self.duration / self.dt:.2g} steps of dt {self.dt:g} s; at most {MOST_STEPS:g}"
-            )
+        for key, time in (("duration", self.duration), ("longest", self.longest or 0.0)):
+            if time > MOST_STEPS * self.dt:
+                raise ValueError(f"{key} {time:g} s takes {time / self.dt:.2g} steps of dt {self.dt:g} s; at most {MOST_STEPS:g}")
         return self
 
     @property
@@ -102,14 +110,14 @@ class Run(Table):
         return self.dt_max is not None
 
     @property
-    def longest(self) -> float:
+    def longest_step(self) -> float:
         """The longest time step [s]."""
         return self.dt if self.dt_max is None else self.dt_max
 
     @property
     def longest_ticks(self) -> int:
         """The longest step in shortest ones: a power of two."""
-        return round(self.longest / self.dt)
+        return round(self.longest_step / self.dt)
 
     @property
     def spans(self) -> tuple[int, ...]:
@@ -122,9 +130,15 @@ class Run(Table):
         return math.ceil(self.duration / self.dt - 1e-6)
 
     @property
+    def most_steps(self) -> int:
+        """Steps after which a run ends that goes on until its blocks are still."""
+        longest = min(2.0 * self.duration + WAIT, MOST_STEPS * self.dt) if self.longest is None else self.longest
+        return max(self.steps, math.ceil(longest / self.dt - 1e-6))
+
+    @property
     def frame_every(self) -> int:
         """Steps of length dt between two frames: whole longest steps, or a power of two where that is longer than a frame lasts."""
-        frames = self.frames_per_second * self.longest  # of a step; so few that they have no reciprocal where none falls into any run
+        frames = self.frames_per_second * self.longest_step  # of a step; so few that they have no reciprocal where none falls into any run
         if not frames * MOST_STEPS > 1.0:
             return int(MOST_STEPS)
         if frames <= 1.0 or not self.adaptive:

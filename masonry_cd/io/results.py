@@ -26,6 +26,9 @@ from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.joints import Joints
 
+SUPPORT_FRAMES = 200  # looked at for the support that moves least
+SAME = 1e-6  # share of the largest motion of a support by which others may differ and count as moving alike
+
 
 class Results:
     """A result file, read lazily. Use ``Results.open(path)`` or the class as a context manager."""
@@ -117,6 +120,20 @@ class Results:
     def time(self) -> np.ndarray:
         """(F,) [s]."""
         return self.file["time"][: self.frames]
+
+    @cached_property
+    def support(self) -> int:
+        """Block to which displacements are relative: the support that moves least over the frames, the first of equals; -1 without one.
+
+        Where all supports move together it is the first; where some of them settle or spread, one that stays.
+        """
+        fixed = np.flatnonzero([block.fixed for block in self.blocks])
+        if not len(fixed):
+            return -1
+        frames = np.unique(np.linspace(0, self.frames - 1, min(self.frames, SUPPORT_FRAMES)).round().astype(int))
+        places = np.array([self.position[frame][fixed] for frame in frames.tolist()], dtype=float)
+        farthest = np.linalg.norm(places - places[0], axis=2).max(axis=0)
+        return int(fixed[np.argmax(farthest <= farthest.min() + SAME * farthest.max())])
 
     @property
     def position(self) -> h5py.Dataset:

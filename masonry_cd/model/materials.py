@@ -53,8 +53,8 @@ class JointLaw(Table):
 class Material(Table):
     """The table ``[material]``."""
 
-    density: Number
-    """Of every block that brings none of its own [kg/m3]."""
+    density: Number | None = None
+    """Of every block that brings none of its own [kg/m3]; a block file whose blocks all state theirs needs none."""
     friction: Number | dict[str, Number]
     """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
     joints: dict[str, JointLaw] = Field(default_factory=dict)
@@ -63,8 +63,8 @@ class Material(Table):
 
     @field_validator("density")
     @classmethod
-    def _density_in_kg_per_m3(cls, value: float) -> float:
-        if not 30 <= value <= 30000:
+    def _density_in_kg_per_m3(cls, value: float | None) -> float | None:
+        if value is not None and not 30 <= value <= 30000:
             raise ValueError("should be between 30 and 30000 kg/m3")
         return value
 

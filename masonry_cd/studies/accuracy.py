@@ -194,7 +194,7 @@ def motion_of(results: Results) -> Motion:
     """The motion of a run."""
     solids = solids_of(results.blocks)
     position = np.asarray(results.position[: results.frames], dtype=float)
-    moved = position - solids.centre - base_shift(solids, position)[:, None]
+    moved = position - solids.centre - base_shift(results, solids, position)[:, None]
     size = float(np.linalg.norm(np.ptp(solids.vertices[~solids.fixed[solids.vertex_block]], axis=0)))
     return Motion(results.time, moved[:, ~solids.fixed], results.joint_history("opening"), size)
 

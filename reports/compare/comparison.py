@@ -78,6 +78,8 @@ def compare(folders: Sequence[Path]) -> Comparison:
             settings = settings or report_of(results.scene)
             runs.append(_run(results, folder, name, settings))
             words += results.words
+            if end := runs[-1].damage.provisional:
+                words.append(f"{name}: grades, mechanisms and what is left are {end}")
     rows = [*_scene_rows(runs), *_damage_rows(runs), *_part_rows(runs), *_response_rows(runs), *_solver_rows(runs)]
     return Comparison(runs, rows, words)
 
@@ -87,7 +89,7 @@ def _run(results: Results, folder: Path, name: str, settings: Report) -> Run:
     solids = solids_of(results.blocks)
     free = np.flatnonzero(~solids.fixed)
     highest = int(free[np.argmax(solids.centre[free, 2])])
-    shift = base_shift(solids, np.asarray(results.position[: results.frames], dtype=float)) if solids.fixed.any() else 0.0
+    shift = base_shift(results, solids, np.asarray(results.position[: results.frames], dtype=float)) if solids.fixed.any() else 0.0
     moved = np.asarray(results.position[: results.frames, highest], dtype=float) - solids.centre[highest] - shift
     farthest = moved[np.argmax(np.hypot(*moved[:, :2].T)), :2]
     along = farthest / max(float(np.hypot(*farthest)), 1e-300)
@@ -143,9 +145,12 @@ def _damage_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
     whole = [run.damage.parts[-1] for run in runs]
     rows = [
         ("grade", "", "grade"),
+        ("grade given by", "", "grade_reason"),
+        ("provisional", "", "provisional"),
         ("mechanism", "", "mechanism"),
-        ("joints opened", "", "opened"),
-        ("joints slid", "", "slid"),
+        ("joints opened", "", "only_opened"),
+        ("joints slid", "", "only_slid"),
+        ("joints opened and slid", "", "opened_and_slid"),
         ("joints separated", "", "separated"),
         ("first opening", "s", "first_opening_time"),
         ("hinges, ever", "", "hinges_ever"),

@@ -82,8 +82,9 @@ def _response(axes: Any, runs: list[Run]) -> None:
 def _states(axes: Any, runs: list[Run]) -> None:
     """Joints by state, and lost blocks, side by side."""
     labels = (
-        ("opened", "joints\nopened"),
-        ("slid", "joints\nslid"),
+        ("only_opened", "joints\nopened"),
+        ("only_slid", "joints\nslid"),
+        ("opened_and_slid", "opened\nand slid"),
         ("separated", "joints\nseparated"),
         ("hinges", "hinges\nleft"),
         ("lost_blocks", "blocks\nlost"),
@@ -140,6 +141,7 @@ def _grade_table(axes: Any, runs: list[Run], names: list[str], grid: np.ndarray)
             colour = GRADE_COLOURS[grade] if grade >= 0 else "white"
             axes.add_patch(Rectangle((k, i), 1, 1, facecolor=colour, edgecolor="#c9cdd1", linewidth=1.0))
             text = f"{NAMES[grade]}  {_mechanism(runs[k], names[i])}" if grade >= 0 else "no such part"
+            text += ", provisional" if grade >= 0 and runs[k].damage.provisional else ""
             axes.text(k + 0.03, i + 0.5, text, va="center", fontsize=10, color="white" if grade >= 4 else INK, clip_on=True)
     axes.set_xlim(0, len(runs))
     axes.set_ylim(len(names), 0)

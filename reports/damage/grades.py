@@ -28,6 +28,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, field_validator
 
 from masonry_cd.errors import parse_table
 from masonry_cd.fields import is_number
+from masonry_cd.quantities import length
 
 INF = float("inf")
 NAMES = ("D0", "D1", "D2", "D3", "D4", "D5")
@@ -79,7 +80,7 @@ class Grades(BaseModel):
 
 @dataclass(frozen=True)
 class Grade:
-    """A grade and what led to it, e.g. ``drift 0.0072 >= 0.006``."""
+    """A grade and what led to it, e.g. ``drift 0.72 % (D3 from 0.6 %)``."""
 
     number: int
     label: str
@@ -100,12 +101,32 @@ def read_grades(table: Mapping[str, Any]) -> Grades:
     return parse_table(Grades, table, "report.grades")
 
 
-def grade_of(width: float, drift: float, lost: float, grades: Grades) -> Grade:
-    """The grade of a part with a residual width [m], a residual drift and a share of lost volume."""
+def grade_of(width: float, drift: float, lost: float, grades: Grades, what: str = "crack", where: str = "") -> Grade:
+    """The grade of a part, and what gives it.
+
+    Args:
+        width: residual width of its widest joint [m].
+        drift: residual, of the part.
+        lost: share of its volume that has fallen.
+        grades: the thresholds.
+        what: kind of the width, ``opening`` or ``sliding``.
+        where: the joint that it is in.
+    """
     reached = []
-    for name, value, bounds in (("width", width, grades.width), ("drift", drift, grades.drift), ("lost", lost, grades.lost)):
+    measures = (
+        (what, width, grades.width, length, where),
+        ("drift", drift, grades.drift, percent, ""),
+        ("lost volume", lost, grades.lost, percent, ""),
+    )
+    for name, value, bounds, text, place in measures:
         number = max((k for k, bound in enumerate(bounds, start=1) if value >= bound), default=0)
         bound = bounds[number - 1] if number else INF
-        reached.append((number, f"{name} {value:.4g} >= {bound:.4g}"))
+        begins = text(bound) if bound > 1e-6 else "any"
+        reached.append((number, f"{name} {text(value)}{place and f' in {place}'} ({NAMES[number]} from {begins})"))
     number, reason = max(reached, key=lambda pair: pair[0])
     return Grade(number, grades.labels[number], reason if number else "")
+
+
+def percent(share: float) -> str:
+    """A share in per cent."""
+    return f"{100 * share:.3g} %"

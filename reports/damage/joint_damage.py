@@ -4,17 +4,7 @@ The measures are those of :mod:`masonry_cd.model.joints`: opening (the widest co
 rotation, contact area. ``max_*`` is the largest value over all time steps, ``residual_*`` that of the last frame. The time of the
 first opening is that of a step where the threshold is the run's own (0.1 mm), else that of a frame.
 
-**State of a joint.** One word per joint, by the first rule that holds:
-
-1. *separated*: at the end the whole contact area is lost and the blocks cannot find back: either every corner of the interface
-   is open by at least ``apart * sqrt(area)``, or the blocks have slid off each other by at least that much. A hinge, which touches
-   along an edge, is not separated, however wide it gapes.
-2. *opened* or *slid*: the largest opening or sliding reached its threshold at any time. Where both did, the one that went
-   further beyond its threshold names the joint: a hinge that slipped a little has opened, a bed joint that slid while rocking has slid.
-3. *intact*.
-
-**Fallen blocks.** A free block has fallen when, at the end and relative to the base, its centre of mass has dropped by more than
-half of its height, or it is turned by more than 45 degrees, or all of its joints are separated.
+What the words of its states mean, and where damage begins, say :mod:`reports.damage.definitions`.
 """
 
 from __future__ import annotations
@@ -26,46 +16,14 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.csv_files import write_csv
-from masonry_cd.dynamics.pauses import DROP, TILT
-from masonry_cd.errors import InputError
 from masonry_cd.io.layout import BONDED
 from masonry_cd.io.results import Results
 from masonry_cd.model.joints import OPENED as OPENING_IN_RUN
-from masonry_cd.model.joints import Joints
-from reports.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap, solids_of
+from reports.damage.definitions import STATES, Thresholds, classify, fallen_in, is_open, is_slid, parted
+from reports.deformed import Pose, base_shift, joint_frame, smallest_gap, solids_of
 
-STATES = ("intact", "opened", "slid", "separated")
-INTACT, OPENED, SLID, SEPARATED = range(4)
 BROKEN = 0.98  # a joint is broken when less than this share of what was bonded is left; a corner holds 4 % or more
 CHUNK_BYTES = 1 << 24  # frames are read in chunks of this size, so that a long run needs no memory
-
-
-@dataclass(frozen=True)
-class Thresholds:
-    """Where damage begins. The defaults suit buildings; set them for models at another scale.
-
-    Attributes:
-        opened: smallest opening of an opened joint [m]. 0.1 mm is a hairline crack, the smallest seen by eye (Burland, Broms & de
-            Mello, Behaviour of foundations and structures, 1977), and a hundred times what a converged run leaves as gap.
-        slid: smallest sliding of a slid joint [m]. 0.1 mm likewise: dry joints without stiffness do not slip elastically.
-        apart: distance of a separated joint as a share of the square root of its area.
-        lost: share of the area below which a contact counts as wholly lost.
-        drop: drop of a fallen block's centre as a share of its height.
-        tilt: turn of a fallen block [degrees].
-    """
-
-    opened: float = 1e-4
-    slid: float = 1e-4
-    apart: float = 0.1
-    lost: float = 0.01
-    drop: float = DROP
-    tilt: float = TILT
-
-    def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if not (np.isfinite(value) and value > 0):
-                raise InputError(f"thresholds.{item.name}: must be positive, got {value!r}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +43,7 @@ class JointDamage:
     first_opening_time: np.ndarray  # (J,) [s], NaN where the joint never opened
     state: np.ndarray  # (J,) one of STATES
     bonded: np.ndarray  # (J,) share of the area that is bonded at the end; NaN in a run without bonds
+    both: np.ndarray  # (J,) opened and slid, and not separated
 
 
 def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: int | None = None) -> JointDamage:
@@ -100,7 +59,8 @@ def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: 
     opening, sliding = (joint_frame(results, name, frame) for name in ("opening", "sliding"))
     # a peak is over the steps and a residual over the frames: never let the one fall below the other
     largest_opening, largest_sliding = np.maximum(peaks["opening"], opening), np.maximum(peaks["sliding"], sliding)
-    codes = classify(largest_opening, largest_sliding, separated_joints(results, frame, thresholds), thresholds)
+    separated = separated_joints(results, frame, thresholds)
+    codes = classify(largest_opening, largest_sliding, separated, thresholds)
     return JointDamage(
         joint=np.arange(joints.count),
         block_a=names[joints.block_a],
@@ -115,6 +75,7 @@ def joint_damage(results: Results, thresholds: Thresholds | None = None, shock: 
         first_opening_time=peaks["first_opening_time"],
         state=np.array(STATES, dtype=object)[codes],
         bonded=joint_frame(results, BONDED, frame) if has_bonds(results) else np.full(joints.count, np.nan),
+        both=is_open(largest_opening, thresholds) & is_slid(largest_sliding, thresholds) & ~separated,
     )
 
 
@@ -131,17 +92,8 @@ def bonds(results: Results) -> dict[str, int]:
     return {"joints_bonded": int((share[0] > 0.0).sum()), "joints_broken": int((share[-1] < BROKEN * share[0]).sum())}
 
 
-def classify(opening: np.ndarray, sliding: np.ndarray, separated: np.ndarray, thresholds: Thresholds) -> np.ndarray:
-    """Index into STATES of each joint, (J,), by the rules at the head of this file."""
-    opened, slid = opening / thresholds.opened, sliding / thresholds.slid
-    codes = np.where(opened >= slid, OPENED, SLID)
-    codes[np.maximum(opened, slid) < 1.0] = INTACT
-    codes[separated] = SEPARATED
-    return codes
-
-
 def separated_joints(results: Results, frame: int = -1, thresholds: Thresholds | None = None) -> np.ndarray:
-    """(J,) True where a joint is separated at a frame, see the head of this file."""
+    """(J,) True where a joint is separated at a frame."""
     thresholds = thresholds or Thresholds()
     joints = results.joints
     solids = solids_of(results.blocks)
@@ -150,14 +102,8 @@ def separated_joints(results: Results, frame: int = -1, thresholds: Thresholds |
     return parted(joints, gap, sliding, contact_area, thresholds)
 
 
-def parted(joints: Joints, gap: np.ndarray, sliding: np.ndarray, contact_area: np.ndarray, thresholds: Thresholds) -> np.ndarray:
-    """(J,) True where a joint with a smallest gap [m], sliding [m] and contact area [m2], (J,) each, is separated."""
-    limit = thresholds.apart * np.sqrt(joints.area)
-    return np.asarray((contact_area <= thresholds.lost * joints.area) & ((gap >= limit) | (sliding >= limit)))
-
-
 def collapsed_blocks(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> tuple[str, ...]:
-    """Names of the blocks that have fallen, by the rule at the head of this file."""
+    """Names of the blocks that have fallen, see :mod:`reports.damage.definitions`."""
     return tuple(results.blocks[i].name for i in np.flatnonzero(fallen(results, thresholds, frame)))
 
 
@@ -167,16 +113,6 @@ def fallen(results: Results, thresholds: Thresholds | None = None, frame: int = 
     solids = solids_of(results.blocks)
     separated = separated_joints(results, frame, thresholds)
     return fallen_in(results.joints, solids, Pose.of(results, solids, frame), separated, thresholds)
-
-
-def fallen_in(joints: Joints, solids: Solids, pose: Pose, separated: np.ndarray, thresholds: Thresholds) -> np.ndarray:
-    """(B,) True where a free block has fallen in a pose whose separated joints (J,) are known."""
-    dropped = -pose.displacement(solids)[:, 2] > thresholds.drop * solids.sizes[:, 2]
-    turn = np.degrees(np.arccos(np.clip((np.trace(pose.rotation, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0)))
-    ends = np.concatenate([joints.block_a, joints.block_b]).astype(np.int64)
-    owned = np.bincount(ends, minlength=len(solids.centre))
-    loose = (owned > 0) & (np.bincount(ends, np.tile(separated, 2).astype(float), minlength=len(solids.centre)) == owned)
-    return np.asarray(~solids.fixed & (dropped | (turn > thresholds.tilt) | loose))
 
 
 def displacement_max(results: Results) -> float:
@@ -192,14 +128,28 @@ def displacements(results: Results) -> np.ndarray:
     step = max(1, CHUNK_BYTES // (24 * len(solids.centre)))
     for first in range(0, results.frames, step):
         position = np.asarray(results.position[first : min(first + step, results.frames)], dtype=float)
-        relative = position - base_shift(solids, position)[:, None] - solids.centre
+        relative = position - base_shift(results, solids, position)[:, None] - solids.centre
         largest[first : first + len(position)] = np.linalg.norm(relative[:, ~solids.fixed], axis=2).max(axis=1)
     return largest
 
 
 def summary(table: JointDamage) -> dict[str, int]:
-    """Numbers of joints by state: joints_opened, joints_slid, joints_separated. Each joint counts once, by the word in its row."""
-    return {f"joints_{state}": int(np.count_nonzero(table.state == state)) for state in STATES[1:]}
+    """Numbers of joints by state, joints_opened, joints_slid, joints_separated: each joint counts once, by the word in its row.
+
+    Beside them the first two as texts and pictures count them: joints_only_opened, joints_only_slid and joints_opened_and_slid.
+    """
+    counts = {f"joints_{state}": int(np.count_nonzero(table.state == state)) for state in STATES[1:]}
+    only = {f"joints_only_{state}": int(np.count_nonzero((table.state == state) & ~table.both)) for state in STATES[1:3]}
+    return counts | only | {"joints_opened_and_slid": int(np.count_nonzero(table.both))}
+
+
+def in_words(table: JointDamage) -> str:
+    """How many joints opened, slid and came apart over the run, in a line."""
+    counts = summary(table)
+    return (
+        f"{counts['joints_only_opened']} joints opened, {counts['joints_only_slid']} slid, "
+        f"{counts['joints_opened_and_slid']} opened and slid, {counts['joints_separated']} separated"
+    )
 
 
 def shock_rows(results: Results, thresholds: Thresholds | None = None) -> list[dict[str, Any]]:
@@ -222,13 +172,18 @@ def shock_rows(results: Results, thresholds: Thresholds | None = None) -> list[d
     return rows
 
 
-def write_joints_csv(table: JointDamage, path: Path) -> None:
+def write_joints_csv(table: JointDamage, path: Path, provisional: str = "") -> None:
     """Write one row per joint; the columns are the fields of :class:`JointDamage`, an unknown time is left empty.
 
-    The share that is bonded is a column of runs with bonds only.
+    The share that is bonded is a column of runs with bonds only, and ``provisional``, why residual values are not the last, of runs that
+    did not end at rest.
     """
-    columns = [item.name for item in fields(table) if item.name != BONDED or not np.isnan(table.bonded).all()]
-    write_csv(path, columns, zip(*(map(_text, getattr(table, name).tolist()) for name in columns), strict=True))
+    left_out = {"both", *([BONDED] if np.isnan(table.bonded).all() else [])}
+    columns = [item.name for item in fields(table) if item.name not in left_out]
+    cells = [map(_text, getattr(table, name).tolist()) for name in columns]
+    if provisional:
+        columns, cells = [*columns, "provisional"], [*cells, map(str, [provisional] * len(table.joint))]
+    write_csv(path, columns, zip(*cells, strict=True))
 
 
 def _text(value: Any) -> str:

@@ -7,7 +7,8 @@ from typing import Any
 
 from masonry_cd.io.results import Results
 from reports.damage import joint_damage
-from reports.damage.joint_damage import Thresholds
+from reports.damage.definitions import Thresholds
+from reports.damage.end_state import end_state
 from reports.settings import Report
 
 
@@ -20,7 +21,8 @@ def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict
     """Write joints.csv and return the numbers of damage for the summary, those after each shock of a sequence among them."""
     thresholds = thresholds_of(settings)
     table = joint_damage.joint_damage(results, thresholds)
-    joint_damage.write_joints_csv(table, folder / "joints.csv")
+    end = end_state(results, thresholds)
+    joint_damage.write_joints_csv(table, folder / "joints.csv", end.provisional)
     fallen = joint_damage.collapsed_blocks(results, thresholds)
     return (
         joint_damage.summary(table)
@@ -33,6 +35,7 @@ def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict
             "opening_max": float(table.max_opening.max(initial=0.0)),
             "sliding_max": float(table.max_sliding.max(initial=0.0)),
         }
+        | end.as_summary()
         | ({"shocks": joint_damage.shock_rows(results, thresholds)} if results.shocks else {})
         | joint_damage.bonds(results)
     )

@@ -27,7 +27,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties
 from masonry_cd.model.joints import Joints
-from reports.damage.joint_damage import Thresholds, fallen_in, parted
+from reports.damage.definitions import Thresholds, fallen_in, is_open, is_slid, parted
 from reports.deformed import Pose, Solids, corner_gaps, frame_index, joint_frame, solids_of
 
 WHOLE = "structure"  # name of the row of the structure as a whole
@@ -100,11 +100,11 @@ class DamageSnapshot:
         separated = parted(joints, least, sliding, area, thresholds)
         down = fallen_in(joints, solids, pose, separated, thresholds)
         live = ~(down[joints.block_a] | down[joints.block_b])
-        opened = live & ~separated & (opening >= thresholds.opened)
+        opened = live & ~separated & is_open(opening, thresholds)
         hinged = opened & (least <= HINGED * opening)
         side = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
         touching = hinged[side] & (gaps <= (least + 0.1 * (opening - least))[side])
-        slid = live & ~separated & (sliding >= thresholds.slid)
+        slid = live & ~separated & is_slid(sliding, thresholds)
         return cls(pose, opening, least, sliding, rotation, separated, down, live, opened, slid, hinged, touching)
 
 

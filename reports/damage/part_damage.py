@@ -19,8 +19,10 @@ import numpy as np
 
 from masonry_cd.io.results import Results
 from masonry_cd.model.joints import Joints
+from reports.damage.definitions import Thresholds
+from reports.damage.end_state import end_state
 from reports.damage.grades import Grades, grade_of
-from reports.damage.joint_damage import JointDamage, Thresholds, joint_damage
+from reports.damage.joint_damage import JointDamage, joint_damage
 from reports.damage.macro_elements import DamageSnapshot, Levels, MacroElements, Profile, hinge_places, macro_elements_of, side_names
 from reports.damage.mechanism import Mechanism, Rules, mechanisms, pieces_of
 from reports.deformed import Solids, solids_of
@@ -47,6 +49,7 @@ class PartDamage:
 
     title: str
     time: float  # of the last frame [s]
+    provisional: str  # why residual values and grades are not the last, in words; empty where the run ended at rest
     settings: Settings
     width_classes: tuple[float, ...]  # lower bounds [m]
     parts: list[Row]  # one per part, then the structure
@@ -70,9 +73,9 @@ def part_damage(results: Results, settings: Settings | None = None) -> PartDamag
     history: list[Row] = []
     shocks: list[Row] = []
 
-    def parts(table: JointDamage, snapshot: DamageSnapshot) -> list[Row]:
-        last = history[-view.parts.count :]
-        return [_part_row(view, watch, table, snapshot, p, last[p]) for p in range(view.parts.count)]
+    def parts(table: JointDamage, snapshot: DamageSnapshot, frame: int) -> list[Row]:
+        last, end = history[-view.parts.count :], {"provisional": end_state(results, settings.thresholds, frame).provisional}
+        return [_part_row(view, watch, table, snapshot, p, last[p]) | end for p in range(view.parts.count)]
 
     for frame in np.unique([*evenly, *after]):
         snapshot = DamageSnapshot.at(results, int(frame), settings.thresholds)
@@ -80,14 +83,16 @@ def part_damage(results: Results, settings: Settings | None = None) -> PartDamag
         if frame in after:
             i = after[frame]
             named = {"shock": results.shocks[i].name}
-            shocks += [named | row for row in parts(joint_damage(results, settings.thresholds, i), snapshot)]
+            shocks += [named | row for row in parts(joint_damage(results, settings.thresholds, i), snapshot, int(frame))]
     table = joint_damage(results, settings.thresholds)
+    rows = parts(table, snapshot, -1)
     return PartDamage(
         title=results.title,
         time=float(results.time[-1]),
+        provisional=rows[-1]["provisional"],
         settings=settings,
         width_classes=view.widths,
-        parts=parts(table, snapshot),
+        parts=rows,
         shocks=shocks,
         history=history,
         hinges=_hinge_rows(view, watch, table, snapshot),
@@ -216,6 +221,8 @@ def _part_row(view: _View, watch: _Watch, table: JointDamage, snapshot: DamageSn
     for state in ("opened", "slid", "separated"):
         having = own & (table.state == state)
         row |= {state: int(having.sum()), f"{state}_area": float(view.joints.area[having].sum())}
+    row |= {f"only_{state}": int((own & (table.state == state) & ~table.both).sum()) for state in ("opened", "slid")}
+    row["opened_and_slid"] = int((own & table.both).sum())
     first = table.first_opening_time[own]
     row |= {
         "max_opening": float(table.max_opening[own].max(initial=0.0)),
@@ -230,9 +237,19 @@ def _part_row(view: _View, watch: _Watch, table: JointDamage, snapshot: DamageSn
     row |= _histogram(view, snapshot, own)
     # a joint between standing blocks that is separated is a crack as well: its width counts for the grade
     live = own & snapshot.live
-    width = max(float(snapshot.opening[live].max(initial=0.0)), float(snapshot.sliding[live].max(initial=0.0)))
-    grade = grade_of(width, row["residual_drift"], row["lost_share"], view.settings.grades)
+    width, what, where = _widest(live, table, snapshot)
+    grade = grade_of(width, row["residual_drift"], row["lost_share"], view.settings.grades, what, where)
     return row | {"grade": grade.name, "grade_label": grade.label, "grade_reason": grade.reason}
+
+
+def _widest(live: np.ndarray, table: JointDamage, snapshot: DamageSnapshot) -> tuple[float, str, str]:
+    """The widest opening or sliding that is left in some joints (J,) [m], which of the two it is, and the joint."""
+    found = (0.0, "opening", "")
+    for what, values in (("opening", snapshot.opening), ("sliding", snapshot.sliding)):
+        joint = int(np.argmax(np.where(live, values, -1.0))) if live.any() else -1
+        if joint >= 0 and values[joint] > found[0]:
+            found = (float(values[joint]), what, f'joint {joint} ("{table.block_a[joint]}", "{table.block_b[joint]}")')
+    return found
 
 
 def _histogram(view: _View, snapshot: DamageSnapshot, own: np.ndarray) -> Row:

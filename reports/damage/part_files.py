@@ -28,7 +28,8 @@ NAMES_OF_FILES = ("damage.csv", "damage_history.csv", "hinges.csv", "drift.csv",
 BY_SHOCK = "damage_shocks.csv"
 SHORT = (
     "part", "blocks", "joints", "grade", "grade_label", "grade_reason", "mechanism", "opened", "slid", "separated", "lost_blocks",
-    "max_opening", "max_sliding", "residual_opening", "residual_sliding", "residual_drift",
+    "max_opening", "max_sliding", "residual_opening", "residual_sliding", "residual_drift", "only_opened", "only_slid", "opened_and_slid",
+    "provisional",
 )  # fmt: skip
 DIGITS = 9
 NOTE = (
@@ -64,6 +65,7 @@ def as_json(damage: PartDamage) -> dict[str, Any]:
         {
             "title": damage.title,
             "time": damage.time,
+            "provisional": damage.provisional,
             "note": NOTE,
             "thresholds": asdict(settings.thresholds),
             "rules": asdict(settings.rules),
@@ -86,15 +88,17 @@ def part_lines(parts: Sequence[Row]) -> list[str]:
     """
     rows = sorted(parts[:-1], key=lambda row: row["grade"], reverse=True)
     damaged, sound = [row for row in rows if row["grade"] != NAMES[0]], [row for row in rows if row["grade"] == NAMES[0]]
-    lines = [f"{'part':<20} {'grade':<5} {'mechanism':<24} {'opened':>6} {'slid':>6} {'lost':>6} {'crack mm':>9} {'drift %':>8}"]
-    for row in [*damaged, parts[-1]]:
-        drift = math.nan if row["residual_drift"] is None else row["residual_drift"]
+    lines = [f"{'part':<20} {'grade':<5} {'mechanism':<24} {'opened':>6} {'slid':>6} {'both':>6} {'lost':>6}  graded by what is left"]
+    for row in [parts[-1], *damaged]:
         lines.append(
-            f"{row['part']:<20} {row['grade']:<5} {row['mechanism']:<24} {row['opened']:>6} {row['slid']:>6} {row['lost_blocks']:>6} "
-            f"{1000 * row['residual_opening']:>9.3g} {100 * drift:>8.3g}"
+            f"{row['part']:<20} {row['grade']:<5} {row['mechanism']:<24} {row['only_opened']:>6} {row['only_slid']:>6} "
+            f"{row['opened_and_slid']:>6} {row['lost_blocks']:>6}  "
+            f"{row['grade_reason'] or row['grade_label']}".rstrip()
         )
     if sound:
         lines.append(f"{len(sound)} of {len(rows)} parts: {NAMES[0]}, {sound[0]['grade_label']}")
+    if provisional := parts[-1].get("provisional"):
+        lines.append(f"grades, mechanisms and what is left are {provisional}")
     return lines
 
 

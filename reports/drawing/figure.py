@@ -16,6 +16,7 @@ import numpy as np
 
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
+from reports.drawing.render import View
 
 WIDTH = 1800  # of the sheet
 MARGIN = 40
@@ -112,6 +113,7 @@ class Sheet:
         from matplotlib.figure import Figure
 
         self.plan = plan
+        self._image: np.ndarray | None = None  # of the model
         self.figure: Any = Figure(figsize=(plan.size[0] / 100, plan.size[1] / 100), dpi=100, facecolor="white")
         FigureCanvasAgg(self.figure)
 
@@ -125,10 +127,8 @@ class Sheet:
         return axes
 
     def model(self, image: np.ndarray) -> None:
-        """Place the image of the model."""
-        left, bottom, width, height = self.plan.model
-        axes = self.axes(left, bottom, width, height)
-        axes.imshow(image, extent=(0, width, 0, height), interpolation="none", aspect="auto")
+        """Place the image of the model, (height, width, 3) uint8, pixel by pixel."""
+        self._image = image
 
     def head(self, title: str, facts: str) -> None:
         """Title and facts at the top."""
@@ -150,6 +150,13 @@ class Sheet:
         axes.text(left + width, bottom + 16, in_metres(length), fontsize=12, color=INK, ha="center")
         axes.text(left, bottom - 22, "in the plane of the picture", fontsize=11, color=FAINT)
 
+    def triad(self, axes: Any, view: View, place: tuple[float, float], size: float = 26.0) -> None:
+        """The axes x, y, z as a view shows them, from a place in pixels."""
+        for name, colour, right, up in zip("xyz", ("#b2382c", "#2f7d3b", "#2b5fa8"), view.right, view.up, strict=True):
+            x, y = size * float(right), size * float(up)
+            axes.plot([place[0], place[0] + x], [place[1], place[1] + y], color=colour, linewidth=2.0)
+            axes.text(place[0] + 1.45 * x, place[1] + 1.45 * y, name, fontsize=12, color=colour, ha="center", va="center")
+
     def swatches(self, axes: Any, rows: Sequence[tuple[Paint, str]], left: float, top: float, pitch: float = 32.0) -> None:
         """A key: per row a function that paints into a box (left, bottom, width, height), and a text."""
         for k, (paint, text) in enumerate(rows):
@@ -157,10 +164,17 @@ class Sheet:
             paint(axes, (left, bottom + 6, 46.0, 16.0))
             axes.text(left + 60, bottom + 13, text, fontsize=13, color=INK, va="center", parse_math=False)
 
-    def pixels(self) -> np.ndarray:
-        """The sheet as an image (height, width, 3) uint8."""
+    def pixels(self, under: np.ndarray | None = None) -> np.ndarray:
+        """The sheet as an image (height, width, 3) uint8, over another of its size whose signs lie beside its own."""
         self.figure.canvas.draw()
-        return np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
+        out = np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
+        if under is not None:
+            np.minimum(out, under, out=out)
+        if self._image is not None:
+            left, bottom, width, height = self.plan.model
+            top = len(out) - bottom - height
+            out[top : top + height, left : left + width] = self._image
+        return out
 
     def save(self, path: Path) -> None:
         """Write the PNG.
@@ -168,8 +182,10 @@ class Sheet:
         Raises:
             InputError: the file cannot be written.
         """
+        from PIL import Image
+
         try:
             with replacing(path) as part:
-                self.figure.savefig(part, dpi=100, facecolor="white")
+                Image.fromarray(self.pixels()).save(part, format="png", dpi=(100, 100))
         except OSError as error:
             raise InputError(f"{path}: cannot be written: {error.strerror}") from None

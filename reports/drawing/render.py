@@ -10,6 +10,7 @@ import ctypes
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,11 @@ class View:
     right: np.ndarray
     up: np.ndarray
     towards: np.ndarray
+
+    @property
+    def is_oblique(self) -> bool:
+        """Whether it looks along no axis, so that a picture does not show by itself where the axes point."""
+        return bool(np.abs(self.towards).max() < 0.999)
 
     def plane(self, points: np.ndarray) -> np.ndarray:
         """Points (N, 3) in the plane of the picture, (N, 2): right and up [m]."""
@@ -124,28 +130,56 @@ def render(layers: Sequence[Layer], view: View, window: Window, pixels: tuple[in
     Raises:
         InputError: no off-screen OpenGL; names the packages that bring it.
     """
-    require_context()
-    import pyvista
+    with Canvas(view, pixels, samples) as canvas:
+        return canvas.draw(layers, window)
 
-    size = [samples * n for n in pixels]
-    plotter = pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
-    context: Any = plotter.render_window
-    context.SetMultiSamples(0)  # the samples are taken here, alike on every driver
-    try:
-        plotter.set_background("white")  # type: ignore[arg-type]  # a wrapper hides its signature
-        _light(plotter, view)
+
+class Canvas:
+    """A picture that is drawn anew as often as needed: opening OpenGL takes longer than to draw. Use it as a context manager.
+
+    Args:
+        view: of all pictures.
+        pixels: width and height.
+        samples: along a side of a pixel.
+
+    Raises:
+        InputError: no off-screen OpenGL; names the packages that bring it.
+    """
+
+    def __init__(self, view: View, pixels: tuple[int, int], samples: int = SAMPLES) -> None:
+        require_context()
+        import pyvista
+
+        self._view, self._pixels, self._samples = view, pixels, samples
+        self._size = [samples * n for n in pixels]
+        self._plotter = pyvista.Plotter(off_screen=True, window_size=self._size, lighting="none")
+        context: Any = self._plotter.render_window
+        context.SetMultiSamples(0)  # the samples are taken here, alike on every driver
+        self._plotter.set_background("white")  # type: ignore[arg-type]  # a wrapper hides its signature
+        _light(self._plotter, view)
+
+    def __enter__(self) -> Canvas:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._plotter.close()
+
+    def draw(self, layers: Sequence[Layer], window: Window) -> np.ndarray:
+        """Draw layers into an image (height, width, 3) uint8 on white."""
+        self._plotter.clear_actors()
         for layer in layers:
-            _add(plotter, layer, samples)
-        _aim(plotter.camera, layers, view, window)
-        image = plotter.screenshot(None, return_img=True)
-    finally:
-        plotter.close()
-    if image is None or image.shape[:2] != (size[1], size[0]):
-        raise InputError(NO_CONTEXT)
-    fine = image[..., :3].reshape(pixels[1], samples, pixels[0], samples, 3)
-    return np.asarray(fine.mean(axis=(1, 3)).round().astype(np.uint8))
+            _add(self._plotter, layer, self._samples)
+        _aim(self._plotter.camera, layers, self._view, window)
+        image = self._plotter.screenshot(None, return_img=True)
+        if image is None or image.shape[:2] != (self._size[1], self._size[0]):
+            raise InputError(NO_CONTEXT)
+        if self._samples == 1:
+            return np.array(image[..., :3])
+        fine = image[..., :3].reshape(self._pixels[1], self._samples, self._pixels[0], self._samples, 3)
+        return np.asarray(fine.mean(axis=(1, 3)).round().astype(np.uint8))
 
 
+@cache
 def require_context() -> None:
     """Check that VTK can draw without a display; where it cannot, it would end the process.
 

@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.model.joints import Joints
-from reports.damage.joint_damage import Thresholds
+from masonry_cd.quantities import force
 from reports.damage.macro_elements import DamageSnapshot
 from reports.drawing.figure import FAINT, INK, Box, Paint, Sheet, classes
+from reports.drawing.render import View
 from reports.drawing.structure_picture import box_swatch, rgb
 from reports.maps.thrust import COLOUR as THRUST
 
+TRIAD = 80.0  # width of the axes beside the scale bar [pixels]
 STONE, FALLEN, PARTED, SHADOW = "#efe8da", "#c4a491", "#2b2b2b", "#e6e9ec"
 OPENING_COLOURS, SLIDING_COLOURS = ("YlGnBu", 0.4, 1.0), ("OrRd", 0.4, 1.0)  # colour map and the part of it in use
 
@@ -26,15 +27,13 @@ class Marks:
     opening: np.ndarray  # (J,) [m]
     sliding: np.ndarray  # (J,) [m]
     separated: np.ndarray  # (J,)
-    opened: np.ndarray  # (J,) beyond the threshold, not separated, not between two fallen blocks
+    opened: np.ndarray  # (J,) open, see reports.damage.definitions; not separated, neither of its blocks has fallen
     slid: np.ndarray  # (J,) likewise
 
     @classmethod
-    def of(cls, joints: Joints, snapshot: DamageSnapshot, thresholds: Thresholds) -> Marks:
+    def of(cls, snapshot: DamageSnapshot) -> Marks:
         """The marks of a frame's damage."""
-        live = ~snapshot.separated & ~(snapshot.down[joints.block_a] & snapshot.down[joints.block_b])
-        opened, slid = live & (snapshot.opening >= thresholds.opened), live & (snapshot.sliding >= thresholds.slid)
-        return cls(snapshot.opening, snapshot.sliding, snapshot.separated, opened, slid)
+        return cls(snapshot.opening, snapshot.sliding, snapshot.separated, snapshot.open, snapshot.slid)
 
 
 class Scale:
@@ -66,6 +65,7 @@ class Key:
         alone: a single map, whose key names only what it shows.
         force: of the widest ribbon [N], None where the forces are not drawn.
         pixel: size of a pixel [m].
+        view: from where.
     """
 
     marks: Marks
@@ -77,13 +77,25 @@ class Key:
     alone: bool
     force: float | None
     pixel: float
+    view: View
 
 
-def draw_key(sheet: Sheet, key: Key) -> None:
-    """The two colour scales, the signs with their numbers, and the scale bar."""
-    marks, scales, boxes = key.marks, key.scales, sheet.plan.keys(4)
-    for box, scale, name, dash in zip(boxes[:2], scales, ("opening", "sliding"), (False, True), strict=True):
+def draw_scales(sheet: Sheet, key: Key) -> None:
+    """What all maps of a sequence share: the two colour scales, the scale bar, and what the ribbons of forces mean."""
+    boxes = sheet.plan.keys(4)
+    for box, scale, name, dash in zip(boxes[:2], key.scales, ("opening", "sliding"), (False, True), strict=True):
         _scale_key(sheet.axes(*box), box, scale, f"{key.when} {name} [mm]", dash)
+    bar = sheet.axes(*boxes[3])
+    width, height = boxes[3][2:]
+    room = TRIAD if key.view.is_oblique else 0.0
+    sheet.scale_bar(bar, key.pixel, 10, height - 44, width - 60 - room)
+    if key.view.is_oblique:
+        sheet.triad(bar, key.view, (width - 0.5 * TRIAD, height - 58))
+
+
+def draw_signs(sheet: Sheet, key: Key) -> None:
+    """The signs with their numbers, and the force of the widest ribbon."""
+    marks, scales, boxes = key.marks, key.scales, sheet.plan.keys(4)
     middle = [scale.colours[len(scale.colours) // 2] / 255.0 for scale in scales]
     both = marks.opened & marks.slid
     rows: list[tuple[Paint, str]] = [
@@ -98,11 +110,10 @@ def draw_key(sheet: Sheet, key: Key) -> None:
     if key.moved or not key.alone:
         rows.append((partial(box_swatch, colour=SHADOW), "shape at rest"))
     sheet.swatches(sheet.axes(*boxes[2]), rows, 0, boxes[2][3] - 4, pitch=29.0)
-    bar = sheet.axes(*boxes[3])
-    sheet.scale_bar(bar, key.pixel, 10, boxes[3][3] - 44, boxes[3][2] - 60)
     if key.force is not None:
+        bar = sheet.axes(*boxes[3])
         thrust = np.array(THRUST) / 255.0
-        width = f"normal force, widest {key.force / 1000:.3g} kN"
+        width = f"normal force, widest {force(key.force)}"
         rows = [(partial(_band_sign, first=thrust, second=thrust), width), (_no_sign, THRUST_NOTE)]
         sheet.swatches(bar, rows, 10, boxes[3][3] - 84, pitch=29.0)
 

@@ -13,7 +13,7 @@ The maps of one :class:`Framing` share view, amplification, window and colours: 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,22 +21,37 @@ import numpy as np
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.joints import Joints
-from reports.damage.joint_damage import Thresholds, fallen
+from reports.damage.definitions import Thresholds
+from reports.damage.end_state import end_state
+from reports.damage.joint_damage import fallen, in_words, joint_damage
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids, frame_index, solids_of
 from reports.drawing.figure import Layout, Sheet, in_metres, layout, nice
-from reports.drawing.render import SAMPLES, Layer, Lines, Surface, View, Window, render, view_named
+from reports.drawing.render import SAMPLES, Canvas, Layer, Lines, Surface, View, Window, view_named
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, block_layers, rgb, structure_window
 from reports.maps.bands import Bands, band_corners, dashed, face_plates, joint_bands
-from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SHADOW, SLIDING_COLOURS, STONE, Key, Marks, Scale, draw_key
+from reports.maps.crack_key import (
+    FALLEN,
+    OPENING_COLOURS,
+    PARTED,
+    SHADOW,
+    SLIDING_COLOURS,
+    STONE,
+    Key,
+    Marks,
+    Scale,
+    draw_scales,
+    draw_signs,
+)
 from reports.maps.cut import FACING, Cut, axis_of, caps_of, clipped, clipped_lines, cut_named, traces
-from reports.maps.thrust import ribbons
+from reports.maps.thrust import WIDEST, ribbons
 
 BAND = 6.0  # width of a closed joint's band [pixels]
 BAND_OF_BLOCK = 0.2  # ... but no more than this share of a block's smallest extent
 LEAST_BAND = 2.5  # ... and no less than this [pixels]
 SEEN = 0.02  # amplified displacements reach at most this share of the picture
-REACH = 0.35  # the picture follows fallen blocks by at most this share of the structure's extent
+REACH = 0.35  # the picture follows blocks by at most this share of the structure's extent
+COLLAPSE = 1.0  # ... and where blocks have fallen, so that a heap of rubble is held
 MOST = 1000.0  # largest amplification
 CAP = 0.82  # faces of a cut are darker than others by this factor
 
@@ -130,13 +145,21 @@ def framing(results: Results, frames: Sequence[int], style: MapStyle) -> Framing
     free, window = ~solids.fixed[solids.vertex_block], rest
     for pose in poses:
         moved = pose.moved(solids, solids.vertices[free], solids.vertex_block[free], factor)
-        window = window.joined(followed(rest, view.plane(moved)))
+        window = window.joined(followed(rest, view.plane(moved), COLLAPSE if fell.any() else REACH))
     plan = layout(window.width / window.height)
     return Framing(style, view, cut, factor, window.fitted(plan.pixels), plan, alone=len(frames) == 1)
 
 
 def sheet_of(results: Results, frame: int, framed: Framing, samples: int = SAMPLES) -> Sheet:
     """The sheet of a frame; ``samples`` as in :func:`reports.drawing.render.render`."""
+    with Canvas(framed.view, framed.plan.pixels, samples) as canvas:
+        sheet, key = sheet_and_key(results, frame, framed, canvas)
+    draw_scales(sheet, key)
+    return sheet
+
+
+def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas) -> tuple[Sheet, Key]:
+    """The sheet of a frame without the scales of its key, which a sequence draws once, and what the key says."""
     subject = _subject(results, frame, framed)
     thresholds, largest = framed.style.thresholds, framed.style.largest
     scales = Scale(thresholds.opened, largest, OPENING_COLOURS), Scale(thresholds.slid, largest, SLIDING_COLOURS)
@@ -146,21 +169,22 @@ def sheet_of(results: Results, frame: int, framed: Framing, samples: int = SAMPL
         thrust, force = _thrust_layer(results, frame, subject)
         layers.append(thrust)
     sheet = Sheet(framed.plan)
-    sheet.model(render(layers, framed.view, framed.window, framed.plan.pixels, samples))
+    sheet.model(canvas.draw(layers, framed.window))
     sheet.head(results.title or "Crack map", _facts(subject))
     key = Key(
         marks=subject.marks,
         scales=scales,
-        when="Residual" if subject.last and framed.alone else "Present",
+        when="Present" if not (subject.last and framed.alone) else "Provisional" if subject.provisional else "Residual",
         down=int(subject.down.sum()),
         outside=_outside(subject),
         moved=framed.factor * subject.largest > 2 * framed.pixel,
         alone=framed.alone,
         force=force,
         pixel=framed.pixel,
+        view=framed.view,
     )
-    draw_key(sheet, key)
-    return sheet
+    draw_signs(sheet, key)
+    return sheet, key
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,6 +198,8 @@ class Subject:
     last: bool  # the last frame
     marks: Marks
     drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
+    provisional: str  # of the last frame: why it is not the end, in words
+    suffered: str  # of the last frame: the damage over all steps, in words
 
     @property
     def pose(self) -> Pose:
@@ -194,15 +220,17 @@ class Subject:
 def _subject(results: Results, frame: int, framed: Framing) -> Subject:
     """Collect what a frame shows."""
     solids, thresholds = solids_of(results.blocks), framed.style.thresholds
-    snapshot = DamageSnapshot.at(results, frame, thresholds)
+    snapshot, last = DamageSnapshot.at(results, frame, thresholds), frame == results.frames - 1
     return Subject(
         framed=framed,
         joints=results.joints,
         solids=solids,
         snapshot=snapshot,
-        last=frame == results.frames - 1,
-        marks=Marks.of(results.joints, snapshot, thresholds),
+        last=last,
+        marks=Marks.of(snapshot),
         drawn=snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor),
+        provisional=end_state(results, thresholds).provisional if last else "",
+        suffered=in_words(joint_damage(results, thresholds)) if last and framed.alone else "",
     )
 
 
@@ -219,9 +247,9 @@ def amplification(pose: Pose, solids: Solids, down: np.ndarray, size: float) -> 
     return float(np.clip(nice(SEEN * size / largest), 1.0, MOST))
 
 
-def followed(rest: Window, moved: np.ndarray) -> Window:
-    """The window at rest, extended to points (N, 2) that have moved out of it, but for those flung so far that it would become a dot."""
-    reach, pad = REACH * max(rest.width, rest.height), 0.03 * max(rest.width, rest.height)
+def followed(rest: Window, moved: np.ndarray, share: float = REACH) -> Window:
+    """The window at rest, extended to points (N, 2) that have moved out of it, but for those flung farther than a share of its size."""
+    reach, pad = share * max(rest.width, rest.height), 0.03 * max(rest.width, rest.height)
     low, high = np.array([rest.left, rest.bottom]), np.array([rest.right, rest.top])
     near = moved[((moved > low - reach) & (moved < high + reach)).all(axis=1)]
     if not len(near):
@@ -315,7 +343,9 @@ def _thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surfa
     framed, towards = subject.framed, subject.framed.view.towards
     surface, largest = ribbons(results, subject.solids, subject.pose, subject.snapshot, frame, framed.factor, framed.view, framed.pixel)
     if framed.cut is not None:
-        surface = clipped(surface, framed.cut)
+        towards_viewer = -float(framed.cut.normal @ np.ones(3))  # of a plane across an axis
+        nearer = replace(framed.cut, value=framed.cut.value + towards_viewer * WIDEST * framed.pixel)
+        surface = clipped(surface, nearer)  # what runs in the plane itself, as in the middle of an arch, stays whole
     if not len(surface.points):
         return surface, largest
     before = float((subject.drawn @ towards).max() - (surface.points @ towards).min()) + 0.01 * framed.window.height
@@ -330,6 +360,8 @@ def _facts(subject: Subject) -> str:
     return (
         f"t = {subject.pose.time:.4g} s{' (last frame)' if subject.last else ''} · {framed.view.name} view{cut} · {shape}, relative to the "
         f"base · largest displacement {in_metres(subject.largest)}"
+        + (f"\nover all time steps: {subject.suffered}" if subject.suffered else "")
+        + (f" · {subject.provisional}" if subject.provisional else "")
     )
 
 

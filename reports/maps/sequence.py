@@ -14,8 +14,10 @@ import numpy as np
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
-from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Scale
-from reports.maps.crack_map import MapStyle, framing, sheet_of
+from reports.drawing.figure import Sheet
+from reports.drawing.render import Canvas
+from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Key, Scale, draw_scales
+from reports.maps.crack_map import Framing, MapStyle, framing, sheet_and_key, sheet_of
 
 MOST_FRAMES = 60  # of an animation
 WIDTH = 900  # of an animation [pixels]
@@ -82,12 +84,16 @@ def animation(
     frames = np.unique(np.linspace(0, results.frames - 1, min(results.frames, most)).round().astype(int)).tolist()
     framed = framing(results, frames, style or MapStyle())
     images: list[Any] = []
-    for k, frame in enumerate(frames):
-        pixels = sheet_of(results, frame, framed, samples=1).pixels()
-        size = (WIDTH, round(WIDTH * pixels.shape[0] / pixels.shape[1]))
-        images.append(Image.fromarray(pixels).resize(size, Image.Resampling.BOX if size[0] * 2 == pixels.shape[1] else None))
-        if progress is not None:
-            progress(k + 1)
+    scales: np.ndarray | None = None  # of the key, drawn once
+    with Canvas(framed.view, framed.plan.pixels, samples=1) as canvas:
+        for k, frame in enumerate(frames):
+            sheet, key = sheet_and_key(results, frame, framed, canvas)
+            scales = _scales(framed, key) if scales is None else scales
+            pixels = sheet.pixels(scales)
+            size = (WIDTH, round(WIDTH * pixels.shape[0] / pixels.shape[1]))
+            images.append(Image.fromarray(pixels).resize(size, Image.Resampling.BOX if size[0] * 2 == pixels.shape[1] else None))
+            if progress is not None:
+                progress(k + 1)
     palette = _palette(images, framed.style)
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     shown = [max(20, round(1000 * step)) for step in np.diff(results.time[frames])] + [REST]
@@ -97,6 +103,13 @@ def animation(
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
     return len(images)
+
+
+def _scales(framed: Framing, key: Key) -> np.ndarray:
+    """The part of the key that all frames share, as an image of a sheet (height, width, 3) uint8."""
+    sheet = Sheet(framed.plan)
+    draw_scales(sheet, key)
+    return sheet.pixels()
 
 
 def _palette(images: Sequence[Any], style: MapStyle) -> Any:

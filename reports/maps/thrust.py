@@ -63,7 +63,7 @@ def ribbons(
 def drawn_points(results: Results, solids: Solids, pose: Pose, frame: int, factor: float) -> np.ndarray:
     """(J, 3) the force points where a picture with amplified displacements has them, halfway between the two blocks; 0 without force."""
     joints = results.joints
-    seen = np.nan_to_num(joint_frame(results, "force_point", frame) - base_shift(solids, np.asarray(results.position[frame])))
+    seen = np.nan_to_num(joint_frame(results, "force_point", frame) - base_shift(results, solids, np.asarray(results.position[frame])))
     out = np.zeros_like(seen)
     for block in (joints.block_a, joints.block_b):
         at_rest = np.einsum("jki,jk->ji", pose.rotation[block], seen - pose.position[block]) + solids.centre[block]

@@ -18,6 +18,7 @@ from reports.modal.shapes import RigidShapes, Skin
 
 AMPLITUDE = 0.08  # largest drawn displacement, as a share of the size of the structure
 COLUMNS = 3
+BESIDE = 0.2  # share of the structure's extent by which supports are followed beyond it
 CAPTION = 74  # height of the text above a panel
 COLOURS = "viridis"  # orderly also in grey and for colour-blind eyes
 BAR = 90  # height of the colour bar's strip
@@ -46,7 +47,7 @@ def modes_picture(
     skin, frame = modes.field.skin(), _frame(modes, blocks)
     reach = AMPLITUDE * float(np.ptp(skin.points, axis=0).max())
     count = min(most, modes.count)
-    window = _window(skin, count, reach, looking)
+    window = _window(skin, count, reach, looking, blocks)
     plan, cells = _plan(count, window)
     sheet = Sheet(plan)
     facts = f"{METHOD[modes.method]} · {_modulus(modes)} · largest displacement drawn as {reach:.3g} m · grey: at rest"
@@ -56,7 +57,7 @@ def modes_picture(
         axes = sheet.axes(left, bottom, width, height)
         axes.imshow(image, extent=(0, width, 0, height), interpolation="none", aspect="auto")
         _caption(sheet.axes(left, bottom + height, width, CAPTION), modes, k, captions[k] if k < len(captions) else "")
-    _colour_bar(sheet)
+    _colour_bar(sheet, looking)
     sheet.save(path)
 
 
@@ -76,10 +77,15 @@ def _still(blocks: Sequence[Block]) -> Skin:
     return RigidShapes(blocks, nothing[0], nothing, nothing).skin()
 
 
-def _window(skin: Skin, count: int, reach: float, view: View) -> Window:
-    """Around the structure in all modes drawn."""
-    places = [skin.points] + [skin.points + reach * skin.shapes[k] for k in range(count)]
-    return around(view.plane(np.concatenate(places)), 0.04)
+def _window(skin: Skin, count: int, reach: float, view: View, blocks: Sequence[Block]) -> Window:
+    """Around the structure in all modes drawn and its supports; of supports far wider than it, such as the ground, as much as is near."""
+    places = view.plane(np.concatenate([skin.points] + [skin.points + reach * skin.shapes[k] for k in range(count)]))
+    supports = [block.vertices for block in blocks if block.fixed]
+    if supports:
+        low, high = places.min(axis=0), places.max(axis=0)
+        near = BESIDE * float((high - low).max())
+        places = np.concatenate([places, np.clip(view.plane(np.concatenate(supports)), low - near, high + near)])
+    return around(places, 0.04)
 
 
 def _plan(count: int, window: Window) -> tuple[Layout, list[tuple[int, int, int, int]]]:
@@ -126,8 +132,8 @@ def _caption(axes: Any, modes: Modes, mode: int, more: str) -> None:
     axes.text(34, 16, more, fontsize=12, color=FAINT, va="center", parse_math=False)
 
 
-def _colour_bar(sheet: Sheet) -> None:
-    """What the colours mean."""
+def _colour_bar(sheet: Sheet, view: View) -> None:
+    """What the colours mean, and where the axes point."""
     axes = sheet.axes(MARGIN, 0, WIDTH - 2 * MARGIN, BAR)
     ramp = np.linspace(0.0, 1.0, 256)[None, :]
     axes.imshow(ramp, extent=(0, 320, 34, 50), cmap=COLOURS, aspect="auto")
@@ -136,6 +142,7 @@ def _colour_bar(sheet: Sheet) -> None:
     for x, text in ((0, "0"), (160, "0.5"), (320, "1")):
         axes.text(x, 18, text, fontsize=12, color=INK, ha="center", va="center")
     axes.text(350, 42, "displacement over the largest of the mode", fontsize=12, color=INK, va="center")
+    sheet.triad(axes, view, (WIDTH - 2 * MARGIN - 60, 30))
 
 
 def _modulus(modes: Modes) -> str:

@@ -18,7 +18,9 @@ from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.damage import joint_damage
-from reports.damage.joint_damage import JointDamage, Thresholds
+from reports.damage.definitions import STATES, Thresholds
+from reports.damage.end_state import end_state
+from reports.damage.joint_damage import JointDamage
 from reports.damage.part_damage import PartDamage
 from reports.deformed import Solids, solids_of
 from reports.drawing.figure import nice
@@ -80,6 +82,7 @@ def write_page(
         tolerance=tolerance,
         summary=summary,
         parts=parts,
+        provisional=end_state(results, thresholds).provisional,
     )
     facts, text = _data(results, solids, table, (thresholds, largest), missed_times, limit)
     facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
@@ -117,7 +120,7 @@ def _data(
     results: Results, solids: Solids, table: JointDamage, classes: tuple[Thresholds, float], missed: np.ndarray, limit: int
 ) -> tuple[dict[str, Any], str]:
     """The numbers: what fits into JSON, and the arrays as one packed text."""
-    facts, arrays = _still(results, solids, table)
+    facts, arrays = _still(results, solids, table, classes[0])
     curves = series.base_motion(results, solids) | series.step_curves(results)
     for name, curve in curves.items():
         arrays |= {f"{name}/time": curve.time, f"{name}/value": curve.value}
@@ -125,7 +128,7 @@ def _data(
     moved = motion.read_motion(results, solids, motion.frames_shown(results.frames, FRAMES))
     count = len(moved.frames)
     while True:
-        histories, units, scales = _histories(moved, *classes)
+        histories, units, scales = _histories(moved, table, *classes)
         length = packed_length(arrays, histories)
         if length <= limit or count <= 2:
             break
@@ -138,7 +141,7 @@ def _data(
     return facts, text
 
 
-def _still(results: Results, solids: Solids, table: JointDamage) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def _still(results: Results, solids: Solids, table: JointDamage, thresholds: Thresholds) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """What does not move: blocks and joints at rest, the damage table, colours and names."""
     joints, free = results.joints, ~solids.fixed if not solids.fixed.all() else solids.fixed
     drawn = solids.vertices[free[solids.vertex_block]]
@@ -161,7 +164,7 @@ def _still(results: Results, solids: Solids, table: JointDamage) -> tuple[dict[s
         "joint_normal": joints.normal.astype(np.float32),
         "polygon_start": joints.polygon_start.astype(np.uint32),
         "polygon": (joints.polygon - origin).astype(np.float32),
-        "state": np.array([joint_damage.STATES.index(word) for word in table.state], np.uint8),
+        "state": np.array([STATES.index(word) for word in table.state], np.uint8),
     }
     arrays |= {f"damage/{name}": getattr(table, name).astype(np.float32) for name in COLUMNS}
     top = int(np.argmax(np.where(free, solids.centre[:, 2] - 1e-9 * np.linalg.norm(solids.centre - origin, axis=1), -np.inf)))
@@ -175,7 +178,8 @@ def _still(results: Results, solids: Solids, table: JointDamage) -> tuple[dict[s
         "smallest": float(np.median(sizes)),
         "view": auto_view(solids),
         "top": top,
-        "states": joint_damage.STATES,
+        "states": STATES,
+        "meaning": thresholds.in_words(),
         "colours": {"stone": STONE, "support": SUPPORT, "fallen": FALLEN, "parted": PARTED, "edge": EDGE},
         "scene": results.scene,
         "energies": series.ENERGIES,
@@ -184,17 +188,20 @@ def _still(results: Results, solids: Solids, table: JointDamage) -> tuple[dict[s
 
 
 def _histories(
-    moved: motion.Motion, thresholds: Thresholds, largest: float
+    moved: motion.Motion, table: JointDamage, thresholds: Thresholds, largest: float
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, Any]]:
     """The histories in whole numbers, their times and units, and the classes of the two colour scales."""
     displacement, metre = motion.whole(moved.displacement)
     rotation, radian = motion.whole(moved.rotation)
     units = {"time": moved.time.astype(np.float32), "displacement_unit": metre, "rotation_unit": radian}
     histories, scales = {"displacement": displacement, "rotation": rotation}, {}
-    measures = (("opening", thresholds.opened, OPENING_COLOURS), ("sliding", thresholds.slid, SLIDING_COLOURS))
-    for name, threshold, colours in measures:
-        codes, lowest, per_e = motion.logarithms(getattr(moved, name), threshold)
-        histories[name] = codes
+    measures = (
+        ("opening", thresholds.opened, OPENING_COLOURS, table.max_opening),
+        ("sliding", thresholds.slid, SLIDING_COLOURS, table.max_sliding),
+    )
+    for name, threshold, colours, peak in measures:  # peaks are over the steps, of which the frames show a few
+        codes, lowest, per_e = motion.logarithms(np.concatenate([getattr(moved, name), peak[None]]), threshold)
+        histories[name], units[f"{name}_peak"] = np.ascontiguousarray(codes[:, :-1]), np.ascontiguousarray(codes[:, -1])
         scale = Scale(threshold, max(largest, 2.0 * threshold), colours)
         bounds = [1 + int(np.floor(np.log(bound / lowest) * per_e + 1e-9)) for bound in scale.bounds]
         hues = ["#" + "".join(f"{c:02x}" for c in colour) for colour in scale.colours.tolist()]

@@ -28,7 +28,7 @@ function paintJoints(frame) {
   const opening = motion.codes("opening", most), sliding = motion.codes("sliding", most), white = [255, 255, 255];
   for (let j = 0; j < motion.joints; j++) {
     const down = [data.joint_a[j], data.joint_b[j]].map((b) => motion.flag("fallen", b, frame)), parted = motion.flag("separated", j, frame);
-    const live = parts !== "none" && !parted && !(down[0] && down[1]);
+    const live = parts !== "none" && !parted && !down[0] && !down[1];
     const o = live && parts !== "sliding" ? motion.rank("opening", opening[j * motion.frames + frame]) : -1;
     const s = live && parts !== "opening" ? motion.rank("sliding", sliding[j * motion.frames + frame]) : -1;
     const first = o >= 0 ? colours.opening[o] : s >= 0 ? colours.sliding[s] : white;
@@ -138,7 +138,7 @@ function chooseBlock(block) {
   if (at >= 0) state.chosen.splice(at, 1);
   else {
     if (state.chosen.length === 4) state.chosen.shift();
-    const colour = HUES.find((hue) => !state.chosen.some((item) => item.colour === hue));
+    const colour = WATCHED.find((hue) => !state.chosen.some((item) => item.colour === hue));
     state.chosen.push({ block, colour });
   }
   showChosen();
@@ -281,7 +281,7 @@ async function start() {
   camera.look(facts.view);
   charts = new Charts(by("plots"), facts, data, motion, seek);
   table = new Table(facts, data, chooseJoint);
-  by("states").textContent = "Opened and slid: largest value at any time beyond the threshold, whichever went further beyond. Separated: no contact left at the end. A row shows its joint in the model.";
+  by("states").textContent = `${facts.meaning} Where a joint opened and slid, the one that went further beyond its threshold names it. A row shows its joint in the model.`;
   try {
     viewer = new Viewer(by("model"), facts, data);
     watchCanvas(by("model"));
@@ -291,7 +291,9 @@ async function start() {
   legend();
   chooseBlock(facts.top);
   by("loading").remove();
-  window.addEventListener("beforeprint", render);
+  const dated = () => { by("printed").textContent = `Printed on ${new Date().toISOString().slice(0, 10)}`; };
+  dated();
+  window.addEventListener("beforeprint", () => { dated(); render(); });
   requestAnimationFrame(draw);
 }
 

@@ -58,13 +58,15 @@ class Motion {
     }
   }
 
-  /* The codes (J, F) of a measure, or the largest up to each frame. */
+  /* The codes (J, F) of a measure, or the largest up to each frame; at the last one that of all time steps. */
   codes(name, most) {
     const codes = this.data[name];
     if (!most) return codes;
     if (!this.most[name]) {
       const out = codes.slice();
       for (let i = 1; i < out.length; i++) if (i % this.frames && out[i] < out[i - 1]) out[i] = out[i - 1];
+      const peak = this.data[`${name}_peak`]; /* of all steps; between two frames more may have happened than they show */
+      for (let j = 0, i = this.frames - 1; j < this.joints; j++, i += this.frames) if (out[i] < peak[j]) out[i] = peak[j];
       this.most[name] = out;
     }
     return this.most[name];

@@ -17,7 +17,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from masonry_cd.io.results import Results
-from reports.damage.joint_damage import Thresholds, fallen_in, parted
+from reports.damage.definitions import Thresholds, fallen_in, parted
 from reports.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap
 
 LARGEST = 8191  # whole number of a block's largest component
@@ -54,7 +54,7 @@ def read_motion(results: Results, solids: Solids, frames: np.ndarray) -> Motion:
     opening, sliding = np.empty((count, joints)), np.empty((count, joints))
     for k, frame in enumerate(frames.tolist()):
         position = np.asarray(results.position[frame], dtype=float)
-        displacement[k] = position - base_shift(solids, position) - solids.centre
+        displacement[k] = position - base_shift(results, solids, position) - solids.centre
         rotation[k] = rotation_vectors(np.asarray(results.orientation[frame], dtype=float))
         opening[k], sliding[k] = joint_frame(results, "opening", frame), joint_frame(results, "sliding", frame)
     return Motion(frames, np.asarray(results.time, dtype=float)[frames], displacement, rotation, opening, sliding)

@@ -3,6 +3,8 @@
 const BOX = { width: 600, height: 190, left: 68, right: 22, top: 12, bottom: 24 };
 const HUES = ["#0072b2", "#d55e00", "#009e73", "#b3589a", "#8a6d00", "#56b4e9", "#555555"]; /* apart for colour-blind readers too */
 
+const WATCHED = ["#7b3294", "#8a6d00", "#d0409a", "#555555"]; /* of blocks in the model: unlike the colours of opening and sliding */
+
 const safe = (text) => String(text).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
 
 /* Four digits at most. */
@@ -35,9 +37,9 @@ class Plot {
   show(spec) {
     this.spec = spec;
     const all = spec.curves.flatMap((c) => [c]).filter((c) => c.time.length);
-    this.host.hidden = Boolean(spec.hidden);
+    this.host.hidden = Boolean(spec.hidden) || (!all.length && !spec.empty); /* no empty plots, but those that wait for a choice */
     if (!all.length) {
-      this.host.innerHTML = `<figcaption><b>${safe(spec.title)}</b></figcaption><p class="hint">${safe(spec.empty || "not recorded")}</p>`;
+      this.host.innerHTML = `<figcaption><b>${safe(spec.title)}</b></figcaption><p class="hint">${safe(spec.empty)}</p>`;
       this.cursor = null;
       return;
     }
@@ -86,9 +88,11 @@ class Plot {
       const first = Math.round(Math.log10(this.low)), last = Math.round(Math.log10(this.high)), step = Math.ceil((last - first) / 5);
       levels = Array.from({ length: Math.floor((last - first) / step) + 1 }, (_, k) => 10 ** (first + k * step));
     }
+    const apart = levels.length > 1 ? levels[1] - levels[0] : 0, largest = Math.max(...levels.map(Math.abs));
+    const digits = apart > 0 ? Math.min(12, Math.max(4, 1 + Math.ceil(Math.log10(largest / apart)))) : 4; /* no two labels alike */
     for (const v of levels) {
       const y = this.y(v), exponent = Math.round(Math.log10(v));
-      const text = this.spec.log ? `10<tspan dy="-5" font-size="9">${exponent}</tspan>` : safe(short(v));
+      const text = this.spec.log ? `10<tspan dy="-5" font-size="9">${exponent}</tspan>` : safe(short(v, digits));
       out.push(`<line class="grid" x1="${BOX.left}" x2="${BOX.width - BOX.right}" y1="${y}" y2="${y}"></line><text x="${BOX.left - 6}" y="${y + 4}" text-anchor="end">${text}</text>`);
     }
     const times = ticks(this.span[0], this.span[1], 6);

@@ -36,6 +36,7 @@ class PageContext:
     tolerance: float
     summary: Mapping[str, Any]  # as in summary.json; empty where there is none
     parts: PartDamage | None = None
+    provisional: str = ""  # why residual values are not the last, in words
 
     @property
     def tables(self) -> dict[str, Any]:
@@ -45,6 +46,10 @@ class PageContext:
     def count(self, state: str) -> int:
         """Joints of a state."""
         return int((self.table.state == state).sum())
+
+    def only(self, state: str) -> int:
+        """Joints of a state, without those that opened and slid."""
+        return int(((self.table.state == state) & ~self.table.both).sum())
 
 
 def escaped(text: object) -> str:
@@ -61,6 +66,13 @@ def number(value: float, unit: str = "") -> str:
         mantissa, power = text.split("e")
         text = (f"{mantissa} × " if mantissa != "1" else "") + f"10<sup>{str(int(power)).replace('-', '−')}</sup>"
     return f"{text} {unit}".strip()
+
+
+def sensible(value: float) -> str:
+    """A residual value in mm or per cent as it is worth reading: three digits, and no more than a thousandth."""
+    if np.isfinite(value) and 0.0 < abs(value) < 1e-3:
+        return "&lt; 0.001"
+    return number(float(f"{value:.3g}")) if np.isfinite(value) else "unknown"
 
 
 def lead(context: PageContext) -> str:
@@ -94,14 +106,16 @@ def _supports(count: int) -> str:
 def outcome(context: PageContext) -> str:
     """The damage, in a sentence."""
     table, joints = context.table, context.results.joints.count
-    parts = [
-        f"{_of(context.count('opened'), joints)} joints opened (widest {in_metres(_most(table.max_opening))})",
-        f"{context.count('slid') or 'none'} slid (farthest {in_metres(_most(table.max_sliding))})",
+    counts = [
+        f"{_of(context.only('opened'), joints)} joints opened",
+        f"{context.only('slid') or 'none'} slid",
+        f"{int(table.both.sum()) or 'none'} opened and slid",
         f"{context.count('separated') or 'none'} separated",
     ]
+    widest = f"the widest opening was {in_metres(_most(table.max_opening))}, the farthest sliding {in_metres(_most(table.max_sliding))}"
     free = int((~context.solids.fixed).sum())
     down = f"{len(context.fallen)} of {free} blocks fell" if context.fallen else "no block fell"
-    return f"{', '.join(parts)}; {down}. The largest displacement relative to the base is {in_metres(context.displacement_max)}."
+    return f"{', '.join(counts)}; {widest}; {down}. The largest displacement relative to the base is {in_metres(context.displacement_max)}."
 
 
 def notices(context: PageContext) -> str:
@@ -111,6 +125,11 @@ def notices(context: PageContext) -> str:
         lines.append(f"<b>The run ended early</b>: {escaped(context.summary['stopped'])}. The page shows it up to there.")
     elif not context.summary.get("steps"):
         lines.append("<b>The run has no summary</b>: it was stopped or is still going on. The page shows what it had written.")
+    if context.provisional:
+        lines.append(
+            f"<b>What is left is provisional</b>: {escaped(context.provisional.partition(': ')[2])}. Residual openings and slidings, "
+            "drifts, mechanisms and grades would change if the run went on."
+        )
     if context.missed:
         largest = context.summary.get("solver", {}).get("error_max")
         most = f"; the largest error is {number(largest)}" if largest is not None else ""
@@ -125,8 +144,9 @@ def tiles(context: PageContext) -> str:
     """The headline numbers."""
     joints, seconds = context.results.joints.count, context.summary.get("stepping_seconds")
     rows = [
-        ("joints opened", f"{context.count('opened')}<small> of {joints}</small>"),
-        ("joints slid", f"{context.count('slid')}<small> of {joints}</small>"),
+        ("joints opened", f"{context.only('opened')}<small> of {joints}</small>"),
+        ("joints slid", f"{context.only('slid')}<small> of {joints}</small>"),
+        ("joints opened and slid", f"{int(context.table.both.sum())}<small> of {joints}</small>"),
         ("joints separated", f"{context.count('separated')}<small> of {joints}</small>"),
         ("blocks fallen", f"{len(context.fallen)}<small> of {int((~context.solids.fixed).sum())}</small>"),
         ("largest opening", in_metres(_most(context.table.max_opening))),
@@ -144,23 +164,40 @@ def parts(context: PageContext) -> str:
     if context.parts is None:
         return ""
     whole, labels = context.parts.parts[-1], context.parts.settings.grades.labels
-    rows = [*sorted(context.parts.parts[:-1], key=lambda row: str(row["grade"]), reverse=True), whole]
+    rows = [whole, *sorted(context.parts.parts[:-1], key=lambda row: str(row["grade"]), reverse=True)]
     body = "".join(_part(row, row is whole) for row in rows)
-    names = ("part", "grade", "mechanism", "opened", "slid", "separated", "lost", "crack left [mm]", "drift left [%]")
+    names = (
+        "part",
+        "grade",
+        "by",
+        "mechanism",
+        "opened",
+        "slid",
+        "opened and slid",
+        "separated",
+        "lost",
+        "opening left [mm]",
+        "sliding left [mm]",
+        "drift left [%]",
+    )
     head = "".join(f'<th scope="col">{name}</th>' for name in names)
+    thresholds = escaped(context.parts.settings.thresholds.in_words())
+    state = f" <b>Grades and what is left are {escaped(context.provisional)}.</b>" if context.provisional else ""
     meaning = "; ".join(f"D{k} {escaped(label)}" for k, label in enumerate(labels))
     return (
         '<section aria-labelledby="parts-title"><h2 id="parts-title">Damage by part</h2><div class="scroll short">'
         f'<table class="parts"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
-        f'<p class="hint">Grades by the thresholds of the scene: {meaning}.</p></section>'
+        f'<p class="hint">Grades by what is left at the end: {meaning}. {thresholds}{state}</p></section>'
     )
 
 
 def _part(row: Mapping[str, Any], whole: bool) -> str:
     """A row of the table of parts."""
-    cells = [f'<td><span class="grade {row["grade"]}">{row["grade"]}</span></td>', f"<td>{escaped(row['mechanism'])}</td>"]
-    numbers = [row["opened"], row["slid"], row["separated"], row["lost_blocks"], 1e3 * row["residual_opening"], 1e2 * row["residual_drift"]]
-    cells += [f'<td class="number">{number(float(value))}</td>' for value in numbers]
+    cells = [f'<td><span class="grade {row["grade"]}">{row["grade"]}</span></td>', f"<td>{escaped(row['grade_reason'])}</td>"]
+    cells.append(f"<td>{escaped(row['mechanism'])}</td>")
+    counts = [row[key] for key in ("only_opened", "only_slid", "opened_and_slid", "separated", "lost_blocks")]
+    left = [1e3 * row["residual_opening"], 1e3 * row["residual_sliding"], 1e2 * row["residual_drift"]]
+    cells += [f'<td class="number">{text}</td>' for text in (*map(str, counts), *map(sensible, left))]
     return f'<tr{" class=whole" if whole else ""}><th scope="row">{escaped(row["part"])}</th>{"".join(cells)}</tr>'
 
 

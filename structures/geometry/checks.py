@@ -7,6 +7,7 @@ face. All tests run over flat arrays of all blocks at once, so that thousands of
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ from masonry_cd.model.polygon import next_in_loop
 from structures.geometry.overlap import overlapping_pairs
 
 FLATNESS = 1e-5  # of faces and of convexity, relative to the size of the block
+SLIGHT = 1e-3  # overlap that closing gaps takes away, relative to the median size of the blocks
 OVERLAP = 1e-6  # depth, relative to the size of the smaller block
 FILLED = 1e-6  # volume of the convex parts of a block, relative to its own
 THIN = 1e-6  # width of a face, relative to the size of the block
@@ -119,6 +121,8 @@ def _check_names(blocks: Sequence[Block]) -> None:
                 raise Unsound(f'block "{block.name}": its {what} has control characters or halves of a character', [block.name])
             if len(word) > LONGEST_NAME:
                 raise Unsound(f'block "{block.name}": its {what} has {len(word)} characters; at most {LONGEST_NAME}', [block.name])
+        if math.isnan(block.density):
+            raise Unsound(f'block "{block.name}": brings no density of its own, and material.density is missing', [block.name])
         if not 0 < block.density < np.inf:
             raise Unsound(f'block "{block.name}": density must be above 0 kg/m3, got {block.density:g}', [block.name])
 
@@ -248,7 +252,15 @@ def _check_overlap(blocks: Sequence[Block], shells: Shells) -> None:
     deepest = int(np.argmax(depths))
     a, b = (blocks[i].name for i in sorted(owner[pairs[deepest]]))
     more = f"; {len(depths) - 1} more pairs overlap" if len(depths) > 1 else ""
-    raise Unsound(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.4g} mm{more}', _names(blocks, owner[pairs].ravel()))
+    slight = depths[deepest] <= SLIGHT * float(np.median(shells.size))
+    mend = f"; of a file, structure.gaps = {_round_up(2.0 * depths[deepest]):g} [m] brings their faces together" if slight else ""
+    raise Unsound(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.4g} mm{more}{mend}', _names(blocks, owner[pairs].ravel()))
+
+
+def _round_up(value: float) -> float:
+    """The next value of one digit above: 0.00137 -> 0.002."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return math.ceil(value / power) * power
 
 
 def _names(blocks: Sequence[Block], indices: np.ndarray) -> list[str]:

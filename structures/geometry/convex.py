@@ -55,6 +55,17 @@ def split(block: Block) -> Block:
     return replace(block, faces=faces, parts=parts)
 
 
+def halves(block: Block, normal: np.ndarray, offset: float) -> tuple[Block | None, Block | None]:
+    """A convex block cut by the plane ``normal . x = offset`` [m]: what lies below it and above it, None where nothing does."""
+    on = ON_PLANE * _size(block)
+    cell = Cell(block.vertices, block.faces, [])
+    sides = _below(cell, normal, offset, on), _below(cell, -normal, -offset, on)
+    if sides[0] is None or sides[1] is None:
+        return (block, None) if sides[1] is None else (None, block)
+    below, above = (_finished(side, block, on) for side in sides if side is not None)
+    return replace(block, vertices=below.vertices, faces=below.faces), replace(block, vertices=above.vertices, faces=above.faces)
+
+
 def is_convex(block: Block) -> bool:
     """Whether no vertex lies outside the plane of any face, to the tolerance of :mod:`structures.geometry.checks`."""
     normals, offsets = loop_planes([block.vertices[list(face)] for face in block.faces])

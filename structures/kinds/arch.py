@@ -96,7 +96,7 @@ def seat(intrados: np.ndarray, extrados: np.ndarray, towards: np.ndarray, depth:
 
 
 def _buttresses(arch: ArchTable, inner: np.ndarray, outer: np.ndarray, density: float) -> list[Block]:
-    """A pier of whole blocks under either springing, on its own fixed slab.
+    """A pier of whole blocks under either springing, each on half of the ground, a fixed slab.
 
     Args:
         inner, outer: ends of the left springing joint (2,) [m].
@@ -116,8 +116,7 @@ def _buttresses(arch: ArchTable, inner: np.ndarray, outer: np.ndarray, density: 
     if outer[1] > AGREE * arch.thickness:  # the skewback
         corners = [(near, beds[-2]), (near, 0.0), (outer[0], outer[1]), (far, outer[1]), (far, beds[-2])]
         pieces[-1] = np.array(corners if bed < wide * (1.0 - AGREE) else corners[:3] + corners[4:])
-    margin = min(0.5 * height, 0.5 * abs(near))  # the slab reaches farther out than in: the thrust pushes outwards
-    slab = rectangle(far - height, near + margin, -height - 0.5 * wide, -height)
+    slab = rectangle(far - height, 0.0, -height - 0.5 * wide, -height)  # to midspan, where the two meet: what falls lands on the ground
     blocks = []
     for number, side in enumerate(([1.0, 1.0], [-1.0, 1.0]), start=1):
         for k, piece in enumerate(pieces, start=1):

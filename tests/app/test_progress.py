@@ -7,11 +7,13 @@ import signal
 import sys
 import time
 
+import numpy as np
 import pytest
 
 from masonry_cd.app import progress
 from masonry_cd.app.progress import Interrupt, Interrupted, Progress, said_if_slow
-from masonry_cd.quantities import in_words
+from masonry_cd.app.step_costs import StepCosts, shaking_classes
+from masonry_cd.quantities import force, in_words
 
 
 @pytest.mark.parametrize(
@@ -19,6 +21,11 @@ from masonry_cd.quantities import in_words
 )
 def test_times_in_words(seconds, words):
     assert in_words(seconds) == words
+
+
+@pytest.mark.parametrize(("value", "words"), [(1.05e6, "1.05 MN"), (999_600.0, "1 MN"), (12e3, "12 kN"), (3.14159, "3.14 N"), (0.0, "0 N")])
+def test_forces_in_words(value, words):
+    assert force(value) == words
 
 
 def test_plain_lines_tell_steps_and_time_left(monkeypatch):
@@ -42,7 +49,9 @@ def test_lines_come_no_more_often_than_asked_and_not_at_all_when_quiet(monkeypat
     assert stream.getvalue() == ""
 
 
-def test_a_terminal_gets_a_bar_with_the_time_left():
+def test_a_terminal_gets_a_bar_with_the_time_left(monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+
     class Terminal(io.StringIO):
         def isatty(self) -> bool:
             return True
@@ -53,6 +62,53 @@ def test_a_terminal_gets_a_bar_with_the_time_left():
     assert "10/10" in stream.getvalue()
     assert "100%" in stream.getvalue()
     assert "left" in stream.getvalue()
+
+
+@pytest.mark.parametrize("name", ["dumb", "unknown", ""])
+def test_a_terminal_that_cannot_go_back_gets_plain_lines(monkeypatch, name):
+    monkeypatch.setenv("TERM", name)
+    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
+    stream = io.StringIO()
+    monkeypatch.setattr(stream, "isatty", lambda: True, raising=False)
+    with Progress(200, stream=stream) as show:
+        show(50)
+    assert stream.getvalue().startswith("step 50 of 200 (25 %), ")
+
+
+def test_a_run_that_goes_on_until_its_blocks_are_still_says_so(monkeypatch):
+    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
+    stream = io.StringIO()
+    with Progress(200, stream=stream) as show:
+        show(250)
+    assert stream.getvalue().startswith("step 250 of 200, ")
+    assert stream.getvalue().endswith("so far, until all blocks are still\n")
+
+
+def test_the_time_left_follows_the_shaking_to_come():
+    """A record that is quiet for a fifth, then strong, then quiet: steps cost eight times as much while the base shakes."""
+    dt, steps = 0.01, 2000
+    time = dt * np.arange(steps + 1)
+    velocity = np.where((time > 5.0) & (time < 9.0), np.sin(2 * np.pi * 2.0 * time), 0.0)[:, None, None] * [1.0, 0.0, 0.0]
+    classes = shaking_classes(velocity, dt)
+    assert set(classes[:480]) == {0}
+    assert set(classes[520:900]) == {2}
+    assert set(classes[980:]) == {0}, "blocks rock on for half a second"
+    seconds, costs, ratios = np.where(classes > 0, 8e-3, 1e-3), StepCosts(classes), []
+    for k in range(steps - 1):
+        costs.add(k + 1, seconds[k])
+        ratios.append(costs.seconds_left() / seconds[k + 1 :].sum())
+    assert min(ratios[steps // 5 :]) > 0.5
+    assert max(ratios[steps // 5 :]) < 2.0
+    alike = np.cumsum(seconds)[:-1] / np.arange(1, steps) * np.arange(steps - 1, 0, -1) / np.cumsum(seconds[::-1])[::-1][1:]
+    assert max(alike[steps // 5 :]) > 3.0, "as if all steps cost alike"
+
+
+def test_steps_that_the_loads_jump_over_cost_nothing():
+    costs = StepCosts(np.zeros(100, dtype=np.int8))
+    costs.add(1, 2.0)
+    assert costs.seconds_left() == pytest.approx(198.0)
+    costs.add(91, 2.0)
+    assert costs.seconds_left() == pytest.approx(18.0)
 
 
 def test_a_slow_body_is_explained_and_a_quick_one_is_not():

@@ -254,3 +254,28 @@ def test_a_scene_takes_every_solver(write, solver):
 
 def test_these_solvers_come_with_the_program():
     assert set(SOLVERS) == {"admm", "auto", "interior", "newton", "nlgs", "pivoting"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (("run.dt=-1",), "--set run.dt=-1: run.dt: input should be greater than 0"),
+        (("run.dt=1e-3", "run.dt=7"), "--set run.dt=7: run.dt: input should be less than or equal to 0.1"),
+        (('material.friction={x="a"}',), '--set material.friction={x="a"}: material.friction: "x": should be a number'),
+        (("run.dt=1e-3", "material.density=2"), "--set material.density=2: material.density: should be between"),
+        (("run.duration=1e12",), "scene.toml:17 with --set run.duration=1e12: run: duration 1e+12 s takes"),
+        (("report.opened=0",), "--set report.opened=0: report.opened: "),
+    ],
+)
+def test_errors_of_a_change_name_it(write, changes, message):
+    with pytest.raises(InputError) as caught:
+        read_scene(write(GOOD), changes)
+    assert message in str(caught.value)
+
+
+def test_an_error_elsewhere_names_its_line_in_the_file_whatever_was_changed(write):
+    with pytest.raises(InputError, match=r"scene\.toml:18: run\.dt: input should be greater than 0"):
+        read_scene(write(GOOD.replace("dt = 1e-3", "dt = -1e-3")), ["run.seed=3"])
+    scene = read_scene(write(GOOD), ["run.seed=3", "structure.thickness=-1"])
+    assert str(scene.at_fault(InputError("structure.radius: bad"))).endswith("scene.toml:4: structure.radius: bad")
+    assert str(scene.at_fault(InputError("structure.thickness: bad"))) == "--set structure.thickness=-1: structure.thickness: bad"

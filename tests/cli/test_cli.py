@@ -32,6 +32,7 @@ from masonry_cd.friction.files import write_problem
 from masonry_cd.friction.problem import LocalProblem
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
+from reports import outputs
 from reports.damage import joint_files
 
 SUMMARY_KEYS = {
@@ -305,6 +306,31 @@ def test_signals_end_a_run_with_a_word_on_how_to_go_on(block_on_plate, tmp_path,
     assert not list(out.glob("checkpoint*"))
 
 
+def test_ctrl_c_leaves_the_reports_that_were_asked_for(block_on_plate, tmp_path, monkeypatch):
+    """Of what is there, as provisional; a second Ctrl-C ends their drawing. SIGTERM leaves no time for them."""
+    scene, out = block_on_plate(**SHAKEN, report="[report]\ndamage = true"), tmp_path / "out"
+    with monkeypatch.context() as pressed:
+        signals_in(pressed, Stepper, "step", 60)
+        result = masonry_cd("run", scene, "-o", out)
+    assert result.exit_code == 130
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["provisional"].startswith("provisional: interrupted after step 60")
+    assert summary["parts"][-1]["provisional"] == summary["provisional"]
+    assert (out / "damage.csv").exists()
+    assert f"grades, mechanisms and what is left are {summary['provisional']}" in result.stdout
+    assert result.stderr.splitlines()[-1].startswith("masonry-cd: go on with: masonry-cd run ")
+    for number in (signal.SIGINT, signal.SIGTERM):
+        with monkeypatch.context() as pressed:
+            signals_in(pressed, Stepper, "step", 60, number)
+            drawn = []
+            pressed.setattr(outputs, "write_part_damage", lambda *_, d=drawn: (d.append(1), signal.raise_signal(signal.SIGINT)))
+            result = masonry_cd("run", scene, "-o", tmp_path / str(number))
+        assert result.exit_code == 128 + number
+        assert not (tmp_path / str(number) / "damage.csv").exists()
+        assert bool(drawn) == (number == signal.SIGINT)
+        assert "go on with: masonry-cd run" in result.stderr
+
+
 def test_a_folder_belongs_to_one_run_at_a_time(block_on_plate, tmp_path, monkeypatch):
     scene, out, second = block_on_plate(duration="duration = 0.01"), tmp_path / "out", []
     advance = Stepper.step
@@ -438,7 +464,11 @@ def test_build_repairs_a_file_and_says_what_it_moved(block_on_plate, tmp_path):
     text = json.loads((tmp_path / "blocks.json").read_text())
     text["blocks"][1]["vertices"] = [[x, y, z + 0.001] for x, y, z in text["blocks"][1]["vertices"]]
     (tmp_path / "blocks.json").write_text(json.dumps(text))
-    assert "touches no other block" in masonry_cd("build", scene, "-o", tmp_path / "a", "--no-picture").stderr
+    warned = masonry_cd("build", scene, "-o", tmp_path / "loose", "--no-picture")
+    assert (warned.exit_code, "touches no other block" in warned.stderr) == (0, True)
+    ran = masonry_cd("run", scene, "-o", tmp_path / "run", "--set", "run.duration=0.01")
+    said = next(line for line in warned.stderr.splitlines() if "touches no other block" in line)
+    assert said in ran.stderr, "build and run judge alike"
     result = masonry_cd("build", scene, "-o", tmp_path / "a", "--no-picture", "--repair", "gaps=0.002")
     assert "1 pairs of faces brought together, corners moved by at most 0.0009" in result.stdout
     assert '--repair: "gaps" is none' in masonry_cd("build", scene, "-o", tmp_path / "b", "--repair", "gaps").stderr
@@ -599,3 +629,37 @@ def test_numbers_are_kept_when_a_picture_fails(block_on_plate, tmp_path, monkeyp
     assert "no off-screen OpenGL" in result.stderr
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["steps"] == 10
     assert (tmp_path / "out" / "joints.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("run", "scene.toml", "-o", "out", "--resume", "--force"), "--resume and --force exclude each other"),
+        (("run", "scene.toml", "-o", "out", "--quiet", "--explain"), "--quiet and --explain exclude each other"),
+        (("report", "out", "--no-crack-map", "--time", "1.0"), "--time and --no-crack-map exclude each other"),
+        (("report", "out", "--no-crack-map", "--view", "front"), "--view and --no-crack-map exclude each other"),
+        (("report", "out", "--no-crack-map", "--html", "--cut", "y"), "--cut and --no-crack-map exclude each other"),
+    ],
+)
+def test_options_that_contradict_each_other_are_refused(arguments, said):
+    result = masonry_cd(*arguments)
+    assert (result.exit_code, result.stderr) == (2, f"masonry-cd: error: {said}: leave one out\n")
+
+
+def test_a_folder_that_may_not_be_written_is_refused_before_the_run(block_on_plate, tmp_path, monkeypatch):
+    scene, allowed = block_on_plate(), os.access
+    monkeypatch.setattr(os, "access", lambda path, mode, **more: mode != os.W_OK and allowed(path, mode, **more))  # root may write anywhere
+    result = masonry_cd("run", scene, "-o", tmp_path / "out")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == f"masonry-cd: error: {tmp_path}: nothing may be written there; -o names another folder\n"
+
+
+def test_a_reader_that_goes_away_leaves_one_line(block_on_plate, tmp_path):
+    """As in: masonry-cd run ... | head -1"""
+    command = [sys.executable, "-m", "masonry_cd", "run", str(block_on_plate(duration="duration = 0.02")), "-o", str(tmp_path / "out")]
+    read, write = os.pipe()
+    os.close(read)
+    ended = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(write)
+    lines = [line for line in ended.stderr.splitlines() if not line.startswith("compiling the kernels")]
+    assert (ended.returncode, lines) == (1, ["masonry-cd: error: [Errno 32] Broken pipe"])

@@ -21,7 +21,8 @@ from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Assembly
-from reports.damage.joint_damage import Thresholds, joint_damage, shock_rows
+from reports.damage.definitions import Thresholds
+from reports.damage.joint_damage import joint_damage, shock_rows
 from reports.damage.part_damage import Settings, part_damage
 
 DT, MU, STEPS = 2e-3, 0.3, 500

@@ -16,7 +16,7 @@ from pictures import BASE, COLUMN, model_area, opening_scale, pixels, shares
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
-from reports.damage.joint_damage import Thresholds
+from reports.damage.definitions import Thresholds
 from reports.deformed import Pose, Solids
 from reports.drawing import render
 from reports.drawing.figure import in_metres, nice
@@ -82,6 +82,16 @@ def test_a_block_flung_far_does_not_make_the_structure_a_dot() -> None:
     window = crack_map.followed(rest, np.array([[-0.5, 0.0], [80.0, 0.5], [0.2, 2.9]]))
     assert window.left == rest.left and window.top == rest.top
     assert window.width <= rest.width + crack_map.REACH * rest.height + 1e-9
+
+
+@pytest.mark.parametrize(("out", "held"), [(0.9, True), (3.0, False)])
+def test_the_rubble_of_a_collapse_is_in_the_picture_but_not_what_flew_off(tmp_path: Path, out: float, held: bool) -> None:
+    """The top block of a column lies on the ground beside it, at a share of the column's height from it."""
+    rest = at_rest(COLUMN)
+    fallen = shifted(rest, 3, (3.0 * out, 0, -2.0))
+    with Results.open(write_run(tmp_path / "run.h5", COLUMN, [rest, fallen])) as results:
+        window = crack_map.framing(results, [1], crack_map.MapStyle(view="front")).window
+    assert (window.right > fallen.position[3, 0]) == held
 
 
 def test_classes_run_1_2_5_and_do_not_depend_on_the_run() -> None:

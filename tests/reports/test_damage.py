@@ -12,13 +12,14 @@ from made_run import at_rest, box, shifted, turned, write_run
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.damage import joint_damage
+from reports.damage.definitions import STATES, Thresholds, classify
 from reports.deformed import Pose, Solids
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, box("lower", (-0.5, -0.5, 0), (0.5, 0.5, 1)), box("upper", (-0.5, -0.5, 1), (0.5, 0.5, 2))]
 
 
-def table_of(path: Path, thresholds: joint_damage.Thresholds | None = None) -> dict[tuple[str, str], dict[str, object]]:
+def table_of(path: Path, thresholds: Thresholds | None = None) -> dict[tuple[str, str], dict[str, object]]:
     """The rows of the damage table by the (sorted) names of the two blocks."""
     with Results.open(path) as results:
         table = joint_damage.joint_damage(results, thresholds)
@@ -79,7 +80,14 @@ def test_separated(tmp_path: Path, by: tuple[float, float, float]) -> None:
     assert table_of(path)["lower", "upper"]["state"] == "separated"
     with Results.open(path) as results:
         assert joint_damage.collapsed_blocks(results) == ("upper",)
-        assert joint_damage.summary(joint_damage.joint_damage(results)) == {"joints_opened": 0, "joints_slid": 0, "joints_separated": 1}
+        assert joint_damage.summary(joint_damage.joint_damage(results)) == {
+            "joints_opened": 0,
+            "joints_slid": 0,
+            "joints_separated": 1,
+            "joints_only_opened": 0,
+            "joints_only_slid": 0,
+            "joints_opened_and_slid": 0,
+        }
 
 
 def test_a_hop_that_lands_again_has_opened_but_is_not_separated(tmp_path: Path) -> None:
@@ -93,17 +101,17 @@ def test_the_measure_further_beyond_its_threshold_names_the_joint() -> None:
     opening = np.array([0.0, 2e-4, 2e-4, 9e-5, 1.0])
     sliding = np.array([0.0, 1e-4, 5e-4, 9e-5, 0.0])
     separated = np.array([False, False, False, False, True])
-    codes = joint_damage.classify(opening, sliding, separated, joint_damage.Thresholds())
-    assert [joint_damage.STATES[c] for c in codes] == ["intact", "opened", "slid", "intact", "separated"]
+    codes = classify(opening, sliding, separated, Thresholds())
+    assert [STATES[c] for c in codes] == ["intact", "opened", "slid", "intact", "separated"]
 
 
 def test_thresholds_are_the_users(tmp_path: Path) -> None:
     rest = at_rest(PIER)
     path = write_run(tmp_path / "result.h5", PIER, [rest, shifted(rest, 2, (0.001, 0, 0))])
     assert table_of(path)["lower", "upper"]["state"] == "slid"
-    assert table_of(path, joint_damage.Thresholds(slid=0.002))["lower", "upper"]["state"] == "intact"
+    assert table_of(path, Thresholds(slid=0.002))["lower", "upper"]["state"] == "intact"
     with pytest.raises(InputError, match=r"thresholds\.slid: must be positive"):
-        joint_damage.Thresholds(slid=0.0)
+        Thresholds(slid=0.0)
 
 
 def test_fallen_blocks_are_judged_relative_to_the_base(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from masonry_cd.cli.app import app
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.state import rotation_matrices
-from reports.damage.joint_damage import Thresholds
+from reports.damage.definitions import Thresholds
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, solids_of
 from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Marks, Scale
@@ -81,6 +82,26 @@ def page(window: browsers.Browser, folder: Path):
 
 def test_the_file_names_no_outside_address(folder):
     assert not ADDRESS.search((folder / "report.html").read_text(encoding="utf-8"))
+
+
+def test_in_print_it_is_a4_with_page_numbers_a_date_and_headings_on_each_page(folder):
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    printed = text[text.index("@media print") : text.index("</style>")]
+    for rule in ("size: A4", "counter(page)", "counter(pages)", "table-header-group", ".printed { display: block; }", "overflow: visible"):
+        assert rule in printed, rule
+    assert '<p class="printed" id="printed"></p>' in text
+
+
+def test_joints_are_coloured_by_the_peaks_of_all_steps_and_blocks_unlike_them(folder):
+    """The peaks are sent beside the frames; the colours of watched blocks are none of the curves' blue and orange."""
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    facts = json.loads(re.search(r'<script type="application/json" id="facts-data">(.*?)</script>', text, re.DOTALL).group(1))
+    names = json.dumps(facts["contents"])
+    assert "opening_peak" in names
+    assert "sliding_peak" in names
+    watched = re.search(r"const WATCHED = \[(.*?)\]", text).group(1)
+    scales = {colour for scale in facts["scales"].values() for colour in scale["colours"]}
+    assert not scales & set(re.findall(r"#\w{6}", watched))
 
 
 def test_what_a_title_holds_stays_text(tmp_path):

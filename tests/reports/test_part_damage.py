@@ -17,7 +17,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.state import State
 from reports.damage import grades, part_damage, part_files
-from reports.damage.joint_damage import Thresholds
+from reports.damage.definitions import Thresholds
 from reports.damage.mechanism import Rules
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
@@ -68,7 +68,7 @@ def test_a_joint_between_two_parts_belongs_to_both_and_counts_once_in_the_whole(
         assert row["slid_area"] == pytest.approx(1.0)
         assert row["residual_sliding"] == pytest.approx(0.008, abs=1e-9)
         assert (row["mechanism"], row["grade"], row["grade_label"]) == ("sliding", "D2", "moderate damage")
-        assert row["grade_reason"] == "width 0.008 >= 0.005"
+        assert row["grade_reason"] == 'sliding 8 mm in joint 3 ("p2", "cap") (D2 from 5 mm)'
 
 
 def test_a_known_hinge_is_found_where_it_touches(tmp_path: Path) -> None:
@@ -182,7 +182,7 @@ def test_grades_are_the_highest_reached_and_the_users(tmp_path: Path) -> None:
     assert [grades.grade_of(0.0, 0.0, s, default).name for s in (0.0, 1e-3, 0.05, 0.5)] == ["D0", "D3", "D4", "D5"]
     own = grades.read_grades({"width": [1, 2, 3, 4, 5], "labels": list("abcdef")})
     grade = grades.grade_of(2.5, 4e-3, 0.0, own)
-    assert (grade.name, grade.label, grade.reason) == ("D2", "c", "width 2.5 >= 2")
+    assert (grade.name, grade.label, grade.reason) == ("D2", "c", "crack 2.5 m (D2 from 2 m)")
 
 
 @pytest.mark.parametrize(

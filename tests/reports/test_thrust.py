@@ -17,11 +17,12 @@ from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.state import State
-from reports.damage.joint_damage import Thresholds
+from reports.damage.definitions import Thresholds
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids
 from reports.drawing.render import Surface, view_named
-from reports.maps.thrust import WIDEST, drawn_points, ribbons
+from reports.maps.crack_map import MapStyle, framing, sheet_of
+from reports.maps.thrust import COLOUR, WIDEST, drawn_points, ribbons
 
 BASE = box("base", (-2, -1, -0.5), (2, 1, 0), "base", fixed=True)
 STACK = [BASE, *(box(f"s{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1)) for k in range(2))]
@@ -145,3 +146,26 @@ def test_forces_too_small_to_see_and_supports_draw_nothing(tmp_path: Path) -> No
 def test_a_file_without_forces_is_reported(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"^thrust: this result does not hold the forces of its joints and where they act; run its scene"):
         drawn(tmp_path, at_rest(STACK), None)
+
+
+@pytest.mark.parametrize("view", ["front", "isometric"])
+def test_the_line_in_the_plane_of_a_cut_is_seen_from_wherever(tmp_path: Path, view: str) -> None:
+    """A stack whose forces run exactly in the plane y = 0 by which it is cut: the ribbons are as many pixels as without the cut."""
+    computed(tmp_path, STACK)
+
+    def seen(cut: str) -> int:
+        style = MapStyle(view=view, cut=cut, thrust=True)
+        with Results.open(tmp_path / "result.h5") as results:
+            frame = results.frames - 1
+            pixels = sheet_of(results, frame, framing(results, [frame], style)).pixels()
+        left, bottom, width, height = framing_box(pixels)
+        return int((pixels[bottom:height, left:width] == COLOUR).all(axis=2).sum())
+
+    whole = seen("")
+    assert whole > 500
+    assert seen("y=0") > 0.9 * whole
+
+
+def framing_box(pixels: np.ndarray) -> tuple[int, int, int, int]:
+    """The part of a sheet (left, first row, right, last row) without its key below or beside."""
+    return 0, 0, int(0.74 * pixels.shape[1]), int(0.8 * pixels.shape[0])

@@ -156,3 +156,24 @@ def test_a_moved_block_changes_nothing_else(tmp_path: Path) -> None:
     blockfile.write(tmp_path / "moved.json", moved)
     with pytest.raises(InputError, match=r'moved\.json: blocks "v1" and "v2" overlap'):
         blockfile.read(tmp_path / "moved.json", 2100.0)
+
+
+def test_blocks_that_all_bring_their_density_need_none_of_the_material(tmp_path):
+    bare, own = cube(name="bare"), cube(name="own", density=2000.0)
+    bare["vertices"] = [[x + 3.0, y, z] for x, y, z in bare["vertices"]]
+    (tmp_path / "blocks.json").write_text(json.dumps({"blocks": [own]}))
+    (block,) = structures.build({"kind": "file", "path": "blocks.json"}, None, tmp_path)
+    assert block.density == 2000.0
+    (tmp_path / "blocks.json").write_text(json.dumps({"blocks": [own, bare]}))
+    with pytest.raises(InputError, match='block "bare": brings no density of its own, and'):
+        structures.build({"kind": "file", "path": "blocks.json"}, None, tmp_path)
+
+
+def test_an_overlap_of_micrometres_names_what_mends_it_and_that_does(tmp_path):
+    low, high = cube(name="low", density=2000.0), cube(name="high", density=2000.0)
+    high["vertices"] = [[x, y, z + 1.0 - 6e-6] for x, y, z in high["vertices"]]
+    (tmp_path / "blocks.json").write_text(json.dumps({"blocks": [low, high]}))
+    table = {"kind": "file", "path": "blocks.json"}
+    with pytest.raises(InputError, match=r"overlap by 0\.006 mm; of a file, structure\.gaps = 2e-05 \[m\] brings their faces together"):
+        structures.build(table, None, tmp_path)
+    assert len(structures.build(table | {"gaps": 2e-5}, None, tmp_path)) == 2

@@ -1,0 +1,86 @@
+r"""Whether a frame is an end state: the blocks and the base are still, and the run was not cut off.
+
+Residual values, mechanisms and grades say what remains, so they hold only where nothing moves any more. The speed of a block is that of
+its fastest point at most, |v| + |w| r, r the farthest corner from its centre, relative to the support that moves least. A block that has
+fallen may roll for as long as it likes. What is faster than STILL, 1 mm/s, moves; or faster than the tolerance of the run resolves, where
+that is more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.dynamics.pauses import STILL
+from masonry_cd.io.results import Results
+from masonry_cd.quantities import length
+from reports.damage.definitions import Thresholds
+from reports.damage.joint_damage import fallen
+from reports.deformed import Solids, frame_index, solids_of
+
+CUT_OFF = "the run was cut off"
+
+
+@dataclass(frozen=True)
+class EndState:
+    """How a structure moves at a frame."""
+
+    time: float  # [s]
+    speed: float  # of the fastest block that stands, relative to that support [m/s]
+    block: str  # its name, empty where no block stands
+    base_speed: float  # of the fastest support [m/s]
+    still: float  # what is faster moves [m/s]
+    stopped: str  # why the run ended before its time; empty where it did not
+
+    @property
+    def provisional(self) -> str:
+        """Why residual values and grades are provisional, in words; empty where they are final."""
+        reasons = [self.stopped] if self.stopped else []
+        if self.base_speed > self.still:
+            reasons.append(f"the base still moving at {length(self.base_speed)}/s")
+        if self.speed > self.still:
+            reasons.append(f'still moving at {length(self.speed)}/s ("{self.block}")')
+        return f"provisional: {', '.join(reasons)} at {self.time:.4g} s" if reasons else ""
+
+    def as_summary(self) -> dict[str, Any]:
+        """For summary.json."""
+        return {
+            "provisional": self.provisional,
+            "end": {"time": self.time, "speed": self.speed, "block": self.block, "base_speed": self.base_speed},
+        }
+
+
+def end_state(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> EndState:
+    """How the structure moves at a frame, the last one by default."""
+    solids, index = solids_of(results.blocks), frame_index(results, frame)
+    velocity = np.asarray(results.velocity[index], dtype=float)
+    standing = ~solids.fixed & ~fallen(results, thresholds, index)
+    speed = np.where(standing, speeds(velocity, solids, results.support), -1.0)
+    fastest = int(np.argmax(speed)) if standing.any() else -1
+    base = np.linalg.norm(velocity[solids.fixed, :3], axis=1)
+    return EndState(
+        time=float(results.time[index]),
+        speed=float(speed[fastest]) if fastest >= 0 else 0.0,
+        block=results.blocks[fastest].name if fastest >= 0 else "",
+        base_speed=float(base.max(initial=0.0)),
+        still=float(results.closing.get("still", STILL)),
+        stopped=_stopped(results) if index == results.frames - 1 else "",
+    )
+
+
+def speeds(velocity: np.ndarray, solids: Solids, support: int) -> np.ndarray:
+    """(B,) largest speed of a point of each block relative to a support [m/s], -1 for none; velocities (B, 6) [m/s, rad/s]."""
+    base = velocity[support, :3] if support >= 0 else np.zeros(3)
+    reach = np.zeros(len(solids.centre))
+    np.maximum.at(reach, solids.vertex_block, np.linalg.norm(solids.vertices - solids.centre[solids.vertex_block], axis=1))
+    return np.asarray(np.linalg.norm(velocity[:, :3] - base, axis=1) + np.linalg.norm(velocity[:, 3:], axis=1) * reach)
+
+
+def _stopped(results: Results) -> str:
+    """Why a run ended before its time: what its closing words say, or that it has none, as after a kill."""
+    if not results.scene:
+        return ""  # no run of a scene
+    closing = results.closing
+    return str(closing.get("stopped", "")) if closing else CUT_OFF

@@ -1,0 +1,98 @@
+"""What of a structure may not stand as it is built, judged from its contacts at rest: ``build`` and ``run`` warn alike.
+
+A block that touches nothing falls until it meets something. A block *hangs* when no contact pushes it upwards: then only friction on its
+sides holds it, as where no lintel or arch spans an opening. A *piece* is a set of blocks that touch one another; one
+without a support falls as a whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.state import State, rotation_matrices
+
+UPRIGHT = 1e-4  # sine of the slope of a joint: less is upright
+NAMED = 3  # blocks named in a line
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """How the blocks of a structure hold one another at rest."""
+
+    contacts: ContactSet
+    pieces: int  # with a free block in them
+    loose: tuple[str, ...]  # names of free blocks that touch nothing
+    hanging: tuple[str, ...]  # of free blocks that nothing pushes upwards, the loose ones apart
+    adrift: tuple[str, ...]  # of free blocks in pieces of two blocks or more without a support
+
+    def warnings(self) -> list[str]:
+        """The doubts in words, a line each."""
+        return in_words(self.loose, self.hanging, self.adrift)
+
+
+def in_words(loose: Sequence[str], hanging: Sequence[str], adrift: Sequence[str]) -> list[str]:
+    """Lines on blocks that touch nothing, hang, or are in a piece without a support, by their names."""
+    lines = []
+    if loose:
+        verbs = "touches no other block, and falls" if len(loose) == 1 else "touch no other block, and fall"
+        lines.append(f"{_these(loose)} {verbs}; of a file, structure.gaps = WIDTH [m] closes gaps up to that width")
+    if adrift:
+        lines.append(f"{_these(adrift)}: in a piece of the structure that touches no support, and falls as a whole")
+    if hanging:
+        names = ", ".join(hanging[:NAMED]) + (" ..." if len(hanging) > NAMED else "")
+        hang = "hangs" if len(hanging) == 1 else "hang"
+        lines.append(f"{len(hanging)} {hang}: nothing is under {names}, only friction on the sides (does something span the opening?)")
+    return lines
+
+
+def standing(assembly: Assembly) -> Standing:
+    """Judge a structure by its contacts at rest."""
+    found = contacts_at_rest(assembly)
+    pairs = np.unique(found.bodies, axis=0).reshape(-1, 2)
+    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (assembly.count, assembly.count))
+    touched = np.zeros(assembly.count, dtype=bool)
+    touched[pairs] = True
+    _, label = connected_components(graph, directed=False)
+    free = ~assembly.fixed
+    held = np.isin(label, label[assembly.fixed])
+    loose = free & ~touched
+    return Standing(
+        contacts=found,
+        pieces=len(np.unique(label[free | touched])),
+        loose=_names(assembly, loose),
+        hanging=_names(assembly, _hanging(assembly, found) & ~loose),
+        adrift=_names(assembly, free & touched & ~held),
+    )
+
+
+def contacts_at_rest(assembly: Assembly) -> ContactSet:
+    """The contacts at rest, over faces, edges or corners."""
+    state = State.at_rest(assembly)
+    still = np.zeros((assembly.count, 6))
+    return Detector(assembly).detect(state.position, rotation_matrices(state.orientation), still, 0.0, 0.0, np.zeros(3))
+
+
+def _hanging(assembly: Assembly, contacts: ContactSet) -> np.ndarray:
+    """(B,) True for the free blocks that no contact pushes upwards."""
+    push = np.zeros(assembly.count)  # steepest upward normal on each block
+    np.maximum.at(push, contacts.bodies[:, 0], contacts.normal[:, 2])  # normals point to the first of the two
+    np.maximum.at(push, contacts.bodies[:, 1], -contacts.normal[:, 2])
+    return np.asarray((push < UPRIGHT) & ~assembly.fixed)
+
+
+def _names(assembly: Assembly, mask: np.ndarray) -> tuple[str, ...]:
+    return tuple(assembly.names[b] for b in np.flatnonzero(mask))
+
+
+def _these(names: Sequence[str]) -> str:
+    """One or some blocks, by name."""
+    if len(names) == 1:
+        return f'block "{names[0]}"'
+    return f"{len(names)} blocks ({', '.join(names[:NAMED])}{' ...' if len(names) > NAMED else ''})"

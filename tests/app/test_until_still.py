@@ -1,0 +1,148 @@
+"""run.until_still: a run goes on after its duration until its blocks are still, but no longer than run.longest."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from made_run import box
+
+from masonry_cd.app.case import Case, prepare
+from masonry_cd.app.progress import Interrupted
+from masonry_cd.app.run_case import run_case
+from masonry_cd.app.scene import read_scene
+from masonry_cd.errors import InputError
+from masonry_cd.io.results import Results
+from structures.files.blockfile import write
+
+SCENE = """
+[structure]
+kind = "file"
+path = "blocks.json"
+
+[material]
+density = 2000.0
+friction = 0.7
+
+[[loads]]
+kind = "sinusoidal"
+direction = "x"
+amplitude = 0.9
+frequency = 1.0
+cycles = 1
+
+[run]
+dt = 2e-3
+duration = 1.0
+tolerance = 1e-6
+"""
+
+
+def case(folder: Path, *changes: str) -> Case:
+    path = folder / "scene.toml"
+    path.write_text(SCENE)
+    base = box("base", (-1, -1, -0.2), (1, 1, 0), "base", fixed=True)
+    write(folder / "blocks.json", [base, box("block", (-0.2, -0.2, 0), (0.2, 0.2, 0.9))])
+    return prepare(read_scene(path, changes))
+
+
+def run(folder: Path, *changes: str) -> dict[str, Any]:
+    return run_case(case(folder, *changes), folder / "out")
+
+
+def test_a_block_that_rocks_at_the_end_of_its_duration_is_followed_until_it_is_still(tmp_path: Path) -> None:
+    short = run(tmp_path)
+    assert short["steps"] == short["steps_asked"] == 500
+    assert short["provisional"].startswith("provisional: still moving at ")
+    long = run(tmp_path, "run.until_still=true")
+    assert 500 < long["steps"] < 3500
+    assert long["provisional"] == ""
+    with Results.open(tmp_path / "out" / "result.h5") as results:
+        assert results.time[-1] == pytest.approx(long["steps"] * 2e-3)
+        speed = np.abs(results.velocity[: results.frames])
+        assert speed[-1].max() < 1e-3
+        fixed = np.array([block.fixed for block in results.blocks])
+        assert not speed[results.time > 1.001][:, fixed].any()  # the base rests
+
+
+def test_it_ends_at_the_bound_and_says_so(tmp_path: Path) -> None:
+    summary = run(tmp_path, "run.until_still=true", "run.longest=1.1")
+    assert summary["steps"] == 550
+    assert summary["provisional"].startswith("provisional: still moving at ")
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["provisional"] == summary["provisional"]
+
+
+def test_one_that_is_still_when_its_duration_ends_gets_no_step_more(tmp_path: Path) -> None:
+    assert run(tmp_path, "run.until_still=true", "loads[0].amplitude=1e-3", "run.duration=2.0")["steps"] == 1000
+
+
+def test_damage_asks_for_it_by_default_and_may_be_told_not_to(tmp_path: Path) -> None:
+    assert case(tmp_path, "report.damage=true").steps == 3500
+    assert case(tmp_path, "report.damage=true", "run.until_still=false").steps == 500
+    assert case(tmp_path).steps == 500
+
+
+def test_a_resumed_rest_ends_with_the_same_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = run(tmp_path, "run.until_still=true")
+    with Results.open(tmp_path / "out" / "result.h5") as results:
+        there = results.position[: results.frames]
+    made = case(tmp_path, "run.until_still=true")
+    from masonry_cd.app import run_case as module
+
+    class Stopped(module.Progress):
+        def __call__(self, done: int) -> None:
+            if done == 900:
+                raise Interrupted(2)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(module, "Progress", Stopped)
+        broken = run_case(made, tmp_path / "broken")
+    assert broken["steps"] == 900
+    assert broken["provisional"].startswith("provisional: interrupted after step 900")
+    resumed = run_case(case(tmp_path, "run.until_still=true"), tmp_path / "broken", resume=True)
+    assert resumed["steps"] == whole["steps"]
+    with Results.open(tmp_path / "broken" / "result.h5") as results:
+        assert np.array_equal(results.position[: results.frames], there)
+
+
+def test_the_base_must_have_come_to_rest(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"run\.until_still: the base still moves when run\.duration, 0\.25 s, ends; make it longer"):
+        case(tmp_path, "run.until_still=true", "run.duration=0.25")
+    assert case(tmp_path, "report.damage=true", "run.duration=0.25").steps == 125  # by default it is left, and reported as provisional
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (("run.until_still=true", "run.longest=0.5"), "longest 0.5 s is shorter than the duration 1 s"),
+        (("run.until_still=false", "run.longest=5.0"), "longest belongs to until_still = true"),
+    ],
+)
+def test_bounds_that_make_no_sense_are_refused(tmp_path: Path, changes: tuple[str, ...], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        case(tmp_path, *changes)
+
+
+def test_what_the_tolerance_does_not_resolve_counts_as_still(tmp_path: Path) -> None:
+    """tolerance g dt sqrt(contacts): 1e-8 resolves far less than 1 mm/s, 0.1 no less than 4 mm/s."""
+    assert case(tmp_path, "run.tolerance=1e-8").still == pytest.approx(1e-3)
+    assert case(tmp_path, "run.tolerance=0.1").still == pytest.approx(0.1 * 9.81 * 2e-3 * 2.0)
+
+
+def test_the_summary_and_the_result_say_below_which_speed_is_still(tmp_path: Path) -> None:
+    summary = run(tmp_path, "run.tolerance=0.1", "run.duration=0.1", "loads[0].amplitude=0.0")
+    with Results.open(tmp_path / "out" / "result.h5") as results:
+        assert results.closing["still"] == summary["still"] == pytest.approx(0.1 * 9.81 * 2e-3 * 2.0)
+
+
+def test_a_sequence_that_rests_at_its_end_needs_no_rest_more(tmp_path: Path) -> None:
+    shape = 'spectrum="EC8", ag=0.5, ground="B", duration=3.0, rise=0.5, level=1.5, seed=1, tolerance=0.3, periods=[0.1, 0.5]'
+    shock = f'{{components=[{{direction="x", {shape}}}]}}'
+    loads = f'loads=[{{kind="sequence", longest_rest=1.0, shocks=[{shock}]}}]'
+    made = case(tmp_path, loads, "run.duration=20.0", "report.damage=true")
+    end = made.loading.pauses[0].last
+    assert made.loading.pauses[1].last == made.steps == 22500, "time is left after the rest"
+    assert case(tmp_path, loads, f"run.duration={2e-3 * end}", "report.damage=true").steps == end
