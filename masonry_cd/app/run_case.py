@@ -110,7 +110,7 @@ def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, inte
     settings, loading = case.scene.run, case.loading
     paused = loading.shocks or loading.pauses
     pauses = Pauses(case.assembly, loading.pauses, loading.shocks, case.steps) if paused else None
-    costs = StepCosts(shaking_classes(loading.support_velocity[: settings.steps + 1], settings.dt))
+    costs = StepCosts(shaking_classes(loading.support_velocity[: settings.steps + 1], settings.dt), settings.adaptive)
     show = Progress(settings.steps, quiet, costs=costs, tick=settings.dt if settings.adaptive else None)
 
     def progress(done: int) -> None:

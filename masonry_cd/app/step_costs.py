@@ -42,10 +42,11 @@ class StepCosts:
 
     Args:
         classes: (N,) of each step of the loads.
+        adaptive: whether a step of the run may be several of the loads, whose cost they share.
     """
 
-    def __init__(self, classes: np.ndarray) -> None:
-        self._classes = classes
+    def __init__(self, classes: np.ndarray, adaptive: bool = False) -> None:
+        self._classes, self._adaptive = classes, adaptive
         self._left = np.bincount(classes, minlength=len(USUAL)).astype(float)
         self._seconds, self._steps = np.zeros(len(USUAL)), np.zeros(len(USUAL))
         self._keep = 1.0 - 1.0 / max(1.0, LATE * len(classes))
@@ -56,10 +57,10 @@ class StepCosts:
         done = min(done, len(self._classes))
         if done <= self._done:
             return
-        kind = int(self._classes[self._done])
+        kind, made = int(self._classes[self._done]), float(done - self._done) if self._adaptive else 1.0
         self._left -= np.bincount(self._classes[self._done : done], minlength=len(USUAL))
         self._seconds[kind] = self._keep * self._seconds[kind] + seconds
-        self._steps[kind] = self._keep * self._steps[kind] + 1.0
+        self._steps[kind] = self._keep * self._steps[kind] + made
         self._done = done
 
     def seconds_left(self) -> float:

@@ -111,6 +111,13 @@ def test_steps_that_the_loads_jump_over_cost_nothing():
     assert costs.seconds_left() == pytest.approx(18.0)
 
 
+def test_steps_that_adapt_share_their_cost_among_those_of_the_loads():
+    costs = StepCosts(np.zeros(100, dtype=np.int8), adaptive=True)
+    costs.add(8, 2.0)
+    costs.add(10, 0.5)
+    assert costs.seconds_left() == pytest.approx(90 * 0.25, rel=0.05)
+
+
 def test_a_slow_body_is_explained_and_a_quick_one_is_not():
     stream = io.StringIO()
     with said_if_slow("compiling", 0.01, stream):

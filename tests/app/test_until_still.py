@@ -68,6 +68,18 @@ def test_a_block_that_rocks_at_the_end_of_its_duration_is_followed_until_it_is_s
         assert not speed[results.time > 1.001][:, fixed].any()  # the base rests
 
 
+def test_steps_that_adapt_go_on_until_the_block_is_still(tmp_path: Path) -> None:
+    adaptive = ("run.until_still=true", 'run.dt="auto"', "run.dt_max=8e-3", "run.dt_min=1e-3")
+    assert case(tmp_path, *adaptive).steps == 7000  # of the shortest
+    summary = run(tmp_path, *adaptive)
+    assert summary["provisional"] == ""
+    assert summary["steps"] < summary["longest"] / 1e-3
+    with Results.open(tmp_path / "out" / "result.h5") as results:
+        assert 1.0 < results.time[-1] < 7.0
+        assert np.isclose(results.per_step("step_time"), 1.0, atol=1e-12).any()  # a step ends where the rest begins
+        assert np.abs(results.velocity[results.frames - 1]).max() < 1e-3
+
+
 def test_it_ends_at_the_bound_and_says_so(tmp_path: Path) -> None:
     summary = run(tmp_path, "run.until_still=true", "run.longest=1.1")
     assert summary["steps"] == 550
