@@ -230,7 +230,7 @@ def measure(scene: Scene, factor: float = 1.0) -> Spent:
 
 
 HEAD = (
-    "without", "scene", "ADMM", "Newton", "interior", "sweeps", "measured", "cost [ms]", "ratio",
+    "without", "scene", "ADMM", "Newton", "interior", "sweeps", "pivoting", "measured", "cost [ms]", "ratio",
     "missed", "largest error", "CPU [s]", "ratio",
 )  # fmt: skip
 

@@ -103,7 +103,7 @@ def _check_shells(blocks: Sequence[Block]) -> tuple[Shells, list[tuple[int, Poly
 def _check(blocks: Sequence[Block]) -> None:
     shells, items = _check_shells(blocks)
     convex = np.array([not block.parts for block in blocks] + [True] * (len(items) - len(blocks)))
-    _check_convex(blocks, shells, convex)
+    check_convex(blocks, shells, convex)
     if len(items) > len(blocks):
         _check_filled(blocks)
         shells = Shells.of([item for item, keep in zip(items, convex, strict=True) if keep])
@@ -222,7 +222,7 @@ def _check_filled(blocks: Sequence[Block]) -> None:
                 raise Unsound(f'block "{block.name}": its parts have {filled:.6g} m3, the block has {whole:.6g} m3', [block.name])
 
 
-def _check_convex(blocks: Sequence[Block], shells: Shells, wanted: np.ndarray) -> None:
+def check_convex(blocks: Sequence[Block], shells: Shells, wanted: np.ndarray) -> None:
     """No vertex of a shell outside the plane of any of its faces."""
     flat, owner, shell = shells.flat, shells.owner, shells.flat.owner_of_face()
     faces = np.flatnonzero(wanted[shell])

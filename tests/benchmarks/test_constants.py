@@ -13,8 +13,8 @@ def test_all_that_is_spent_is_counted() -> None:
     """The thrown walls take ADMM and Newton, and one measurement of the error after each turn."""
     methods, measured = auto.METHODS, auto.natural_map_error
     found = measure(SCENES["thrown walls"])
-    admm, newton, interior, nlgs = found.iterations
-    assert admm > 0 and newton > 0 and interior == nlgs == 0
+    admm, newton, *others = found.iterations
+    assert admm > 0 and newton > 0 and not any(others)
     assert found.measurements == 6
     assert found.cost > 0.0
     assert (found.steps, found.missed) == (3, 0)

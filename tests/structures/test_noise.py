@@ -15,7 +15,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.geometry import mass_properties
 from masonry_cd.model.middle_plane import middle_plane
-from structures.geometry.checks import Shells, _check_convex, check_shells
+from structures.geometry.checks import Shells, check_convex, check_shells
 
 SIZE = 1e-6
 STORED = ["-0x1.800003b0696b4p+0", "-0x1.999999999999ap-3", "0x1.ef3635db3966bp-22"]  # first corner of the second block of a wall, seed 7
@@ -46,7 +46,7 @@ def test_each_block_of_each_kind_moves_by_the_size_and_stays_sound(table: dict[s
     assert moved(noisy, exact) == pytest.approx(SIZE, rel=1e-6)
     check_shells(noisy)
     parts = [(i, part) for i, block in enumerate(noisy) for part in block.convex_parts]
-    _check_convex(noisy, Shells.of(parts), np.ones(len(parts), dtype=bool))
+    check_convex(noisy, Shells.of(parts), np.ones(len(parts), dtype=bool))
     for block in noisy:  # parts of one block go with it
         filled = sum(mass_properties(part.vertices, part.faces).volume for part in block.parts)
         assert not block.parts or filled == pytest.approx(mass_properties(block.vertices, block.faces).volume, rel=1e-12)
