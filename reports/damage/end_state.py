@@ -80,7 +80,7 @@ def speeds(velocity: np.ndarray, solids: Solids, support: int) -> np.ndarray:
 
 def _stopped(results: Results) -> str:
     """Why a run ended before its time: what its closing words say, or that it has none, as after a kill."""
-    if not results.scene:
-        return ""  # no run of a scene
+    if not results.scene or not results.format:
+        return ""  # no run of a scene, or from before there were closing words
     closing = results.closing
     return str(closing.get("stopped", "")) if closing else CUT_OFF
