@@ -18,7 +18,7 @@ from masonry_cd.solvers.proximal_kernels import FREE, HELD, allocate_springs, so
 UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
 GROWTH = 10.0  # of K from one problem with springs to the next
 SOFTEST = 1e-3  # K at which pivoting gives up
-TIES = 1e-3  # of the tolerance: velocities by which ties are broken, relative to the largest
+TIES, TIGHT = 1e-3, 1e-8  # velocities by which ties are broken, relative to the largest: of the tolerance, or of this if it is looser
 GOLDEN = 0.6180339887498949
 FACTORISATIONS, MOST = 0, 1  # what is counted, and the most of it
 
@@ -211,7 +211,7 @@ def pivoting_points(kind, problem, work, answer, settings):
     springs.dx[:] = 0.0
     while not _ended(answer.error[0], counts, settings) and stiffness > SOFTEST:
         kind.begin_at(problem, moved, centre, path.v)
-        break_ties(moved.offset, TIES * settings.tolerance * answer.speed)
+        break_ties(moved.offset, TIES * min(settings.tolerance, TIGHT) * answer.speed)
         if not follow(kind, moved, work, springs, stiffness, path, counts):
             stiffness, factor = stiffness / factor, np.sqrt(GROWTH)
             continue
