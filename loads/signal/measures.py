@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
@@ -34,6 +34,7 @@ from masonry_cd.errors import InputError, suggest
 DAMPING = 0.05
 PERIODS = 10  # of AvgSA
 MOST_PERIODS = 1000
+SHOWN = (0.1, 0.2, 0.5, 1.0, 2.0)  # periods of Sa where no measures are named [s]
 HOUSNER = np.linspace(0.1, 2.5, 49)  # [s]
 
 
@@ -252,6 +253,24 @@ def parse(text: str, where: str = "measure", rule: str = "x") -> Measure:
         raise InputError(f'{where}: "{text}": {failure}') from None
     inside = f"({','.join(f'{number:.15g}' for number in numbers)})" if numbers else ""
     return Measure(f"{name}{inside}:{chosen}", family.unit, family.order, quantity, chosen)
+
+
+def of_one_component(texts: Sequence[str] | None, where: str) -> list[Measure]:
+    """The measures that texts ask for, of a motion whose only component is x; Sa at five periods where there are none.
+
+    Raises:
+        InputError: see :func:`parse`; or a measure of several components.
+    """
+    found = [parse(text, where) for text in texts or (f"Sa({period:g})" for period in SHOWN)]
+    for measure in found:
+        if measure.rule != "x":
+            raise InputError(f'{where}: {measure.name}: one record has no "{measure.rule}"; leave it out')
+    return found
+
+
+def in_words(measures: Sequence[Measure], motion: Motion) -> str:
+    """Measures of a motion, for a line to the user."""
+    return ", ".join(f"{measure.name.removesuffix(':x')} {measure.value(motion):.4g} {measure.unit}" for measure in measures)
 
 
 def _numbers(inside: str | None, text: str, where: str) -> list[float]:
