@@ -55,7 +55,7 @@ def test_peaks_all_around_are_those_of_the_rotated_motions() -> None:
 
 @pytest.mark.parametrize("step", [0.02, 0.3])
 def test_the_history_of_an_oscillator_under_a_constant_acceleration(step: float) -> None:
-    """x = -a / w^2 (1 - e^(-xi w t) (cos w_d t + xi w / w_d sin w_d t)) at the samples, at any step; x' = -a / w_d e^(-xi w t) sin w_d t."""
+    """Samples of x = -a / w^2 (1 - e^(-xi w t) (cos w_d t + xi w / w_d sin w_d t)) and x' = -a / w_d e^(-xi w t) sin w_d t."""
     w, xi, t = 2.0 * np.pi / 0.7, 0.1, step * np.arange(20)
     wd = w * np.sqrt(1.0 - xi**2)
     x, v = Oscillators(np.array([0.7]), step, xi).history(np.full(20, 3.0))
