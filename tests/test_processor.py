@@ -38,6 +38,20 @@ for _ in range(25):
     print(digest(state.position, state.orientation, state.velocity))
 """
 
+MEASURES = """
+import numpy as np
+from loads.signal.baseline import integrate
+from loads.signal.directions import RULES
+from loads.signal.measures import parse
+
+numbers = np.random.default_rng(0).integers(-1000, 1000, (2, 4000)) / 997.0
+print(np.linalg.norm(numbers @ numbers.T).hex())
+motion = dict(zip("xy", (integrate(a, 0.005) for a in numbers)))
+for name in ("PGA", "PGV", "PGD", "Arias", "CAV", "D5-95", "Sa(0.3)", "AvgSA(0.1,1)", "Housner", "FIV3(0.31)"):
+    for rule in (rule for rule in RULES if rule != "z"):
+        print(parse(name, rule=rule).value(motion).hex())
+"""
+
 
 def printed(program: str, **environment: str) -> subprocess.CompletedProcess[str]:
     """A program in a process of its own, whose environment chooses no processor but what is given here."""
@@ -84,3 +98,9 @@ def test_results_depend_neither_on_loops_of_numpy_nor_on_blas(native, tmp_path):
     first, second = printed(program).stdout.split(), printed(program, **other).stdout.split()
     assert first[0] != second[0]  # BLAS does choose otherwise
     assert first[1:] == second[1:] and len(first) == 1 + 25
+
+
+def test_intensity_measures_depend_on_neither(native):
+    first, second = (printed(MEASURES, **environment).stdout.split() for environment in ({}, other_processor("Prescott")))
+    assert first[0] != second[0]
+    assert first[1:] == second[1:] and len(first) == 1 + 10 * 6

@@ -1,9 +1,11 @@
-r"""Measures of a whole accelerogram: Arias intensity and significant duration.
+r"""Measures of a whole accelerogram: Arias intensity, significant duration, cumulative absolute velocity.
 
     I(t) = pi / (2 g)  int_0^t a^2 dt,      I_A = I(T)                                  (Arias, 1970)
     D_5-95 = t(I = 0.95 I_A) - t(I = 0.05 I_A)                                          (Trifunac & Brady, 1975)
+    CAV = int_0^T |a| dt                                                                (EPRI NP-5930, 1988)
 
-a is straight between samples, so over an interval h the integral is h (a^2 + a a' + a'^2) / 3, exactly.
+a is straight between samples, so over an interval h the integral of a^2 is h (a^2 + a a' + a'^2) / 3, exactly. That of |a| is
+h (|a| + |a'|) / 2 where a keeps its sign; where it passes zero, two triangles are left, h (a^2 + a'^2) / (2 (|a| + |a'|)).
 """
 
 from __future__ import annotations
@@ -34,12 +36,33 @@ def significant_window(history: History, low: float = 0.05, high: float = 0.95) 
     return float(begin), float(end)
 
 
-def intensity(history: History) -> dict[str, float]:
-    """Arias intensity [m/s] and significant duration, 5 to 95 % [s]."""
+def significant_duration(history: History) -> float:
+    """D5-95, the time in which the Arias intensity grows from 5 to 95 % of its end value [s]."""
     begin, end = significant_window(history)
-    return {"arias": float(arias(history)[-1]), "significant_duration": end - begin}
+    return end - begin
+
+
+def cumulative_absolute_velocity(history: History) -> float:
+    """CAV, the integral of |a| over the whole record [m/s]."""
+    a, b = history.acceleration[:-1], history.acceleration[1:]
+    total = np.abs(a) + np.abs(b)
+    crossing = np.sign(a) * np.sign(b) < 0.0  # of signs: a product of values may underflow
+    share = np.where(crossing, a * a + b * b, 0.0) / np.where(crossing, total, 1.0)
+    return float(np.cumsum(0.5 * history.step * np.where(crossing, share, total))[-1])
+
+
+def intensity(history: History) -> dict[str, float]:
+    """Arias intensity [m/s], significant duration, 5 to 95 % [s], and cumulative absolute velocity [m/s]."""
+    return {
+        "arias": float(arias(history)[-1]),
+        "significant_duration": significant_duration(history),
+        "cav": cumulative_absolute_velocity(history),
+    }
 
 
 def in_words(numbers: dict[str, float]) -> str:
-    """Both measures, for a line to the user."""
-    return f"Arias intensity {numbers['arias']:.4g} m/s, significant duration {numbers['significant_duration']:.4g} s (5 to 95 %)"
+    """These measures, for a line to the user."""
+    return (
+        f"Arias intensity {numbers['arias']:.4g} m/s, CAV {numbers['cav']:.4g} m/s, "
+        f"significant duration {numbers['significant_duration']:.4g} s (5 to 95 %)"
+    )

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd import libm
-from masonry_cd.jit import entry
+from masonry_cd.jit import entry, kernel
 
 PARTS_PER_PERIOD = 40
 TERMS = 14  # of the exponential: (2 pi / 40)^14 / 14! is 7e-23
@@ -87,6 +87,26 @@ class Oscillators:
         _peaks(np.ascontiguousarray(acceleration, dtype=float), self._parts, self._transitions, out)
         return out
 
+    def rotated_peaks(self, first: np.ndarray, second: np.ndarray, angles: np.ndarray) -> np.ndarray:
+        """Sd of each oscillator along directions in the plane of two components, (periods, angles) [m].
+
+        Args:
+            first: (n,) acceleration at angle 0 [m/s2].
+            second: (n,) acceleration at a right angle to it [m/s2].
+            angles: of the directions [rad].
+        """
+        out = np.zeros((len(self._parts), len(angles)))
+        a, b = (np.ascontiguousarray(component, dtype=float) for component in (first, second))
+        _rotated_peaks(a, b, libm.cos(angles), libm.sin(angles), self._parts, self._transitions, out)
+        return out
+
+    def history(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """x [m] and x' [m/s] of the first oscillator at the samples of an acceleration, from rest, each (n,)."""
+        a = np.ascontiguousarray(acceleration, dtype=float)
+        x, v = np.zeros(len(a)), np.zeros(len(a))
+        _history(a, self._parts[0], self._transitions[0], x, v)
+        return x, v
+
 
 def default_periods(count: int = 100, shortest: float = 0.02, longest: float = 4.0) -> np.ndarray:
     """Periods (count,) that are even on a logarithmic axis [s]."""
@@ -111,6 +131,15 @@ def _exponential(matrix: np.ndarray) -> np.ndarray:
     return np.asarray(total)
 
 
+@kernel()
+def _advance(m, at, rise, x, v):
+    """(x, x') after an interval that begins with the acceleration ``at``, which rises by ``rise`` in it."""
+    return (
+        m[0, 0] * x + m[0, 1] * v + m[0, 2] * at + m[0, 3] * rise,
+        m[1, 0] * x + m[1, 1] * v + m[1, 2] * at + m[1, 3] * rise,
+    )
+
+
 @entry()
 def _peaks(a, parts, transitions, out):
     """Largest |x| at the ends of the parts of every interval, for each oscillator."""
@@ -120,10 +149,38 @@ def _peaks(a, parts, transitions, out):
         for k in range(len(a) - 1):
             rise = (a[k + 1] - a[k]) / n
             for j in range(n):
-                at = a[k] + j * rise
-                x, v = (
-                    m[0, 0] * x + m[0, 1] * v + m[0, 2] * at + m[0, 3] * rise,
-                    m[1, 0] * x + m[1, 1] * v + m[1, 2] * at + m[1, 3] * rise,
-                )
+                x, v = _advance(m, a[k] + j * rise, rise, x, v)
                 peak = max(peak, abs(x))
         out[i] = peak
+
+
+@entry()
+def _rotated_peaks(a, b, cosines, sines, parts, transitions, out):
+    """Largest |x cos + y sin| at the ends of the parts, for each oscillator and angle: out (m, angles). a and b drive x and y.
+
+    No angle sees more than sqrt(x^2 + y^2): where that lies below the peaks of all angles, none is looked at.
+    """
+    for i in range(len(out)):
+        m, n, peaks = transitions[i], parts[i], out[i]
+        x, v, y, w, least = 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(len(a) - 1):
+            rise, other = (a[k + 1] - a[k]) / n, (b[k + 1] - b[k]) / n
+            for j in range(n):
+                x, v = _advance(m, a[k] + j * rise, rise, x, v)
+                y, w = _advance(m, b[k] + j * other, other, y, w)
+                if x * x + y * y > least * least:
+                    for angle in range(len(peaks)):
+                        peaks[angle] = max(peaks[angle], abs(x * cosines[angle] + y * sines[angle]))
+                    least = peaks.min()
+
+
+@entry()
+def _history(a, parts, transition, x, v):
+    """x and x' of one oscillator at the samples, from rest."""
+    x[0], v[0] = 0.0, 0.0
+    at_x, at_v = 0.0, 0.0
+    for k in range(len(a) - 1):
+        rise = (a[k + 1] - a[k]) / parts
+        for j in range(parts):
+            at_x, at_v = _advance(transition, a[k] + j * rise, rise, at_x, at_v)
+        x[k + 1], v[k + 1] = at_x, at_v

@@ -16,26 +16,38 @@ def record(
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help='A key of [[loads]] kind = "record": units=g, window=[5,17].')
     ] = None,
+    measure: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME", help='Intensity measure to print instead of Sa at five periods: "Sa(0.5)", "FIV3(0.5)"; as often as needed.'
+        ),
+    ] = None,
 ) -> None:
     """Draw a record: acceleration, velocity, displacement and response spectrum, before and after its correction; and print its numbers.
+
+    Measures are PGA, PGV, PGD, Arias, CAV, D5-95, Sa(T, damping), AvgSA(from, to, count, damping), Housner(damping), FIV3(T, alpha, beta).
 
     \b
     Examples:
       masonry-cd record elcentro.AT2 -o elcentro.png
       masonry-cd record aqv.csv -o aqv.png --set column=ns_m_s2 --set window=[5.0,17.0]
+      masonry-cd record elcentro.AT2 -o elcentro.png --measure "Sa(0.5)" --measure "AvgSA(0.1,1.0)"
     """
     with errors_reported():
         from loads.picture import file_picture
         from loads.signal.accelerogram import Accelerogram, describe_both
+        from loads.signal.measures import in_words, of_one_component
         from loads.signal.plausible import doubts
         from masonry_cd.app.scene_text import parse_change
         from masonry_cd.errors import InputError
 
         if not file.exists():
             raise InputError(f"{file}: no such record")
+        measures = of_one_component(measure, "--measure")
         keys = dict(parse_change(change) for change in set_ or ())
         processed = file_picture(file, output, **keys)
         correction = str(keys.get("correction", Accelerogram.model_fields["correction"].default))
         typer.echo("\n".join(describe_both(file.name, processed, correction)))
+        typer.echo(f"{file.name}   {in_words(measures, {'x': processed.after})}")
         typer.echo(f"written: {output}")
         warn(doubts(processed, correction, file.name))

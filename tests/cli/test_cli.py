@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -546,10 +547,27 @@ def test_record_draws_a_picture_and_names_a_misspelt_key(tmp_path):
     result = masonry_cd("record", file, "-o", tmp_path / "shock.png")
     assert result.exit_code == 0, result.output
     assert (tmp_path / "shock.png").stat().st_size > 10_000
+    assert re.search(r"Arias intensity \S+ m/s, CAV \S+ m/s, significant duration \S+ s", result.stdout)
+    assert re.search(r"Sa\(0\.1\) \S+ m/s2, .*Sa\(2\) \S+ m/s2\n", result.stdout)
     result = masonry_cd("record", file, "-o", tmp_path / "other.png", "--set", "colum=a_m_s2")
     assert result.exit_code == 2
     assert 'did you mean "column"' in result.output
     assert not (tmp_path / "other.png").exists()
+
+
+def test_record_prints_the_measures_asked_for_and_names_others_before_it_draws(tmp_path):
+    file = tmp_path / "pulse.csv"
+    file.write_text("time_s,a_m_s2\n" + "".join(f"{0.01 * k:.2f},2.0\n" for k in range(301)))
+    asked = ("record", file, "-o", tmp_path / "p.png", "--set", "correction=none", "--measure")
+    result = masonry_cd(*asked, "CAV", "--measure", "Sa(0.5, 0)", "--measure", "PGV")
+    assert result.exit_code == 0, result.output
+    assert "pulse.csv   CAV 6 m/s, Sa(0.5,0) 4 m/s2, PGV 6 m/s\n" in result.stdout
+    (tmp_path / "p.png").unlink()
+    for text, message in (("PGB", 'unknown intensity measure "PGB"'), ("PGA:rotd50", 'PGA:rotd50: one record has no "rotd50"')):
+        result = masonry_cd(*asked, text)
+        assert result.exit_code == 2
+        assert f"--measure: {message}" in result.output
+        assert not (tmp_path / "p.png").exists()
 
 
 def test_reports_write_the_damage_by_part_and_maps_at_times(block_on_plate, tmp_path):

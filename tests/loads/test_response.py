@@ -8,7 +8,7 @@ import pytest
 from loads.motion import STANDARD_GRAVITY
 from loads.signal.baseline import integrate
 from loads.signal.intensity import arias, intensity, significant_window
-from loads.signal.response import default_periods, response_spectrum
+from loads.signal.response import Oscillators, default_periods, response_spectrum
 
 
 def sine_response(period: float, damping: float, forcing: float, times: np.ndarray) -> np.ndarray:
@@ -42,6 +42,26 @@ def test_spectrum_of_a_constant_acceleration_does_not_depend_on_the_sampling(ste
     got = response_spectrum(np.full(round(4.0 / step) + 1, 3.0), step, periods, xi)
     peak = 3.0 * (1.0 + np.exp(-np.pi * xi / np.sqrt(1.0 - xi**2)))
     assert got.acceleration == pytest.approx(peak, rel=4e-3)
+
+
+def test_peaks_all_around_are_those_of_the_rotated_motions() -> None:
+    """A circular motion that grows slowly: a direction sees its peak little above those of the others."""
+    t = 0.01 * np.arange(1001)
+    x, y = np.exp(0.02 * t) * np.cos(9.0 * t), np.exp(0.02 * t) * np.sin(9.0 * t)
+    oscillators, angles = Oscillators(np.array([0.05, 0.3, 2.0]), 0.01, 0.05), np.radians(np.arange(0.0, 180.0, 7.0))
+    wanted = np.stack([oscillators.peaks(np.cos(angle) * x + np.sin(angle) * y) for angle in angles], axis=1)
+    assert oscillators.rotated_peaks(x, y, angles) == pytest.approx(wanted, rel=1e-12)
+
+
+@pytest.mark.parametrize("step", [0.02, 0.3])
+def test_the_history_of_an_oscillator_under_a_constant_acceleration(step: float) -> None:
+    """Samples of x = -a / w^2 (1 - e^(-xi w t) (cos w_d t + xi w / w_d sin w_d t)) and x' = -a / w_d e^(-xi w t) sin w_d t."""
+    w, xi, t = 2.0 * np.pi / 0.7, 0.1, step * np.arange(20)
+    wd = w * np.sqrt(1.0 - xi**2)
+    x, v = Oscillators(np.array([0.7]), step, xi).history(np.full(20, 3.0))
+    decay = np.exp(-xi * w * t)
+    assert x == pytest.approx(-3.0 / w**2 * (1.0 - decay * (np.cos(wd * t) + xi * w / wd * np.sin(wd * t))), abs=1e-13)
+    assert v == pytest.approx(-3.0 / wd * decay * np.sin(wd * t), abs=1e-13)
 
 
 def test_both_ends_of_the_spectrum_are_those_of_the_ground() -> None:
