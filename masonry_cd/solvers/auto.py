@@ -303,6 +303,8 @@ def turns(problem: Problem, costs: Costs, cold: bool) -> list[tuple[int, int]]:
     sweeps = min(int(allowed / sweep(problem)), SWEEPS[1])
     packed = [(INTERIOR, one_start), (NLGS, sweeps), (NEWTON, NEWTON_LIMIT)] if sweeps >= SWEEPS[0] else []
     pivots = [(PIVOTING, one_start)] if pivoting.applies(problem) else []
+    if cold and pivots:  # from nothing the interior point method mostly needs one start, and half as many factorisations
+        pivots = [(INTERIOR, one_start), *pivots]
     return [*packed, *pivots, (INTERIOR, interior.affordable(budget / costs[NEWTON])), (NEWTON, NEWTON_LIMIT)]
 
 
