@@ -20,10 +20,10 @@ from masonry_cd.cli.record import record
 from masonry_cd.cli.report import report
 from masonry_cd.cli.run import run
 from masonry_cd.cli.solve import solve
+from masonry_cd.cli.view import view
 
 app = typer.Typer(
     name="masonry-cd",
-    add_completion=False,
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -50,5 +50,5 @@ def _root(
     """
 
 
-for command in (run, build, report, export, compare, record, modal, solve, accuracy):  # in the order of the help text
+for command in (run, build, report, view, export, compare, record, modal, solve, accuracy):  # in the order of the help text
     app.command()(command)
