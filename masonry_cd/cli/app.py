@@ -19,6 +19,7 @@ from masonry_cd.cli.modal import modal
 from masonry_cd.cli.record import record
 from masonry_cd.cli.report import report
 from masonry_cd.cli.run import run
+from masonry_cd.cli.schema import schema
 from masonry_cd.cli.solve import solve
 from masonry_cd.cli.view import view
 
@@ -50,5 +51,5 @@ def _root(
     """
 
 
-for command in (run, build, report, view, export, compare, record, modal, solve, accuracy):  # in the order of the help text
+for command in (run, build, report, view, export, compare, record, modal, solve, accuracy, schema):  # in the order of the help text
     app.command()(command)
