@@ -36,7 +36,7 @@ def key_texts(model: type[BaseModel]) -> dict[str, str]:
         if part is not BaseModel and issubclass(part, BaseModel):
             texts |= _docstrings(part)
     texts |= {name: field.description for name, field in model.model_fields.items() if field.description}
-    return {name: " ".join(text.split()) for name, text in texts.items() if name in model.model_fields}
+    return {name: " ".join(text.replace("``", "").split()) for name, text in texts.items() if name in model.model_fields}
 
 
 def rows(*models: type[BaseModel]) -> Callable[[Schema], None]:
@@ -80,6 +80,11 @@ class _WithTexts(GenerateJsonSchema):
 
     ignored_warning_kinds = {"skipped-choice", "non-serializable-default"}  # noqa: RUF012
 
+    def encode_default(self, dft: Any) -> Any:
+        """A default as JSON takes it; lists of numbers stay as they are, since inf would become null."""
+        numbers = isinstance(dft, tuple) and all(isinstance(number, float) for number in dft)
+        return list(dft) if numbers else super().encode_default(dft)
+
     def model_schema(self, schema: Any) -> Any:
         made = super().model_schema(schema)
         for name, text in key_texts(schema["cls"]).items():
@@ -107,6 +112,9 @@ def _plain(schema: Any, definitions: Schema) -> Any:
     fallback = schema.pop("default", None)
     if fallback is not None and _is_finite(fallback):
         schema["default"] = fallback[0] if _is_single(fallback, choices) else fallback
+    elif fallback is not None and "description" in schema:
+        said = ", ".join(f"{number:g}" for number in (fallback if isinstance(fallback, (list, tuple)) else [fallback]))
+        schema["description"] = f"{schema['description'].rstrip('.')}; by default [{said}]."
     properties = schema.pop("properties", None)
     for name in ("title", "$defs"):
         schema.pop(name, None)

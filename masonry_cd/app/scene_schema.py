@@ -49,8 +49,8 @@ def scene_schema() -> Schema:
 def structure_schema(kind: str) -> Schema:
     """The schema of ``[structure]`` for a kind: its own keys, and those of every kind."""
     model = table_of(kind)
-    own = {"type": "object", "properties": {}} if model is None else table_schema(model)
-    about = {"const": kind, "description": _first_sentence(f"structures.kinds.{kind}")}
+    own: Schema = {"type": "object", "properties": {}} if model is None else table_schema(model)
+    about: Schema = {"const": kind, "description": _first_sentence(f"structures.kinds.{kind}")}
     own["properties"] = {"kind": about} | own["properties"] | table_schema(CommonTable)["properties"]
     own["required"] = ["kind", *own.get("required", [])]
     return own
