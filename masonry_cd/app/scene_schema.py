@@ -10,15 +10,12 @@ import ast
 import importlib.util
 from pathlib import Path
 
-from loads import KINDS as LOADS
 from masonry_cd.app.scene import SceneTables
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.model.materials import Material
 from masonry_cd.table_schema import DRAFT, Schema, as_text, table_schema
 from reports.damage.grades import Grades
 from reports.settings import Report
-from structures import KINDS as STRUCTURES
-from structures.tables import CommonTable, table_of
 
 TITLE = "Scene of masonry_cd"
 FILE = Path(__file__).with_name("scene.schema.json")
@@ -27,6 +24,9 @@ REFUSED = "additionalProperties"  # set to false where unknown keys are
 
 def scene_schema() -> Schema:
     """The schema of a scene file."""
+    from loads import KINDS as LOADS
+    from structures import KINDS as STRUCTURES
+
     top = table_schema(SceneTables)
     report = table_schema(Report)
     grades = table_schema(Grades)
@@ -48,6 +48,8 @@ def scene_schema() -> Schema:
 
 def structure_schema(kind: str) -> Schema:
     """The schema of ``[structure]`` for a kind: its own keys, and those of every kind."""
+    from structures.tables import CommonTable, table_of
+
     model = table_of(kind)
     own: Schema = {"type": "object", "properties": {}} if model is None else table_schema(model)
     about: Schema = {"const": kind, "description": _first_sentence(f"structures.kinds.{kind}")}
@@ -58,7 +60,9 @@ def structure_schema(kind: str) -> Schema:
 
 def load_schema(kind: str) -> Schema:
     """The schema of ``[[loads]]`` for a kind."""
-    table = LOADS[kind].table
+    from loads import KINDS
+
+    table = KINDS[kind].table
     own = table_schema(table)
     about: Schema = {"const": kind, "description": _first_sentence(table.__module__)}
     own["properties"] = {**own["properties"], "kind": about}

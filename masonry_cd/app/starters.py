@@ -20,7 +20,6 @@ from masonry_cd.model.materials import Material
 from masonry_cd.table_schema import Schema, table_schema
 from reports.damage.grades import Grades
 from reports.settings import Report
-from structures import KINDS
 
 SCHEMA = "masonry-cd.schema.json"  # beside the scene, so that both may be moved and shared
 COLUMN, WIDTH = 36, 138  # where texts begin and end
@@ -41,11 +40,9 @@ MATERIAL = {"density": 2200.0, "friction": 0.6}
 LOAD = {"kind": "sinusoidal", "direction": "x", "amplitude": 0.2, "frequency": 2.0, "cycles": 5}
 RUN = {"dt": 2e-3, "duration": 4.0, "tolerance": 1e-6}
 REPORT = {"crack_map": True, "html": True}
-GEO = """// A wall of 3 x 0.5 x 2 m with a door: put your own solid in its place, or name a .step file.
+GEO = """// A wall of 3 x 0.5 x 2 m: put your own solid in its place, or name a .step file.
 SetFactory("OpenCASCADE");
 Box(1) = {0, 0, 0, 3.0, 0.5, 2.0};
-Box(2) = {1.0, 0, 0, 1.0, 0.5, 1.0};
-BooleanDifference{ Volume{1}; Delete; }{ Volume{2}; Delete; }
 """
 
 
@@ -63,6 +60,8 @@ def write_starter(kind: str, path: Path, force: bool) -> list[Path]:
     Raises:
         InputError: an unknown kind, or a file that is there already.
     """
+    from structures import KINDS
+
     if kind not in KINDS:
         raise InputError(f'"{kind}": no such kind of structure{suggest(kind, KINDS)}; kinds: {", ".join(KINDS)}')
     texts = {path: starter(kind, path), path.with_name(SCHEMA): schema_text()}
