@@ -6,6 +6,7 @@ import copy
 import json
 import tomllib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,10 +14,17 @@ from json_schema import faults
 from places import EXAMPLES, ROOT
 from typer.testing import CliRunner
 
+import loads
+import structures
 from loads import KINDS as LOADS
+from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_schema import FILE, scene_schema, schema_text
+from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.cli.app import app
 from masonry_cd.dynamics.settings import Run
+from masonry_cd.errors import InputError
+from masonry_cd.model.blocks import Assembly
+from reports.damage.grades import read_grades
 from reports.settings import Report
 from structures import KINDS as STRUCTURES
 from structures.tables import table_of
@@ -48,6 +56,16 @@ def keys(schema: Any, where: str = "") -> Iterator[tuple[str, dict[str, Any]]]:
             yield from keys(schema.get(word), where)
 
 
+def read(scene: dict[str, Any], folder: Path) -> None:
+    """Read a scene as a run does, up to its blocks and loads."""
+    path = folder / "scene.toml"
+    path.write_text(dump_toml(scene), encoding="utf-8")
+    asked = read_scene(path)
+    read_grades(asked.report.grades)
+    blocks = structures.build(asked.structure, asked.material.density, folder)
+    loads.build(asked.loads, asked.run.dt, 10, asked.run.gravity, folder, Assembly.from_blocks(blocks, 0.5))
+
+
 def test_the_file_in_the_package_is_what_is_generated():
     assert FILE.read_text(encoding="utf-8") == schema_text(), "write it anew: masonry-cd schema -o masonry_cd/app/scene.schema.json"
 
@@ -71,8 +89,8 @@ def test_every_kind_is_in_it_with_all_of_its_keys(schema):
         model = table_of(kind)
         assert model is not None
         assert found == set(model.model_fields) | {"kind", "most_blocks", "foundations", "noise"}
-    loads = {kind["properties"]["kind"]["const"]: set(kind["properties"]) for kind in tables["loads"]["items"]["oneOf"]}
-    assert loads == {kind: set(load.table.model_fields) for kind, load in LOADS.items()}
+    shaking = {kind["properties"]["kind"]["const"]: set(kind["properties"]) for kind in tables["loads"]["items"]["oneOf"]}
+    assert shaking == {kind: set(load.table.model_fields) for kind, load in LOADS.items()}
     assert set(tables["run"]["properties"]) == set(Run.model_fields)
     assert set(tables["report"]["properties"]) == set(Report.model_fields)
 
@@ -107,27 +125,31 @@ def test_the_examples_fit(schema, path):
         ("report", "grades", {"widths": [1e-3, 2e-3, 3e-3, 4e-3, 5e-3]}),
     ],
 )
-def test_what_the_reader_refuses_does_not_fit(schema, table, key, value):
+def test_what_the_reader_refuses_does_not_fit(schema, table, key, value, tmp_path):
     scene = copy.deepcopy(ARCH)
     assert faults(scene, schema) == []
     scene.setdefault(table, {})[key] = value
     assert faults(scene, schema)
+    with pytest.raises(InputError):
+        read(scene, tmp_path)
 
 
 @pytest.mark.parametrize(
     "change", [{"kind": "sine"}, {"direction": "w"}, {"amplitud": 1.0}, {"frequency": 0.0}, {"delay": {"velocity": 1.0}}]
 )
-def test_a_load_that_the_reader_refuses_does_not_fit(schema, change):
+def test_a_load_that_the_reader_refuses_does_not_fit(schema, change, tmp_path):
     scene = copy.deepcopy(ARCH)
     scene["loads"][0] |= change
     assert faults(scene, schema)
+    with pytest.raises(InputError):
+        read(scene, tmp_path)
 
 
 @pytest.mark.parametrize(
     ("table", "key", "value"),
     [
         ("structure", "abutment", False),
-        ("structure", "foundations", {"x": [-1.0, 1.0]}),
+        ("structure", "foundations", {"x": [-2.2, 2.2]}),
         ("structure", "noise", {"size": 1e-6}),
         ("material", "friction", {"default": 0.6, "arch-base": 0.9}),
         ("material", "joints", {"normal_stiffness": 1e9}),
@@ -138,10 +160,11 @@ def test_a_load_that_the_reader_refuses_does_not_fit(schema, change):
         ("report", "grades", {"drift": [1e-3, 2e-3, 3e-3, 4e-3, float("inf")]}),
     ],
 )
-def test_what_the_reader_takes_fits(schema, table, key, value):
+def test_what_the_reader_takes_fits(schema, table, key, value, tmp_path):
     scene = copy.deepcopy(ARCH)
     scene.setdefault(table, {})[key] = value
     assert faults(scene, schema) == []
+    read(scene, tmp_path)
 
 
 def test_only_a_block_file_does_without_a_density(schema):

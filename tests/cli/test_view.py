@@ -82,3 +82,4 @@ def test_a_shell_completes_commands_and_options():
     assert {"run", "record", "report"} <= completed("masonry-cd r")
     assert "build" not in completed("masonry-cd r")
     assert completed("masonry-cd run --res") == {"--resume"}
+    assert completed("masonry-cd init a") == {"aqueduct", "arch"}
