@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
 
 from masonry_cd.fields import is_number
 from masonry_cd.model.blocks import Assembly
@@ -137,7 +137,9 @@ def parse_direction(value: object) -> Direction:
     )
 
 
-DirectionKey = Annotated[Direction, BeforeValidator(parse_direction)]
+_AXIS = {"enum": [sign + axis for axis in AXES for sign in ("", "-")]}
+_VECTOR: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
+DirectionKey = Annotated[Direction, BeforeValidator(parse_direction), WithJsonSchema({"anyOf": [_AXIS, _VECTOR]})]
 
 
 def smooth_step(x: np.ndarray) -> np.ndarray:

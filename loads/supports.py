@@ -29,8 +29,11 @@ class Delay(BaseModel):
     model_config = strict
 
     direction: DirectionKey | None = None
-    speed: Annotated[float, Field(gt=0.0)] | None = None  # apparent, along the direction [m/s]
-    seconds: dict[str, Instant] | None = None  # supports that are not named: 0 [s]
+    """In which the motion travels."""
+    speed: Annotated[float, Field(gt=0.0)] | None = None
+    """Apparent, along the direction [m/s]."""
+    seconds: dict[str, Instant] | None = None
+    """Lag by names of supports or groups; none for those not named [s]."""
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -54,8 +57,10 @@ class Delay(BaseModel):
 class ShakingTable(LoadTable):
     """What all loads have in common that move the base to and fro."""
 
-    start: Instant = 0.0  # time of the run at which the motion begins [s]
-    delay: Delay | None = None  # all supports move together without it
+    start: Instant = 0.0
+    """Time of the run at which the motion begins [s]."""
+    delay: Delay | None = None
+    """Lag from support to support; all move together when not given."""
 
     def delay_of_blocks(self, grid: RunGrid, where: str) -> np.ndarray | None:
         """(B,) [s], or None where all supports move together."""

@@ -28,6 +28,11 @@ def _names_of_extra(value: object) -> object:
     return names
 
 
+def _known_extra(schema: dict[str, Any]) -> None:
+    """What the JSON schema says of them."""
+    schema["items"] = {"enum": [*EXTRA]}
+
+
 class Report(Table):
     """The table ``[report]``: what is drawn after the run."""
 
@@ -58,7 +63,7 @@ class Report(Table):
     html: Flag = False
     """Write report.html, a page that shows the run."""
 
-    extra: Annotated[tuple[str, ...], BeforeValidator(_names_of_extra)] = ()
+    extra: Annotated[tuple[str, ...], BeforeValidator(_names_of_extra), Field(json_schema_extra=_known_extra)] = ()
     """Further reports by name: "energy" draws energy.png, what was put in, where it went, the balance."""
 
     @property

@@ -35,7 +35,7 @@ class OpeningTable(Table):
     width: Length = Field(1.0, description="clear [m]")
     sill: Height = Field(0.0, description="height of the sill above the foot of the wall [m]")
     height: Length = Field(2.0, description="clear, from the sill to the crown of the intrados [m]")
-    head: HeadShape = "lintel"
+    head: HeadShape = Field("lintel", description="what closes it at the top")
     depth: Length | None = Field(None, description="of the lintel or of the arch; by default a course or a fifth of the width [m]")
     rise: Length | None = Field(None, description="of a segmental arch; by default a sixth of the width [m]")
     bearing: Length | None = Field(None, description="of a lintel on each jamb; by default a third of a block [m]")

@@ -64,20 +64,35 @@ class SpectrumMatch(BaseModel):
     model_config = strict
 
     spectrum: Literal["EC8", "NTC"]
-    ag: Positive  # on rock [m/s2]
+    """Of Eurocode 8 or of the Italian code NTC."""
+    ag: Positive
+    """Peak ground acceleration on rock [m/s2]."""
     ground: Literal["A", "B", "C", "D", "E"] = "A"
-    type: Literal[1, 2] | None = None  # EC8 only; 1 when left out
-    f0: Positive | None = None  # NTC only
-    tc_star: Span | None = None  # NTC only [s]
-    topography: Literal["T1", "T2", "T3", "T4"] | None = None  # NTC only; T1 when left out
+    """Ground type."""
+    type: Literal[1, 2] | None = None
+    """Of the spectrum, EC8 only; 1 when not given."""
+    f0: Positive | None = None
+    """Largest amplification at the site, NTC only."""
+    tc_star: Span | None = None
+    """Where the constant velocity of the spectrum begins at the site, NTC only [s]."""
+    topography: Literal["T1", "T2", "T3", "T4"] | None = None
+    """Category of the site, NTC only; T1 when not given."""
     vertical: bool = False
-    period: Span | None = None  # T1: the spectrum is matched from 0.2 to 2 T1 [s]
-    periods: Annotated[tuple[float, float] | None, BeforeValidator(_range)] = None  # or in this range; 0.15 to 2 s when left out
-    tolerance: Annotated[float, Field(ge=0.03, le=0.5)] = 0.10  # of the ratio to the target
-    rise: Span = 2.0  # [s]
-    level: Span = 10.0  # [s]
-    duration: Annotated[float, Field(gt=0.0, le=LONGEST_MOTION)] = 25.0  # [s]
+    """Match the vertical spectrum."""
+    period: Span | None = None
+    """T1 of the structure: the spectrum is met from 0.2 to 2 T1 [s]."""
+    periods: Annotated[tuple[float, float] | None, BeforeValidator(_range)] = None
+    """Or the range in which it is met, [from, to]; 0.15 to 2 when not given [s]."""
+    tolerance: Annotated[float, Field(ge=0.03, le=0.5)] = 0.10
+    """Of the ratio of the spectrum to its target."""
+    rise: Span = 2.0
+    """Of the envelope, to its full value [s]."""
+    level: Span = 10.0
+    """Of the envelope, at its full value [s]."""
+    duration: Annotated[float, Field(gt=0.0, le=LONGEST_MOTION)] = 25.0
+    """Of the whole motion [s]."""
     seed: Annotated[int, Field(ge=0)] = 0
+    """Of the noise from which it is made."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -121,6 +136,7 @@ class ArtificialTable(SpectrumMatch, ShakingTable):
 
     kind: Literal["artificial"] = "artificial"
     direction: DirectionKey
+    """Axis ("x", "-y" ...) or vector along which the base moves."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -83,10 +83,15 @@ class PointTable(LoadTable):
 
     kind: Literal["point"] = "point"
     block: str
-    force: VectorKey  # [N]
-    point: Annotated[Vector | None, BeforeValidator(_vector)] = None  # at the start, in the world [m]; the centre of mass when left out
-    start: Instant = 0.0  # [s]
-    ramp: Instant = 0.0  # time in which it grows linearly [s]
+    """Its name."""
+    force: VectorKey
+    """A vector [N]."""
+    point: Annotated[Vector | None, BeforeValidator(_vector)] = None
+    """Of attack, as built, in the world; the centre of mass when not given [m]."""
+    start: Instant = 0.0
+    """When the force begins [s]."""
+    ramp: Instant = 0.0
+    """Time in which it grows linearly [s]."""
 
 
 class TieTable(LoadTable):
@@ -94,12 +99,19 @@ class TieTable(LoadTable):
 
     kind: Literal["tie"] = "tie"
     blocks: Annotated[tuple[str, str], BeforeValidator(_pair)]
-    points: Annotated[tuple[Vector, Vector] | None, BeforeValidator(_points)] = None  # at the start [m]; centres of mass when left out
-    diameter: Positive | None = None  # [m]
-    area: Positive | None = None  # or [m2]
-    modulus: Positive = 2.1e11  # E, of steel [Pa]
-    tension: NotNegative = 0.0  # N_0 [N]
-    damping: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.02  # xi
+    """Names of the two blocks."""
+    points: Annotated[tuple[Vector, Vector] | None, BeforeValidator(_points)] = None
+    """Its ends, as built; the centres of mass when not given [m]."""
+    diameter: Positive | None = None
+    """Of its section [m]."""
+    area: Positive | None = None
+    """Or the area of its section [m2]."""
+    modulus: Positive = 2.1e11
+    """Young's modulus, by default that of steel [Pa]."""
+    tension: NotNegative = 0.0
+    """At the start [N]."""
+    damping: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.02
+    """Share of the critical damping."""
 
     @model_validator(mode="after")
     def _one_section(self) -> Self:

@@ -18,7 +18,8 @@ class GravityTable(LoadTable):
     """Keys of ``kind = "gravity"``."""
 
     kind: Literal["gravity"] = "gravity"
-    ramp: Instant = 0.0  # [s]
+    ramp: Instant = 0.0
+    """Time in which gravity smoothly comes to its full value [s]."""
 
 
 def gravity(table: GravityTable, grid: RunGrid, where: str) -> Part:

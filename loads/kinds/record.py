@@ -30,7 +30,9 @@ class RecordTable(Scaled, Accelerogram, ShakingTable):
 
     kind: Literal["record"] = "record"
     direction: DirectionKey
-    rotate: float = 0.0  # of the direction about z, counter-clockwise seen from above [degrees]
+    """Axis ("x", "-y" ...) or vector along which the base moves."""
+    rotate: float = 0.0
+    """Turns the direction about z, counter-clockwise seen from above [degrees]."""
 
 
 def record(table: RecordTable, grid: RunGrid, where: str) -> Part:

@@ -32,6 +32,7 @@ from loads.signal.plausible import doubts
 from loads.supports import ShakingTable
 from masonry_cd.errors import parse_table
 from masonry_cd.fields import Span, is_number
+from masonry_cd.table_schema import rows
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -49,20 +50,25 @@ class Recorded(Accelerogram):
     """A recorded component of a shock."""
 
     direction: DirectionKey
+    """Axis ("x", "-y" ...) or vector along which the base moves."""
 
 
 class Artificial(SpectrumMatch):
     """An artificial component of a shock."""
 
     direction: DirectionKey
+    """Axis ("x", "-y" ...) or vector along which the base moves."""
 
 
 class ShockTable(Scaled):
     """One shock: ``[[loads.shocks]]``; ``target_pga`` is that of its strongest component."""
 
     name: Annotated[str, Field(min_length=1, max_length=40)] | None = None
-    components: Annotated[list[dict[str, Any]], Field(min_length=1)]  # of Recorded or Artificial
-    rotate: float = 0.0  # of all directions about z, counter-clockwise seen from above [degrees]
+    """Of the shock, in tables and closing lines."""
+    components: Annotated[list[dict[str, Any]], Field(min_length=1, json_schema_extra=rows(Recorded, Artificial))]
+    """Each with a direction, and the keys of a record or of an artificial accelerogram."""
+    rotate: float = 0.0
+    """Turns all directions about z, counter-clockwise seen from above [degrees]."""
 
 
 class SequenceTable(ShakingTable):
@@ -70,10 +76,15 @@ class SequenceTable(ShakingTable):
 
     kind: Literal["sequence"] = "sequence"
     shocks: Annotated[list[ShockTable], Field(min_length=1)]
+    """In their order in time."""
     rest: Annotated[float | str, BeforeValidator(_rest)] = "still"
-    longest_rest: Span = 20.0  # [s]
-    still: Positive = 1e-3  # speed below which a block counts as still [m/s]
-    hold: Span = 0.5  # how long all have to be [s]
+    """After each shock [s], or "still": until the structure is."""
+    longest_rest: Span = 20.0
+    """At most, where it waits for the structure to be still [s]."""
+    still: Positive = 1e-3
+    """Speed below which a block counts as still [m/s]."""
+    hold: Span = 0.5
+    """How long all blocks have to be still [s]."""
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,10 @@ middle and length being those of the supports along d. The outermost ones part b
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, Part, RunGrid
 from loads.supports import select_supports, structure
@@ -40,29 +40,40 @@ def _names(value: object) -> tuple[str, ...] | None:
     return tuple(names)
 
 
-Names = Annotated[tuple[str, ...] | None, BeforeValidator(_names)]
+_NAMES: dict[str, Any] = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]}
+Names = Annotated[tuple[str, ...] | None, BeforeValidator(_names), WithJsonSchema(_NAMES)]
 
 
 class SettlementTable(LoadTable):
     """Keys of ``kind = "settlement"``."""
 
     kind: Literal["settlement"] = "settlement"
-    supports: Annotated[tuple[str, ...], BeforeValidator(_names)]  # blocks, groups, or patterns with *
-    direction: DirectionKey = Direction((0.0, 0.0, -1.0), "-z")
-    displacement: float  # [m]
-    start: Instant = 0.0  # [s]
-    duration: Span  # [s]
+    supports: Annotated[tuple[str, ...], BeforeValidator(_names), WithJsonSchema(_NAMES)]
+    """Names of fixed blocks or groups; * stands for any letters."""
+    direction: Annotated[DirectionKey, Field(json_schema_extra={"default": "-z"})] = Direction((0.0, 0.0, -1.0), "-z")
+    """Axis or vector along which they move."""
+    displacement: float
+    """How far they move [m]."""
+    start: Instant = 0.0
+    """When they begin to move [s]."""
+    duration: Span
+    """How long they move [s]."""
 
 
 class SpreadingTable(LoadTable):
     """Keys of ``kind = "spreading"``."""
 
     kind: Literal["spreading"] = "spreading"
-    supports: Names = None  # all when left out
+    supports: Names = None
+    """Names of fixed blocks or groups; all when not given."""
     direction: DirectionKey
-    displacement: float  # by which the outermost supports part [m]
-    start: Instant = 0.0  # [s]
-    duration: Span  # [s]
+    """Axis or vector along which the ground stretches."""
+    displacement: float
+    """By which the outermost supports part [m]."""
+    start: Instant = 0.0
+    """When they begin to move [s]."""
+    duration: Span
+    """How long they move [s]."""
 
 
 def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:

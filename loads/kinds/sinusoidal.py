@@ -35,11 +35,17 @@ class SinusoidalTable(ShakingTable):
 
     kind: Literal["sinusoidal"] = "sinusoidal"
     direction: DirectionKey
-    amplitude: float  # C [m/s]
-    frequency: Positive  # f [Hz]
+    """Axis ("x", "-y" ...) or vector along which the base moves."""
+    amplitude: float
+    """C, of the velocity [m/s]."""
+    frequency: Positive
+    """f [Hz]."""
     cycles: Positive | None = None
-    duration: Span | None = None  # [s]
-    ramp: Instant = 0.0  # [s]
+    """How many; give cycles or duration."""
+    duration: Span | None = None
+    """How long, instead of cycles [s]."""
+    ramp: Instant = 0.0
+    """Smooth rise and fall of the amplitude at either end [s]."""
 
     @model_validator(mode="after")
     def _one_length(self) -> Self:

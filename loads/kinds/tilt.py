@@ -35,12 +35,18 @@ class TiltTable(LoadTable):
     """Keys of ``kind = "tilt"``."""
 
     kind: Literal["tilt"] = "tilt"
-    direction: DirectionKey | None = None  # to which the structure leans
-    axis: DirectionKey | None = None  # or: about which gravity turns, by the right-hand rule
-    rate: Positive  # [degrees/s]
-    initial: Annotated[float, Field(ge=0.0, lt=90.0)] = 0.0  # angle from the first step on [degrees]
-    angle: Annotated[float, Field(gt=0.0, le=90.0)] | None = None  # at which it stops [degrees]
-    start: Instant = 0.0  # [s]
+    direction: DirectionKey | None = None
+    """To which the structure leans."""
+    axis: DirectionKey | None = None
+    """Or: about which gravity turns, by the right-hand rule."""
+    rate: Positive
+    """Of the angle [degrees/s]."""
+    initial: Annotated[float, Field(ge=0.0, lt=90.0)] = 0.0
+    """Angle from the first step on [degrees]."""
+    angle: Annotated[float, Field(gt=0.0, le=90.0)] | None = None
+    """At which it stops [degrees]."""
+    start: Instant = 0.0
+    """When it begins [s]."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -56,10 +62,15 @@ class PushTable(LoadTable):
 
     kind: Literal["push"] = "push"
     direction: DirectionKey
-    rate: Positive  # of lambda [1/s], that is g per second
-    initial: NotNegative = 0.0  # lambda from the first step on
-    peak: Positive | None = None  # lambda at which it stops
-    start: Instant = 0.0  # [s]
+    """Axis or vector along which the body force acts."""
+    rate: Positive
+    """Of lambda, the share of the weight [1/s]."""
+    initial: NotNegative = 0.0
+    """Lambda from the first step on."""
+    peak: Positive | None = None
+    """Lambda at which it stops."""
+    start: Instant = 0.0
+    """When it begins [s]."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -75,17 +75,29 @@ class Accelerogram(BaseModel):
     model_config = strict
 
     path: str
+    """Of the record, relative to the scene file."""
     format: Literal["auto", "at2", "esm", "knet", "mseed", "csv", "columns"] = "auto"
-    column: Column = None  # heading, or place counted from 0; channel of miniSEED
-    units: str | None = None  # of the accelerations
-    calibration: Annotated[float, Field(gt=0.0)] | None = None  # what one count means, in units; miniSEED only
-    time_step: Positive | None = None  # [s], where the file has no time column
-    window: Window | None = None  # part of the record to use, in its own time [s]
-    taper: Instant = 0.0  # [s] over which the acceleration rises and falls at the ends of the window
-    resample: Resampling = None  # to this time step [s], without aliasing
-    band: Band | None = None  # corners of a band-pass [Hz]
+    """Recognised by the content of the file when "auto"."""
+    column: Column = None
+    """Of a file with several: its heading, or its place counted from 0; the channel of miniSEED."""
+    units: str | None = None
+    """Of the accelerations, where the file does not say, as "m/s2" or "g"."""
+    calibration: Annotated[float, Field(gt=0.0)] | None = None
+    """What one count means, in units; miniSEED only."""
+    time_step: Positive | None = None
+    """Where the file has no times [s]."""
+    window: Window | None = None
+    """Part of the record to use, [from, to], in its own time [s]."""
+    taper: Instant = 0.0
+    """Over which the acceleration rises and falls at the ends of the window [s]."""
+    resample: Resampling = None
+    """To this time step [s], or to that of the "run", without aliasing."""
+    band: Band | None = None
+    """Corners of a zero-phase Butterworth band-pass, [from, to] [Hz]."""
     band_order: Annotated[int, Field(ge=1, le=8)] = 4
+    """Order of the band-pass."""
     correction: Literal["none", "linear", "quadratic", "cubic"] = "quadratic"
+    """Of the baseline."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +132,9 @@ class Scaled(BaseModel):
     model_config = strict
 
     scale: float | None = None
-    target_pga: Positive | None = None  # [m/s2]
+    """Factor on the motion."""
+    target_pga: Positive | None = None
+    """Or the peak acceleration wanted [m/s2]."""
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:

@@ -33,16 +33,23 @@ LONGEST_VALUE = 60  # characters of a --set that messages repeat
 FORMAT = 1  # of the keys of a scene; raised when an older program would misread them
 
 
-class _Tables(Table):
+class SceneTables(Table):
     """The top level of the file."""
 
     format: Annotated[int, Field(strict=True, ge=1)] = FORMAT
+    """Of the keys of this file."""
     title: str | None = None
+    """Of pictures and closing lines; the name of the file when not given."""
     structure: dict[str, Any]
+    """What stands."""
     material: dict[str, Any]
+    """What it is made of."""
     loads: list[dict[str, Any]] = Field(default_factory=list)
+    """What shakes it, [[loads]] each; they add up. Gravity acts in full without one."""
     run: dict[str, Any]
+    """How it is computed."""
     report: dict[str, Any] = Field(default_factory=dict)
+    """What is drawn and written after the run."""
 
     @field_validator("title")
     @classmethod
@@ -147,7 +154,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     if overrides:
         text = f"# {path.name} with {' '.join(f'--set {change}' for change in overrides)}\n" + dump_toml(tables)
     try:
-        top = parse_table(_Tables, tables, "")
+        top = parse_table(SceneTables, tables, "")
         if "density" not in top.material and top.structure.get("kind") != "file":
             raise InputError("material.density: missing")  # only blocks of a file may bring their own
         return Scene(

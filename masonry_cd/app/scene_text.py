@@ -94,13 +94,13 @@ def _toml_value(key: str, value: str) -> Any:
 
 def dump_toml(tables: Mapping[str, Any]) -> str:
     """Write tables as TOML: plain values first, then ``[table]`` and ``[[table]]`` sections; deeper tables inline."""
-    lines = [f"{_toml_key(key)} = {_toml_text(value)}" for key, value in tables.items() if not _is_section(value)]
+    lines = [f"{_toml_key(key)} = {toml_text(value)}" for key, value in tables.items() if not _is_section(value)]
     for key, value in tables.items():
         if _is_section(value):
             for section in [value] if isinstance(value, Mapping) else value:
                 head = _toml_key(key)
                 lines += ["", f"[{head}]" if isinstance(value, Mapping) else f"[[{head}]]"]
-                lines += [f"{_toml_key(name)} = {_toml_text(item)}" for name, item in section.items()]
+                lines += [f"{_toml_key(name)} = {toml_text(item)}" for name, item in section.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -112,12 +112,12 @@ def _toml_key(key: str) -> str:
     return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
 
 
-def _toml_text(value: object) -> str:
+def toml_text(value: object) -> str:
     """One value in TOML's notation."""
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_toml_key(key)} = {_toml_text(item)}" for key, item in value.items()) + " }"
+        return "{ " + ", ".join(f"{_toml_key(key)} = {toml_text(item)}" for key, item in value.items()) + " }"
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(_toml_text, value)) + "]"
+        return "[" + ", ".join(map(toml_text, value)) + "]"
     if isinstance(value, (str, bool)):
         return json.dumps(value, ensure_ascii=False)
     return str(value)  # numbers, inf and nan; dates print as TOML writes them

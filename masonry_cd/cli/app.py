@@ -15,15 +15,17 @@ from masonry_cd.cli.accuracy import accuracy
 from masonry_cd.cli.build import build
 from masonry_cd.cli.compare import compare
 from masonry_cd.cli.export import export
+from masonry_cd.cli.init import init
 from masonry_cd.cli.modal import modal
 from masonry_cd.cli.record import record
 from masonry_cd.cli.report import report
 from masonry_cd.cli.run import run
+from masonry_cd.cli.schema import schema
 from masonry_cd.cli.solve import solve
+from masonry_cd.cli.view import view
 
 app = typer.Typer(
     name="masonry-cd",
-    add_completion=False,
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -50,5 +52,5 @@ def _root(
     """
 
 
-for command in (run, build, report, export, compare, record, modal, solve, accuracy):  # in the order of the help text
+for command in (init, run, build, report, view, export, compare, record, modal, solve, accuracy, schema):  # in the order of the help text
     app.command()(command)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field, WithJsonSchema, model_validator
 
 from masonry_cd.fields import Count, Flag, Number, Table, Vector, is_number
 from masonry_cd.solvers.options import LARGEST_SEED, MOST_ITERATIONS
@@ -18,13 +18,14 @@ MOST_STEPS = 2e7  # of a run: some 4 GB of loads
 AUTO = "auto"  # as run.dt: the time step adapts
 LONGEST_STEP = 1e-2  # dt_max when not given [s]
 RUNGS = 5  # halvings from dt_max to the shortest step when dt_min is not given
+_STEP: dict[str, Any] = {"anyOf": [{"type": "number", "exclusiveMinimum": 0, "maximum": 0.1}, {"const": AUTO}]}
 ADAPTIVE_KEYS = ("dt_min", "dt_max", "dt_tolerance")
 
 
 class Run(Table):
     """The table ``[run]``: time, solver and output."""
 
-    dt: Annotated[Number, Field(gt=0, le=0.1)]
+    dt: Annotated[Number, Field(gt=0, le=0.1), WithJsonSchema(_STEP)]
     """Time step [s], or "auto": it adapts between dt_min and dt_max, and this is the shortest, by which the loads are sampled."""
     dt_min: Annotated[Number, Field(gt=0, le=0.1)] | None = None
     """No step is shorter [s]; with dt = "auto" only. Steps are dt_max halved as often as stays above it; 5 times when not given."""
@@ -63,7 +64,7 @@ class Run(Table):
     settle: Flag = True
     """Let elastic joints take up the weight before the run begins; else it comes upon them at once, and they swing."""
     gravity: Vector = (0.0, 0.0, -9.81)
-    """[m/s2]."""
+    """Acceleration of gravity, a vector [m/s2]."""
 
     @model_validator(mode="before")
     @classmethod

@@ -10,12 +10,17 @@ from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, WithJsonSchema, field_validator, model_validator
 
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.fields import Number, Table, is_number
+from masonry_cd.table_schema import one_or_by_name
 
 Value = TypeVar("Value")
+LIGHTEST, HEAVIEST = 30, 30000  # density [kg/m3]: from insulation to more than any metal
+ROUGHEST = 20  # coefficient of friction: beyond, an angle was meant
+_COEFFICIENT = {"type": "number", "minimum": 0, "maximum": ROUGHEST}
+_FRICTION: dict[str, Any] = {"anyOf": [_COEFFICIENT, {"type": "object", "minProperties": 1, "additionalProperties": _COEFFICIENT}]}
 Stiffness = Annotated[Number, Field(ge=1.0, le=1e20)]  # on 1 Pa such joints shorten by a metre, and by less than rounding
 
 
@@ -53,19 +58,19 @@ class JointLaw(Table):
 class Material(Table):
     """The table ``[material]``."""
 
-    density: Number | None = None
+    density: Annotated[Number, WithJsonSchema({"type": "number", "minimum": LIGHTEST, "maximum": HEAVIEST})] | None = None
     """Of every block that brings none of its own [kg/m3]; a block file whose blocks all state theirs needs none."""
-    friction: Number | dict[str, Number]
+    friction: Annotated[Number | dict[str, Number], WithJsonSchema(_FRICTION)]
     """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
-    joints: dict[str, JointLaw] = Field(default_factory=dict)
+    joints: Annotated[dict[str, JointLaw], Field(json_schema_extra=one_or_by_name(JointLaw))] = Field(default_factory=dict)
     """Laws of the joints by pair of groups, ``[material.joints.arch-base]``, and ``default``, which plain keys stand for. A joint
     without a law is rigid and dry."""
 
     @field_validator("density")
     @classmethod
     def _density_in_kg_per_m3(cls, value: float | None) -> float | None:
-        if value is not None and not 30 <= value <= 30000:
-            raise ValueError("should be between 30 and 30000 kg/m3")
+        if value is not None and not LIGHTEST <= value <= HEAVIEST:
+            raise ValueError(f"should be between {LIGHTEST} and {HEAVIEST} kg/m3")
         return value
 
     @field_validator("joints", mode="before")
@@ -89,9 +94,9 @@ class Material(Table):
             name = f'"{pair}": ' if pair else ""
             if not (is_number(mu) or isinstance(mu, float)):
                 raise ValueError(f"{name}should be a number")
-            if not 0 <= mu <= 20:
+            if not 0 <= mu <= ROUGHEST:
                 raise ValueError(
-                    f"{name}a coefficient of friction (no angle) should be between 0 and 20" + (f", got {mu:g}" if pair else "")
+                    f"{name}a coefficient of friction (no angle) should be between 0 and {ROUGHEST}" + (f", got {mu:g}" if pair else "")
                 )
         return {pair: float(mu) for pair, mu in pairs.items()} if isinstance(value, Mapping) else float(pairs[""])
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, Field
 
 from masonry_cd.solvers import SOLVERS
 
@@ -17,4 +17,9 @@ def _is_known(name: str) -> str:
     return name
 
 
-SolverName = Annotated[str, AfterValidator(_is_known)]
+def _names(schema: dict[str, Any]) -> None:
+    """What the JSON schema says of such a key."""
+    schema["enum"] = [*SOLVERS]
+
+
+SolverName = Annotated[str, AfterValidator(_is_known), Field(json_schema_extra=_names)]

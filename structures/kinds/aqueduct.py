@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
@@ -51,8 +51,14 @@ def _per_tier(unit: str, kind: type) -> Callable[[Any], tuple[Any, ...]]:
     return read
 
 
-Lengths = Annotated[tuple[float, ...], BeforeValidator(_per_tier(" [m]", float))]
-Counts = Annotated[tuple[int, ...], BeforeValidator(_per_tier("", int))]
+def _one_or_many(kind: str) -> dict[str, Any]:
+    """What the JSON schema says of such a key."""
+    one = {"type": kind, "exclusiveMinimum": 0}
+    return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1, "maxItems": 3}]}
+
+
+Lengths = Annotated[tuple[float, ...], BeforeValidator(_per_tier(" [m]", float)), WithJsonSchema(_one_or_many("number"))]
+Counts = Annotated[tuple[int, ...], BeforeValidator(_per_tier("", int)), WithJsonSchema(_one_or_many("integer"))]
 Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
@@ -61,11 +67,11 @@ class AqueductTable(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
-    tiers: int = Field(1, ge=1, le=3)
-    spans: Counts = (3,)
+    tiers: int = Field(1, ge=1, le=3, description="rows of arches on one another")
+    spans: Counts = Field((3,), description="number of arches")
     clear_span: Lengths = Field((5.0,), description="between the faces of the piers [m]")
     pier_width: Lengths = Field((2.0,), description="along the aqueduct [m]")
-    pier_courses: Counts = (8,)
+    pier_courses: Counts = Field((8,), description="below the springings")
     pier_blocks: int = Field(2, ge=1, le=2, description="blocks to a course of a pier; 2 stand in alternating bond")
     course_height: Length = Field(0.5, description="[m]")
     ring_thickness: Lengths = Field((0.6,), description="of the arches [m]")
@@ -73,7 +79,7 @@ class AqueductTable(BaseModel):
     cover: Lengths | None = Field(None, description="from the crown of the extrados to the level top; by default 1.5 courses [m]")
     width: Lengths = Field((2.0,), description="across the aqueduct, along y [m]")
     unit_length: Length | None = Field(None, description="of the blocks in the spandrels; by default 2 courses [m]")
-    ends: Literal["pier", "abutment"] = "pier"
+    ends: Literal["pier", "abutment"] = Field("pier", description="what holds the last arches")
     channel_width: Length | None = Field(None, description="clear, of a channel on top; by default there is none [m]")
     channel_height: Length | None = Field(None, description="clear, of the channel; by default its width [m]")
     base_margin: Length | None = Field(None, description="of the base around the feet; by default half the height [m]")

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.fields import is_number
@@ -37,11 +37,18 @@ def _abutment(value: Any) -> float | None:
     raise ValueError("must be true, false or the depth of the abutments above 0 [m]")
 
 
+_ABUTMENT: dict[str, Any] = {"anyOf": [{"type": "boolean"}, {"type": "number", "exclusiveMinimum": 0}]}
+
+
 class ArchTable(RingTable):
     """The [structure] table of an arch."""
 
     width: Length = Field(1.0, description="across the arch, along y [m]")
-    abutment: Annotated[float | None, BeforeValidator(_abutment)] = math.nan
+    abutment: Annotated[float | None, BeforeValidator(_abutment), WithJsonSchema(_ABUTMENT)] = Field(
+        math.nan,
+        description="true: fixed blocks at the springings; a number: their depth [m]; false: none",
+        json_schema_extra={"default": True},
+    )
     buttress_width: Length | None = Field(None, description="along x; with it the arch stands on buttresses [m]")
     buttress_height: Length | None = Field(None, description="below the springing; by default twice the width of the buttress [m]")
     buttress_courses: int | None = Field(None, ge=1, le=1000, description="by default blocks half as high as wide")

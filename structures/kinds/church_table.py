@@ -27,15 +27,15 @@ class ChurchTable(Table):
     window_width: Length = Field(1.0, description="[m]")
     window_height: Length | None = Field(None, description="by default 2.5 m, or what a lower wall has room for [m]")
     arch_span: Length | None = Field(None, description="of the triumphal arch; by default what the apse leaves room for [m]")
-    apse: bool = True
+    apse: bool = Field(True, description="behind the triumphal arch")
     apse_radius: Length = Field(3.4, description="clear, to the middle of its sides [m]")
     apse_height: Length = Field(6.0, description="to the springing of the half dome [m]")
     apse_sides: int = Field(7, ge=3, le=31, description="flat sides of the half circle")
-    tower: bool = True
+    tower: bool = Field(True, description="beside the nave")
     tower_side: Length = Field(4.5, description="outer, beyond the wall it is bonded with [m]")
     tower_height: Length = Field(20.0, description="[m]")
     tower_place: Length | None = Field(None, description="x of its axis; by default at 0.7 of the length [m]")
-    aisles: bool = False
+    aisles: bool = Field(False, description="on both sides of the nave")
     aisle_width: Length = Field(4.0, description="clear [m]")
     aisle_height: Length = Field(5.5, description="of the outer walls of the aisles [m]")
     bays: int = Field(4, ge=2, le=20, description="of the arcades between nave and aisles")
@@ -43,6 +43,6 @@ class ChurchTable(Table):
     buttress_depth: Length | None = Field(
         None, description="beyond the wall; by default its thickness, under a vault a third of the width [m]"
     )
-    roof: Literal["timber", "vault", "none"] = "timber"
+    roof: Literal["timber", "vault", "none"] = Field("timber", description="of the nave")
     roof_mass: Length = Field(150.0, description="of a timber roof [kg/m2 in plan]")
     vault_thickness: Length | None = Field(None, description="of a barrel vault; by default 0.07 of the width [m]")

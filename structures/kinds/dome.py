@@ -31,7 +31,7 @@ class DomeTable(Table):
 
     span: Length = Field(6.0, description="clear, between opposite sides [m]")
     thickness: Length = Field(0.5, description="[m]")
-    sides: int = Field(16, ge=4, le=128)
+    sides: int = Field(16, ge=4, le=128, description="flat sides in plan")
     rows: int | None = Field(None, ge=2, le=500, description="by default stones as high as the dome is thick")
     unit_length: Length | None = Field(None, description="of a stone along its row; by default 1.5 thicknesses [m]")
     oculus: Height = Field(0.0, description="clear width of the opening at the top; 0: closed by a key [m]")

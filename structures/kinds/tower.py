@@ -37,7 +37,7 @@ class TowerTable(Table):
     thickness: Length = Field(0.8, description="of the walls [m]")
     course_height: Length = Field(0.5, description="aimed at [m]")
     unit_length: Length | None = Field(None, description="of a block; by default two courses [m]")
-    leaves: int = Field(1, ge=1, le=4)
+    leaves: int = Field(1, ge=1, le=4, description="layers of stones through the thickness")
     through: int = Field(3, ge=1, le=100, description="through-stones: with n, every n-th stone of every n-th course")
     belfry_width: Height = Field(1.4, description="of the openings; 0 for none [m]")
     belfry_height: Length = Field(2.6, description="of the openings [m]")

@@ -17,6 +17,7 @@ from pydantic import Field
 
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
+from masonry_cd.table_schema import rows
 from structures import size
 from structures.geometry.checks import check
 from structures.layout import wall_plan
@@ -32,9 +33,11 @@ class WallTable(Table):
     thickness: Length = Field(0.4, description="[m]")
     course_height: Length = Field(0.25, description="aimed at; courses adapt to the openings [m]")
     unit_length: Length | None = Field(None, description="of a block; by default two courses [m]")
-    leaves: int = Field(1, ge=1, le=4)
+    leaves: int = Field(1, ge=1, le=4, description="layers of stones through the thickness")
     through: int = Field(3, ge=1, le=100, description="through-stones: with n, every n-th stone of every n-th course")
-    openings: tuple[dict[str, Any], ...] = Field((), strict=False, description="doors and windows, [[structure.openings]] each")
+    openings: tuple[dict[str, Any], ...] = Field(
+        (), strict=False, json_schema_extra=rows(OpeningTable), description="doors and windows, [[structure.openings]] each"
+    )
     gable: Height = Field(0.0, description="height of a gable on top [m]")
     base_depth: Length | None = Field(None, description="of the base; by default two courses [m]")
 

@@ -38,7 +38,7 @@ COS30 = math.sqrt(0.75)
 class RingTable(Table):
     """The keys of a ring of voussoirs."""
 
-    shape: Literal["circular", "pointed", "three-centred", "flat"] = "circular"
+    shape: Literal["circular", "pointed", "three-centred", "flat"] = Field("circular", description="of the intrados")
     span: Length | None = Field(None, description="clear, between the springings of the intrados [m]")
     radius: Length | None = Field(None, description="of the middle line [m]")
     rise: Length | None = Field(None, description="clear, from the springing to the crown of the intrados [m]")
@@ -47,7 +47,7 @@ class RingTable(Table):
         None, gt=0, le=45, description="of the outermost joints of a flat arch to the upright; by default 20 [degrees]"
     )
     thickness: Length = Field(description="of the ring [m]")
-    voussoirs: int = Field(27, ge=2, le=2000)
+    voussoirs: int = Field(27, ge=2, le=2000, description="to the ring")
 
 
 def joints_of(arch: RingTable) -> tuple[np.ndarray, np.ndarray]:

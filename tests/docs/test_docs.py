@@ -168,3 +168,8 @@ def test_every_validation_test_is_described() -> None:
         marked |= set(re.findall(own, text, re.MULTILINE))
     described = set(re.findall(r"^\| `(test_\w+)` \|", (DOCS / "validation.md").read_text(), re.MULTILINE))
     assert marked == described
+
+
+def test_the_reference_of_scenes_is_what_is_generated():
+    reference = loaded(DOCS / "write_scene_reference.py", "write_scene_reference")
+    assert reference.PAGE.read_text(encoding="utf-8") == reference.page(), "python docs/write_scene_reference.py"

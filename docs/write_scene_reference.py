@@ -1,0 +1,70 @@
+"""Write docs/scene_reference.md: every key of a scene with its text, default and bounds, from the JSON schema of the scene file.
+
+python docs/write_scene_reference.py
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from masonry_cd.app.scene_schema import scene_schema
+
+PAGE = Path(__file__).with_name("scene_reference.md")
+HEAD = """# Every key of a scene
+
+Written from the JSON schema of the scene file by `python docs/write_scene_reference.py`. Units are SI. *Needed* keys have no default; those
+without either may be left out.
+"""
+SIGNS = {"minimum": "at least", "exclusiveMinimum": "above", "maximum": "at most", "exclusiveMaximum": "below"}
+
+
+def page() -> str:
+    """The text of the page."""
+    tables = scene_schema()["properties"]
+    parts = [HEAD, *_section("[structure]", tables["structure"]), *_section("[material]", tables["material"])]
+    parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
+    return "\n".join(parts)
+
+
+def _section(name: str, schema: dict[str, Any]) -> Iterator[str]:
+    """The headings and tables of a table of the scene, one for each of its kinds."""
+    yield f"## {name}\n"
+    for kind in schema.get("oneOf", []):
+        about = kind["properties"]["kind"]
+        yield f'### kind = "{about["const"]}"\n\n{about["description"]}.\n'
+        yield from _rows(kind, ("kind",))
+    if "oneOf" not in schema:
+        yield from _rows(schema, ())
+
+
+def _rows(schema: dict[str, Any], without: tuple[str, ...]) -> Iterator[str]:
+    """A table of keys; those of tables inside it by their path."""
+    yield "| key | default | |\n|---|---|---|"
+    yield from (row for row in _keys(schema, "") if row.split("`")[1] not in without)
+    yield ""
+
+
+def _keys(schema: dict[str, Any], before: str) -> Iterator[str]:
+    for name, key in schema["properties"].items():
+        words = [json.dumps(word, ensure_ascii=False) for word in key.get("enum", [])]
+        bounds = [f"{sign} {key[bound]:g}" for bound, sign in SIGNS.items() if bound in key]
+        said = "; ".join([key["description"].rstrip("."), *([", ".join(words)] if words else bounds)])
+        fallback = (
+            f"`{json.dumps(key['default'], ensure_ascii=False)}`" if "default" in key else "*needed*" if name in _needed(schema) else ""
+        )
+        yield f"| `{before}{name}` | {fallback} | {said.replace('|', chr(92) + '|')} |"
+        for inner in (key, key.get("items"), *key.get("anyOf", [])):
+            if isinstance(inner, dict) and "properties" in inner:
+                yield from _keys(inner, f"{before}{name}.")
+                break
+
+
+def _needed(schema: dict[str, Any]) -> list[str]:
+    return schema.get("required", [])
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

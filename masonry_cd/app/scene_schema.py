@@ -1,0 +1,84 @@
+"""The JSON schema of the scene file, put together from the tables that read it.
+
+Editors complete and check scenes by it (taplo, Even Better TOML). Kinds of structure and of load are alternatives, told apart by ``kind``.
+The file ``scene.schema.json`` beside this one is what ``masonry-cd schema`` prints for the kinds that the package brings.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+from pathlib import Path
+
+from masonry_cd.app.scene import SceneTables
+from masonry_cd.dynamics.settings import Run
+from masonry_cd.model.materials import Material
+from masonry_cd.table_schema import DRAFT, Schema, as_text, table_schema
+from reports.damage.grades import Grades
+from reports.settings import Report
+
+TITLE = "Scene of masonry_cd"
+FILE = Path(__file__).with_name("scene.schema.json")
+REFUSED = "additionalProperties"  # set to false where unknown keys are
+
+
+def scene_schema() -> Schema:
+    """The schema of a scene file."""
+    from loads import KINDS as LOADS
+    from structures import KINDS as STRUCTURES
+
+    top = table_schema(SceneTables)
+    report = table_schema(Report)
+    grades = table_schema(Grades)
+    report["properties"]["grades"] = grades | {"description": report["properties"]["grades"]["description"]}
+    keys = top["properties"]
+    keys["structure"] |= {"oneOf": [structure_schema(kind) for kind in STRUCTURES]}
+    keys["loads"]["items"] = {"type": "object", "required": ["kind"], "oneOf": [load_schema(kind) for kind in LOADS]}
+    keys["material"] |= table_schema(Material)
+    keys["run"] |= table_schema(Run)
+    keys["report"] |= report
+    for table in ("structure", "material", "run", "report"):
+        if keys[table].get(REFUSED) is True:
+            del keys[table][REFUSED]
+    keys["structure"]["required"] = ["kind"]
+    of_file = {"properties": {"structure": {"properties": {"kind": {"const": "file"}}}}}
+    density = {"properties": {"material": {"required": ["density"]}}}  # only blocks of a file may bring their own
+    return {"$schema": DRAFT, "title": TITLE, **top, "if": of_file, "else": density}
+
+
+def structure_schema(kind: str) -> Schema:
+    """The schema of ``[structure]`` for a kind: its own keys, and those of every kind."""
+    from structures.tables import CommonTable, table_of
+
+    model = table_of(kind)
+    own: Schema = {"type": "object", "properties": {}} if model is None else table_schema(model)
+    about: Schema = {"const": kind, "description": _first_sentence(f"structures.kinds.{kind}")}
+    own["properties"] = {"kind": about} | own["properties"] | table_schema(CommonTable)["properties"]
+    own["required"] = ["kind", *own.get("required", [])]
+    return own
+
+
+def load_schema(kind: str) -> Schema:
+    """The schema of ``[[loads]]`` for a kind."""
+    from loads import KINDS
+
+    table = KINDS[kind].table
+    own = table_schema(table)
+    about: Schema = {"const": kind, "description": _first_sentence(table.__module__)}
+    own["properties"] = {**own["properties"], "kind": about}
+    own["required"] = ["kind", *(name for name in own.get("required", []) if name != "kind")]
+    return own
+
+
+def schema_text() -> str:
+    """The schema as a file."""
+    return as_text(scene_schema())
+
+
+def _first_sentence(module: str) -> str:
+    """What a module is about, read from its source."""
+    spec = importlib.util.find_spec(module)
+    if spec is None or spec.origin is None:
+        return ""
+    said = ast.get_docstring(ast.parse(Path(spec.origin).read_text(encoding="utf-8"))) or ""
+    return " ".join(said.partition("\n\n")[0].split()).partition(". ")[0].rstrip(".")

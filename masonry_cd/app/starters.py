@@ -1,0 +1,171 @@
+"""Starter scenes: every key of a kind of structure and of the other tables, with its text, drawn from the schema of scenes.
+
+The keys that a first scene needs are set. The others stand behind a #, with the value that holds without them; where nothing stands behind
+the equals sign, there is no such value, or it follows from other keys.
+"""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from masonry_cd.app.scene_schema import TITLE, load_schema, schema_text, structure_schema
+from masonry_cd.app.scene_text import toml_text
+from masonry_cd.dynamics.settings import Run
+from masonry_cd.errors import InputError, one_line, suggest
+from masonry_cd.model.materials import Material
+from masonry_cd.table_schema import Schema, table_schema
+from reports.damage.grades import Grades
+from reports.settings import Report
+
+SCHEMA = "masonry-cd.schema.json"  # beside the scene, so that both may be moved and shared
+COLUMN, WIDTH = 36, 138  # where texts begin and end
+FIRST: dict[str, dict[str, Any]] = {
+    "arch": {"span": 4.0, "thickness": 0.4, "width": 1.0, "voussoirs": 27},
+    "aqueduct": {"spans": 3, "clear_span": 5.0, "pier_width": 2.0, "ring_thickness": 0.6, "width": 2.0},
+    "wall": {"length": 4.0, "height": 3.0, "thickness": 0.4, "course_height": 0.25},
+    "tower": {"side": 5.0, "height": 20.0, "thickness": 0.8, "course_height": 1.0},
+    "column": {"height": 6.0, "diameter": 0.9, "drums": 7},
+    "vault": {"form": "barrel", "span": 4.0, "thickness": 0.5, "voussoirs": 15},
+    "dome": {"span": 6.0, "thickness": 0.5, "sides": 16},
+    "church": {"block_length": 1.5, "length": 24.0, "width": 9.0, "height": 10.0},
+    "file": {"path": "blocks.json"},
+    "solid": {"path": "solid.geo", "units": "m", "course_height": 0.5, "trusted": True},
+}
+"""What is set of the keys of a kind."""
+MATERIAL = {"density": 2200.0, "friction": 0.6}
+LOAD = {"kind": "sinusoidal", "direction": "x", "amplitude": 0.2, "frequency": 2.0, "cycles": 5}
+RUN = {"dt": 2e-3, "duration": 4.0, "tolerance": 1e-6}
+REPORT = {"crack_map": True, "html": True}
+GEO = """// A wall of 3 x 0.5 x 2 m: put your own solid in its place, or name a .step file.
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 3.0, 0.5, 2.0};
+"""
+
+
+def write_starter(kind: str, path: Path, force: bool) -> list[Path]:
+    """Write a starter scene, its schema beside it, and the file of blocks that a kind reads.
+
+    Args:
+        kind: of structure.
+        path: of the scene.
+        force: overwrite what is there.
+
+    Returns:
+        what was written.
+
+    Raises:
+        InputError: an unknown kind, or a file that is there already.
+    """
+    from structures import KINDS
+
+    if kind not in KINDS:
+        raise InputError(f'"{kind}": no such kind of structure{suggest(kind, KINDS)}; kinds: {", ".join(KINDS)}')
+    texts = {path: starter(kind, path), path.with_name(SCHEMA): schema_text()}
+    if kind == "file":
+        texts[path.with_name(FIRST[kind]["path"])] = _blocks()
+    if kind == "solid":
+        texts[path.with_name(FIRST[kind]["path"])] = GEO
+    for file in texts:
+        if file.is_dir():
+            raise InputError(f"{file}: is a folder; -o names a file")
+        if file.exists() and not force and not _is_schema(file):
+            raise InputError(f"{file}: is there already; -o names another file, or --force overwrites it")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    for file, text in texts.items():
+        file.write_text(text, encoding="utf-8")
+    return list(texts)
+
+
+def starter(kind: str, path: Path) -> str:
+    """The text of a starter scene that is to lie at a path."""
+    structure = structure_schema(kind)
+    report = table_schema(Report)
+    report["properties"]["grades"] |= table_schema(Grades) | {"description": report["properties"]["grades"]["description"]}
+    about = structure["properties"]["kind"]["description"]
+    lines = [
+        f"#:schema ./{SCHEMA}",
+        *textwrap.wrap(f"{about}.", WIDTH, initial_indent="# ", subsequent_indent="# "),
+        one_line(f"# masonry-cd run {path.name} -o out/{path.stem}, then masonry-cd view out/{path.stem}"),
+        "# Units are SI. Keys behind a # hold as they stand there; without a value they are not given, or follow from others.",
+        *_line("title", f"A first scene: {kind}", "Of pictures and closing lines."),
+        *_table("structure", structure, {"kind": kind} | FIRST.get(kind, {})),
+        *_table("material", table_schema(Material), MATERIAL),
+        *_table("loads", load_schema("sinusoidal"), LOAD, row=True),
+        *_table("run", table_schema(Run), RUN),
+        *_table("report", report, REPORT),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _table(name: str, schema: Schema, given: Mapping[str, Any], row: bool = False) -> list[str]:
+    """A table with all its keys, those given before the others; tables inside it at its end, behind a #."""
+    keys: dict[str, Schema] = schema["properties"]
+    lines = ["", f"[[{name}]]" if row else f"[{name}]"]
+    for key in [*given, *(key for key in keys if key not in given and _inner(keys[key]) is None)]:
+        lines += _line(key, given.get(key, keys[key].get("default")), _text(keys[key]), hidden=key not in given)
+    for key in (key for key in keys if key not in given and _inner(keys[key]) is not None):
+        inner = _inner(keys[key])
+        assert inner is not None
+        head = f"{name}.{key}"
+        lines += _noted(f"# [[{head}]]" if "items" in keys[key] else f"# [{head}]", _text(keys[key]))
+        for word, own in inner["properties"].items():
+            lines += _line(word, own.get("default"), _text(own), hidden=True)
+    return lines
+
+
+def _inner(key: Schema) -> Schema | None:
+    """The schema of the table that a key is, or is a list of; None where it is a value, or has one by default."""
+    if "default" in key and key["default"] != []:
+        return None
+    choices = [key, key.get("items"), *key.get("anyOf", [])]
+    return next((choice for choice in choices if isinstance(choice, dict) and "properties" in choice), None)
+
+
+def _text(key: Schema) -> str:
+    """What is said of a key, with the words that it takes."""
+    words = key.get("enum") or next((choice["enum"] for choice in key.get("anyOf", []) if "enum" in choice), ())
+    said = key["description"].rstrip(".")
+    return f"{said}: {' | '.join(map(toml_text, words))}" if words else said
+
+
+def _line(key: str, value: Any, text: str, hidden: bool = False) -> list[str]:
+    """A key with its value and its text."""
+    written = "" if value is None else f" {toml_text(value)}"
+    return _noted(f"{'# ' if hidden else ''}{key} ={written}", text)
+
+
+def _noted(words: str, text: str) -> list[str]:
+    """Words and a comment to their right, which may take several lines."""
+    column = max(COLUMN, len(words) + 2)
+    rows = textwrap.wrap(text, WIDTH - COLUMN - 2)
+    return [f"{words:<{column}}# {rows[0]}", *(f"{'':<{COLUMN}}# {row}" for row in rows[1:])]
+
+
+def _is_schema(file: Path) -> bool:
+    """Whether a file is the schema of a scene, as another start or another version wrote it."""
+    try:
+        return file.name == SCHEMA and json.loads(file.read_text(encoding="utf-8")).get("title") == TITLE
+    except (OSError, ValueError, AttributeError):
+        return False
+
+
+def _blocks() -> str:
+    """A block file: two posts and a lintel on a base."""
+    from structures.geometry.prism import box
+
+    sizes = {
+        "base": ((-3.0, -1.5, -0.5), (3.0, 1.5, 0.0)),
+        "left": ((-1.6, -0.4, 0.0), (-0.8, 0.4, 2.4)),
+        "right": ((0.8, -0.4, 0.0), (1.6, 0.4, 2.4)),
+        "lintel": ((-1.8, -0.4, 2.4), (1.8, 0.4, 3.0)),
+    }
+    blocks = []
+    for name, (low, high) in sizes.items():
+        vertices, faces = box(low, high)
+        plain = {"vertices": vertices.tolist(), "faces": [[int(i) for i in face] for face in faces]}
+        blocks.append(json.dumps({"name": name, "fixed": name == "base", "group": name, **plain}))
+    return '{"units": "m", "blocks": [\n' + ",\n".join(blocks) + "\n]}\n"

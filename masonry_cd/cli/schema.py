@@ -1,0 +1,31 @@
+"""``masonry-cd schema``: the JSON schema of the scene file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from masonry_cd.cli.shared import errors_reported
+
+
+def schema(
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write it there instead of printing it.")] = None,
+) -> None:
+    """Print the JSON schema of the scene file, by which editors complete and check scenes.
+
+    Taplo and Even Better TOML read it where the first line of a scene names it: #:schema ./masonry-cd.schema.json
+
+    \b
+    Examples:
+      masonry-cd schema -o masonry-cd.schema.json
+    """
+    with errors_reported():
+        from masonry_cd.app.scene_schema import schema_text
+
+        if output is None:
+            typer.echo(schema_text(), nl=False)
+            return
+        output.write_text(schema_text(), encoding="utf-8")
+        typer.echo(f"written: {output}")

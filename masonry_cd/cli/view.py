@@ -1,0 +1,55 @@
+"""``masonry-cd view``: the page of a run in the browser."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import typer
+
+from masonry_cd.cli.shared import Folder, errors_reported
+
+
+def view(folder: Folder) -> None:
+    """Open the page of a run, report.html, in the browser.
+
+    Where there is no display it is said where the page lies.
+
+    \b
+    Examples:
+      masonry-cd view out/aqueduct
+    """
+    with errors_reported():
+        page = page_of(folder)
+        place = page.absolute().as_uri()
+        if not _has_display():
+            typer.echo(f"no display here; the page is {place}")
+            return
+        import webbrowser
+
+        typer.echo(f"opened: {place}" if webbrowser.open(place) else f"no browser was found; the page is {place}")
+
+
+def page_of(folder: Path) -> Path:
+    """The page of a run.
+
+    Raises:
+        InputError: no such folder, no run in it, or no page, with the command that makes one.
+    """
+    from masonry_cd.errors import InputError
+    from reports.outputs import PAGE
+
+    if not folder.is_dir():
+        raise InputError(f"{folder}: is a file; a folder of a run is needed" if folder.exists() else f"{folder}: no such folder")
+    page = folder / PAGE
+    if not page.is_file():
+        made = (folder / "result.h5").is_file()
+        remedy = f"masonry-cd report {folder} --html makes it" if made else "nor a result.h5 to make it from"
+        raise InputError(f"{folder}: holds no {PAGE}; {remedy}")
+    return page
+
+
+def _has_display() -> bool:
+    """Whether a browser has somewhere to open: X11 and Wayland say so in the environment, as a user may with BROWSER."""
+    return sys.platform in ("win32", "darwin") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"))

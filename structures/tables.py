@@ -1,0 +1,31 @@
+"""The keys of the table [structure]: those of every kind, and the model of each kind's own. Nothing is built with it."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Literal
+
+from pydantic import BaseModel, Field
+
+from structures.layout.foundations import FoundationsTable
+from structures.noise import NoiseTable
+from structures.schema import Table
+from structures.size import MOST
+
+
+class CommonTable(Table):
+    """The keys that every kind of structure takes beside its own."""
+
+    most_blocks: int = Field(
+        MOST, ge=1, description="how many blocks a structure may have; a slip in its measures is refused before it is built"
+    )
+    foundations: Literal["whole", "corners", "parts"] | FoundationsTable = Field(
+        "whole", description="in pieces, which may settle by themselves: corners, parts, or strips { x = 4 }"
+    )
+    noise: NoiseTable | None = Field(None, description="seeded noise on all corners, { size = 1e-6, seed = 0 } [m]")
+
+
+def table_of(kind: str) -> type[BaseModel] | None:
+    """The model of a kind's own keys, the class ``KindTable`` of its module; None where it has none of that name."""
+    found = getattr(import_module(f"structures.kinds.{kind}"), f"{kind.capitalize()}Table", None)
+    return found if isinstance(found, type) and issubclass(found, BaseModel) else None

@@ -1,0 +1,124 @@
+"""Starter scenes: of every kind, they name every key, and run as they are."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from json_schema import faults
+from typer.testing import CliRunner
+
+from masonry_cd.app.case import prepare
+from masonry_cd.app.scene import read_scene
+from masonry_cd.app.scene_schema import TITLE, scene_schema, schema_text, structure_schema
+from masonry_cd.app.starters import SCHEMA, starter
+from masonry_cd.cli.app import app
+from masonry_cd.dynamics.settings import Run
+from masonry_cd.model.materials import Material
+from reports.settings import Report
+from structures import KINDS
+
+SHORT = ("run.duration=0.01", "run.until_still=false")
+
+
+@pytest.fixture(scope="module")
+def schema() -> dict[str, Any]:
+    return scene_schema()
+
+
+def init(*words: object):
+    return CliRunner().invoke(app, ["init", *map(str, words)])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_starter_is_a_sound_scene(kind, tmp_path):
+    path = tmp_path / f"{kind}.toml"
+    result = init(kind, "-o", path)
+    assert result.exit_code == 0, result.stderr
+    assert str(path) in result.stdout
+    case = prepare(read_scene(path, SHORT))
+    assert case.assembly.fixed.any()
+    assert (~case.assembly.fixed).sum() >= 3
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_starter_names_every_key_and_fits_the_schema(kind, schema):
+    text = starter(kind, Path("scene.toml"))
+    named = set(re.findall(r"^(?:# )?\[{0,2}(?:\w+\.)?(\w+)(?:\]+ | =)", text, re.MULTILINE))
+    keys = {*structure_schema(kind)["properties"], *Material.model_fields, *Run.model_fields, *Report.model_fields}
+    assert keys - named == set()
+    assert faults(tomllib.loads(text), schema) == []
+
+
+@pytest.mark.parametrize("kind", ["arch", "wall", "church"])
+def test_a_key_behind_its_mark_holds_as_it_stands_there(kind, schema):
+    """Each of them taken out from behind its mark, in its table, is TOML and fits the schema."""
+    text = starter(kind, Path("scene.toml"))
+    hidden = [match.start() for match in re.finditer(r"^# \w+ = \S", text, re.MULTILINE)]
+    assert len(hidden) >= 20
+    for at in hidden:
+        head = max(text.rfind("\n[", 0, at), text.rfind("\n# [", 0, at)) + 1
+        inside = text[head] == "#"
+        shown = text[:head] + text[head + 2 * inside : at] + text[at + 2 :]
+        wrong = faults(tomllib.loads(shown), schema)
+        line = text[at : text.index("\n", at)]
+        needed = [fault for fault in wrong if not fault.endswith(("missing", "fit"))]  # of a table that needs other keys, too
+        assert (needed if inside else wrong) == [], line
+
+
+def test_the_arch_of_a_starter_runs(tmp_path):
+    init("arch", "-o", tmp_path / "arch.toml")
+    words = [word for change in ("run.duration=0.02", "report.crack_map=false", "report.html=false") for word in ("--set", change)]
+    result = CliRunner().invoke(app, ["run", str(tmp_path / "arch.toml"), "-o", str(tmp_path / "out"), "-q", *words])
+    assert result.exit_code == 0, result.stderr
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["steps"] == 10
+
+
+def test_the_first_line_names_the_schema_that_lies_beside_it(tmp_path):
+    init("wall", "-o", tmp_path / "new" / "scene.toml")
+    first = (tmp_path / "new" / "scene.toml").read_text().splitlines()[0]
+    assert first == f"#:schema ./{SCHEMA}"
+    assert (tmp_path / "new" / SCHEMA).read_text(encoding="utf-8") == schema_text()
+
+
+def test_without_a_name_it_is_called_by_its_kind(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert init("dome").stdout == f"written: dome.toml, {SCHEMA}\n"
+    assert init("tower").exit_code == 0  # the same schema may lie there
+
+
+@pytest.mark.parametrize(("kind", "there"), [("arch", "scene.toml"), ("file", "blocks.json"), ("solid", "solid.geo"), ("arch", SCHEMA)])
+def test_a_file_that_is_there_is_not_overwritten(kind, there, tmp_path):
+    (tmp_path / there).write_text("mine")
+    result = init(kind, "-o", tmp_path / "scene.toml")
+    assert result.exit_code == 2
+    assert result.stderr == f"masonry-cd: error: {tmp_path / there}: is there already; -o names another file, or --force overwrites it\n"
+    assert [file.name for file in tmp_path.iterdir()] == [there]
+    assert (tmp_path / there).read_text() == "mine"
+    assert init(kind, "-o", tmp_path / "scene.toml", "--force").exit_code == 0
+    assert (tmp_path / there).read_text() != "mine"
+
+
+def test_the_schema_of_another_version_is_replaced(tmp_path):
+    (tmp_path / SCHEMA).write_text(json.dumps({"title": TITLE}))
+    assert init("arch", "-o", tmp_path / "scene.toml").exit_code == 0
+    assert (tmp_path / SCHEMA).read_text(encoding="utf-8") == schema_text()
+
+
+def test_an_unknown_kind_is_refused_with_a_suggestion(tmp_path):
+    result = init("aqeduct", "-o", tmp_path / "scene.toml")
+    assert result.exit_code == 2
+    assert result.stderr == (
+        f'masonry-cd: error: "aqeduct": no such kind of structure (did you mean "aqueduct"?); kinds: {", ".join(KINDS)}\n'
+    )
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_is_no_scene(tmp_path):
+    result = init("arch", "-o", tmp_path)
+    assert result.exit_code == 2
+    assert result.stderr == f"masonry-cd: error: {tmp_path}: is a folder; -o names a file\n"

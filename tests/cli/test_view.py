@@ -1,0 +1,85 @@
+"""``masonry-cd view``, and the completion of commands in a shell."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import webbrowser
+
+import pytest
+from typer.testing import CliRunner
+
+from masonry_cd.cli.app import app
+
+DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
+
+
+def view(folder):
+    return CliRunner().invoke(app, ["view", str(folder)])
+
+
+@pytest.fixture
+def opened(monkeypatch) -> list[str]:
+    """The pages that would have been opened; there is no display yet."""
+    pages: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", lambda page: pages.append(page) or True)
+    monkeypatch.setattr(sys, "platform", "linux")
+    for name in DISPLAYS:
+        monkeypatch.delenv(name, raising=False)
+    return pages
+
+
+@pytest.fixture
+def run(tmp_path):
+    (tmp_path / "report.html").write_text("<html></html>")
+    return tmp_path
+
+
+@pytest.mark.parametrize("display", DISPLAYS)
+def test_the_page_opens_in_the_browser(run, opened, monkeypatch, display):
+    monkeypatch.setenv(display, ":0")
+    result = view(run)
+    assert (result.exit_code, opened) == (0, [(run / "report.html").as_uri()])
+    assert result.stdout == f"opened: {opened[0]}\n"
+
+
+def test_without_a_display_it_is_said_where_the_page_lies(run, opened):
+    result = view(run)
+    assert (result.exit_code, opened) == (0, [])
+    assert result.stdout == f"no display here; the page is {(run / 'report.html').as_uri()}\n"
+
+
+def test_without_a_browser_it_is_said_where_the_page_lies(run, opened, monkeypatch):
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(webbrowser, "open", lambda page: False)
+    assert view(run).stdout == f"no browser was found; the page is {(run / 'report.html').as_uri()}\n"
+
+
+def test_a_run_without_a_page_is_refused_with_the_command_that_makes_it(tmp_path, opened):
+    (tmp_path / "result.h5").write_bytes(b"")
+    result = view(tmp_path)
+    assert (result.exit_code, opened) == (2, [])
+    assert result.stderr == f"masonry-cd: error: {tmp_path}: holds no report.html; masonry-cd report {tmp_path} --html makes it\n"
+
+
+def test_a_folder_without_a_run_and_no_folder_are_refused(tmp_path, opened):
+    assert view(tmp_path).stderr.endswith("holds no report.html; nor a result.h5 to make it from\n")
+    assert view(tmp_path / "none").stderr == f"masonry-cd: error: {tmp_path / 'none'}: no such folder\n"
+    (tmp_path / "file").write_text("")
+    assert view(tmp_path / "file").stderr.endswith("is a file; a folder of a run is needed\n")
+
+
+def completed(line: str) -> set[str]:
+    """What bash is offered after a line."""
+    code = "import sys; sys.argv = ['masonry-cd']; from masonry_cd.cli import main; main()"
+    asked = {"_MASONRY_CD_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(line.split(" ")) - 1)}
+    out = subprocess.run([sys.executable, "-c", code], env=os.environ | asked, capture_output=True, text=True, check=False)
+    return set(out.stdout.split())
+
+
+def test_a_shell_completes_commands_and_options():
+    assert {"run", "record", "report"} <= completed("masonry-cd r")
+    assert "build" not in completed("masonry-cd r")
+    assert completed("masonry-cd run --res") == {"--resume"}
+    assert completed("masonry-cd init a") == {"aqueduct", "arch"}
