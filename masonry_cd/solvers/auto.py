@@ -11,7 +11,8 @@
    cost of GLANCE iterations of Newton, nor Newton in NEWTON_LIMIT, the other one goes on with. After a step that Newton did not end it is
    not asked, but in every LOOK-th step. Where the error is then CLOSE to the tolerance ADMM goes on, for as long as it gets on, to the cost
    of WORTH iterations of Newton: it creeps to 1e-3 at a tenth of what other methods take, but hardly ever to 1e-8.
-3. What neither solves (a structure that slides or rocks as a whole) goes to pivoting if it is in a plane, and to the interior point method.
+3. What neither solves (a structure that slides or rocks as a whole) goes to pivoting if it is in a plane, and to the interior point method,
+   which comes first from nothing.
    Both start near the impulses of the last step, not where the others got stuck, within a BUDGET; then comes Newton again. Structures slide
    for many steps: after a step that these solved (but for the first of all, which begins without impulses) at a cost that rule 5 allows
    they come first; and every LOOK-th step begins as usual, to see whether the sliding is over, but ADMM does not go on in it.
