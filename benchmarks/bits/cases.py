@@ -49,6 +49,7 @@ CASES = {
     "aqueduct-newton": of("aqueduct", "run.solver=newton", "run.duration=0.16"),
     "aqueduct-nlgs": of("aqueduct", "run.solver=nlgs", "run.duration=0.08", LIMIT),
     "aqueduct-interior": of("aqueduct", "run.solver=interior", "run.duration=0.08"),
+    "aqueduct-pivoting": of("aqueduct", "run.solver=pivoting", "run.duration=0.16", LIMIT),
     "aqueduct-space": of("aqueduct", "run.planar=false", "run.duration=0.04", "run.tolerance=1e-3"),
     "tower": of("tower"),
     "church": of("church"),
