@@ -11,8 +11,8 @@
    cost of GLANCE iterations of Newton, nor Newton in NEWTON_LIMIT, the other one goes on with. After a step that Newton did not end it is
    not asked, but in every LOOK-th step. Where the error is then CLOSE to the tolerance ADMM goes on, for as long as it gets on, to the cost
    of WORTH iterations of Newton: it creeps to 1e-3 at a tenth of what other methods take, but hardly ever to 1e-8.
-3. What neither solves (a structure that slides or rocks as a whole) goes to pivoting if it is in a plane, and to the interior point method,
-   which comes first from nothing.
+3. What neither solves (a structure that slides or rocks as a whole) goes to pivoting if it is in a plane and not ROUGH, and to the interior
+   point method, which comes first from nothing.
    Both start near the impulses of the last step, not where the others got stuck, within a BUDGET; then comes Newton again. Structures slide
    for many steps: after a step that these solved (but for the first of all, which begins without impulses) at a cost that rule 5 allows
    they come first; and every LOOK-th step begins as usual, to see whether the sliding is over, but ADMM does not go on in it.
@@ -69,6 +69,8 @@ SWEEPS = (2000, 20000)  # sweeps: fewer lead nowhere, more are not made
 PATIENCE = 5.0  # times the usual cost of a step, after which an error will do that the scene accepts
 CHEAP = 1e5  # a tenth of a second, which a step may always cost
 RATE, MORE = 1 / 16, 3.0  # of what is learnt about the usual cost from a step, and the most that it counts, in times of it
+
+ROUGH = 1.0  # friction above which pivoting is not asked: there are several solutions, and from soft springs it may end in one that moves
 
 # Costs, in microseconds on the machine of the fit: of a call of ADMM and of Newton, and of an iteration, by what :func:`work` counts, by
 # ``benchmarks.costs`` fitted to 14 shaken scenes of 1 to 5,008 blocks in a plane and in space. They meet most of what was measured to 15 %.
@@ -303,7 +305,7 @@ def turns(problem: Problem, costs: Costs, cold: bool) -> list[tuple[int, int]]:
     allowed = min(SWEEP_SHARE * one_start * costs[NEWTON], budget)
     sweeps = min(int(allowed / sweep(problem)), SWEEPS[1])
     packed = [(INTERIOR, one_start), (NLGS, sweeps), (NEWTON, NEWTON_LIMIT)] if sweeps >= SWEEPS[0] else []
-    pivots = [(PIVOTING, one_start)] if pivoting.applies(problem) else []
+    pivots = [(PIVOTING, one_start)] if pivoting.applies(problem) and problem.mu.max() <= ROUGH else []
     if cold and pivots:  # from nothing the interior point method mostly needs one start, and half as many factorisations
         pivots = [(INTERIOR, one_start), *pivots]
     return [*packed, *pivots, (INTERIOR, interior.affordable(budget / costs[NEWTON])), (NEWTON, NEWTON_LIMIT)]

@@ -77,6 +77,15 @@ def test_solves_an_aqueduct_that_slides_as_a_whole() -> None:
     assert natural_map_error(problem, again.impulse) <= 1e-8, again.reason
 
 
+def test_a_wall_that_friction_holds_does_not_move() -> None:
+    """With friction of 10 a step has several solutions. At 1 g the wall goes with its base: none that moves is taken for it."""
+    machine = stepper(replace(wall(6, 6), friction=10.0, amplitude=9.81 / (4.0 * np.pi), frequency=2.0), 500)
+    for _ in range(500):
+        machine.step()
+    moved = machine.state.position - machine.assembly.centre
+    assert np.abs(moved - moved[np.argmax(machine.assembly.fixed)]).max() < 1e-9
+
+
 def test_limits_are_kept() -> None:
     """Factorisations end at a limit, and where an error that will do is reached after enough of them; the best answer is returned."""
     problem = thrown(1.5, 1)
