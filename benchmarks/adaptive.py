@@ -25,10 +25,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks import rocking
-from benchmarks.ours import stepper
+from benchmarks.ours import run_and_discard, stepper
 from benchmarks.sitting import HERE, head, sitting
 from masonry_cd.app.case import prepare
-from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.dynamics.adaptive import AdaptiveSteps
 
@@ -73,16 +72,12 @@ def scene_text(name: str, record: Path | None, scale: float, step: str, seconds:
 
 
 def run_once(text: str) -> dict[str, Any]:
-    """Run a scene in a folder that is thrown away; its summary, with the processor's seconds from the first step to the last file."""
+    """Run a scene by the text of its file; its summary, and the seconds of the processor."""
     with TemporaryDirectory() as folder:
         file = Path(folder) / "scene.toml"
         file.write_text(text)
         case = prepare(read_scene(file))
-        begin = time.process_time()
-        summary = run_case(case, Path(folder) / "out")
-        if summary["signal"]:
-            raise KeyboardInterrupt
-        return summary | {"processor": time.process_time() - begin}
+    return run_and_discard(case)
 
 
 def ensemble(scene: str, record: Path | None, members: int, name: str, step: str, seconds: float | None) -> Row:

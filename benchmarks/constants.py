@@ -161,6 +161,7 @@ SWITCHED: dict[str, Any] = {
     "CHEAP": 0.0,
     "BUDGET": 1e12,
     "COLD_BUDGET": 1e12,
+    "ROUGH": -1.0,  # pivoting is not asked
 }
 
 

@@ -164,8 +164,9 @@ def _row(axes, i: int, layer: int, room: Room, width: float) -> None:
     lines = [(line, {"size": 8, "color": INK}) for line in textwrap.wrap(room.purpose, 62)]
     small = {"size": 7, "color": PALE, "family": "DejaVu Sans Mono"}
     lines += [(line, small) for line in textwrap.wrap(", ".join(room.inside), 64)]
+    apart = min(0.17, 0.94 * ROW / len(lines))
     for k, (line, font) in enumerate(lines):
-        axes.text(2.25, _y(i) + 0.17 * (k - 0.5 * (len(lines) - 1)), line, va="center", **font)
+        axes.text(2.25, _y(i) + apart * (k - 0.5 * (len(lines) - 1)), line, va="center", **font)
 
 
 def _lane(axes, i: int, room: Room, place: dict[str, int], layer: dict[str, int]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Sequence
 from typing import Annotated
@@ -14,6 +15,15 @@ Flag = Annotated[bool, Strict()]
 LONGEST = 1e6  # time in a scene [s]: eleven days
 Instant = Annotated[float, Field(ge=0.0, le=LONGEST)]  # [s]
 Span = Annotated[float, Field(gt=0.0, le=LONGEST)]  # [s]
+
+
+def finite_number(text: str) -> float | None:
+    """The number that a text is, None where it is none or not finite."""
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
 
 
 def is_number(value: object) -> bool:

@@ -30,6 +30,7 @@ from loads.signal.intensity import arias, cumulative_absolute_velocity, signific
 from loads.signal.response import Oscillators, response_spectrum
 from masonry_cd import libm
 from masonry_cd.errors import InputError, suggest
+from masonry_cd.fields import finite_number
 
 DAMPING = 0.05
 PERIODS = 10  # of AvgSA
@@ -277,11 +278,8 @@ def _numbers(inside: str | None, text: str, where: str) -> list[float]:
     """The numbers between the brackets."""
     found = []
     for word in inside.split(",") if inside and inside.strip() else ():
-        try:
-            number = float(word)
-        except ValueError:
-            number = math.nan
-        if not math.isfinite(number):
+        number = finite_number(word)
+        if number is None:
             raise InputError(f'{where}: "{word.strip()}" of "{text}" is no number')
         found.append(number)
     return found

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 TOLD = 1e-8  # share of the smallest width: inexact joints as built are reported from there on; less is rounding
 CORNERS = 4.0  # contacts of a joint
 SMALL, LARGE = 0.3, 300.0  # extent of a structure beyond which its units are doubted [m]
+IN_SPACE = 'run.solver "pivoting" is for scenes that move in a plane; in space "interior" stands in for it'
 FALLING = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
 
 
@@ -103,11 +104,13 @@ def prepare(scene: Scene) -> Case:
     again = f"two to four minutes in each run, as {why_nothing_is_kept() or no_folder}"
     with said_if_slow(f"compiling the kernels{', once' if keeps() else ''}: this takes {for_good if keeps() else again}"):
         joints, built = find_joints(assembly), built_gap(assembly)
-        compile_kernels(scene.run.solver, _is_planar(assembly, loading, scene.run), bool(assembly.laws.by_area.any()))
+        planar = _is_planar(assembly, loading, scene.run)
+        compile_kernels(scene.run.solver, planar, bool(assembly.laws.by_area.any()))
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = [] if not gravity else standing(assembly).warnings() if assembly.fixed.any() else [FALLING]
-    warnings = (*_odd_size(assembly), *loading.warnings, *falling, *coarse, *_beyond_machine(scene.run.threads))
+    stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
+    warnings = (*_odd_size(assembly), *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
     if built > TOLD * assembly.width:
         notes.append(f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
     still = _still_speed(scene.run, joints)

@@ -28,15 +28,12 @@ def scene_schema() -> Schema:
     from structures import KINDS as STRUCTURES
 
     top = table_schema(SceneTables)
-    report = table_schema(Report)
-    grades = table_schema(Grades)
-    report["properties"]["grades"] = grades | {"description": report["properties"]["grades"]["description"]}
     keys = top["properties"]
     keys["structure"] |= {"oneOf": [structure_schema(kind) for kind in STRUCTURES]}
     keys["loads"]["items"] = {"type": "object", "required": ["kind"], "oneOf": [load_schema(kind) for kind in LOADS]}
     keys["material"] |= table_schema(Material)
     keys["run"] |= table_schema(Run)
-    keys["report"] |= report
+    keys["report"] |= report_schema()
     for table in ("structure", "material", "run", "report"):
         if keys[table].get(REFUSED) is True:
             del keys[table][REFUSED]
@@ -44,6 +41,13 @@ def scene_schema() -> Schema:
     of_file = {"properties": {"structure": {"properties": {"kind": {"const": "file"}}}}}
     density = {"properties": {"material": {"required": ["density"]}}}  # only blocks of a file may bring their own
     return {"$schema": DRAFT, "title": TITLE, **top, "if": of_file, "else": density}
+
+
+def report_schema() -> Schema:
+    """The schema of ``[report]``, with the keys of its table ``grades``."""
+    made = table_schema(Report)
+    made["properties"]["grades"] = table_schema(Grades) | {"description": made["properties"]["grades"]["description"]}
+    return made
 
 
 def structure_schema(kind: str) -> Schema:

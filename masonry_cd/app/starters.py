@@ -12,14 +12,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.app.scene_schema import TITLE, load_schema, schema_text, structure_schema
+from masonry_cd.app.scene_schema import TITLE, load_schema, report_schema, schema_text, structure_schema
 from masonry_cd.app.scene_text import toml_text
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError, one_line, suggest
 from masonry_cd.model.materials import Material
 from masonry_cd.table_schema import Schema, table_schema
-from reports.damage.grades import Grades
-from reports.settings import Report
 
 SCHEMA = "masonry-cd.schema.json"  # beside the scene, so that both may be moved and shared
 COLUMN, WIDTH = 36, 138  # where texts begin and end
@@ -83,8 +81,6 @@ def write_starter(kind: str, path: Path, force: bool) -> list[Path]:
 def starter(kind: str, path: Path) -> str:
     """The text of a starter scene that is to lie at a path."""
     structure = structure_schema(kind)
-    report = table_schema(Report)
-    report["properties"]["grades"] |= table_schema(Grades) | {"description": report["properties"]["grades"]["description"]}
     about = structure["properties"]["kind"]["description"]
     lines = [
         f"#:schema ./{SCHEMA}",
@@ -96,7 +92,7 @@ def starter(kind: str, path: Path) -> str:
         *_table("material", table_schema(Material), MATERIAL),
         *_table("loads", load_schema("sinusoidal"), LOAD, row=True),
         *_table("run", table_schema(Run), RUN),
-        *_table("report", report, REPORT),
+        *_table("report", report_schema(), REPORT),
     ]
     return "\n".join(lines) + "\n"
 

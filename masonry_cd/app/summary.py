@@ -38,6 +38,7 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
         "signal": report.signal,
         "steps": report.steps,
         "steps_asked": report.steps if settings.adaptive and not report.stopped else settings.steps,
+        "duration": settings.steps * settings.dt,
         "longest": case.steps * settings.dt,
         "still": case.still,
         "dt": settings.dt,
@@ -141,7 +142,7 @@ def damage_line(s: dict[str, Any]) -> str:
 
 def _end_lines(s: dict[str, Any]) -> list[str]:
     """How long the run went on beyond its duration, and whether what is left is final."""
-    more = s["steps"] * s["dt"] - s["steps_asked"] * s["dt"]
+    more = s["end"]["time"] - s["duration"] if "end" in s and "duration" in s else 0.0
     lines = []
     if more > 0.5 * s["dt"] and not s.get("shocks"):
         until = f"still moving when run.longest, {s['longest']:g} s, was over" if s.get("provisional") else "until all blocks were still"

@@ -186,7 +186,7 @@ class _Search:
         self.problem, self.options, self.memory, self.costs, self.allowance = problem, options, memory, costs, allowance
         self.start, self.best = start or Solution(np.zeros((problem.contacts, problem.dimension)), None, 0), start
         self.error, self.accepted = np.inf, False
-        self.stalled: bool | None = None  # whether Newton, where it had a turn before the interior point method, did not end the step
+        self.stalled: bool | None = None  # whether Newton, where it had a turn before the LAST, did not end the step
         self.iterations = [0] * len(METHODS)  # by method
         self.story: list[str] = []
 
@@ -218,7 +218,7 @@ class _Search:
         return int(min(max(self.allowance - self.cost, 0.0) / each, MOST_ITERATIONS))
 
     def turn(self, method: int, limit: int, tolerance: float | None = None) -> None:
-        """Give a method its turn, from the best impulses so far; the interior point method from those of the last step, but for sweeps.
+        """Give a method its turn, from the best impulses so far; the LAST from those of the step before, unless sweeps were made.
 
         Where the error will do, it has no more than the step is allowed.
         """

@@ -19,7 +19,7 @@ class Options:
         max_iterations: None takes the solver's own limit.
         seed: of the random sweep order.
         threads: at most, of the solvers that can use more than one.
-        enough: iterations after which ``interior`` stops where the error will do.
+        enough: iterations after which ``interior`` and ``pivoting`` stop where the error will do.
     """
 
     tolerance: float = 1e-8

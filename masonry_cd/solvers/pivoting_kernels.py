@@ -7,13 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK
+from masonry_cd.friction.coulomb_law import OPEN, SLIP
 from masonry_cd.friction.operators import change_at
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.triangular import solve_ldu
+from masonry_cd.solvers.central_path import add_flat
 from masonry_cd.solvers.linearised import keep_better
-from masonry_cd.solvers.proximal_kernels import FREE, HELD, allocate_springs, softness, spring_blocks
+from masonry_cd.solvers.proximal_kernels import FREE, HELD, allocate_springs, first_change, softness, spring_blocks
 
 UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
 GROWTH = 10.0  # of K from one problem with springs to the next
@@ -44,53 +45,6 @@ def allocate_path(shape):
     """A :class:`Path` for velocities of a shape (B + 1, n)."""
     z, contact, b, ratio = np.zeros((UPDATES, *shape)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
     return Path(np.zeros(shape), np.empty(shape), np.empty(shape), z, contact, np.empty(2), b, ratio)
-
-
-@borrower()
-def add_scaled(factor, source, target):
-    """target += factor source, both contiguous and of one shape."""
-    a, b = source.reshape(source.size), target.reshape(target.size)
-    for i in range(len(a)):
-        b[i] += factor * a[i]
-
-
-@borrower()
-def side_of(x):
-    """The side to which a contact slips that has the trial impulse x (2,): that of its friction."""
-    return 1.0 if x[1] > 0.0 else -1.0
-
-
-@borrower()
-def first_kink(problem, springs, stiffness, rate, taken):
-    """Take the trial impulses x along their old rate dx as far as was ``taken``; how far it is along the new one to the first kink.
-
-    Returns that length, infinite if there is none, the contact, and its status beyond.
-    """
-    mu, d, status, x, dx = problem.mu, problem.d, springs.status, springs.x, springs.dx
-    jacobian, index, n, first, which, beyond = problem.jacobian, problem.places, len(problem.n), np.inf, -1, OPEN
-    for c in range(len(mu)):
-        soft_n, soft_t = softness(problem.compliance, d[c] / stiffness, c, 2)
-        x[c, 0] += taken * dx[c, 0]
-        x[c, 1] += taken * dx[c, 1]
-        dx[c, 0] = -change_at(jacobian, index, c, 0, rate, n) / soft_n
-        dx[c, 1] = -change_at(jacobian, index, c, 1, rate, n) / soft_t
-        if status[c] == OPEN:
-            if dx[c, 0] > 0.0 and -x[c, 0] < first * dx[c, 0]:
-                first, which, beyond = max(-x[c, 0], 0.0) / dx[c, 0], c, SLIP
-            continue
-        if status[c] == STICK:
-            for side in (1.0, -1.0):
-                inside, change = mu[c] * x[c, 0] - side * x[c, 1], mu[c] * dx[c, 0] - side * dx[c, 1]
-                if change < 0.0 and inside < -first * change:
-                    first, which, beyond = max(inside, 0.0) / -change, c, SLIP
-            continue
-        side = side_of(x[c])
-        outside, change = side * x[c, 1] - mu[c] * x[c, 0], side * dx[c, 1] - mu[c] * dx[c, 0]
-        if mu[c] > 0.0 and change < 0.0 and outside < -first * change:
-            first, which, beyond = max(outside, 0.0) / -change, c, STICK
-        if dx[c, 0] < 0.0 and x[c, 0] < -first * dx[c, 0]:
-            first, which, beyond = max(x[c, 0], 0.0) / -dx[c, 0], c, OPEN
-    return first, which, beyond
 
 
 @borrower()
@@ -132,10 +86,10 @@ def pivot(problem, work, path, k):
     solve_ldu(work.factor, z)
     z[-1] = 0.0
     for e in range(k):
-        add_scaled(-weigh(problem, path, e, z) / path.ratio[e], path.z[e], z)
+        add_flat(z, -weigh(problem, path, e, z) / path.ratio[e], path.z[e])
     path.ratio[k] = 1.0 + weigh(problem, path, k, z)
     if path.ratio[k] != 0.0:
-        add_scaled(-weigh(problem, path, k, path.rate) / path.ratio[k], z, path.rate)
+        add_flat(path.rate, -weigh(problem, path, k, path.rate) / path.ratio[k], z)
     return path.ratio[k]
 
 
@@ -147,7 +101,7 @@ def set_out(kind, moved, work, springs, stiffness, path, left, held):
     if kind.factorise(moved, work, springs.block) == 0.0:
         return False
     path.rate[:] = 0.0
-    add_scaled(1.0 / left, path.residual, path.rate)
+    add_flat(path.rate, 1.0 / left, path.residual)
     solve_ldu(work.factor, path.rate)
     path.rate[-1] = 0.0
     return True
@@ -167,13 +121,15 @@ def follow(kind, moved, work, springs, stiffness, path, counts):
             return False
         held, taken = HELD, 0.0
         for k in range(UPDATES):
-            step, c, beyond = first_kink(moved, springs, stiffness, path.rate, taken)
+            add_flat(springs.x, taken, springs.dx)
+            kind.spring_changes(moved, springs, stiffness, path.rate)
+            step, c, beyond = first_change(moved.mu, springs.status, springs.x, springs.dx, moved.m)
             if step >= left:
-                add_scaled(left, path.rate, path.v)
+                add_flat(path.v, left, path.rate)
                 kind.spring_residual(moved, springs, stiffness, path.v, HELD, path.residual)
                 return True
             taken, left = step, left - step
-            add_scaled(step, path.rate, path.v)
+            add_flat(path.v, step, path.rate)
             change_block(moved, springs, stiffness, path, k, c, step, beyond)
             if not pivot(moved, work, path, k) > 0.0:
                 return False

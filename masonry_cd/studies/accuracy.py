@@ -32,7 +32,7 @@ from masonry_cd.app.solve_file import load_kernels
 from masonry_cd.errors import InputError
 from masonry_cd.friction.problem import LocalProblem, Problem, natural_map_error
 from masonry_cd.io.results import Results
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.solvers import SOLVERS, Options, pivoting
 from reports.deformed import base_shift, solids_of
 
 PROBLEM_TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
@@ -132,10 +132,8 @@ def solvers_for(problem: Problem, asked: Sequence[str] | None) -> tuple[str, ...
     """The solvers to measure: those asked for, or all that solve such a problem themselves."""
     if asked is not None:
         return tuple(asked)
-    left = {"interior"} if isinstance(problem, LocalProblem) else set[str]()
-    if isinstance(problem, LocalProblem) or problem.dimension == 3:
-        left.add("pivoting")
-    return tuple(name for name in SOLVERS if name not in left)
+    solves = {"interior": not isinstance(problem, LocalProblem), "pivoting": pivoting.applies(problem)}
+    return tuple(name for name in SOLVERS if solves.get(name, True))
 
 
 def run_rows(

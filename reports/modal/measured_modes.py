@@ -27,6 +27,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from masonry_cd.errors import InputError, suggest
+from masonry_cd.fields import finite_number
 from reports.modal.modes import Modes
 
 LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
@@ -133,11 +134,8 @@ def _mode_number(text: str, where: str) -> int:
 
 
 def _number(text: str, column: str, where: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
+    value = finite_number(text)
+    if value is None:
         raise InputError(f'{where}: {column}: should be a number, got "{text}"')
     return value
 

@@ -28,13 +28,17 @@ def test_forces_in_words(value, words):
     assert force(value) == words
 
 
-def test_plain_lines_tell_steps_and_time_left(monkeypatch):
+@pytest.mark.parametrize(
+    ("done", "begin", "end"),
+    [(50, "step 50 of 200 (25 %), ", " left\n"), (250, "step 250 of 200, ", "so far, until all blocks are still\n")],
+)
+def test_plain_lines_tell_steps_and_time_left_or_what_is_waited_for(monkeypatch, done, begin, end):
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
     stream = io.StringIO()
     with Progress(200, stream=stream) as show:
-        show(50)
-    assert stream.getvalue().startswith("step 50 of 200 (25 %), ")
-    assert stream.getvalue().endswith(" left\n")
+        show(done)
+    assert stream.getvalue().startswith(begin)
+    assert stream.getvalue().endswith(end)
 
 
 def test_lines_come_no_more_often_than_asked_and_not_at_all_when_quiet(monkeypatch):
@@ -73,15 +77,6 @@ def test_a_terminal_that_cannot_go_back_gets_plain_lines(monkeypatch, name):
     with Progress(200, stream=stream) as show:
         show(50)
     assert stream.getvalue().startswith("step 50 of 200 (25 %), ")
-
-
-def test_a_run_that_goes_on_until_its_blocks_are_still_says_so(monkeypatch):
-    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
-    stream = io.StringIO()
-    with Progress(200, stream=stream) as show:
-        show(250)
-    assert stream.getvalue().startswith("step 250 of 200, ")
-    assert stream.getvalue().endswith("so far, until all blocks are still\n")
 
 
 def test_the_time_left_follows_the_shaking_to_come():

@@ -14,6 +14,7 @@ from masonry_cd.app.case import Case, prepare
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
+from masonry_cd.app.summary import closing_lines
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from structures.files.blockfile import write
@@ -57,7 +58,9 @@ def test_a_block_that_rocks_at_the_end_of_its_duration_is_followed_until_it_is_s
     short = run(tmp_path)
     assert short["steps"] == short["steps_asked"] == 500
     assert short["provisional"].startswith("provisional: still moving at ")
+    assert not any(line.startswith("rest: ") for line in closing_lines(short))
     long = run(tmp_path, "run.until_still=true")
+    assert any(line.startswith(f"rest: {2e-3 * (long['steps'] - 500):.4g} s more") for line in closing_lines(long))
     assert 500 < long["steps"] < 3500
     assert long["provisional"] == ""
     with Results.open(tmp_path / "out" / "result.h5") as results:
@@ -73,6 +76,7 @@ def test_steps_that_adapt_go_on_until_the_block_is_still(tmp_path: Path) -> None
     assert case(tmp_path, *adaptive).steps == 7000  # of the shortest
     summary = run(tmp_path, *adaptive)
     assert summary["provisional"] == ""
+    assert any(line.startswith("rest: ") and line.endswith("until all blocks were still") for line in closing_lines(summary))
     assert summary["steps"] < summary["longest"] / 1e-3
     with Results.open(tmp_path / "out" / "result.h5") as results:
         assert 1.0 < results.time[-1] < 7.0
@@ -118,6 +122,12 @@ def test_a_resumed_rest_ends_with_the_same_bits(tmp_path: Path, monkeypatch: pyt
     assert resumed["steps"] == whole["steps"]
     with Results.open(tmp_path / "broken" / "result.h5") as results:
         assert np.array_equal(results.position[: results.frames], there)
+
+
+def test_a_solver_for_the_plane_alone_is_not_replaced_in_silence(tmp_path: Path) -> None:
+    asked = "run.solver=pivoting"
+    assert not any("pivoting" in line for line in case(tmp_path, asked).warnings)
+    assert [line for line in case(tmp_path, asked, "run.planar=false").warnings if '"interior" stands in' in line]
 
 
 def test_the_base_must_have_come_to_rest(tmp_path: Path) -> None:
