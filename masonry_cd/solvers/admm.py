@@ -36,6 +36,12 @@ factor of 10 in 40 iterations, or is worse off after 20, look at the map error o
 a share of that of p^. If it is nearly all, k grows by 5; if little, k falls with its square root. It also falls where the limit of
 iterations ends a step too early. And over a run a neighbouring k is tried now and then and kept if it took fewer iterations.
 
+**Relaxation.** The iteration goes on from p + a (p+ - p) and v + a (v+ - v), with the same fixed points for any a between 0 and 2
+(Eckstein & Bertsekas, Math. Program. 55, 1992). What a = 1 takes away at once comes back with 1 - a, what spirals fades most slowly at
+a = 2, and what hardly changes from one iteration to the next fades a times as fast. That is most of the error where much slides, at a small
+k and far from the answer: there a = 1.5 saves a quarter of the iterations, 1.3 and 1.7 less (churches of 315 and 700 blocks, 1e-3). A wall
+that stands, at k = 1e4, would take twice as many, and so would the last digits.
+
 **Cost.** The factorisation costs as much as ten to fifty iterations and is kept from step to step while it pays. To measure the error costs
 as much as one or two iterations; the change of p, which costs nothing, tells when to, by the ratio of the two as measured last, if need be
 in the step before.

@@ -28,6 +28,7 @@ BALANCE, ALL = 0.6, 0.95  # shares of the error that lie in the law: k falls bel
 GROWTH, FALL = 5.0, 0.01  # factor by which k grows, and the least by which it falls, at a time
 LEG = 200  # iterations after which it is asked whether there is hope
 HOPE = 10.0  # times the limit: ADMM goes on while its last leg promises an end within that; legs are uneven
+RELAXATION, SLOW, ROUGH = 1.5, 300.0, 1e-4  # of the steps; the k below which and the natural map error above which they are relaxed
 SOFT, STIFF = 1.0, 1e6  # bounds of k
 SOFTEST = 1e-3  # k at which a factorisation that fails is not tried at a tenth of it again
 
@@ -68,16 +69,17 @@ def admm_bodies(
                     break
                 continue
             fresh = False
-        change = eliminate(team, work, iterations, ahead, p, new, line) / size
+        relaxation = RELAXATION if k < SLOW and error > ROUGH else 1.0
+        change = eliminate(team, work, iterations, ahead, relaxation, p, new, line) / size
         iterations += 1
         p, new = new, p
         # the change of p tells when to measure the error itself
         ahead = iterations - checked < 2 or (rate * change > tolerance and iterations - checked < patience)
         ahead = ahead and iterations < limit
-        update(team, work, iterations, ahead, p, new, line)
+        update(team, work, iterations, ahead, relaxation, p, new, line)
         if ahead:
             continue
-        error, checked = measure_carried(team, work, new, p) / size, iterations
+        error, checked = measure_carried(team, work, relaxation, new, p) / size, iterations
         rate = error / change if change > 0.0 else 1.0
         keep_best(team, work, error, smallest, p)
         smallest = error if error < smallest else smallest
@@ -156,7 +158,7 @@ def sort_contacts(given, work, p, first, end):
 
 
 @borrower()
-def eliminate(team, work, iterations, ahead, p, new, line):
+def eliminate(team, work, iterations, ahead, relaxation, p, new, line):
     """The first step of ADMM, p to new, and forward substitution, level by level; returns the norm of the scaled change of p.
 
     If ``ahead``, the first level is done: :func:`update` did it while the factors were in the cache.
@@ -165,13 +167,13 @@ def eliminate(team, work, iterations, ahead, p, new, line):
     for y in range(1 if ahead else 0, len(level) - 1):
         first, last = share_of(team, level[y], level[y + 1])
         for q in range(first, last):
-            changes[q] = eliminate_subtree(work, q, -1, p, new, line)
+            changes[q] = eliminate_subtree(work, q, -1, relaxation, p, new, line)
         wait(team)
     return np.sqrt(changes.sum())
 
 
 @borrower()
-def update(team, work, iterations, ahead, p, new, line):
+def update(team, work, iterations, ahead, relaxation, p, new, line):
     """Backward substitution, level by level, and the second step of ADMM: v <- v+.
 
     If ``ahead``, the first step of the next iteration, p to new, follows in each subtree of the first level while its factors are in the
@@ -181,23 +183,23 @@ def update(team, work, iterations, ahead, p, new, line):
     for y in range(len(level) - 2, 0, -1):
         first, last = share_of(team, level[y], level[y + 1])
         for q in range(first, last):
-            update_subtree(work, q, line)
+            update_subtree(work, q, relaxation, line)
         wait(team)
     first, last = share_of(team, level[0], level[1])
     for q in range(first, last):
-        update_subtree(work, q, line)
+        update_subtree(work, q, relaxation, line)
         if ahead:
-            changes[q] = eliminate_subtree(work, q, q + 1 if q + 1 < last else -1, p, new, line)
+            changes[q] = eliminate_subtree(work, q, q + 1 if q + 1 < last else -1, relaxation, p, new, line)
     wait(team)
 
 
 @borrower()
-def measure_carried(team, work, last, p):
+def measure_carried(team, work, relaxation, last, p):
     """The impulses that belong to the velocities of an iteration from ``last`` to p, (C, m); returns the norm of their natural map."""
     begin, end = share_of_subtrees(team, work.factor.symbolic)
     for q in range(begin, end):
         clear_momentum(work, q)
-        carry_impulses(work, q, last, p)
+        carry_impulses(work, q, relaxation, last, p)
     velocity_of_momentum(team, work, work.iterates.trial)
     return map_norm(team, work, work.iterates.carried, work.iterates.trial)
 

@@ -13,7 +13,7 @@ from masonry_cd.linalg.triangular import backward_substitution, forward_substitu
 
 
 @borrower()
-def eliminate_subtree(work, q, coming, p, new, line):
+def eliminate_subtree(work, q, coming, relaxation, p, new, line):
     """The contacts of subtree q, p to new (C, m), and L^-1 of the momentum that they leave; returns the squared scaled change of p.
 
     ``coming`` is the subtree of the next backward substitution, or -1; ``line`` is room for :func:`longest_line` numbers.
@@ -25,7 +25,7 @@ def eliminate_subtree(work, q, coming, p, new, line):
     clear_ghosts(symbolic, q, momentum)
     add_ghosts(symbolic, q, momentum)
     ahead = panels_of(symbolic, coming, len(problem.n)) if coming >= 0 else (0, 0)
-    change = meet_contacts(problem, work.partition, q, work.factor.rho, v, p, new, momentum, panels, ahead)
+    change = meet_contacts(problem, work.partition, q, work.factor.rho, v, p, new, momentum, panels, ahead, relaxation)
     copy_flat(momentum[first:last], x[first:last])
     clear_ghosts(symbolic, q, x)
     add_ghosts(symbolic, q, x)
@@ -35,8 +35,8 @@ def eliminate_subtree(work, q, coming, p, new, line):
 
 
 @borrower()
-def update_subtree(work, q, line):
-    """v <- v + L^-T D^-1 x for the bodies of subtree q, x from :func:`eliminate_subtree`, after all later subtrees."""
+def update_subtree(work, q, relaxation, line):
+    """v <- v + relaxation L^-T D^-1 x for the bodies of subtree q, x from :func:`eliminate_subtree`, after all later subtrees."""
     symbolic, size_n = work.factor.symbolic, work.problem.n
     begin, end = symbolic.subtree[q], symbolic.subtree[q + 1]
     backward_substitution(symbolic, begin, end, work.factor.squares, work.factor.panels, work.iterates.correction, line, size_n)
@@ -44,7 +44,7 @@ def update_subtree(work, q, line):
     size = (last - first) * len(size_n)
     v, x = work.iterates.v[first:last].reshape(size), work.iterates.correction[first:last].reshape(size)
     for i in range(size):
-        v[i] += x[i]
+        v[i] += relaxation * x[i]
 
 
 @borrower()
@@ -56,8 +56,8 @@ def panels_of(symbolic, q, n):
 
 
 @borrower(fastmath={"contract"})
-def meet_contacts(problem, partition, q, rho, v, p, new, momentum, panels, ahead):
-    """new = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, momentum += H^T (2 new - p), for the contacts of subtree q.
+def meet_contacts(problem, partition, q, rho, v, p, new, momentum, panels, ahead, relaxation):
+    """p+ = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, new = p + relaxation (p+ - p), momentum += H^T (2 p+ - p), for subtree q.
 
     There is more to calculate than to fetch, so the panels between the two entries ``ahead``, which the next backward substitution needs,
     are fetched on the way. Returns the squared scaled change of p.
@@ -90,9 +90,9 @@ def meet_contacts(problem, partition, q, rho, v, p, new, momentum, panels, ahead
             xn, x1, x2 = project_stretched(pn - r * (un + mu[c] * tangent_length(u1, u2)), p1 - s * u1, p2 - s * u2, mu[c], r / s)
         else:
             xn, x1, x2 = project_to_cone(pn - r * (un + mu[c] * tangent_length(u1, u2)), p1 - r * u1, p2 - r * u2, mu[c])
-        new[c, 0], new[c, 1] = xn, x1
+        new[c, 0], new[c, 1] = pn + relaxation * (xn - pn), p1 + relaxation * (x1 - p1)
         if m == 3:
-            new[c, 2] = x2
+            new[c, 2] = p2 + relaxation * (x2 - p2)
         change += d[c] * ((xn - pn) * (xn - pn) + (x1 - p1) * (x1 - p1) + (x2 - p2) * (x2 - p2))
         tn, t1, t2 = 2.0 * xn - pn, 2.0 * x1 - p1, 2.0 * x2 - p2
         a, b = target[c, 0], target[c, 1]
@@ -122,10 +122,10 @@ def add_momentum(work, q, p):
 
 
 @borrower(fastmath={"contract"})
-def carry_impulses(work, q, last, p):
-    """carried = 2 p - last - R H (v+ - v), the impulses whose velocities an iteration has found, and momentum += H^T carried.
+def carry_impulses(work, q, relaxation, last, p):
+    """carried = 2 p+ - last - R H (v+ - v), the impulses whose velocities an iteration has found, and momentum += H^T carried.
 
-    For the contacts of subtree q; last (C, m) and p (C, m) are the impulses before and after the iteration.
+    For the contacts of subtree q; last (C, m) and p = last + relaxation (p+ - last) are the impulses before and after the iteration.
     """
     jacobian, places, partition, rho = work.problem.jacobian, work.problem.places, work.partition, work.factor.rho
     step, carried, momentum = work.iterates.correction, work.iterates.carried, work.iterates.momentum
@@ -137,7 +137,7 @@ def carry_impulses(work, q, last, p):
             gain = 0.0
             for k in range(n):
                 gain += jacobian[c, 0, i, k] * step[a, k] + jacobian[c, 1, i, k] * step[b, k]
-            x = 2.0 * p[c, i] - last[c, i] - rho[c] * gain
+            x = last[c, i] + 2.0 / relaxation * (p[c, i] - last[c, i]) - rho[c] * gain
             carried[c, i] = x
             for k in range(n):
                 momentum[to, k] += jacobian[c, 0, i, k] * x

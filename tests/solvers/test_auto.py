@@ -118,7 +118,7 @@ def test_an_accepted_error_ends_a_step_that_has_cost_enough(monkeypatch: pytest.
     assert left.reason.startswith("admm: missed")
     assert left.error is not None and 1e-10 < left.error <= 1e-1
     exact = solve(nearby, Options(tolerance=1e-10), start)
-    assert exact.reason.startswith("admm + interior") and exact.error is not None and exact.error <= 1e-10
+    assert "interior" in exact.reason and exact.error is not None and exact.error <= 1e-10
 
 
 def test_experience_survives_in_the_memory_of_a_solution() -> None:
