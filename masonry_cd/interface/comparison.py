@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from masonry_cd.interface.plots import _shown
+from masonry_cd.interface.plots import shown
 from masonry_cd.interface.results import Run
 from masonry_cd.interface.running import RunWarning
 from reports.compare import comparison, comparison_files
@@ -38,7 +38,7 @@ class Comparison:
         """The picture of the comparison, a figure that a notebook shows."""
         from reports.compare.comparison_picture import comparison_figure
 
-        return _shown(comparison_figure(self._found))
+        return shown(comparison_figure(self._found))
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write comparison.csv, comparison.md and comparison.png; return their paths."""

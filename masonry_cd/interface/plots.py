@@ -66,7 +66,7 @@ class Plots:
         from reports.extra.energy import energy_figure
 
         with self._results() as found:
-            return _shown(energy_figure(found))
+            return shown(energy_figure(found))
 
     def history(self, *blocks: str, axis: str = "") -> Figure:
         """Displacement of some blocks relative to the base over time, the highest block by default, and the velocity of the base.
@@ -81,7 +81,7 @@ class Plots:
         from reports.drawing.history_figure import history_figure
 
         with self._results() as found:
-            return _shown(history_figure(found, blocks, axis))
+            return shown(history_figure(found, blocks, axis))
 
     def page(self, path: Path | str | None = None) -> Page:
         """The page of the run, which needs no network.
@@ -121,7 +121,7 @@ class Page:
         return f'<iframe srcdoc="{inside}" style="width:100%;height:{HEIGHT}px;border:1px solid #ccc"></iframe>'
 
 
-def _shown(figure: Any) -> Any:
+def shown(figure: Any) -> Any:
     """A figure that a notebook shows, also one that has not loaded pyplot."""
 
     def png() -> bytes:

@@ -6,6 +6,7 @@ import os
 import signal
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -62,7 +63,7 @@ def run(
     from masonry_cd.app.case import prepare  # numba and the kernels come with it, after the cheap checks
 
     case = prepare(asked.checked)
-    return _computed(case, asked, place, keeper, progress)
+    return _computed(replace(case, scene=asked.placed(place, force)), place, keeper, progress)
 
 
 def resume(source: Run | str | os.PathLike[str], *, progress: bool = True) -> Run:
@@ -82,24 +83,21 @@ def resume(source: Run | str | os.PathLike[str], *, progress: bool = True) -> Ru
     place, keeper = (source.folder, source.keeper) if isinstance(source, Opened) else (Path(source), None)
     checkpoint.require(place / checkpoint.NAME)
     with Results.open(place / RUN[0]) as found:
-        asked = Scene(origin_of(found))
+        asked = origin_of(found).checked()
     from masonry_cd.app.case import prepare
 
-    return _computed(prepare(asked.checked), asked, place, keeper, progress, resumed=True)
+    return _computed(prepare(asked), place, keeper, progress, resumed=True)
 
 
-def _computed(case: Case, asked: Scene, folder: Path, keeper: TemporaryFolder | None, progress: bool, resumed: bool = False) -> Run:
+def _computed(case: Case, folder: Path, keeper: TemporaryFolder | None, progress: bool, resumed: bool = False) -> Run:
     """Compute a case into a folder; a signal other than Ctrl-C has its usual effect afterwards."""
-    from dataclasses import replace
-
     from masonry_cd.app.run_case import run_case
     from masonry_cd.interface.results import Run as Opened
 
-    case = replace(case, scene=asked.placed(folder))
     try:
         number = int(run_case(case, folder, quiet=not progress, resume=resumed)["signal"])
-    except Interrupted as asked_to_end:  # while the reports were drawn: the results are whole
-        number = asked_to_end.number
+    except Interrupted as asked:  # while the reports were drawn: the results are whole
+        number = asked.number
     if number not in (0, signal.SIGINT):
         signal.raise_signal(number)
     made = Opened(folder, keeper)

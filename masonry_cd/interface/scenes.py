@@ -128,26 +128,32 @@ class Scene:
         """
         return self.structure.picture(self.title, view)
 
-    def write(self, path: str | os.PathLike[str]) -> Path:
+    def write(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
         """Write the scene as a file that the command line takes, and beside it the files that hold its arrays; return its path.
 
+        Args:
+            path: of the scene file.
+            force: overwrite files that are there with another content.
+
         Raises:
-            InputError: a scene of a file with relative paths, written into another folder.
+            InputError: such a file, or a scene of a file with relative paths that is written into another folder.
         """
         path = Path(path)
         relative = sorted(name for name in self._named() if not Path(name).is_absolute())
         if self._files is None and relative and path.absolute().parent != self._checked.folder.absolute():
             raise InputError(f"{path}: the scene names {relative[0]}, which is relative to {self._checked.folder}: write it there")
+        contents = {path: self.text.encode()} | {path.with_name(name): (self._checked.folder / name).read_bytes() for name in self._own()}
+        for file, content in contents.items():
+            if not force and file.exists() and (file.is_dir() or file.read_bytes() != content):
+                raise InputError(f"{file}: is there already, with another content; choose another folder, or force=True overwrites it")
         path.parent.mkdir(parents=True, exist_ok=True)
-        for name in self._own():
-            if (self._checked.folder / name).absolute() != path.absolute().with_name(name):
-                shutil.copyfile(self._checked.folder / name, path.with_name(name))
-        path.write_text(self.text, encoding="utf-8")
+        for file, content in contents.items():
+            file.write_bytes(content)
         return path
 
-    def placed(self, folder: Path) -> CheckedScene:
-        """The scene as a run in a folder takes it; one made in Python is written there."""
-        return self._checked if self._files is None else replace(self._checked, path=self.write(folder / FILE))
+    def placed(self, folder: Path, force: bool) -> CheckedScene:
+        """The scene as a run in a folder takes it; one made in Python is written there, over what is there where that is asked for."""
+        return self._checked if self._files is None else replace(self._checked, path=self.write(folder / FILE, force=force))
 
     def _named(self) -> set[str]:
         """Names of the files that the scene reads."""

@@ -93,7 +93,7 @@ def test_a_motion_by_arrays_is_that_of_a_record(tables: dict[str, Any], tmp_path
     by_arrays = loading_of(mc.scene(tables | {"loads": [motion]}))
     table = np.column_stack([motion["time"], motion["acceleration"]])
     np.savetxt(
-        tmp_path / "own.csv", table, fmt="%r", delimiter=",", header=",".join(["time_s", "x_m_s2", "y_m_s2", "z_m_s2"][: 1 + components])
+        tmp_path / "own.csv", table, fmt="%.17g", delimiter=",", header=",".join(["time_s", "x_m_s2", "y_m_s2", "z_m_s2"][: 1 + components])
     )
     records = [
         {"kind": "record", "path": str(tmp_path / "own.csv"), "column": axis, "direction": axis, "correction": "none"}
