@@ -96,7 +96,7 @@ def prepare(scene: Scene) -> Case:
     except InputError as error:
         raise scene.at_fault(error) from None
     if loading.support_velocity.any() and not assembly.fixed.any():
-        raise InputError(f"{scene.path}: loads: the base is shaken, but no block of the structure is fixed")
+        raise InputError(f"{scene.origin.path}: loads: the base is shaken, but no block of the structure is fixed")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
     for_good = "one to three minutes on two cores and is kept for later runs"

@@ -105,7 +105,11 @@ class Result:
 
 
 def modal_case(
-    source: Path | str | Sequence[Block], options: Mapping[str, Any], folder: Path | None = None, changes: Sequence[str] = ()
+    source: Path | str | Sequence[Block],
+    options: Mapping[str, Any],
+    folder: Path | None = None,
+    changes: Sequence[str] = (),
+    title: str = "Modes",
 ) -> dict[str, Any]:
     """The modal check of a scene: what the command ``masonry-cd modal`` does.
 
@@ -114,6 +118,7 @@ def modal_case(
         options: keys of :class:`ModalOptions`.
         folder: where files are written, made if need be; nothing is written without one.
         changes: ``key=value`` that change the scene.
+        title: of blocks, which have none of a scene.
 
     Returns:
         what modal.json holds; ``lines`` are to be printed, ``warnings`` must not pass in silence, ``written`` are the files.
@@ -123,7 +128,7 @@ def modal_case(
     """
     asked = parse_table(ModalOptions, options, "modal")
     measured = read_measured(asked.reference) if asked.reference else []
-    blocks, title = _blocks(source, changes)
+    blocks, title = (list(source), title) if not isinstance(source, Path | str) else _blocks(source, changes)
     results = [_result(blocks, method, asked, measured) for method in (METHODS if asked.method == "both" else (asked.method,))]
     results = [results[0], *(Result(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
     young = results[0].modes.young if asked.method != "joints" else asked.young or START
@@ -134,10 +139,8 @@ def modal_case(
     return out
 
 
-def _blocks(source: Path | str | Sequence[Block], changes: Sequence[str]) -> tuple[list[Block], str]:
+def _blocks(source: Path | str, changes: Sequence[str]) -> tuple[list[Block], str]:
     """The blocks of a scene, and its title."""
-    if not isinstance(source, (Path, str)):
-        return list(source), "Modes"
     from masonry_cd.app.case import build_blocks
     from masonry_cd.app.scene import read_scene
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import signal
 import time
 from collections.abc import Sequence
@@ -189,6 +190,7 @@ def _clear(folder: Path) -> None:
 def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
     """The writer of a new result file, or of one that is gone on with."""
     if not resume:
-        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case))
+        place = os.path.relpath(case.scene.path, file.parent)
+        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case), place)
     numbers = checkpoint.load(saved)[1]
     return ResultWriter.resumed(file, numbers["rows"], numbers["mark"], sums=False)

@@ -84,7 +84,7 @@ class SceneTables(Table):
 class Origin:
     """Where the keys of a scene come from: a line of its file, or ``--set``."""
 
-    text: str  # of the file
+    text: str  # of the file; empty where no user wrote one, as of a scene made in Python: messages then name no line
     path: Path
     changes: tuple[str, ...]  # by --set
 
@@ -146,9 +146,23 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
         InputError: no such file, no TOML, an unknown or missing key, a value out of range; names file, line and key.
     """
     path = Path(path)
-    text = read_text(path)
-    origin = Origin(text, path, tuple(overrides))
-    tables = parse_toml(text, path)
+    return parse_scene(read_text(path), path, overrides)
+
+
+def parse_scene(text: str, path: Path, overrides: Sequence[str] = (), called: str = "") -> Scene:
+    """Check the text of a scene.
+
+    Args:
+        text: TOML.
+        path: of its file, there or not; paths in the scene are relative to its folder.
+        overrides: see :func:`read_scene`.
+        called: how messages call it where no user wrote the file; they then name no line.
+
+    Raises:
+        InputError: see :func:`read_scene`.
+    """
+    origin = Origin("" if called else text, Path(called) if called else path, tuple(overrides))
+    tables = parse_toml(text, origin.path)
     for change in overrides:
         override(tables, change)
     if overrides:

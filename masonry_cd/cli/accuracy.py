@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, errors_reported, free_folder
+from masonry_cd.app.folders import free_folder
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, errors_reported
 from masonry_cd.solvers import SOLVERS
 
 

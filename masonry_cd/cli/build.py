@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, free_folder, warn
+from masonry_cd.app.folders import free_folder
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, warn
 
 if TYPE_CHECKING:
     from structures.geometry.checks import Unsound

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from masonry_cd.app.folders import RUN, free_folder
 from masonry_cd.app.progress import Interrupted
-from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, errors_reported, exclude, free_folder
+from masonry_cd.cli.shared import Changes, Force, Output, Quiet, SceneFile, errors_reported, exclude
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
@@ -47,7 +48,7 @@ def run(
     with errors_reported():
         exclude(("--resume", resume), ("--force", force))
         exclude(("--quiet", quiet), ("--explain", explain))
-        free_folder(output, ("result.h5", "summary.json"), force or resume)
+        free_folder(output, RUN, force or resume)
         from masonry_cd.app.scene import read_scene
         from masonry_cd.io import checkpoint
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -22,19 +21,6 @@ Changes = Annotated[
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.", show_default=False)]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite what DIR already holds.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but warnings and errors.")]
-
-
-def free_folder(folder: Path, marks: tuple[str, ...], force: bool) -> None:
-    """Refuse a folder that holds results, is none, or cannot be written."""
-    from masonry_cd.errors import InputError
-
-    there = next(place for place in (folder, *folder.absolute().parents) if place.exists())
-    if not there.is_dir():
-        raise InputError(f"{there}: is a file; -o names a folder")
-    if not os.access(there, os.W_OK):
-        raise InputError(f"{there}: nothing may be written there; -o names another folder")
-    if not force and any((folder / mark).exists() for mark in marks):
-        raise InputError(f"{folder}: holds results already; choose another folder, or --force to overwrite them")
 
 
 def exclude(first: tuple[str, object], second: tuple[str, object]) -> None:

@@ -44,11 +44,18 @@ class ResultWriter:
     """
 
     def __init__(
-        self, path: Path, assembly: Assembly, joints: Joints, scene: str = "", title: str = "", inputs: Mapping[str, str] | None = None
+        self,
+        path: Path,
+        assembly: Assembly,
+        joints: Joints,
+        scene: str = "",
+        title: str = "",
+        inputs: Mapping[str, str] | None = None,
+        scene_file: str = "",
     ) -> None:
         self._begin(Path(path))
         about = {"versions": json.dumps(versions()), "inputs": json.dumps(dict(inputs or {})), "run": uuid.uuid4().hex}
-        self._file.attrs.update(scene=scene, title=title, format=FORMAT, **about)
+        self._file.attrs.update(scene=scene, title=title, scene_file=scene_file, format=FORMAT, **about)
         write_blocks(self._file.create_group("blocks"), assembly.blocks)
         group = self._file.create_group("joints")
         for name in JOINT_CONSTANTS:

@@ -226,6 +226,11 @@ class Results:
         """The text of the scene file that made this run."""
         return str(self.file.attrs["scene"])
 
+    @property
+    def scene_file(self) -> Path:
+        """Where the scene file lay when the run began, as seen from here; older versions did not write it: then beside the results."""
+        return self.path.parent / str(self.file.attrs.get("scene_file", "") or "scene.toml")
+
 
 def _in_a_line(reason: Exception) -> str:
     """What an exception says, in one line; its kind where it says nothing."""

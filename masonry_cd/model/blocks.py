@@ -7,6 +7,7 @@ so every orientation starts as the unit quaternion (1, 0, 0, 0).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -26,7 +27,7 @@ class Block:
         name: unique in the assembly.
         vertices: (V, 3) corners in the world frame [m].
         faces: loops of vertex indices, zero-based, counter-clockwise seen from outside.
-        density: [kg/m3].
+        density: [kg/m3]; NaN for that of the material, which :func:`structures.build` puts in its place.
         group: the name by which friction and reports address it (``base``, ``arch``, ``pier`` ...).
         fixed: True for a support, which moves as prescribed.
         parts: convex parts that fill the block; empty when the block itself is convex.
@@ -35,7 +36,7 @@ class Block:
     name: str
     vertices: np.ndarray
     faces: Faces
-    density: float
+    density: float = math.nan
     group: str = "block"
     fixed: bool = False
     parts: tuple[Polyhedron, ...] = ()

@@ -59,8 +59,12 @@ class Comparison:
         return ["", "unit", *(run.name for run in self.runs)]
 
 
-def compare(folders: Sequence[Path]) -> Comparison:
+def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comparison:
     """Compare the runs in some folders.
+
+    Args:
+        folders: of the runs.
+        names: by which they are called; the shortest ends of their paths when not given.
 
     Raises:
         InputError: fewer than two folders, one given twice, or one that holds no run.
@@ -73,7 +77,7 @@ def compare(folders: Sequence[Path]) -> Comparison:
     settings: Report | None = None
     runs: list[Run] = []
     words: list[str] = []
-    for folder, name in zip(folders, _names(folders), strict=True):
+    for folder, name in zip(folders, names or _names(folders), strict=True):
         with Results.open(folder / "result.h5") as results:
             settings = settings or report_of(results.scene)
             runs.append(_run(results, folder, name, settings))

@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
 from reports.compare.comparison import Comparison, Run
 from reports.damage.grades import NAMES
-from reports.drawing.figure import COLOURS, FAINT, INK
+from reports.drawing.figure import COLOURS, FAINT, INK, save
 
 STROKES = ("-", "--", ":", "-.")
 HATCHES = ("", "///", "...", "xxx")
@@ -27,6 +25,11 @@ def comparison_picture(comparison: Comparison, path: Path) -> None:
     Raises:
         InputError: the file cannot be written.
     """
+    save(comparison_figure(comparison), path)
+
+
+def comparison_figure(comparison: Comparison) -> Any:
+    """A comparison as a figure of matplotlib."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -43,11 +46,7 @@ def comparison_picture(comparison: Comparison, path: Path) -> None:
     _grade_table(figure.add_subplot(rows[2, :]), runs, names, grid)
     for axes in figure.axes:
         axes.tick_params(labelsize=10, colors=FAINT)
-    try:
-        with replacing(path) as part:
-            figure.savefig(part)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+    return figure
 
 
 def _look(k: int) -> dict[str, Any]:

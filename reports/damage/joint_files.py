@@ -8,7 +8,8 @@ from typing import Any
 from masonry_cd.io.results import Results
 from reports.damage import joint_damage
 from reports.damage.definitions import Thresholds
-from reports.damage.end_state import end_state
+from reports.damage.end_state import EndState, end_state
+from reports.damage.joint_damage import JointDamage
 from reports.settings import Report
 
 
@@ -18,11 +19,16 @@ def thresholds_of(settings: Report) -> Thresholds:
 
 
 def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:
-    """Write joints.csv and return the numbers of damage for the summary, those after each shock of a sequence among them."""
+    """Write joints.csv and return the numbers of damage for the summary, see :func:`damage_numbers`."""
     thresholds = thresholds_of(settings)
     table = joint_damage.joint_damage(results, thresholds)
     end = end_state(results, thresholds)
     joint_damage.write_joints_csv(table, folder / "joints.csv", end.provisional)
+    return damage_numbers(results, table, end, thresholds)
+
+
+def damage_numbers(results: Results, table: JointDamage, end: EndState, thresholds: Thresholds) -> dict[str, Any]:
+    """The numbers of damage for a summary, those after each shock of a sequence among them."""
     fallen = joint_damage.collapsed_blocks(results, thresholds)
     return (
         joint_damage.summary(table)

@@ -105,6 +105,31 @@ def in_metres(value: float) -> str:
     return f"{value * 100:.3g} cm" if value >= 0.1 else f"{value * 1000:.3g} mm"
 
 
+def plain_axes(axes: Any, words: str) -> None:
+    """A faint grid, a title at the axis, no frame."""
+    axes.set_ylabel(words, fontsize=11, color=INK)
+    axes.tick_params(labelsize=10.5, colors=FAINT)
+    axes.grid(color="#e8eaed", linewidth=0.8)
+    axes.set_axisbelow(True)
+    axes.margins(x=0.0)
+    axes.axhline(0.0, color=FAINT, linewidth=0.6)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def save(figure: Any, path: Path) -> None:
+    """Write a figure of matplotlib as a PNG.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    try:
+        with replacing(path) as part:
+            figure.savefig(part)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+
+
 class Sheet:
     """A figure whose coordinates are pixels from the lower left corner."""
 

@@ -35,6 +35,15 @@ def structure_picture(blocks: Sequence[Block], path: Path, title: str, view: str
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
     """
+    structure_sheet(blocks, title, view).save(path)
+
+
+def structure_sheet(blocks: Sequence[Block], title: str, view: str = "auto") -> Sheet:
+    """The sheet that :func:`structure_picture` writes.
+
+    Raises:
+        InputError: an unknown view, or no off-screen OpenGL.
+    """
     solids = Solids.from_blocks(blocks)
     looking = view_named(auto_view(solids) if view == "auto" else view)
     window = structure_window(solids, looking)
@@ -47,7 +56,7 @@ def structure_picture(blocks: Sequence[Block], path: Path, title: str, view: str
     extent = " × ".join(in_metres(v) for v in np.ptp(solids.vertices[~solids.fixed[solids.vertex_block]], axis=0))
     sheet.head(title, f"{len(blocks)} blocks · {extent} (x, y, z) without supports · {looking.name} view")
     _keys(sheet, families, window)
-    sheet.save(path)
+    return sheet
 
 
 def auto_view(solids: Solids) -> str:

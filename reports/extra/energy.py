@@ -14,10 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
-from reports.drawing.figure import COLOURS, FAINT, INK
+from reports.drawing.figure import COLOURS, INK, plain_axes, save
 from reports.extra import ExtraReport
 
 WORKS = (("base_work", "work of the base", "-"), ("gravity_work", "work of gravity", "--"), ("force_work", "work of forces", "-."))
@@ -34,6 +33,15 @@ def energy_picture(results: Results, path: Path) -> None:
 
     Raises:
         InputError: a run without a step, or a file that cannot be written.
+    """
+    save(energy_figure(results), path)
+
+
+def energy_figure(results: Results) -> Any:
+    """The energies of a run as a figure of matplotlib.
+
+    Raises:
+        InputError: a run without a step.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -63,14 +71,10 @@ def energy_picture(results: Results, path: Path) -> None:
     largest = max(float(np.abs(energy[key]).max()) for key in ("kinetic", *(key for key, _ in works)))
     lower.plot(time, energy["balance"] / largest if largest > 0.0 else energy["balance"], color=INK, linewidth=1.2)
     for axes, words in ((upper, f"where it went [{unit}]"), (middle, f"put in [{unit}]"), (lower, "balance\n[share of the\nlargest work]")):
-        _plain(axes, words)
+        plain_axes(axes, words)
     lower.set_xlabel("time [s]", fontsize=12, color=INK)
     figure.text(0.02, 0.955, f"Energy: {results.title}", fontsize=15, fontweight="bold", color=INK, va="center", parse_math=False)
-    try:
-        with replacing(path) as part:
-            figure.savefig(part)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+    return figure
 
 
 def energies(results: Results) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -106,18 +110,6 @@ def _names(axes: Any, ends: list[tuple[float, str, str]]) -> None:
             name, (1.015, places[-1]), xycoords=("axes fraction", "data"), fontsize=11.5, fontweight="bold", color=colour, va="center",
             annotation_clip=False,
         )  # fmt: skip
-
-
-def _plain(axes: Any, words: str) -> None:
-    """A faint grid, a title at the axis, no frame."""
-    axes.set_ylabel(words, fontsize=11, color=INK)
-    axes.tick_params(labelsize=10.5, colors=FAINT)
-    axes.grid(color="#e8eaed", linewidth=0.8)
-    axes.set_axisbelow(True)
-    axes.margins(x=0.0)
-    axes.axhline(0.0, color=FAINT, linewidth=0.6)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
 
 
 def _write(results: Results, folder: Path) -> None:

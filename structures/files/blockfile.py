@@ -12,6 +12,7 @@ level are left alone, so that a program may keep its own notes in the same file.
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -100,14 +101,14 @@ def read_unchecked(path: Path, density: float) -> list[Block]:
 
 
 def write(path: Path, blocks: Sequence[Block]) -> None:
-    """Write a block file in metres, one block per line; reading it gives the same blocks to the bit."""
+    """Write a block file in metres, one block per line; reading it gives the same blocks to the bit. A density of NaN is left out."""
     lines = []
     for block in blocks:
         entry: dict[str, Any] = {
             "name": block.name,
             "vertices": block.vertices.tolist(),
             "faces": [list(face) for face in block.faces],
-            "density": block.density,
+            **({} if math.isnan(block.density) else {"density": block.density}),
             "fixed": block.fixed,
             "group": block.group,
         }

@@ -1,0 +1,195 @@
+"""Blocks and base motions that come as arrays: they become files of the kinds that scenes read.
+
+The blocks of a structure become a block file (:mod:`structures.files.blockfile`), each base motion a table of numbers
+(:mod:`loads.readers.tables`), with every digit of their numbers. So there is one way by which geometry and motion enter a run, with one set
+of checks, and what a run was made of lies beside its results as files that the command line reads as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeGuard
+
+import numpy as np
+
+from masonry_cd.errors import InputError, suggest
+
+if TYPE_CHECKING:
+    from masonry_cd.model.blocks import Block
+
+BLOCKS = "blocks"  # key of [structure] that takes arrays
+FIXED = "fixed"  # key beside it: names of the supports
+MOTION = ("time", "acceleration")  # keys of [[loads]] kind = "record" that take arrays
+AXES = "xyz"
+FIELDS = ("name", "vertices", "faces", "density", "group", "fixed")  # of a block that comes as a dict
+BLOCK_FILE = "blocks.json"
+
+
+def hold_arrays(tables: Mapping[str, Any]) -> bool:
+    """Whether some of the tables of a scene hold geometry or motion as arrays."""
+    structure, loads = tables.get("structure"), tables.get("loads")
+    own_blocks = _is_list(structure) or (isinstance(structure, Mapping) and BLOCKS in structure)
+    own_motion = _is_list(loads) and any(isinstance(load, Mapping) and any(key in load for key in MOTION) for load in loads)
+    return own_blocks or own_motion
+
+
+def into_files(tables: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """The tables of a scene with files in the place of arrays.
+
+    Args:
+        tables: of a scene; what holds no arrays is handed through.
+        folder: where the files are written.
+
+    Raises:
+        InputError: arrays that have not the shape that they should have; names the block or the key.
+    """
+    out = dict(tables)
+    structure, loads = tables.get("structure"), tables.get("loads")
+    if _is_list(structure):
+        structure = {BLOCKS: structure}
+    if isinstance(structure, Mapping) and BLOCKS in structure:
+        out["structure"] = _structure(structure, folder)
+    if _is_list(loads):
+        out["loads"] = [load for i, table in enumerate(loads) for load in _load(table, f"loads[{i}]", folder)]
+    return out
+
+
+def _is_list(value: object) -> TypeGuard[Sequence[Any]]:
+    """Whether a value is a list of any kind."""
+    return isinstance(value, Sequence) and not isinstance(value, str | bytes)
+
+
+def _structure(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """A [structure] table whose blocks are arrays, with a block file in their place."""
+    from structures.files import blockfile, meshfile
+
+    rest = {key: value for key, value in table.items() if key not in (BLOCKS, FIXED)}
+    if rest.get("kind", "file") != "file" or "path" in rest:
+        raise InputError('structure.blocks: blocks as arrays are a structure of kind "file" without a path')
+    if not _is_list(table[BLOCKS]) or not len(table[BLOCKS]):
+        raise InputError("structure.blocks: a list of blocks is needed, each (vertices, faces), a dict or a Block")
+    blocks = [_block(given, i) for i, given in enumerate(table[BLOCKS])]
+    names = table.get(FIXED, ())
+    blockfile.write(folder / BLOCK_FILE, meshfile.with_supports(blocks, [names] if isinstance(names, str) else names, "structure.fixed"))
+    return {"kind": "file", "path": BLOCK_FILE} | rest
+
+
+def _block(given: Any, index: int) -> Block:
+    """One block: as it is, from (vertices, faces), or from a dict with the keys of a block file."""
+    from masonry_cd.model.blocks import Block
+
+    if isinstance(given, Block):
+        table: Mapping[str, Any] = {key: getattr(given, key) for key in FIELDS}
+        if given.fixed and given.group == Block.group:  # that of blocks that name none; of supports it is another
+            table = {**table, "group": None}
+    elif isinstance(given, Mapping):
+        table = given
+    elif _is_list(given) and len(given) == 2:
+        table = {"vertices": given[0], "faces": given[1]}
+    else:
+        raise InputError(f"structure.blocks[{index}]: (vertices, faces), a dict or a Block is needed, got a {type(given).__name__}")
+    name = str(table.get("name") or f"b{index}")
+    where = f'structure.blocks: block "{name}"'
+    for key in table:
+        if key not in FIELDS:
+            raise InputError(f"{where}: {key}: unknown key{suggest(str(key), FIELDS)}; known keys: {', '.join(FIELDS)}")
+    for key in ("vertices", "faces"):
+        if key not in table:
+            raise InputError(f"{where}: {key}: missing")
+    fixed, density = bool(table.get("fixed", False)), table.get("density")
+    return Block(
+        name=name,
+        vertices=_numbers(table["vertices"], (-1, 3), f"{where}: vertices"),
+        faces=_faces(table["faces"], where),
+        density=float("nan") if density is None else float(density),
+        group=str(table.get("group") or ("base" if fixed else "block")),
+        fixed=fixed,
+        parts=given.parts if isinstance(given, Block) else (),
+    )
+
+
+def _faces(given: Any, where: str) -> tuple[tuple[int, ...], ...]:
+    """Loops of vertex indices."""
+    try:
+        loops = tuple(tuple(_whole(index) for index in loop) for loop in given)
+    except (TypeError, ValueError):
+        raise InputError(f"{where}: faces: loops of whole numbers are needed, [[0, 1, 2], ...], counted from zero") from None
+    return loops
+
+
+def _whole(index: Any) -> int:
+    """A whole number."""
+    number = int(index)
+    if number != index:
+        raise ValueError
+    return number
+
+
+def _numbers(given: Any, shape: tuple[int, ...], where: str) -> np.ndarray:
+    """Finite numbers in an array of a shape, in which -1 stands for any length.
+
+    Raises:
+        InputError: anything else.
+    """
+    try:
+        array = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"{where}: an array of numbers is needed") from None
+    wanted = f"({', '.join('N' if n < 0 else str(n) for n in shape)}{',' if len(shape) == 1 else ''})"
+    if array.ndim != len(shape) or any(n >= 0 and n != m for n, m in zip(shape, array.shape, strict=True)):
+        raise InputError(f"{where}: an array of shape {wanted} is needed, got {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError(f"{where}: not finite at {np.argwhere(~np.isfinite(array))[0].tolist()}")
+    return array
+
+
+def _load(table: Any, where: str, folder: Path) -> list[Any]:
+    """A [[loads]] table; one of a motion given by arrays becomes a table for each of its components."""
+    if not isinstance(table, Mapping) or not any(key in table for key in MOTION):
+        return [table]
+    missing = next((key for key in MOTION if key not in table), None)
+    if missing is not None:
+        raise InputError(f"{where}.{missing}: missing; a motion by arrays has time and acceleration")
+    rest = {key: value for key, value in table.items() if key not in MOTION}
+    if rest.get("kind", "record") != "record":
+        raise InputError(f'{where}.kind: a motion by arrays is a "record", not "{rest["kind"]}"')
+    other = next((key for key in ("path", "column", "units", "time_step", "format") if key in rest), None)
+    if other is not None:
+        raise InputError(f"{where}.{other}: belongs to a record in a file; time is in s, acceleration in m/s2")
+    time, acceleration = _motion(table, where)
+    components = acceleration.shape[1]
+    for key in ("direction", "target_pga") if components > 1 else ():
+        if key in rest:
+            raise InputError(
+                f"{where}.{key}: of a motion of one component; this one has {components}, along {', '.join(AXES[:components])}"
+            )
+    names = AXES[:components] if components > 1 else ("a",)
+    path = _write_motion(folder, names, time, acceleration)
+    common = {"kind": "record", "path": path, **rest}
+    if components == 1:
+        return [common]
+    moving = [k for k in range(components) if acceleration[:, k].any()] or [0]  # a component that is zero throughout is none
+    return [common | {"column": AXES[k], "direction": AXES[k]} for k in moving]
+
+
+def _motion(table: Mapping[str, Any], where: str) -> tuple[np.ndarray, np.ndarray]:
+    """Times (N,) [s] and accelerations (N, 1 to 3) [m/s2]."""
+    given = np.asarray(table["acceleration"], dtype=object)
+    acceleration = _numbers(table["acceleration"], (-1,) * max(1, min(2, given.ndim)), f"{where}.acceleration").reshape(len(given), -1)
+    if not 1 <= acceleration.shape[1] <= len(AXES):
+        raise InputError(f"{where}.acceleration: one to three components are needed, (N,) or (N, 3), got {acceleration.shape}")
+    time = _numbers(table["time"], (-1,), f"{where}.time")
+    if len(time) != len(acceleration):
+        raise InputError(f"{where}.time: {len(time)} times for {len(acceleration)} accelerations")
+    return time, acceleration
+
+
+def _write_motion(folder: Path, names: Sequence[str], time: np.ndarray, acceleration: np.ndarray) -> str:
+    """Write a motion as CSV under the next free name, which is returned."""
+    from masonry_cd.csv_files import write_csv
+
+    number = next(n for n in range(1, 10**6) if not (folder / f"motion{n}.csv").exists())
+    rows = np.column_stack([time, acceleration]).tolist()
+    write_csv(folder / f"motion{number}.csv", ["time_s", *(f"{name}_m_s2" for name in names)], (map(repr, row) for row in rows))
+    return f"motion{number}.csv"

@@ -1,0 +1,134 @@
+"""The pictures of a run: crack maps as images, plots as figures of matplotlib, the page; each shows itself in a notebook."""
+
+from __future__ import annotations
+
+import html
+import io
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from masonry_cd.errors import parse_table
+from masonry_cd.io.results import Results
+from reports.settings import Report
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from PIL.Image import Image
+
+    from reports.damage.part_damage import PartDamage
+
+HEIGHT = 900  # of a page in a notebook [pixels]
+
+
+class Plots:
+    """What ``run.plot`` offers.
+
+    Args:
+        results: opens the result file.
+        settings: ``[report]`` of the scene.
+        summary: of the run.
+        damage: of the run, by part.
+    """
+
+    def __init__(
+        self,
+        results: Callable[[], AbstractContextManager[Results]],
+        settings: Report,
+        summary: Callable[[], Mapping[str, Any]],
+        damage: Callable[[], PartDamage],
+    ) -> None:
+        self._results, self._settings, self._summary, self._damage = results, settings, summary, damage
+
+    def crack_map(self, time: float | None = None, **keys: Any) -> Image:
+        """The structure at the frame next to a time [s], the last by default: what is open and what has slid, by colour.
+
+        Args:
+            time: of the frame.
+            keys: of ``[report]`` in the place of the scene's: view, scale, cut, thrust, opened, slid, largest.
+
+        Raises:
+            InputError: an unknown key, a time outside the run, or a cut outside the structure.
+        """
+        from PIL import Image as images
+
+        from reports.maps.crack_map import framing, sheet_of
+        from reports.outputs import frame_at, style_of
+
+        settings = parse_table(Report, self._settings.model_dump(exclude_unset=True) | keys, "report")
+        with self._results() as found:
+            frame = frame_at(found, time) % found.frames
+            return images.fromarray(sheet_of(found, frame, framing(found, [frame], style_of(settings))).pixels())
+
+    def energy(self) -> Figure:
+        """What was put in, where it went, and the balance, over time."""
+        from reports.extra.energy import energy_figure
+
+        with self._results() as found:
+            return shown(energy_figure(found))
+
+    def history(self, *blocks: str, axis: str = "") -> Figure:
+        """Displacement of some blocks relative to the base over time, the highest block by default, and the velocity of the base.
+
+        Args:
+            blocks: their names.
+            axis: x, y or z; by default the one along which they move most.
+
+        Raises:
+            InputError: no block has a name, or no such axis.
+        """
+        from reports.drawing.history_figure import history_figure
+
+        with self._results() as found:
+            return shown(history_figure(found, blocks, axis))
+
+    def page(self, path: Path | str | None = None) -> Page:
+        """The page of the run, which needs no network.
+
+        Args:
+            path: where it is written; report.html in the folder of the run by default.
+
+        Raises:
+            InputError: a path that cannot be written.
+        """
+        from reports.outputs import PAGE, write_page
+
+        with self._results() as found:
+            place = found.path.with_name(PAGE) if path is None else Path(path)
+            write_page(found, place, self._settings, self._summary(), self._damage())
+        return Page(place)
+
+
+class Page:
+    """An HTML file; a notebook shows it, and :meth:`open` does so in the browser."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        """Where it lies."""
+
+    def open(self) -> bool:
+        """Open it in the browser; False where there is none."""
+        import webbrowser
+
+        return webbrowser.open(self.path.absolute().as_uri())
+
+    def __repr__(self) -> str:
+        return f"<Page {self.path}>"
+
+    def _repr_html_(self) -> str:
+        inside = html.escape(self.path.read_text(encoding="utf-8"))
+        return f'<iframe srcdoc="{inside}" style="width:100%;height:{HEIGHT}px;border:1px solid #ccc"></iframe>'
+
+
+def shown(figure: Any) -> Any:
+    """A figure that a notebook shows, also one that has not loaded pyplot."""
+
+    def png() -> bytes:
+        """The figure as a PNG."""
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format="png")
+        return buffer.getvalue()
+
+    figure._repr_png_ = png
+    return figure

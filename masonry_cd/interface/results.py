@@ -1,0 +1,285 @@
+"""Runs: what the folder of a run holds, as tables, arrays and pictures. Also of runs that were interrupted or killed, or are at work."""
+
+from __future__ import annotations
+
+import html
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from masonry_cd.app.summary import closing_lines, damage_line
+from masonry_cd.errors import InputError, suggest
+from masonry_cd.interface.plots import Plots
+from masonry_cd.interface.scenes import Scene, scene_of
+from masonry_cd.interface.structure import Structure
+from masonry_cd.interface.tables import frame_of, frame_of_rows
+from masonry_cd.interface.temporary import TemporaryFolder
+from masonry_cd.io.results import Results
+from masonry_cd.io.summary_file import read_summary
+from reports.damage.end_state import end_state
+from reports.damage.joint_damage import joint_damage
+from reports.damage.joint_files import damage_numbers, thresholds_of
+from reports.damage.part_damage import PartDamage
+from reports.deformed import solids_of
+from reports.outputs import damage_of, frame_at
+from reports.page.motion import read_motion, rotation_vectors
+from reports.settings import Report, report_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+RESULTS = "result.h5"
+MEASURES = {  # of joints over time, and their units
+    "opening": "m",
+    "sliding": "m",
+    "rotation": "rad",
+    "contact_area": "m2",
+    "normal_force": "N",
+    "shear_force": "N",
+    "bonded": "",
+}
+MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
+VELOCITIES = ("vx", "vy", "vz", "wx", "wy", "wz")
+PER_STEP = {  # and their types
+    "load_step": np.int64,
+    "solver/iterations": np.int64,
+    "solver/contacts": np.int64,
+    "solver/error": np.float64,
+    "solver/seconds": np.float64,
+    "penetration": np.float64,
+}
+
+
+class Run:
+    """The results of a run, read from its folder when they are asked for. Made by :func:`masonry_cd.run` and :func:`masonry_cd.open`.
+
+    Tables are DataFrames of pandas with columns as in the CSV files; ``table.attrs["units"]`` says their units. ``print(run)`` shows the
+    closing lines of the command line.
+    """
+
+    def __init__(self, folder: Path, keeper: TemporaryFolder | None = None) -> None:
+        self.folder = Path(folder)
+        """Where its files are."""
+        self.keeper = keeper  # of a temporary folder
+        self._sums = True  # the first look at the file is at all of it
+        with self.results() as found:
+            self.title = found.title
+            """Of the scene."""
+            self.time = np.asarray(found.time, dtype=float)
+            """(F,) of its frames [s]."""
+            self._sums = bool(found.words)
+            self._words = found.words
+
+    @contextmanager
+    def results(self) -> Iterator[Results]:
+        """The result file, open, for what the tables do not give: ``with run.results() as results: ...``."""
+        with Results.open(self.folder / RESULTS, sums=self._sums) as found:
+            yield found
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """What the run has come to, as in summary.json; of a run that was killed, what its frames show.
+
+        Raises:
+            InputError: a file summary.json that is none.
+        """
+        with self.results() as found:
+            written = read_summary(self.folder) or found.closing
+            if "joints_opened" in written:
+                return written
+            thresholds = thresholds_of(self._report)
+            end, table = end_state(found, thresholds), joint_damage(found, thresholds)
+            return {"title": self.title, "stopped": end.stopped} | written | damage_numbers(found, table, end, thresholds)
+
+    @property
+    def stopped(self) -> str:
+        """Why the run ended before its time, in words; empty where it did not. :func:`masonry_cd.resume` goes on with it."""
+        return str(self.summary.get("stopped") or "")
+
+    @property
+    def provisional(self) -> str:
+        """Why residual values and grades are not the last, in words; empty where the run ended at rest."""
+        return str(self.summary.get("provisional") or "")
+
+    @property
+    def warnings(self) -> list[str]:
+        """What must not pass in silence, a line each."""
+        return [*self._words, *map(str, self.summary.get("warnings") or ())]
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene that made the run."""
+        with self.results() as found:
+            return scene_of(found)
+
+    @cached_property
+    def structure(self) -> Structure:
+        """The blocks as they were built."""
+        with self.results() as found:
+            return Structure(found.blocks)
+
+    @cached_property
+    def _report(self) -> Report:
+        """The settings of the reports."""
+        with self.results() as found:
+            return report_of(found.scene)
+
+    @cached_property
+    def damage(self) -> PartDamage:
+        """The damage by part, from which the tables ``parts``, ``hinges``, ``levels`` and ``history`` are made."""
+        with self.results() as found:
+            return damage_of(found, self._report)
+
+    @cached_property
+    def joints(self) -> DataFrame:
+        """A row per joint: its blocks, area, place x, y, z, the largest and the residual opening and sliding, state; as in joints.csv."""
+        with self.results() as found:
+            table = vars(joint_damage(found, thresholds_of(self._report)))
+            places = found.joints.centres()
+        columns = {name: values for name, values in table.items() if name not in ("joint", "bonded") or np.isfinite(values).all()}
+        index = columns.pop("joint")
+        return frame_of(columns | dict(zip("xyz", places.T, strict=True)), index, "joint", provisional=self.provisional)
+
+    @cached_property
+    def parts(self) -> DataFrame:
+        """A row per part, the structure last: grade and its reason, mechanism, joints by state, drift, lost blocks; as in damage.csv."""
+        return frame_of_rows(self.damage.parts, "part", provisional=self.damage.provisional)
+
+    @cached_property
+    def hinges(self) -> DataFrame:
+        """A row per joint that was a hinge at a frame: where, how wide, when; as in hinges.csv."""
+        return frame_of_rows(self.damage.hinges, "joint")
+
+    @cached_property
+    def levels(self) -> DataFrame:
+        """A row per part and level: displacements and drift; as in drift.csv."""
+        return frame_of_rows(self.damage.levels)
+
+    @cached_property
+    def history(self) -> DataFrame:
+        """A row per frame and part: what is open, slid, apart; as in damage_history.csv."""
+        return frame_of_rows(self.damage.history)
+
+    @cached_property
+    def steps(self) -> DataFrame:
+        """A row per time step, by the time at its end: the step of the loads, iterations, contacts, error and seconds, penetration."""
+        with self.results() as found:
+            time = found.per_step("step_time")
+            columns = {name.rpartition("/")[2]: found.per_step(name)[: len(time)].astype(kind) for name, kind in PER_STEP.items()}
+        return frame_of({name: values for name, values in columns.items() if len(values) == len(time)}, time, "time")
+
+    @cached_property
+    def energy(self) -> DataFrame:
+        """A row per time step: what was put in, where it went, and the balance [J]."""
+        with self.results() as found:
+            time, energies = found.per_step("step_time"), found.energies
+        return frame_of({name: values[: len(time)] for name, values in energies.items()}, time, "time", unit="J")
+
+    def blocks(self, time: float | None = None) -> DataFrame:
+        """Where the blocks are at the frame next to a time [s], the last one by default; ``attrs["time"]`` is that of the frame.
+
+        A row per block: position of its centre of mass x, y, z, displacement relative to the support that moves least ux, uy, uz, rotation
+        vector rx, ry, rz, velocity vx, vy, vz and angular velocity wx, wy, wz, these two in the world frame.
+
+        Raises:
+            InputError: a time outside the run.
+
+        >>> import masonry_cd as mc
+        >>> run = mc.run(mc.scene("examples/trilithon.toml", "run.duration=0.01"), progress=False)
+        >>> lintel = run.blocks(0.01).loc["lintel"]
+        >>> lintel[["x", "y", "z"]].astype(float).round(3).tolist()
+        [0.0, 0.0, 2.7]
+        >>> run.blocks().attrs["units"]["ux"], run.joints.attrs["units"]["area"]
+        ('m', 'm2')
+        """
+        with self.results() as found:
+            solids, frame = solids_of(found.blocks), frame_at(found, time) % found.frames
+            moved = read_motion(found, solids, np.array([frame]))
+            columns = {
+                "group": [block.group for block in found.blocks],
+                "fixed": [block.fixed for block in found.blocks],
+                **_columns("xyz", found.position[frame]),
+                **_columns(MOTIONS, np.concatenate([moved.displacement[0], moved.rotation[0]], axis=1)),
+                **_columns(VELOCITIES, found.velocity[frame]),
+            }
+            names = [block.name for block in found.blocks]
+        return frame_of(columns, names, "block", time=float(self.time[frame]))
+
+    def motion(self, block: str) -> DataFrame:
+        """How a block moves: a row per frame with the columns of :meth:`blocks`, and base_x, base_y, base_z, how far the base has moved.
+
+        Raises:
+            InputError: no block has this name.
+        """
+        index = self.structure.index(block)
+        with self.results() as found:
+            centre, support = solids_of(found.blocks).centre, found.support
+            place = np.asarray(found.position[: found.frames, index], dtype=float)
+            base = found.position[: found.frames, support] - centre[support] if support >= 0 else np.zeros_like(place)
+            columns = {
+                **_columns("xyz", place),
+                **_columns(MOTIONS[:3], place - centre[index] - base),
+                **_columns(MOTIONS[3:], rotation_vectors(np.asarray(found.orientation[: found.frames, index], dtype=float))),
+                **_columns(VELOCITIES, found.velocity[: found.frames, index]),
+                **_columns(("base_x", "base_y", "base_z"), base),
+            }
+        return frame_of(columns, self.time, "time")
+
+    def joint_history(self, measure: str = "opening") -> DataFrame:
+        """How a measure of the joints goes: a row per frame, a column per joint.
+
+        Args:
+            measure: opening, sliding [m], rotation [rad], contact_area [m2], normal_force, shear_force [N], or bonded, a share of the area.
+
+        Raises:
+            InputError: no such measure, or one that the run did not write.
+        """
+        if measure not in MEASURES:
+            raise InputError(f'joint_history: "{measure}" is none{suggest(measure, MEASURES)}; measures: {", ".join(MEASURES)}')
+        with self.results() as found:
+            if not found.has_joint_history(measure):
+                raise InputError(f"joint_history: the run has written no {measure}")
+            values = found.joint_history(measure)
+        return frame_of(dict(enumerate(values.T)), self.time, "time", unit=MEASURES[measure])
+
+    @property
+    def plot(self) -> Plots:
+        """Its pictures: ``run.plot.crack_map()``, ``.energy()``, ``.history()``, ``.page()``."""
+        return Plots(self.results, self._report, lambda: self.summary, lambda: self.damage)
+
+    @property
+    def lines(self) -> list[str]:
+        """What happened, in words: the closing lines of the command line."""
+        found = self.summary
+        return closing_lines(found) if "solver" in found else [f"{self.title}: {self.stopped}", damage_line(found)]
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines)
+
+    def __repr__(self) -> str:
+        end = f", {self.stopped}" if self.stopped else ""
+        return f'<Run "{self.title}": {len(self.time)} frames to {self.time[-1]:g} s{end}>'
+
+    def _repr_html_(self) -> str:
+        told = "".join(f"<li>{html.escape(line)}</li>" for line in self.lines[1:])
+        warned = "".join(f'<li style="color:#b3261e">warning: {html.escape(line)}</li>' for line in self.warnings)
+        return f"<b>{html.escape(self.lines[0])}</b><ul>{told}{warned}</ul>"
+
+
+def open_run(folder: str | os.PathLike[str]) -> Run:
+    """The run in a folder, also one that was interrupted or killed, or is at work; made here or by the command line.
+
+    Raises:
+        InputError: no run is there, or nothing of its results can be read.
+    """
+    return Run(Path(folder))
+
+
+def _columns(names: Any, values: Any) -> dict[str, np.ndarray]:
+    """The columns of an array (N, C) by their names."""
+    return dict(zip(names, np.asarray(values, dtype=float).T, strict=True))

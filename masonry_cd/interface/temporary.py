@@ -1,0 +1,16 @@
+"""Folders that live as long as what needs them."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import weakref
+from pathlib import Path
+
+
+class TemporaryFolder:
+    """A folder that is taken away with its last holder, or when Python ends."""
+
+    def __init__(self) -> None:
+        self.path = Path(tempfile.mkdtemp(prefix="masonry_cd-"))
+        weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)

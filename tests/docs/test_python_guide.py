@@ -1,0 +1,38 @@
+"""The page on Python speaks of the interface as it is: its snippets run one after the other, and its tables are those that there are."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import textwrap
+from pathlib import Path
+
+import pytest
+from places import EXAMPLES, ROOT
+
+import masonry_cd as mc
+
+PAGE = ROOT / "docs" / "python.md"
+SNIPPETS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+
+
+@pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")
+def test_the_snippets_run_one_after_the_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copytree(EXAMPLES, tmp_path / "examples")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for snippet in SNIPPETS:
+        exec(compile(textwrap.dedent(snippet), str(PAGE), "exec"), names)
+    said = capsys.readouterr().out
+    (promised,) = re.findall(r"print\(error\)  # (.*)", PAGE.read_text(encoding="utf-8"))
+    assert promised in said
+    run = names["run"]
+    assert isinstance(run, mc.Run)
+    assert {"early.png", "report.html", "scene.toml", "motion1.csv"} <= {path.name for path in (tmp_path / "out" / "post").iterdir()}
+
+
+def test_every_name_and_table_is_on_the_page() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    assert [name for name in mc.__all__ if f"mc.{name}" not in text and name not in ("Comparison", "Run", "Scene", "Structure")] == []
+    for name in re.findall(r"^\| `run\.(\w+)", text, re.MULTILINE):
+        assert hasattr(mc.Run, name), name

@@ -1,0 +1,168 @@
+"""Blocks and base motions as arrays: the same blocks and motions as from files, and one line on what is wrong with them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from places import EXAMPLES
+from two_blocks import shaking
+
+import masonry_cd as mc
+from loads import Loading
+from masonry_cd.app.case import prepare
+
+
+def loading_of(scene: mc.Scene) -> Loading:
+    """The loads of a scene; its files are there as long as it is."""
+    return prepare(scene.checked).loading
+
+
+def test_pairs_dicts_and_blocks_are_the_same_blocks_as_those_of_a_file(tables: dict[str, Any], tmp_path: Path) -> None:
+    corners = ((-2.0, -1.0, -0.5), (2.0, 1.0, 0.0)), ((-0.1, -0.1, 0.0), (0.1, 0.1, 1 / 3))
+    plain = [{"vertices": v.tolist(), "faces": [list(face) for face in f]} for v, f in (mc.box(*c) for c in corners)]
+    dicts = [plain[0] | {"name": "b0", "fixed": True}, plain[1] | {"density": None}]
+    blocks = [
+        mc.Block("b0", np.array(plain[0]["vertices"]), plain[0]["faces"], fixed=True),
+        (plain[1]["vertices"], np.array(plain[1]["faces"])),
+    ]
+    (tmp_path / "own.json").write_text(json.dumps({"blocks": [plain[0] | {"fixed": True}, plain[1]]}))
+    of_file = mc.scene(tables | {"structure": {"kind": "file", "path": tmp_path / "own.json"}}).structure
+    for structure in (dicts, blocks, {"blocks": [(p["vertices"], p["faces"]) for p in plain], "fixed": ["b0"]}):
+        made = mc.scene(tables | {"structure": structure}).structure
+        for one, other in zip(made, of_file, strict=True):
+            assert (one.name, one.group, one.fixed, one.density) == (other.name, other.group, other.fixed, other.density)
+            assert np.array_equal(one.vertices, other.vertices)
+            assert one.faces == other.faces
+
+
+def test_keys_of_a_structure_stand_beside_its_blocks(tables: dict[str, Any]) -> None:
+    apart = [mc.box((-1, -1, -1), (1, 1, 0)), mc.box((-0.3, -0.3, 0.001), (0.3, 0.3, 1))]
+    made = mc.scene(tables | {"structure": {"blocks": apart, "fixed": "b0", "gaps": 0.002}}).structure
+    assert made["b0"].vertices[:, 2].max() == pytest.approx(made["b1"].vertices[:, 2].min(), abs=1e-15)
+    assert "corners moved" in made.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("blocks", "message"),
+    [
+        ([], "structure.blocks: a list of blocks is needed, each (vertices, faces), a dict or a Block"),
+        ([7], "structure.blocks[0]: (vertices, faces), a dict or a Block is needed, got a int"),
+        ([(np.zeros((8, 2)), [])], 'structure.blocks: block "b0": vertices: an array of shape (N, 3) is needed, got (8, 2)'),
+        ([([[0, 0, np.nan]], [])], 'structure.blocks: block "b0": vertices: not finite at [0, 2]'),
+        ([([["a", 0, 0]], [])], 'structure.blocks: block "b0": vertices: an array of numbers is needed'),
+        (
+            [(np.zeros((4, 3)), [[0, 1.5]])],
+            'structure.blocks: block "b0": faces: loops of whole numbers are needed, [[0, 1, 2], ...], counted from zero',
+        ),
+        ([{"name": "a", "vertices": np.zeros((4, 3))}], 'structure.blocks: block "a": faces: missing'),
+        (
+            [{"vertexes": 1}],
+            'structure.blocks: block "b0": vertexes: unknown key (did you mean "vertices"?); '
+            "known keys: name, vertices, faces, density, group, fixed",
+        ),
+    ],
+)
+def test_blocks_that_are_none(tables: dict[str, Any], blocks: list[Any], message: str) -> None:
+    with pytest.raises(mc.InputError) as caught:
+        mc.scene(tables | {"structure": blocks})
+    assert str(caught.value) == message
+
+
+def test_blocks_and_a_file_exclude_each_other(tables: dict[str, Any]) -> None:
+    for more in ({"path": "a.json"}, {"kind": "arch"}):
+        with pytest.raises(mc.InputError, match=r'blocks as arrays are a structure of kind "file" without a path'):
+            mc.scene(tables | {"structure": tables["structure"] | more})
+    with pytest.raises(mc.InputError, match=r'structure.fixed: no block is named "plate"; the first are b0, b1, b2'):
+        mc.scene(tables | {"structure": tables["structure"] | {"fixed": "plate"}})
+
+
+def test_a_reversed_block_is_refused_by_name(tables: dict[str, Any]) -> None:
+    vertices, faces = mc.box((-0.3, -0.3, 0), (0.3, 0.3, 1))
+    made = mc.scene(tables | {"structure": [mc.box((-1, -1, -1), (1, 1, 0)), (vertices, [face[::-1] for face in faces])]})
+    with pytest.raises(mc.InputError, match=r'^blocks.json: block "b1": '):
+        _ = made.structure
+
+
+@pytest.mark.parametrize("components", [1, 2, 3])
+def test_a_motion_by_arrays_is_that_of_a_record(tables: dict[str, Any], tmp_path: Path, components: int) -> None:
+    motion = shaking(components) | ({"direction": "x"} if components == 1 else {})
+    by_arrays = loading_of(mc.scene(tables | {"loads": [motion]}))
+    table = np.column_stack([motion["time"], motion["acceleration"]])
+    np.savetxt(
+        tmp_path / "own.csv", table, fmt="%.17g", delimiter=",", header=",".join(["time_s", "x_m_s2", "y_m_s2", "z_m_s2"][: 1 + components])
+    )
+    records = [
+        {"kind": "record", "path": str(tmp_path / "own.csv"), "column": axis, "direction": axis, "correction": "none"}
+        for axis in "xyz"[:components]
+    ]
+    by_file = loading_of(mc.scene(tables | {"loads": records}))
+    assert np.array_equal(by_arrays.support_velocity, by_file.support_velocity)
+    assert by_arrays.support_velocity[:, 0, components - 1].any()
+
+
+def test_a_motion_by_arrays_is_corrected_and_judged_as_a_record_is(tables: dict[str, Any]) -> None:
+    loud = shaking(1, peak=25.0) | {"direction": "x", "correction": "quadratic", "acceleration": shaking(1, 25.0)["acceleration"] + 0.5}
+    loading = loading_of(mc.scene(tables | {"loads": [loud]}))
+    said = " ".join(loading.warnings)
+    assert "hardly any ground has been recorded above 2 g" in said
+    assert "the quadratic correction changes PGV" in said or "the quadratic correction changes PGD" in said
+    assert abs(loading.summary["tables"][0]["after"]["end_velocity"]) < 1e-9 < abs(loading.summary["tables"][0]["before"]["end_velocity"])
+
+
+def test_a_component_of_zeros_is_left_out(tables: dict[str, Any]) -> None:
+    motion = shaking(3)
+    motion["acceleration"][:, 1] = 0.0
+    made = mc.scene(tables | {"loads": [motion]})
+    assert [load["direction"] for load in made.tables["loads"]] == ["x", "z"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"acceleration": None}, "loads[0].acceleration: missing; a motion by arrays has time and acceleration"),
+        ({"acceleration": np.zeros((401, 4))}, "loads[0].acceleration: one to three components are needed, (N,) or (N, 3), got (401, 4)"),
+        ({"acceleration": np.zeros(7)}, "loads[0].time: 401 times for 7 accelerations"),
+        ({"acceleration": [np.inf] * 401}, "loads[0].acceleration: not finite at [0]"),
+        ({"time": "now"}, "loads[0].time: an array of numbers is needed"),
+        ({"time": 0.001}, "loads[0].time: an array of shape (N,) is needed, got ()"),
+        ({"kind": "sinusoidal"}, 'loads[0].kind: a motion by arrays is a "record", not "sinusoidal"'),
+        ({"path": "a.csv"}, "loads[0].path: belongs to a record in a file; time is in s, acceleration in m/s2"),
+        (
+            {"acceleration": np.ones((401, 2)), "direction": "x"},
+            "loads[0].direction: of a motion of one component; this one has 2, along x, y",
+        ),
+    ],
+)
+def test_motions_that_are_none(tables: dict[str, Any], change: dict[str, Any], message: str) -> None:
+    motion = {key: value for key, value in (shaking() | change).items() if value is not None}
+    with pytest.raises(mc.InputError) as caught:
+        mc.scene(tables | {"loads": [motion]})
+    assert str(caught.value) == message
+
+
+def test_times_that_are_uneven_are_refused_in_the_words_of_the_reader(tables: dict[str, Any]) -> None:
+    motion = shaking() | {"direction": "x"}
+    motion["time"] = motion["time"] + np.where(motion["time"] > 0.2, 0.1, 0.0)
+    made = mc.scene(tables | {"loads": [motion]})
+    with pytest.raises(mc.InputError, match=r"motion1.csv, line \d+: the time step changes from 0.001 to 0.101"):
+        prepare(made.checked)
+
+
+def test_arrays_in_the_scene_of_a_file_leave_its_other_files_where_they_are() -> None:
+    made = mc.scene(EXAMPLES / "trilithon.toml", loads=[shaking() | {"direction": "x"}])
+    assert made.tables["structure"]["path"] == str((EXAMPLES / "trilithon.json").absolute())
+    assert made.tables["loads"][0]["path"] == "motion1.csv"
+    assert prepare(made.checked).assembly.count == 4
+
+
+def test_changes_keep_the_arrays(tables: dict[str, Any]) -> None:
+    first = mc.scene(tables | {"loads": [shaking() | {"direction": "x"}]})
+    again = first.changed("run.duration=0.2", "loads[0].scale=2.0")
+    assert np.array_equal(first.structure["b2"].vertices, again.structure["b2"].vertices)
+    other = again.changed(loads=[shaking(3)])
+    assert [load["path"] for load in other.tables["loads"]] == ["motion2.csv"] * 3
+    assert np.abs(loading_of(again).support_velocity).max() > 0.2
