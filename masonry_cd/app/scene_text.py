@@ -144,7 +144,7 @@ def place_of(text: str, key: str, path: Path) -> str:
     seen: dict[str, int] = {}  # tables so far of each [[list]]
     for number, line in enumerate(text.splitlines(), start=1):
         head = re.match(r"\s*(\[{1,2})\s*([^\]]+?)\s*\]", line)
-        word = re.match(r'\s*("?[\w-]+"?(?:\s*\.\s*"?[\w-]+"?)*)\s*=', line)
+        word = re.match(r'\s*((?:"[^"]+"|[\w-]+)(?:\s*\.\s*(?:"[^"]+"|[\w-]+))*)\s*=', line)
         if head:
             here = _key_path(head.group(2))
             name = ".".join(part for part, _ in here)

@@ -35,17 +35,17 @@ def check_varied(study: Study, space: Space) -> None:
         InputError: names the key, the value, and what the scene says of it.
     """
     maker = Maker(study, space)
-    asked = Asked(space.motions[0], next(iter(space.levels)) or _some_level(study), values=_middle(space))
+    motion, level = space.motions[0], next(iter(space.levels)) or _some_level(study)
     for key, value, of in _tried(space):
         if key == ROTATE:
             _check_rotation(study, value)
             continue
         try:
-            tables = maker.tables(Asked(asked.motion, asked.level, values={**asked.values, key: value}))
+            tables = maker.tables(Asked(motion, level, values={key: value}))
             _try(tables, key)
         except InputError as error:
             shown = f"{value:.6g}" if isinstance(value, float) else str(value)
-            said = str(error).partition(f"{RUN_SCENE}: ")[2] or str(error)
+            said = (str(error).partition(f"{RUN_SCENE}: ")[2] or str(error)).removeprefix(f'vary."{key}": ')
             raise study.at_fault(InputError(f'vary."{key}": {of}{shown} is refused by the scene: {said}')) from None
     if study.tables.records is not None and study.tables.records.rotate:
         _check_rotation(study, study.tables.records.rotate)
@@ -72,13 +72,6 @@ def _tried(space: Space) -> Iterator[tuple[str, Any, str]]:
     for key, distribution in space.varied.random.items():
         for value in distribution.extremes():
             yield key, value, "its distribution reaches values where "
-
-
-def _middle(space: Space) -> dict[str, Any]:
-    """A value for each key that varies."""
-    return {key: values[0] for key, values in space.varied.lists.items()} | {
-        key: distribution.quantile(0.5) for key, distribution in space.varied.random.items()
-    }
 
 
 def _some_level(study: Study) -> float | None:

@@ -121,9 +121,10 @@ def _local(where: Where) -> Iterator[tuple[Any, str]]:
         processes=True,
         memory_limit=int(memory),
         host="127.0.0.1",
-        dashboard_address=None,
+        dashboard_address=":0",  # any port that is free
         silence_logs=logging.CRITICAL,
         env=ONE_THREAD,
+        preload=["masonry_cd.studies.study.worker_setup"],
     )
     workers = f"{count} worker{'s' if count > 1 else ''} of this machine"
     try:
@@ -184,6 +185,6 @@ def slurm_cluster(table: SlurmTable) -> Any:
         local_directory=table.local_directory,
         job_extra_directives=table.directives,
         job_script_prologue=[*table.prologue, *(f"export {name}={value}" for name, value in ONE_THREAD.items())],
-        scheduler_options={"dashboard_address": None},
+        scheduler_options={"dashboard_address": ":0"},
         **given,
     )

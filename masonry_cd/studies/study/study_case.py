@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -163,8 +163,7 @@ class _Made:
         first = next((run for run in self.plan.ordered() if self.rows[run.name]["status"] == "done"), None)
         if first is None or self.folder.has_reference(first.name):
             return
-        tables = self.plan.maker.study.tables
-        outcome = run_task(self._task(first, tables, True))
+        outcome = run_task(replace(self._task(first, self.plan.maker.study.tables, True), keep="none"))
         if outcome.reference is not None:
             self.folder.write_reference(first.name, outcome.reference)
 

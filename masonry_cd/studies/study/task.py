@@ -57,15 +57,15 @@ def run_task(task: Task) -> Outcome:
         joints, reference = None, None
         try:
             row, joints = _made(task, folder)
+            if joints is not None:
+                reference = (folder / RESULTS).read_bytes() if task.reference else None
+                _keep(task, folder)
         except InputError as error:
             row = {"status": "failed", "reason": str(error).replace(scratch, "")}
         except MemoryError:
             row = {"status": "failed", "reason": "not enough memory"}
         except Exception as error:  # a defect of the program costs one run, not the study
             row = {"status": "failed", "reason": one_line(f"{type(error).__name__}: {error}").replace(scratch, "")}
-        if row["status"] == "done":
-            _keep(task, folder)
-            reference = (folder / RESULTS).read_bytes() if task.reference else None
     where = {"seconds": time.perf_counter() - begin, "worker": f"{socket.gethostname()}:{os.getpid()}"}
     return Outcome(task.name, row | where, joints, reference)
 
