@@ -256,6 +256,27 @@ def test_a_collapse_at_the_first_level_is_bracketed_from_nothing() -> None:
     assert min(levels) < 0.05 < max(x for x in levels if x >= 0.05)
 
 
+def test_the_runs_of_an_ida_do_not_depend_on_the_order_in_which_they_end(tmp_path: Path) -> None:
+    text = RECORDS.replace("stripes", "ida").replace("levels = [1.0, 2.0, 4.0]", "") + FRICTION
+    text += '[ida]\nlimit_state = "slid"\nstart = 1.0\nstep = 1.0\n'
+    capacity = {"far_c": 3.3, "quake_a": 7.1, "quake_b": 0.4}
+
+    def ended(take: int) -> list[str]:
+        """The names of all runs, when of those that wait it is always the first, or the last, that ends."""
+        plan = with_records(tmp_path, text)
+        waiting = list(plan.runs)
+        while waiting:
+            run = waiting.pop(take)
+            assert run.asked.level is not None
+            sliding = 1.0 if run.asked.level >= capacity[run.asked.motion] else 0.0
+            waiting += plan.after(run, {"status": "done", "max_sliding": sliding})
+        assert len({run.asked.values["material.friction"] for run in plan.runs}) == 3  # one of each motion
+        return [run.name for run in plan.ordered()]
+
+    assert ended(0) == ended(-1)
+    assert len(ended(0)) > 20
+
+
 # --- bad input ----------------------------------------------------------------------------------------------------------------------
 
 MU, VARY, REFUSED = '"material', "study.toml:5: vary.", "is refused by the scene:"

@@ -174,6 +174,26 @@ def test_the_folder_of_another_study_is_refused(study: Path) -> None:
     assert row_names(study) == before
 
 
+def test_an_ida_hunts_and_its_runs_are_found_again(scheduler: str, tmp_path: Path) -> None:
+    studied.write_records(tmp_path)
+    hunt = '[ida]\nlimit_state = "slid"\nstart = 2.0\nstep = 2.0\nresolution = 0.2\nfill = 1\n'
+    path = write_study(tmp_path, studied.RECORDS.replace("stripes", "ida").replace("levels = [1.0, 2.0, 4.0]", "") + hunt)
+    write_scene(tmp_path, SCENE.replace("amplitude = 0.4", "amplitude = 0.0"))
+    result = invoke(path, "--scheduler", scheduler)
+    assert result.exit_code == 0, result.output
+    rows = read_rows(tmp_path / "out")
+    for motion in studied.NAMES:
+        own = {row["level"]: row["max_sliding"] > 1e-3 for row in rows if row["motion"] == motion}
+        capacity = min(level for level, slid in own.items() if slid)
+        assert capacity > 0.4 * 9.81  # a rigid block slides where the base accelerates beyond mu g
+        assert capacity - max(level for level in own if level < capacity) <= 0.2 * capacity
+    assert json.loads((tmp_path / "out" / "study.json").read_text())["runs"] == len(rows)
+    table = rows_without_seconds(tmp_path / "out")
+    again = invoke(path)
+    assert f"{len(rows)} runs so far, 0 of them to be made" in again.stderr
+    assert rows_without_seconds(tmp_path / "out") == table
+
+
 def started(path: Path, *options: str) -> subprocess.Popen[str]:
     """The command in a process group of its own."""
     command = [sys.executable, "-m", "masonry_cd", "study", str(path), "-o", str(path.parent / "out"), *options]
@@ -182,7 +202,7 @@ def started(path: Path, *options: str) -> subprocess.Popen[str]:
     )
 
 
-LONG = {"[limit_states]": '"run.dt" = [2e-4, 1e-4, 2.5e-4]\n[limit_states]'}  # some seconds of runs
+LONG = {"[limit_states]": '"run.dt" = [1e-3, 8e-4, 5e-4]\n[limit_states]'}  # some seconds of runs
 
 
 @pytest.fixture

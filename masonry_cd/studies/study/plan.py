@@ -94,13 +94,13 @@ class Maker:
     def _shake(self, tables: dict[str, Any], asked: Asked) -> None:
         """Put the motion and its level into the scene."""
         records, intensity = self.space.records, self.study.tables.intensity
+        if intensity is not None and intensity.key is not None and asked.level is not None:
+            _assign(tables, "intensity.key", intensity.key, asked.level)
         if records is None:
             return
         motion = self.space.motion(asked.motion)
         if records.table.key is not None:
             _assign(tables, "records.key", records.table.key, motion.value)
-            if intensity is not None and intensity.key is not None and asked.level is not None:
-                _assign(tables, "intensity.key", intensity.key, asked.level)
             return
         degrees = self._degrees(asked)
         factor = records.factor(motion, degrees, asked.level)

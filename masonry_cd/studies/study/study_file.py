@@ -262,7 +262,8 @@ def _check_design(top: StudyTables) -> None:
         raise InputError(
             f'ida.limit_state: there is no "{top.ida.limit_state}" in [limit_states]{suggest(top.ida.limit_state, top.limit_states)}'
         )
-    if intensity is not None and intensity.key is None and top.records is None:
-        raise InputError("intensity: there are no [records] to measure; intensity.key names a key of the scene instead")
-    if intensity is not None and intensity.key is not None and (top.records is None or top.records.folder is not None):
-        raise InputError("intensity.key: belongs to [records] with key and values; motions of a folder are scaled by their measure")
+    of_files = top.records is not None and top.records.folder is not None
+    if intensity is not None and (intensity.key is None) != of_files:
+        if of_files:
+            raise InputError("intensity.key: motions of a folder are scaled by their measure; leave it out")
+        raise InputError("intensity.key: missing; there are no motions of a folder to measure, so a level is the value of a key of the scene")
