@@ -176,7 +176,7 @@ def test_the_folder_of_another_study_is_refused(study: Path) -> None:
 
 def test_an_ida_hunts_and_its_runs_are_found_again(scheduler: str, tmp_path: Path) -> None:
     studied.write_records(tmp_path)
-    hunt = '[ida]\nlimit_state = "slid"\nstart = 2.0\nstep = 2.0\nresolution = 0.2\nfill = 1\n'
+    hunt = '[ida]\nlimit_state = "slid"\nstart = 2.0\nstep = 2.0\nresolution = 0.3\nfill = 0\n'
     path = write_study(tmp_path, studied.RECORDS.replace("stripes", "ida").replace("levels = [1.0, 2.0, 4.0]", "") + hunt)
     write_scene(tmp_path, SCENE.replace("amplitude = 0.4", "amplitude = 0.0"))
     result = invoke(path, "--scheduler", scheduler)
@@ -186,7 +186,7 @@ def test_an_ida_hunts_and_its_runs_are_found_again(scheduler: str, tmp_path: Pat
         own = {row["level"]: row["max_sliding"] > 1e-3 for row in rows if row["motion"] == motion}
         capacity = min(level for level, slid in own.items() if slid)
         assert capacity > 0.4 * 9.81  # a rigid block slides where the base accelerates beyond mu g
-        assert capacity - max(level for level in own if level < capacity) <= 0.2 * capacity
+        assert capacity - max(level for level in own if level < capacity) <= 0.3 * capacity
     assert json.loads((tmp_path / "out" / "study.json").read_text())["runs"] == len(rows)
     table = rows_without_seconds(tmp_path / "out")
     again = invoke(path)

@@ -266,4 +266,6 @@ def _check_design(top: StudyTables) -> None:
     if intensity is not None and (intensity.key is None) != of_files:
         if of_files:
             raise InputError("intensity.key: motions of a folder are scaled by their measure; leave it out")
-        raise InputError("intensity.key: missing; there are no motions of a folder to measure, so a level is the value of a key of the scene")
+        raise InputError(
+            "intensity.key: missing; there are no motions of a folder to measure, so a level is the value of a key of the scene"
+        )
