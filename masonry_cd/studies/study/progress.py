@@ -9,8 +9,9 @@ from __future__ import annotations
 import os
 import sys
 import time
+from collections.abc import Mapping
 from contextlib import suppress
-from typing import TextIO
+from typing import Any, TextIO
 
 from masonry_cd.app.progress import PLAIN
 from masonry_cd.quantities import in_words
@@ -37,19 +38,22 @@ class StudyProgress:
         self._left, self._cost, self._made = weight, 0.0, 0.0
         self._last = self._begin = time.monotonic()
         self._width = 0
+        self._workers: set[str] = set()
 
     def planned(self, weight: float) -> None:
         """A run was added to the plan."""
         self.total += 1
         self._left += weight
 
-    def ended(self, weight: float, seconds: float, failed: bool) -> None:
-        """A run has ended."""
+    def ended(self, weight: float, row: Mapping[str, Any]) -> None:
+        """A run has ended: its row. What the first one of a worker took to set up, as loading the kernels, does not come again."""
         self.finished += 1
-        self.failed += failed
+        self.failed += row["status"] != "done"
         self._left -= weight
+        first = row["worker"] not in self._workers
+        self._workers.add(row["worker"])
         self._made += weight
-        self._cost += seconds
+        self._cost += float(row["seconds"]) - (float(row.get("timing", {}).get("set_up", 0.0)) if first else 0.0)
 
     def seconds_left(self, threads: int) -> float | None:
         """For the runs that are left [s]; None before the first has ended."""

@@ -131,7 +131,7 @@ class _Made:
 
             def ended(run: Planned, outcome: Outcome) -> Iterable[Planned]:
                 self._add(run, outcome)
-                progress.ended(run.weight, float(outcome.row["seconds"]), outcome.row["status"] != "done")
+                progress.ended(run.weight, outcome.row)
                 following = [more for more in self.plan.after(run, outcome.row) if more.name not in self.rows]
                 for more in following:
                     progress.planned(more.weight)
