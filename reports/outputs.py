@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
@@ -66,9 +68,9 @@ def check_again(settings: Report, results: Results) -> None:
     framing(results, [0], style_of(settings))
 
 
-def damage_of(results: Results, settings: Report) -> PartDamage:
-    """The damage by part."""
-    return part_damage(results, Settings(thresholds=thresholds_of(settings), grades=read_grades(settings.grades)))
+def damage_of(results: Results, settings: Report, frames: np.ndarray | None = None) -> PartDamage:
+    """The damage by part, its history at some frames, the last among them, or at all."""
+    return part_damage(results, Settings(thresholds=thresholds_of(settings), grades=read_grades(settings.grades)), frames)
 
 
 def parse_times(results: Results, text: str) -> list[float]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,6 +54,45 @@ class Case:
     seconds: float  # to build it
 
 
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """What ``[structure]`` and ``[material]`` alone decide, so that runs whose loads differ share it."""
+
+    blocks: list[Block]
+    notes: tuple[str, ...]  # on what was changed in making them
+    assembly: Assembly
+
+    @cached_property
+    def joints(self) -> Joints:
+        """The joints at rest; they take kernels to find."""
+        return find_joints(self.assembly)
+
+    @cached_property
+    def built_gap(self) -> float:
+        """Largest gap or overlap of the joints as built [m]."""
+        return built_gap(self.assembly)
+
+    @cached_property
+    def falling(self) -> list[str]:
+        """Warnings on blocks that nothing carries."""
+        from structures.standing import standing
+
+        return standing(self.assembly).warnings() if self.assembly.fixed.any() else [FALLING]
+
+
+def structure_of(scene: Scene) -> Structure:
+    """Build the structure of a scene.
+
+    Raises:
+        InputError: with file and line of the scene where a key is at fault.
+    """
+    blocks, notes = build_structure(scene)
+    try:
+        return Structure(blocks, tuple(notes), Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints))
+    except InputError as error:
+        raise scene.at_fault(error) from None
+
+
 def build_blocks(scene: Scene) -> list[Block]:
     """The blocks of a scene's structure, see :func:`build_structure`."""
     return build_structure(scene)[0]
@@ -73,24 +113,26 @@ def build_structure(scene: Scene) -> tuple[list[Block], list[str]]:
         raise scene.at_fault(error) from None
 
 
-def prepare(scene: Scene) -> Case:
+def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     """Build and check all that a run needs.
+
+    Args:
+        scene: whose tables are checked.
+        structure: the scene's, where it is built already.
 
     Raises:
         InputError: anything wrong with the structure, the material or the loads.
     """
     import loads
-    from structures.standing import standing
 
     begin = time.perf_counter()
-    blocks, notes = build_structure(scene)
+    structure = structure or structure_of(scene)
     try:
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 
-            outputs.check(scene.report, blocks, scene.run.steps * scene.run.dt, scene.run.frame_every * scene.run.dt)
-        assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
-        run = scene.run
+            outputs.check(scene.report, structure.blocks, scene.run.steps * scene.run.dt, scene.run.frame_every * scene.run.dt)
+        assembly, run = structure.assembly, scene.run
         longest = run.longest_step if run.adaptive else None
         loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest)
     except InputError as error:
@@ -103,23 +145,24 @@ def prepare(scene: Scene) -> Case:
     no_folder = "no folder takes numba's cache; NUMBA_CACHE_DIR names one that does"
     again = f"two to four minutes in each run, as {why_nothing_is_kept() or no_folder}"
     with said_if_slow(f"compiling the kernels{', once' if keeps() else ''}: this takes {for_good if keeps() else again}"):
-        joints, built = find_joints(assembly), built_gap(assembly)
+        joints, built = structure.joints, structure.built_gap
         planar = _is_planar(assembly, loading, scene.run)
         compile_kernels(scene.run.solver, planar, bool(assembly.laws.by_area.any()))
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
-    falling = [] if not gravity else standing(assembly).warnings() if assembly.fixed.any() else [FALLING]
+    falling = structure.falling if gravity else []
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
     warnings = (*_odd_size(assembly), *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
+    notes = structure.notes
     if built > TOLD * assembly.width:
-        notes.append(f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
+        notes = (*notes, f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
     still = _still_speed(scene.run, joints)
     try:
         loading = _until_still(scene, loading, still)
     except InputError as error:
         raise scene.at_fault(error) from None
     steps = len(loading.acceleration) - 1
-    return Case(scene, assembly, joints, loading, steps, still, tuple(notes), warnings, built, time.perf_counter() - begin)
+    return Case(scene, assembly, joints, loading, steps, still, notes, warnings, built, time.perf_counter() - begin)
 
 
 def _odd_size(assembly: Assembly) -> list[str]:

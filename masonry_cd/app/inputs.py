@@ -30,16 +30,26 @@ def digests(case: Case) -> dict[str, str]:
         InputError: a file that cannot be read any more.
     """
     scene, loading, assembly = case.scene, case.loading, case.assembly
-    found: dict[str, str] = {}
-    for name in _paths([scene.structure, *scene.loads]):
-        data = _read(scene.folder / name)
-        found[name] = hashlib.sha256(data).hexdigest()
-        if name.lower().endswith(".vtm"):
-            for part in sorted({match.decode("utf-8", "replace") for match in LISTED.findall(data)}):
-                found[str(Path(name).parent / part)] = hashlib.sha256(_read((scene.folder / name).parent / part)).hexdigest()
+    found = file_digests([scene.structure, *scene.loads], scene.folder)
     solids = assembly.shapes.solids
     found[BLOCKS] = _sum((assembly.centre, assembly.mass, assembly.inertia, assembly.fixed, solids.vertices, solids.loops))
     found[LOADS] = _sum((loading.support_velocity, loading.acceleration))
+    return found
+
+
+def file_digests(tables: Iterable[Mapping[str, Any]], folder: Path) -> dict[str, str]:
+    """SHA-256 of the files that tables of a scene name, by these names, which are relative to a folder.
+
+    Raises:
+        InputError: a file that cannot be read.
+    """
+    found: dict[str, str] = {}
+    for name in _paths(tables):
+        data = _read(folder / name)
+        found[name] = hashlib.sha256(data).hexdigest()
+        if name.lower().endswith(".vtm"):
+            for part in sorted({match.decode("utf-8", "replace") for match in LISTED.findall(data)}):
+                found[str(Path(name).parent / part)] = hashlib.sha256(_read((folder / name).parent / part)).hexdigest()
     return found
 
 

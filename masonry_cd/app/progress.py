@@ -132,6 +132,14 @@ class Interrupted(KeyboardInterrupt):
         super().__init__(f"{'interrupted' if number == signal.SIGINT else f'stopped by {signal.Signals(number).name}'}")
 
 
+class TimedOut(Interrupted):
+    """The time that a run may take is over; no signal came."""
+
+    def __init__(self, seconds: float) -> None:
+        KeyboardInterrupt.__init__(self, f"out of time, {seconds:g} s,")
+        self.number = 0
+
+
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)  # those by which a user, a shell or a batch system ends a run
 
 
@@ -140,15 +148,16 @@ class Interrupt:
 
     Args:
         stream: where the first one is acknowledged; standard error when not given.
+        said: what is printed then.
 
     Attributes:
         number: of the first signal that came, 0 before.
         at_once: take the next signal where it comes, by raising Interrupted: for work that nothing tears.
     """
 
-    def __init__(self, stream: TextIO | None = None) -> None:
+    def __init__(self, stream: TextIO | None = None, said: str = "finishing the step; results are being written") -> None:
         self.number, self.at_once = 0, False
-        self._stream, self._acknowledged = stream, False
+        self._stream, self._said, self._acknowledged = stream, said, False
         self._former: dict[int, Any] = {}
         self._former_hook = sys.unraisablehook
 
@@ -183,4 +192,4 @@ class Interrupt:
         if not self._acknowledged:
             self._acknowledged = True
             with suppress(OSError, RuntimeError, ValueError):  # a terminal that is gone, or one that is being written to
-                print("finishing the step; results are being written", file=self._stream or sys.stderr, flush=True)
+                print(self._said, file=self._stream or sys.stderr, flush=True)

@@ -17,7 +17,7 @@ from masonry_cd.app.dump import FILES, Dump
 from masonry_cd.app.explain import left_out
 from masonry_cd.app.inputs import digests
 from masonry_cd.app.load_factor import outcome
-from masonry_cd.app.progress import Interrupt, Progress
+from masonry_cd.app.progress import Interrupt, Progress, TimedOut
 from masonry_cd.app.resume import choose
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
@@ -48,7 +48,9 @@ def file_names() -> tuple[str, ...]:
     return (*OUTPUTS, *(name for report in EXTRA.values() for name in report.files))
 
 
-def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False, dump: Sequence[int] = ()) -> dict[str, Any]:
+def run_case(
+    case: Case, folder: Path, quiet: bool = True, resume: bool = False, dump: Sequence[int] = (), limit: float = math.inf
+) -> dict[str, Any]:
     """Run a case and write everything into a folder, which is made if need be.
 
     Args:
@@ -57,6 +59,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
         quiet: no progress.
         resume: go on from the folder's checkpoint, with the scene that it was made by.
         dump: steps whose friction problems are written, see :mod:`masonry_cd.app.dump`.
+        limit: the run ends after the step in which this time of the clock has passed since its first [s].
 
     Ctrl-C, SIGTERM, SIGHUP and SIGQUIT end the run after its step; once the steps are done they raise Interrupted, and ``resume``
     finishes what was left to write.
@@ -88,7 +91,7 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
         stepper.watch = dumped if dump else None
         since = case.seconds - begin
         with _writer(case, folder / RESULTS, saved, resume) as writer:
-            report = _steps(case, stepper, writer, saved, interrupt, quiet, resume)
+            report = _steps(case, stepper, writer, saved, _Watch(interrupt, limit), quiet, resume)
             summary = run_summary(case, report) | {
                 "dumped": [path.name for path in dumped.written],
                 "explanation": left_out(scene, stepper, report),
@@ -106,7 +109,19 @@ def run_case(case: Case, folder: Path, quiet: bool = True, resume: bool = False,
     return summary
 
 
-def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, interrupt: Interrupt, quiet: bool, resume: bool) -> RunReport:
+class _Watch:
+    """Ends a run between two steps: for a signal, or when its time is up."""
+
+    def __init__(self, interrupt: Interrupt, limit: float) -> None:
+        self._interrupt, self._limit, self._end = interrupt, limit, time.perf_counter() + limit
+
+    def check(self) -> None:
+        self._interrupt.check()
+        if time.perf_counter() > self._end:
+            raise TimedOut(self._limit)
+
+
+def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, watch: _Watch, quiet: bool, resume: bool) -> RunReport:
     """Make the steps of a run and write result.h5."""
     settings, loading = case.scene.run, case.loading
     paused = loading.shocks or loading.pauses
@@ -116,7 +131,7 @@ def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, inte
 
     def progress(done: int) -> None:
         show(done)
-        interrupt.check()
+        watch.check()
 
     with show:
         return run_steps(stepper, case.joints, writer, case.steps, settings.frame_every, progress, saved, resume, pauses)

@@ -86,10 +86,12 @@ class Origin:
 
     text: str  # of the file; empty where no user wrote one, as of a scene made in Python: messages then name no line
     path: Path
-    changes: tuple[str, ...]  # by --set
+    changes: tuple[str, ...] = ()  # by --set
+    within: str = ""  # what keys begin with in that file: "scene." where the scene is a table of a study
 
     def of(self, key: str) -> str:
         """The place of a key: the last ``--set`` that gave it, or the file and its line, with those that changed something in it."""
+        key = self.within + key
         given = [change for change in self.changes if is_within(key, change.partition("=")[0])]
         if given:
             return f"--set {_brief(given[-1])}"
@@ -167,6 +169,21 @@ def parse_scene(text: str, path: Path, overrides: Sequence[str] = (), called: st
         override(tables, change)
     if overrides:
         text = f"# {path.name} with {' '.join(f'--set {change}' for change in overrides)}\n" + dump_toml(tables)
+    return scene_of(tables, text, path, origin)
+
+
+def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -> Scene:
+    """Check the tables of a scene.
+
+    Args:
+        tables: as read from TOML.
+        text: what the results keep of it.
+        path: the scene file, from whose folder relative paths are read.
+        origin: where its keys come from.
+
+    Raises:
+        InputError: an unknown or missing key, a value out of range; names file, line and key.
+    """
     try:
         top = parse_table(SceneTables, tables, "")
         if "density" not in top.material and top.structure.get("kind") != "file":

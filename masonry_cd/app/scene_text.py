@@ -53,11 +53,25 @@ def _load_toml(text: str, where: str) -> dict[str, Any]:
 def override(tables: dict[str, Any], change: str) -> None:
     """Apply one ``key=value`` to the tables, in place."""
     key, equals, value = (part.strip() for part in change.partition("="))
+    try:
+        if not equals:
+            raise InputError("write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3")
+        assign(tables, key, _toml_value(key, value))
+    except InputError as error:
+        raise error if str(error).startswith("--set") else InputError(f"--set {change}: {error}") from None
+
+
+def assign(tables: dict[str, Any], key: str, value: Any) -> None:
+    """Give a key such as ``loads[0].amplitude`` a value, in place; tables on the way to it are made where there are none.
+
+    Raises:
+        InputError: no key, or one in a list that has no such place.
+    """
     parts: list[str | int] = [
         int(index) if index else (quoted or bare) for index, quoted, bare in re.findall(r'\[(\d+)\]|"([^"]+)"|([^.\[\]"]+)', key)
     ]
-    if not equals or not parts or isinstance(parts[-1], int):
-        raise InputError(f"--set {change}: write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3")
+    if not parts or isinstance(parts[-1], int):
+        raise InputError("write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3")
     here: Any = tables
     for part, following in pairwise(parts):
         if isinstance(part, str) and isinstance(here, dict):
@@ -65,10 +79,10 @@ def override(tables: dict[str, Any], change: str) -> None:
         elif isinstance(part, int) and isinstance(here, list) and part < len(here):
             here = here[part]
         else:
-            raise InputError(f"--set {change}: there is no {key[: key.rfind('.')]} in the scene")
+            raise InputError(f"there is no {key[: key.rfind('.')]} in the scene")
     if not isinstance(here, dict):
-        raise InputError(f"--set {change}: {key[: key.rfind('.')]} is no table; a list is addressed as loads[0].amplitude")
-    here[str(parts[-1])] = _toml_value(key, value)
+        raise InputError(f"{key[: key.rfind('.')]} is no table; a list is addressed as loads[0].amplitude")
+    here[str(parts[-1])] = value
 
 
 def parse_change(change: str) -> tuple[str, Any]:
@@ -130,7 +144,7 @@ def place_of(text: str, key: str, path: Path) -> str:
     seen: dict[str, int] = {}  # tables so far of each [[list]]
     for number, line in enumerate(text.splitlines(), start=1):
         head = re.match(r"\s*(\[{1,2})\s*([^\]]+?)\s*\]", line)
-        word = re.match(r'\s*("?[\w-]+"?(?:\s*\.\s*"?[\w-]+"?)*)\s*=', line)
+        word = re.match(r'\s*((?:"[^"]+"|[\w-]+)(?:\s*\.\s*(?:"[^"]+"|[\w-]+))*)\s*=', line)
         if head:
             here = _key_path(head.group(2))
             name = ".".join(part for part, _ in here)

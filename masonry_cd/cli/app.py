@@ -22,6 +22,7 @@ from masonry_cd.cli.report import report
 from masonry_cd.cli.run import run
 from masonry_cd.cli.schema import schema
 from masonry_cd.cli.solve import solve
+from masonry_cd.cli.study import study
 from masonry_cd.cli.view import view
 
 app = typer.Typer(
@@ -52,5 +53,19 @@ def _root(
     """
 
 
-for command in (init, run, build, report, view, export, compare, record, modal, solve, accuracy, schema):  # in the order of the help text
+for command in (
+    init,
+    run,
+    build,
+    report,
+    view,
+    export,
+    compare,
+    record,
+    modal,
+    solve,
+    accuracy,
+    study,
+    schema,
+):  # in the order of the help text
     app.command()(command)

@@ -59,8 +59,13 @@ class PartDamage:
     levels: list[Row]  # one per part and level
 
 
-def part_damage(results: Results, settings: Settings | None = None) -> PartDamage:
+def part_damage(results: Results, settings: Settings | None = None, frames: np.ndarray | None = None) -> PartDamage:
     """The damage of a run by part.
+
+    Args:
+        results: of the run.
+        settings: what counts as damage.
+        frames: of the history, ascending, the last one among them; FRAMES of them evenly when not given.
 
     Raises:
         InputError: a group of blocks named as the structure as a whole is.
@@ -68,7 +73,7 @@ def part_damage(results: Results, settings: Settings | None = None) -> PartDamag
     settings = settings or Settings()
     view = _View.of(results, settings)
     watch = _Watch(view)
-    evenly = np.linspace(0, results.frames - 1, min(results.frames, FRAMES)).round().astype(int)
+    chosen = np.linspace(0, results.frames - 1, min(results.frames, FRAMES)).round().astype(int) if frames is None else frames
     after = {shock.frame: i for i, shock in enumerate(results.shocks)}
     history: list[Row] = []
     shocks: list[Row] = []
@@ -77,7 +82,7 @@ def part_damage(results: Results, settings: Settings | None = None) -> PartDamag
         last, end = history[-view.parts.count :], {"provisional": end_state(results, settings.thresholds, frame).provisional}
         return [_part_row(view, watch, table, snapshot, p, last[p]) | end for p in range(view.parts.count)]
 
-    for frame in np.unique([*evenly, *after]):
+    for frame in np.unique([*chosen, *after]):
         snapshot = DamageSnapshot.at(results, int(frame), settings.thresholds)
         history += watch.add(snapshot)
         if frame in after:

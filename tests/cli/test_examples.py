@@ -16,6 +16,8 @@ from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
+from masonry_cd.studies.study.study_case import plan_of
+from masonry_cd.studies.study.task import Task, run_task
 
 GRAVITY = 9.81
 
@@ -126,3 +128,12 @@ def test_the_three_shocks_follow_one_another_at_their_sizes(tmp_path):
     assert [b["start"] - a["end"] for a, b in pairwise(sequence["shocks"])] == pytest.approx([2.0, 2.0], abs=0.01)
     pga = [max(component["after"]["pga"] for component in shock["components"]) for shock in sequence["shocks"]]
     assert pga == pytest.approx([1.2 * ag for ag in (1.2, 2.2, 1.7)], rel=0.35)  # S ag on ground B; short periods are not matched
+
+
+def test_the_study_of_an_arch_has_runs_that_can_be_made() -> None:
+    plan = plan_of(EXAMPLES / "study_arch.toml")
+    assert len(plan.runs) == len({run.name for run in plan.runs}) == 32
+    tables = plan.maker.tables(plan.runs[-1].asked)
+    assert (tables["loads"][0]["ag"], tables["loads"][0]["seed"]) == (8.0, 7)
+    row = run_task(Task("last", tables | {"run": tables["run"] | {"duration": 0.1}}, 60.0)).row
+    assert (row["status"], row["steps"]) == ("done", 25)

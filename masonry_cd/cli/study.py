@@ -1,0 +1,76 @@
+"""``masonry-cd study``: many runs of one scene."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from masonry_cd.app.progress import Interrupted
+from masonry_cd.cli.shared import Force, Output, Quiet, errors_reported, exclude
+
+
+def study(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file (TOML).", show_default=False)],
+    output: Output,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Processes of this machine.", show_default="run.workers, or all cores")
+    ] = None,
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a dask scheduler that runs: tcp://host:8786.")] = None,
+    slurm: Annotated[Path | None, typer.Option(metavar="CONFIG", help="Workers as jobs of Slurm, by this file (TOML).")] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Make runs again that failed or ran out of time.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Refuse a DIR that holds no study; else it goes on without it as well.")] = False,
+    plan: Annotated[bool, typer.Option("--plan", help="Check the study, print how many runs it has, and make none.")] = False,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Make many runs of one scene: over records, intensities, materials, and seeds, on all cores or on a cluster.
+
+    DIR gets runs.csv and runs.parquet, one row per run. The same command again goes on where the last one ended, and makes no finished
+    run again; more records or levels in STUDY make only their own runs. Ctrl-C ends a study without losing a finished run.
+
+    \b
+    Examples:
+      masonry-cd study examples/study_arch.toml -o out/study
+      masonry-cd study study.toml -o out/study --workers 8
+      masonry-cd study study.toml -o out/study --scheduler tcp://node1:8786
+      masonry-cd study study.toml -o out/study --slurm slurm.toml
+    """
+    with errors_reported():
+        from masonry_cd.studies.study.clusters import Where
+        from masonry_cd.studies.study.study_case import Options, plan_of, study_case
+
+        exclude(("--scheduler", scheduler), ("--slurm", slurm))
+        exclude(("--workers", workers), ("--scheduler or --slurm", scheduler or slurm))
+        made = plan_of(study)
+        if plan:
+            asked = made.maker.study
+            typer.echo(
+                f"{asked.title}: {len(made.runs)} runs{', and those that follow' if made.adapts else ''}, design {asked.tables.design}"
+            )
+            return
+        run = made.maker.study.tables.run
+        options = Options(Where(scheduler, slurm, workers or run.workers, run.memory), retry, force, resume, quiet)
+        go_on = f"masonry-cd: go on with: {shlex.join(['masonry-cd', *(word for word in sys.argv[1:] if word != '--force')])}"
+        try:
+            found = study_case(made, output, options, lambda line: None if quiet else typer.echo(line, err=True))
+        except Interrupted:
+            typer.echo(go_on, err=True)
+            raise
+        _tell_end(found, output, quiet)
+    if found["stopped"]:
+        typer.echo(f"masonry-cd: error: {found['stopped']}; finished runs are kept\n{go_on}", err=True)
+        raise typer.Exit(1)
+
+
+def _tell_end(found: dict[str, Any], output: Path, quiet: bool) -> None:
+    """What the study has come to."""
+    no_data = found["failed"] + found["timeout"]
+    if not quiet:
+        typer.echo(f"{found['done']} of {found['runs']} runs done, {found['failed']} failed, {found['timeout']} ran out of time")
+        typer.echo(f"results: {output / 'runs.csv'}, {output / 'runs.parquet'}")
+    for reason, count in sorted(found["reasons"].items(), key=lambda item: -item[1])[:5]:
+        typer.echo(f"masonry-cd: warning: {count} of {no_data} runs without data: {reason}", err=True)

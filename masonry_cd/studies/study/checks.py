@@ -1,0 +1,105 @@
+"""What is checked of a study before anything runs: that every value that varies is one the scene takes, and that its runs can be made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from masonry_cd.app.case import prepare, structure_of
+from masonry_cd.app.scene import Origin, Scene, scene_of
+from masonry_cd.app.scene_text import dump_toml
+from masonry_cd.errors import InputError, parse_table
+from masonry_cd.studies.study.plan import ROTATE, Maker, Plan
+from masonry_cd.studies.study.space import Asked, Space
+from masonry_cd.studies.study.study_file import Study
+
+MOST_TRIED = 20  # values of a list for which structures are built
+RUN_SCENE = Path("scene.toml")  # what messages call the scene of a run
+
+
+def scene_of_run(tables: dict[str, Any], path: Path = RUN_SCENE) -> Scene:
+    """The scene of a run, from its tables.
+
+    Raises:
+        InputError: as for a scene file.
+    """
+    text = dump_toml(tables)
+    return scene_of(tables, text, path, Origin("", path))
+
+
+def check_varied(study: Study, space: Space) -> None:
+    """Try each value that a key may take, those at the ends of distributions, on the scene.
+
+    Raises:
+        InputError: names the key, the value, and what the scene says of it.
+    """
+    maker = Maker(study, space)
+    motion, level = space.motions[0], next(iter(space.levels)) or _some_level(study)
+    for key, value, of in _tried(space):
+        if key == ROTATE:
+            _check_rotation(study, value)
+            continue
+        try:
+            tables = maker.tables(Asked(motion, level, values={key: value}))
+            _try(tables, key)
+        except InputError as error:
+            shown = f"{value:.6g}" if isinstance(value, float) else str(value)
+            said = (str(error).partition(f"{RUN_SCENE}: ")[2] or str(error)).removeprefix(f'vary."{key}": ')
+            raise study.at_fault(InputError(f'vary."{key}": {of}{shown} is refused by the scene: {said}')) from None
+    if study.tables.records is not None and study.tables.records.rotate:
+        _check_rotation(study, study.tables.records.rotate)
+
+
+def check_first(plan: Plan) -> None:
+    """Prepare the first run as a worker would, which compiles the kernels: what is wrong with all runs is found before they begin.
+
+    Raises:
+        InputError: anything wrong with the structure, the material or the loads.
+    """
+    study = plan.maker.study
+    try:
+        prepare(scene_of_run(plan.maker.tables(plan.runs[0].asked), study.path))
+    except InputError as error:
+        raise InputError(f"{study.path}: the first run: {str(error).removeprefix(f'{study.path}: ')}") from None
+
+
+def _tried(space: Space) -> Iterator[tuple[str, Any, str]]:
+    """Keys with the values to try, and what to call these."""
+    for key, values in space.varied.lists.items():
+        for value in values[:MOST_TRIED] if key.startswith("structure.") else values:
+            yield key, value, ""
+    for key, distribution in space.varied.random.items():
+        for value in distribution.extremes():
+            yield key, value, "its distribution reaches values where "
+
+
+def _some_level(study: Study) -> float | None:
+    """The first level of an IDA; None for other designs that have no levels."""
+    return None if study.tables.ida is None else study.tables.ida.start
+
+
+def _try(tables: dict[str, Any], key: str) -> None:
+    """Read the tables as those of a scene; where the structure varies, build it."""
+    import loads
+    from structures.size import KEY
+    from structures.tables import CommonTable, table_of
+
+    scene = scene_of_run(tables)
+    for i, table in enumerate(scene.loads):
+        loads.parse_load(table, f"loads[{i}]")
+    if key.startswith("structure."):
+        model = table_of(str(scene.structure.get("kind")))
+        common = {"kind", KEY, *CommonTable.model_fields}
+        if model is not None:
+            parse_table(model, {name: value for name, value in scene.structure.items() if name not in common}, "structure")
+        structure_of(scene)
+
+
+def _check_rotation(study: Study, value: object) -> None:
+    """Check that there is a pair to turn by an angle."""
+    table = study.tables.records
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not number or table is None or not (table.x and table.y):
+        why = "should be an angle in degrees" if not number else "turns a horizontal pair: records.x and records.y are both needed"
+        raise study.at_fault(InputError(f"{ROTATE}: {why}"))

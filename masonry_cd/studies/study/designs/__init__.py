@@ -1,0 +1,1 @@
+"""Designs: which runs a study has. Each file defines one, by the name that the study file gives it."""

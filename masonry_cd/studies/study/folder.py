@@ -1,0 +1,138 @@
+"""The folder of a study: what it was, and what each finished run came to, so that the same command goes on with it.
+
+study.toml        the study file as given
+study.json        what it resolves to, for the statistics
+rows/NAME.json    a finished run: done, failed or timeout
+joints/NAME.npz   the joints of a run that is done
+reference/        result.h5 of the first run of the plan that is done
+runs/NAME/        run folders, where they are kept
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd import __version__
+from masonry_cd.atomic import replacing
+from masonry_cd.errors import InputError
+from masonry_cd.studies.study.plan import Planned
+from masonry_cd.studies.study.study_file import Study
+from masonry_cd.studies.study.task import Outcome
+
+NAME, TEXT = "study.json", "study.toml"
+ROWS, JOINTS, REFERENCE, RUNS = "rows", "joints", "reference", "runs"
+FORMAT = 1
+
+
+class StudyFolder:
+    """A study's folder.
+
+    Args:
+        path: made if need be, once something is written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def require_same(self, identity: Mapping[str, str]) -> None:
+        """Refuse the folder of another study, or one that holds something else.
+
+        Raises:
+            InputError: names what differs.
+        """
+        file = self.path / NAME
+        if not file.exists():
+            if any((self.path / name).exists() for name in (ROWS, "result.h5")):
+                raise InputError(f"{self.path}: holds results, and no {NAME} says of which study; choose another folder, or --force")
+            return
+        try:
+            then = json.loads(file.read_text(encoding="utf-8"))["identity"]
+        except (OSError, ValueError, KeyError, TypeError):
+            raise InputError(f"{file}: not that of a study, or damaged; choose another folder, or --force") from None
+        for name, digest in identity.items():
+            if then.get(name) != digest:
+                raise InputError(f"{self.path}: holds another study, of another {name}; choose another folder, or --force to begin anew")
+
+    def clear(self) -> None:
+        """Take away what a former study left."""
+        for name in (ROWS, JOINTS, REFERENCE, RUNS):
+            shutil.rmtree(self.path / name, ignore_errors=True)
+        (self.path / NAME).unlink(missing_ok=True)
+
+    def begin(self, study: Study, told: Mapping[str, Any]) -> None:
+        """Write what the study is."""
+        for name in (ROWS, JOINTS):
+            (self.path / name).mkdir(parents=True, exist_ok=True)
+        for part in [*(self.path / ROWS).glob("*.part.*"), *(self.path / JOINTS).glob("*.part.*")]:
+            part.unlink()
+        for part in (self.path / RUNS).glob("*.part"):
+            shutil.rmtree(part, ignore_errors=True)
+        with replacing(self.path / TEXT) as part:
+            part.write_text(study.text, encoding="utf-8")
+        self.describe(told)
+
+    def describe(self, told: Mapping[str, Any]) -> None:
+        """Write study.json."""
+        with replacing(self.path / NAME) as part:
+            part.write_text(json.dumps({"format": FORMAT, "program": __version__, **told}, indent=1, default=str) + "\n", encoding="utf-8")
+
+    def finished(self, names: set[str], retry: bool) -> dict[str, dict[str, Any]]:
+        """The rows of runs that have ended; with ``retry`` those that are done alone."""
+        found = {}
+        for file in (self.path / ROWS).glob("*.json"):
+            row = _read_row(file) if not names or file.stem in names else None
+            if row is not None and (row["status"] == "done" or not retry):
+                found[file.stem] = row
+        return found
+
+    def row(self, name: str) -> dict[str, Any] | None:
+        """The row of a run, None where it has none."""
+        return _read_row(self.path / ROWS / f"{name}.json")
+
+    def add(self, run: Planned, outcome: Outcome) -> None:
+        """Write what a run came to; its row last, so that a row stands for all of it."""
+        if outcome.joints is not None:
+            with replacing(self.path / JOINTS / f"{run.name}.npz") as part, part.open("wb") as stream:
+                np.savez_compressed(stream, **outcome.joints)
+        if outcome.reference is not None:
+            self.write_reference(run.name, outcome.reference)
+        asked = run.asked
+        about = {"run": run.name, "motion": asked.motion, "level": asked.level, "member": asked.member, "values": dict(asked.values)}
+        with replacing(self.path / ROWS / f"{run.name}.json") as part:
+            part.write_text(json.dumps({**about, **outcome.row}, default=str) + "\n", encoding="utf-8")
+
+    def has_reference(self, name: str) -> bool:
+        """Whether the reference is the result of a run."""
+        named = self.path / REFERENCE / "run.txt"
+        there = named.is_file() and (self.path / REFERENCE / "result.h5").is_file()
+        return there and named.read_text(encoding="utf-8").strip() == name
+
+    def write_reference(self, name: str, results: bytes) -> None:
+        """Write the result file of a run as the reference."""
+        (self.path / REFERENCE).mkdir(exist_ok=True)
+        (self.path / REFERENCE / "run.txt").unlink(missing_ok=True)
+        with replacing(self.path / REFERENCE / "result.h5") as part:
+            part.write_bytes(results)
+        with replacing(self.path / REFERENCE / "run.txt") as part:
+            part.write_text(name + "\n", encoding="utf-8")
+
+
+def digest_of(value: object) -> str:
+    """A digest of what JSON can write."""
+    return hashlib.sha256(json.dumps(value, sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+
+def _read_row(file: Path) -> dict[str, Any] | None:
+    """A row; None where there is none, or one that is damaged: its run is made again."""
+    try:
+        row = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return row if isinstance(row, dict) and row.get("status") in ("done", "failed", "timeout") else None

@@ -1,0 +1,213 @@
+"""A run as asked becomes a scene, and gets its name: the digest of that scene and of the files that it reads.
+
+Drawing is no part of it, nor is where files lie, so a study may be moved. What a run costs is guessed by its number of steps.
+"""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from masonry_cd.app.inputs import file_digests
+from masonry_cd.app.scene_text import assign
+from masonry_cd.errors import InputError
+from masonry_cd.extensions import Extensions
+from masonry_cd.studies.study.designs import ida
+from masonry_cd.studies.study.perturb import perturb
+from masonry_cd.studies.study.space import Asked, Space
+from masonry_cd.studies.study.study_file import Study
+
+DESIGNS: Extensions[Any] = Extensions("masonry_cd.studies.study.designs", "runs")
+THRESHOLDS = ("opened", "slid", "grades")  # keys of [report] that change the numbers of a run
+ROTATE = "records.rotate"  # varies as keys of the scene do
+NAME_LENGTH = 16  # hexadecimal digits of a run's name: two of a million runs share one with a chance of 3e-8
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """A run of the plan."""
+
+    name: str
+    asked: Asked
+    weight: float  # steps of the loads
+
+
+class Maker:
+    """Makes scenes of what a design asks for."""
+
+    def __init__(self, study: Study, space: Space) -> None:
+        self.study, self.space = study, space
+        self._base = _base_tables(study)
+        self._digests: dict[str, str] = {}
+
+    def base(self) -> dict[str, Any]:
+        """The tables of the scene before anything varies; paths in it are absolute."""
+        tables = copy.deepcopy(self._base)
+        _make_absolute(tables, self.study.scene.folder)
+        return tables
+
+    def tables(self, asked: Asked) -> dict[str, Any]:
+        """The tables of a run's scene; paths in it are absolute.
+
+        Raises:
+            InputError: a key that the scene cannot have, or a motion that no factor brings to its level.
+        """
+        tables = copy.deepcopy(self._base)
+        for key, value in asked.values.items():
+            if key != ROTATE:
+                _assign(tables, f'vary."{key}"', key, value)
+        self._shake(tables, asked)
+        if asked.change:
+            ensemble = self.study.tables.ensemble
+            perturb(tables, "loads" if ensemble is None else ensemble.perturb, asked.change)
+        _make_absolute(tables, self.study.scene.folder)
+        return tables
+
+    def planned(self, asked: Asked) -> Planned:
+        """The run with its name."""
+        tables = self.tables(asked)
+        run = tables["run"]
+        step = run.get("dt") if isinstance(run.get("dt"), float) else 1.0
+        return Planned(self.name(tables), asked, float(run["duration"]) / step)
+
+    def name(self, tables: Mapping[str, Any]) -> str:
+        """The digest of a scene."""
+        plain = copy.deepcopy({key: value for key, value in tables.items() if key != "title"})
+        plain["report"] = {key: value for key, value in plain.get("report", {}).items() if key in THRESHOLDS}
+        plain["until_still"] = self.study.scene.until_still
+        self._replace_paths(plain)
+        return hashlib.sha256(json.dumps(plain, sort_keys=True, default=str).encode()).hexdigest()[:NAME_LENGTH]
+
+    def measures(self, asked: Asked) -> dict[str, float]:
+        """The intensity measures of a run, by their columns."""
+        records, intensity = self.space.records, self.study.tables.intensity
+        if records is None or records.table.key is not None:
+            return {intensity.measure: asked.level} if intensity is not None and asked.level is not None else {}
+        motion, degrees = self.space.motion(asked.motion), self._degrees(asked)
+        return records.scaled(motion, degrees, records.factor(motion, degrees, asked.level), asked.level)
+
+    def _shake(self, tables: dict[str, Any], asked: Asked) -> None:
+        """Put the motion and its level into the scene."""
+        records, intensity = self.space.records, self.study.tables.intensity
+        if intensity is not None and intensity.key is not None and asked.level is not None:
+            _assign(tables, "intensity.key", intensity.key, asked.level)
+        if records is None:
+            return
+        motion = self.space.motion(asked.motion)
+        if records.table.key is not None:
+            _assign(tables, "records.key", records.table.key, motion.value)
+            return
+        degrees = self._degrees(asked)
+        factor = records.factor(motion, degrees, asked.level)
+        tables["loads"] = [*tables.get("loads", []), *records.loads(motion, degrees, factor)]
+        if records.table.duration == "record":
+            tables["run"]["duration"] = motion.duration + records.table.rest
+
+    def _degrees(self, asked: Asked) -> float:
+        """By how much the horizontal pair is turned."""
+        assert self.space.records is not None
+        return float(asked.values.get(ROTATE, self.space.records.table.rotate))
+
+    def _replace_paths(self, table: Any) -> None:
+        """Put the digests of files in the place of their paths."""
+        if isinstance(table, list):
+            for item in table:
+                self._replace_paths(item)
+        elif isinstance(table, dict):
+            for key, value in table.items():
+                if key == "path" and isinstance(value, str):
+                    table[key] = self._digest(value)
+                else:
+                    self._replace_paths(value)
+
+    def _digest(self, path: str) -> str:
+        """SHA-256 of a file, with those that it lists."""
+        if path not in self._digests:
+            self._digests[path] = " ".join(file_digests([{"path": path}], Path("/")).values())
+        return self._digests[path]
+
+
+class Plan:
+    """The runs of a study: those known from the first, and those that follow from others that are done."""
+
+    def __init__(self, study: Study, space: Space) -> None:
+        self.maker = Maker(study, space)
+        self.runs: list[Planned] = [self.maker.planned(asked) for asked in DESIGNS[study.tables.design](space)]
+        self._study = study
+        self._found: dict[tuple[str, str], dict[float, bool | None]] = {}  # by motion and what varies: collapsed, by level
+
+    @property
+    def adapts(self) -> bool:
+        """Whether runs follow from others."""
+        return self._study.tables.ida is not None
+
+    def after(self, planned: Planned, row: Mapping[str, Any]) -> Iterator[Planned]:
+        """The runs that follow from one that has ended; they become part of the plan."""
+        table = self._study.tables.ida
+        if table is None:
+            return
+        asked = planned.asked
+        state = self._study.tables.limit_states[table.limit_state]
+        key = (asked.motion, repr(sorted(asked.values.items())))
+        found = self._found.setdefault(key, {})
+        assert asked.level is not None
+        found[asked.level] = state.exceeded(row) if row["status"] == "done" else None
+        level = ida.next_level(table, found)
+        if level is not None:
+            following = self.maker.planned(Asked(asked.motion, level, values=asked.values))
+            self.runs.append(following)
+            yield following
+
+    def ordered(self) -> list[Planned]:
+        """All runs in the order of the table: as the design lists them; of an IDA by motion, then level."""
+        if not self.adapts:
+            return self.runs
+        place = {name: i for i, name in enumerate(self.maker.space.motions)}
+        return sorted(self.runs, key=lambda run: (place[run.asked.motion], repr(sorted(run.asked.values.items())), run.asked.level or 0.0))
+
+
+def _base_tables(study: Study) -> dict[str, Any]:
+    """The tables of the scene with what all runs have in common.
+
+    Raises:
+        InputError: the scene ends at a time of its own, and the motions at others.
+    """
+    base, given = copy.deepcopy(study.scene_tables), study.scene.run
+    report = base.get("report", {})
+    if study.tables.run.keep != "all":  # nothing is drawn that nobody sees
+        graded = {"damage": True} if study.scene.until_still and given.until_still is None else {}
+        report = {key: value for key, value in report.items() if key in THRESHOLDS} | graded
+    records = study.tables.records
+    if given.longest is not None and records is not None and records.folder is not None and records.duration == "record":
+        raise InputError(
+            'records.duration: the scene gives run.longest, and every motion has a duration of its own; duration = "scene" keeps it'
+        )
+    base |= {"report": report, "run": base["run"] | {"threads": 1, "checkpoint_every": 1e9}}
+    base.setdefault("title", study.scene.title)
+    return base
+
+
+def _assign(tables: dict[str, Any], where: str, key: str, value: Any) -> None:
+    """Give a key of the scene a value."""
+    try:
+        assign(tables, key, copy.deepcopy(value))
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
+
+
+def _make_absolute(table: Any, folder: Path) -> None:
+    """Write the paths of files in full, so that a scene may lie anywhere."""
+    if isinstance(table, list):
+        for item in table:
+            _make_absolute(item, folder)
+    elif isinstance(table, dict):
+        for key, value in table.items():
+            if key == "path" and isinstance(value, str):
+                table[key] = str((folder / value).resolve())
+            else:
+                _make_absolute(value, folder)

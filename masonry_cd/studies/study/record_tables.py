@@ -1,0 +1,136 @@
+"""The table ``[records]`` of a study file."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from loads.signal.accelerogram import Accelerogram
+from masonry_cd.errors import parse_table
+from masonry_cd.fields import Instant, Number, Table
+
+GROUPS = ("motion", "component")
+PASSED_ON = ("format", "column", "units", "taper", "resample", "band", "band_order", "correction")  # to each load of kind "record"
+
+
+class Trim(Table):
+    """Which part of a motion is used, by how its Arias intensity builds up; its components are cut alike."""
+
+    arias: list[Annotated[Number, Field(ge=0, le=1)]]
+    """[from, to], shares of the end value, as [0.001, 0.999]; of all components that shake, added up."""
+    before: Instant = 0.0
+    """More before it [s]."""
+    after: Instant = 0.0
+    """More after it [s]."""
+
+    @field_validator("arias")
+    @classmethod
+    def _two(cls, value: list[float]) -> list[float]:
+        if len(value) != 2 or not value[0] < value[1]:
+            raise ValueError("should be two shares [from, to], from < to")
+        return value
+
+
+class RecordsTable(Table):
+    """The table ``[records]``: files of a folder, or seeds of a load that draws its motion."""
+
+    folder: str | None = None
+    """Of the files, relative to the study file."""
+    pattern: str = r"(?P<motion>.+)_(?P<component>[^_]+)\.[^.]+"
+    """Regular expression that the name of a file matches as a whole; its groups are motion and component."""
+    x: list[str] = Field(default_factory=list)
+    """Components that shake along x: of each motion the first that it has."""
+    y: list[str] = Field(default_factory=list)
+    """Components that shake along y."""
+    z: list[str] = Field(default_factory=list)
+    """Components that shake along z."""
+    shake: list[Literal["x", "y", "z"]] | None = None
+    """Axes along which the base moves; all that are given. Measures may take the others too."""
+    exclude: list[str] = Field(default_factory=list)
+    """Motions that are left out; * stands for anything."""
+    rotate: Number = 0.0
+    """Turns the horizontal pair about z, counter-clockwise seen from above [degrees]; [vary] may vary "records.rotate"."""
+    scale: Annotated[Number, Field(gt=0)] = 1.0
+    """Factor on all motions that are not scaled to a level."""
+    dt: Annotated[Number, Field(gt=0)] | None = None
+    """Time step, where the files have no times [s]."""
+    units: str | None = None
+    """Of the accelerations, where the files do not say: "m/s2", "g"."""
+    format: Literal["auto", "at2", "esm", "knet", "mseed", "csv", "columns"] = "auto"
+    """Of the files; recognised by their content when "auto"."""
+    column: str | int | None = None
+    """Of files with several: a heading, or a place counted from 0."""
+    window: list[Number] | None = None
+    """Part of all motions to use, [from, to] [s]."""
+    trim: Trim | None = None
+    """Or part of each motion by its Arias intensity."""
+    rest: Instant = 0.0
+    """How long each run goes on after its motion [s]."""
+    duration: Literal["record", "scene"] = "record"
+    """Whether runs last as long as their motions, or as run.duration of the scene."""
+    taper: Instant = 0.0
+    """Over which the acceleration rises and falls at the ends of the window [s]."""
+    resample: Number | Literal["run"] | None = None
+    """To this time step [s], or to that of the "run"."""
+    band: list[Number] | None = None
+    """Corners of a band-pass, [from, to] [Hz]."""
+    band_order: Annotated[int, Field(strict=True, ge=1, le=8)] = 4
+    """Order of the band-pass."""
+    correction: Literal["none", "linear", "quadratic", "cubic"] = "quadratic"
+    """Of the baseline."""
+    key: str | None = None
+    """Instead of a folder: key of the scene by whose values motions differ, "loads[0].seed"."""
+    values: list[Any] | None = None
+    """Its values, one motion each."""
+
+    @field_validator("pattern")
+    @classmethod
+    def _is_pattern(cls, value: str) -> str:
+        try:
+            names = re.compile(value).groupindex
+        except re.error as failure:
+            raise ValueError(f"no regular expression: {failure}") from None
+        missing = [name for name in GROUPS if name not in names]
+        if missing:
+            raise ValueError(f"has no group (?P<{missing[0]}>...); it needs both {' and '.join(GROUPS)}")
+        return value
+
+    @model_validator(mode="after")
+    def _consistent(self) -> RecordsTable:
+        if (self.folder is None) == (self.key is None):
+            raise ValueError("give folder, or key and values")
+        if (self.key is None) != (self.values is None):
+            raise ValueError("values: missing" if self.values is None else "values: belongs to key")
+        if self.values is not None and (not self.values or len({repr(value) for value in self.values}) < len(self.values)):
+            raise ValueError("values: should be values, each once")
+        if self.folder is not None and not (self.x or self.y or self.z):
+            raise ValueError('x: missing; which components shake along x, as ["NS", "H1"]')
+        for axis in self.shake or ():
+            if not getattr(self, axis):
+                raise ValueError(f'shake: names "{axis}", of which no components are given')
+        if self.window is not None and self.trim is not None:
+            raise ValueError("give window or trim, not both")
+        if self.folder is not None:
+            parse_table(Accelerogram, {"path": "", **self.load_keys(None)}, "")
+        return self
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """The axes that have components."""
+        return tuple(axis for axis in "xyz" if getattr(self, axis))
+
+    @property
+    def shaken(self) -> tuple[str, ...]:
+        """The axes along which the base moves."""
+        return self.axes if self.shake is None else tuple(axis for axis in "xyz" if axis in self.shake)
+
+    def load_keys(self, window: tuple[float, float] | None) -> dict[str, Any]:
+        """The keys of ``kind = "record"`` that all components share."""
+        default = Accelerogram.model_fields
+        keys = {key: getattr(self, key) for key in PASSED_ON if getattr(self, key) != default[key].default}
+        if self.dt is not None:
+            keys["time_step"] = self.dt
+        chosen = window if window is not None else self.window
+        return keys if chosen is None else keys | {"window": list(chosen)}

@@ -1,0 +1,223 @@
+"""The command ``masonry-cd study``: a study file is checked, its missing runs are made, its tables are written."""
+
+from __future__ import annotations
+
+import random
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from masonry_cd.app.progress import Interrupt
+from masonry_cd.errors import InputError
+from masonry_cd.io.lock import locked
+from masonry_cd.studies.study.checks import check_first, check_varied
+from masonry_cd.studies.study.clusters import Where, connected
+from masonry_cd.studies.study.engine import Engine, SchedulerLost
+from masonry_cd.studies.study.folder import StudyFolder, digest_of
+from masonry_cd.studies.study.plan import Plan, Planned
+from masonry_cd.studies.study.progress import StudyProgress
+from masonry_cd.studies.study.records import find_records
+from masonry_cd.studies.study.space import Space
+from masonry_cd.studies.study.study_file import read_study
+from masonry_cd.studies.study.table import write_table
+from masonry_cd.studies.study.task import Outcome, Task
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a study is made; what the study file says of it is used where nothing is given."""
+
+    where: Where
+    retry: bool = False  # make failed runs again
+    force: bool = False  # begin anew
+    resume: bool = False  # refuse a folder that holds no study
+    quiet: bool = False
+
+
+def plan_of(path: Path) -> Plan:
+    """The plan of a study file, checked; nothing is written.
+
+    Raises:
+        InputError: anything wrong with the study, its scene, or its records.
+    """
+    study = read_study(path)
+    space = Space(study.tables, find_records(study), study.varied)
+    check_varied(study, space)
+    try:
+        return Plan(study, space)
+    except InputError as error:
+        raise study.at_fault(error) from None
+
+
+def study_case(plan: Plan, folder: Path, options: Options, say: Say) -> dict[str, Any]:
+    """Make a study.
+
+    Args:
+        plan: from :func:`plan_of`.
+        folder: for the results, made if need be; runs that have ended there are not made again.
+        options: where and how.
+        say: called with lines on what is done.
+
+    Returns:
+        ``done``, ``failed``, ``timeout``, ``runs``: counts; ``stopped`` why the study ended early, "" when it did not.
+
+    Raises:
+        InputError: a bad study; the folder of another one; a scheduler that does not answer. Nothing is lost.
+        Interrupted: by a signal; rows of finished runs are kept.
+    """
+    study, here = plan.maker.study, StudyFolder(folder)
+    if options.resume and not (folder / "study.json").exists():
+        raise InputError(f"--resume: {folder} holds no study")
+    if not options.force:
+        here.require_same(_identity(plan))
+    with locked(folder):
+        if options.force:
+            here.clear()
+        here.begin(study, _told(plan))
+        return _Made(plan, here, options, say).make()
+
+
+class _Made:
+    """A study on its way."""
+
+    def __init__(self, plan: Plan, folder: StudyFolder, options: Options, say: Say) -> None:
+        self.plan, self.folder, self.options, self.say = plan, folder, options, say
+        self.rows = folder.finished(set(), options.retry)
+        self.stopped = ""
+
+    def make(self) -> dict[str, Any]:
+        """Make the missing runs and write the tables."""
+        missing, known = self._missing()
+        self.say(
+            f"{self.plan.maker.study.title}: {len(known)} runs{' so far' if self.plan.adapts else ''}, {len(missing)} of them to be made"
+        )
+        if missing:
+            check_first(self.plan)
+            self._execute(missing, len(known))
+        if not self.stopped:
+            self._complete_reference()
+        return self._close()
+
+    def _missing(self) -> tuple[list[Planned], set[str]]:
+        """The runs to be made, each once, in random order; and the names of all that are known."""
+        missing: dict[str, Planned] = {}
+        queue, known = deque(self.plan.runs), set()
+        while queue:
+            run = queue.popleft()
+            known.add(run.name)
+            if run.name in self.rows:
+                queue.extend(self.plan.after(run, self.rows[run.name]))
+            else:
+                missing.setdefault(run.name, run)
+        first, *others = missing.values() if missing else [None]
+        random.Random(self.plan.maker.study.tables.seed).shuffle(others)
+        return ([] if first is None else [first, *others]), known
+
+    def _execute(self, missing: list[Planned], known: int) -> None:
+        """Make runs until there are none left, or a signal comes."""
+        tables = self.plan.maker.study.tables
+        progress = StudyProgress(known, known - len(missing), sum(run.weight for run in missing), self.options.quiet)
+        said = "ending; finished runs are kept"
+        with Interrupt(said=said) as interrupt, connected(self.options.where) as (client, words):
+            self.say(words)
+
+            def look(running: int, threads: int) -> None:
+                progress.look(running, threads)
+                interrupt.check()
+
+            def ended(run: Planned, outcome: Outcome) -> Iterable[Planned]:
+                self._add(run, outcome)
+                progress.ended(run.weight, outcome.row)
+                following = [more for more in self.plan.after(run, outcome.row) if more.name not in self.rows]
+                for more in following:
+                    progress.planned(more.weight)
+                return following
+
+            first = self.plan.ordered()[0].name
+            engine = Engine(client, lambda run: self._task(run, tables, run.name == first), ended, look)
+            try:
+                engine.execute(missing)
+            except SchedulerLost:
+                self.stopped = "the scheduler does not answer any more"
+            finally:
+                progress.close()
+
+    def _add(self, run: Planned, outcome: Outcome) -> None:
+        """Keep what a run came to."""
+        self.folder.add(run, outcome)
+        self.rows[run.name] = dict(outcome.row)
+
+    def _task(self, run: Planned, tables: Any, reference: bool) -> Task:
+        """What a worker is asked."""
+        folder = str(self.folder.path.resolve())
+        return Task(run.name, self.plan.maker.tables(run.asked), tables.run.timeout, tables.run.keep, folder, reference)
+
+    def _complete_reference(self) -> None:
+        """Have the first run of the plan that is done as the reference; it is made again where another one was the first."""
+        from masonry_cd.studies.study.task import run_task
+
+        first = next((run for run in self.plan.ordered() if self.rows[run.name]["status"] == "done"), None)
+        if first is None or self.folder.has_reference(first.name):
+            return
+        outcome = run_task(replace(self._task(first, self.plan.maker.study.tables, True), keep="none"))
+        if outcome.reference is not None:
+            self.folder.write_reference(first.name, outcome.reference)
+
+    def _close(self) -> dict[str, Any]:
+        """Write the tables and study.json; what came out."""
+        runs = self.plan.ordered()
+        write_table(self.folder.path, runs, self.plan.maker, self.rows)
+        self.folder.describe(_told(self.plan, None if self.stopped else len(runs)))
+        ended = [self.rows[run.name] for run in runs if run.name in self.rows]
+        counts = {status: sum(row["status"] == status for row in ended) for status in ("done", "failed", "timeout")}
+        return {"runs": len(runs), **counts, "stopped": self.stopped, "reasons": _reasons(ended)}
+
+
+def _reasons(rows: Iterable[dict[str, Any]]) -> dict[str, int]:
+    """Why runs are no data, and how many each."""
+    found: dict[str, int] = {}
+    for row in rows:
+        if row["status"] != "done":
+            found[row["reason"]] = found.get(row["reason"], 0) + 1
+    return found
+
+
+def _identity(plan: Plan) -> dict[str, str]:
+    """What makes a study this one: all but how large its design is."""
+    study, maker = plan.maker.study, plan.maker
+    tables, intensity = study.tables, study.tables.intensity
+    records = None if tables.records is None else tables.records.model_dump(exclude={"folder", "exclude", "values"})
+    vary = {"keys": study.varied.columns, "random": {key: one.model_dump() for key, one in study.varied.random.items()}}
+    return {
+        "scene": maker.name(maker.base()),
+        "design": tables.design,
+        "seed": str(tables.seed),
+        "intensity measure": digest_of(None if intensity is None else [intensity.measure, intensity.of, intensity.key]),
+        "treatment of records": digest_of(records),
+        "set of varied keys or distributions": digest_of([vary, [group.model_dump() for group in tables.correlation]]),
+    }
+
+
+def _told(plan: Plan, runs: int | None = None) -> dict[str, Any]:
+    """study.json, for the statistics."""
+    study = plan.maker.study
+    tables, intensity = study.tables, study.tables.intensity
+    measured = intensity is not None or (tables.records is not None and tables.records.folder is not None)
+    return {
+        "title": study.title,
+        "design": tables.design,
+        "seed": tables.seed,
+        "scene": study.scene_name,
+        "measure": (intensity.measure if intensity is not None else "PGA") if measured else None,
+        "levels": None if intensity is None else intensity.levels,
+        "varied": study.varied.columns,
+        "limit_states": {name: state.model_dump(exclude_none=True) for name, state in tables.limit_states.items()},
+        "keep": tables.run.keep,
+        "plan": digest_of([run.name for run in plan.ordered()]),
+        "runs": runs if plan.adapts else len(plan.runs),
+        "identity": _identity(plan),
+    }

@@ -1,0 +1,271 @@
+"""The study file: a TOML text that says what runs there are.
+
+scene = "arch.toml"                  # relative to this file; or [scene] with the scene's tables
+design = "stripes"                   # grid | sample | stripes | ida | cloud | ensemble
+seed = 1
+[records]       folder, pattern ...  # motions, see records.py
+[intensity]     measure, levels      # what they are scaled to
+[vary]          "material.friction" = ...
+[limit_states]  collapse = {quantity = "collapsed_blocks", above = 0}
+[run]           workers, timeout, keep
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from loads.signal.directions import RULES
+from masonry_cd.app.scene import Origin, Scene, read_scene, scene_of
+from masonry_cd.app.scene_text import dump_toml, parse_toml, read_text
+from masonry_cd.errors import InputError, parse_table, suggest
+from masonry_cd.fields import Count, Number, Table
+from masonry_cd.solvers.options import LARGEST_SEED
+from masonry_cd.studies.study.record_tables import RecordsTable
+from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
+from reports.damage.grades import NAMES as GRADES
+
+FORMAT = 1
+DESIGNS = ("grid", "sample", "stripes", "ida", "cloud", "ensemble")
+QUANTITIES = (
+    "max_opening", "max_sliding", "displacement_max", "drift", "collapsed_blocks", "collapse_time", "grade", "grade_number", "steps_missed",
+    "error_max",
+)  # fmt: skip
+OF_PARTS = (".grade_number", ".drift")
+Positive = Annotated[Number, Field(gt=0)]
+
+
+class IntensityTable(Table):
+    """The table ``[intensity]``."""
+
+    measure: str = "PGA"
+    """Intensity measure, "PGA", "Sa(0.5)", "AvgSA(0.1,1.0)"; with ``key``, any word for the column."""
+    of: str = "x"
+    """Of the component "x", "y" or "z"; of both horizontal ones by "geometric_mean", "larger", "rotd50" or "rotd100"."""
+    levels: list[Positive] | None = None
+    """Of stripes and grids, in the unit of the measure, SI."""
+    also: list[str] = Field(default_factory=list)
+    """Further measures that become columns."""
+    key: str | None = None
+    """Key of the scene that a level is put in, where there are no records to scale: "loads[0].ag"."""
+
+    @field_validator("of")
+    @classmethod
+    def _is_rule(cls, value: str) -> str:
+        if value not in RULES:
+            raise ValueError(f'unknown "{value}"{suggest(value, RULES)}; one of {", ".join(RULES)}')
+        return value
+
+    @field_validator("levels")
+    @classmethod
+    def _each_once(cls, value: list[float] | None) -> list[float] | None:
+        if value is not None and (not value or len(set(value)) < len(value)):
+            raise ValueError("should be levels, each once")
+        return value
+
+
+class LimitState(Table):
+    """A limit state: exceeded where a quantity of a run is above a value."""
+
+    quantity: str
+    """Column of runs.csv."""
+    above: Number | None = None
+    """Exceeded above this."""
+    at_least: str | None = None
+    """Of the quantity "grade": from this one on, "D3"."""
+
+    @model_validator(mode="after")
+    def _one(self) -> LimitState:
+        if self.quantity not in QUANTITIES and not self.quantity.endswith(OF_PARTS):
+            raise ValueError(f'quantity: unknown "{self.quantity}"{suggest(self.quantity, QUANTITIES)}; one of {", ".join(QUANTITIES)}')
+        graded = self.quantity == "grade"
+        if graded and self.at_least not in GRADES:
+            raise ValueError(f"at_least: should be a grade, {', '.join(GRADES[1:])}")
+        if not graded and (self.above is None or self.at_least is not None):
+            raise ValueError("above: missing" if self.above is None else 'at_least: belongs to quantity = "grade"')
+        if graded and self.above is not None:
+            raise ValueError('above: a grade is compared by at_least = "D3"')
+        return self
+
+    def exceeded(self, row: Mapping[str, Any]) -> bool:
+        """Whether a run that is done exceeded it."""
+        if self.quantity == "grade":
+            return int(row["grade_number"]) >= GRADES.index(self.at_least or "")
+        value = row.get(self.quantity)
+        assert self.above is not None
+        return value is not None and float(value) > self.above
+
+
+class IdaTable(Table):
+    """The table ``[ida]``: hunt and fill (Vamvatsikos & Cornell, EESD 31(3), 2002)."""
+
+    limit_state: str = "collapse"
+    """Which of them ends the hunt."""
+    start: Positive
+    """First level, in the unit of the measure."""
+    step: Positive
+    """From the first to the second level."""
+    growth: Annotated[Number, Field(ge=0)] = 0.0
+    """By which each step is longer than the one before."""
+    resolution: Annotated[Number, Field(gt=0, lt=1)] = 0.1
+    """Of the level of collapse, as a share of it."""
+    runs: Annotated[Count, Field(ge=3, le=1000)] = 12
+    """At most, for each motion."""
+    fill: Annotated[Count, Field(ge=0, le=1000)] = 2
+    """Runs that halve the widest gaps below the collapse."""
+
+
+class EnsembleTable(Table):
+    """The table ``[ensemble]``: the same scene under tiny perturbations."""
+
+    members: Annotated[Count, Field(ge=2, le=1_000_000)] = 20
+    """How many; the first is the scene itself."""
+    perturb: Literal["loads", "friction"] = "loads"
+    """The size of the loads, or the friction."""
+    size: Annotated[Number, Field(ge=1e-12, le=1e-3)] = 1e-9
+    """Largest relative change."""
+
+
+class RunTable(Table):
+    """The table ``[run]`` of a study: how its runs are made."""
+
+    workers: Annotated[Count, Field(ge=1, le=10_000)] | None = None
+    """Processes of this machine, one thread each; as many as there are cores when not given."""
+    timeout: Positive = 3600.0
+    """The time of the clock that the steps of a run may take [s]; then it ends and counts as no data."""
+    keep: Literal["none", "summary", "all"] = "none"
+    """What is kept of each run beside its row: nothing, its summary and joints.csv, or its whole folder."""
+    memory: Positive | None = None
+    """Of each worker at most [GB]; its share of the machine's when not given."""
+
+
+class StudyTables(Table):
+    """The top level of the file."""
+
+    format: Annotated[int, Field(strict=True, ge=1, le=FORMAT)] = FORMAT
+    """Of the keys of this file."""
+    title: str | None = None
+    """Of pictures and closing lines; that of the scene when not given."""
+    scene: str | dict[str, Any]
+    """A scene file, relative to this one, or the tables of a scene."""
+    design: Literal["grid", "sample", "stripes", "ida", "cloud", "ensemble"]
+    """Which runs there are."""
+    seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0
+    """Of everything that is drawn."""
+    samples: Annotated[Count, Field(ge=1, le=10_000_000)] | None = None
+    """Of the design "sample"."""
+    records: RecordsTable | None = None
+    """The motions."""
+    intensity: IntensityTable | None = None
+    """What they are scaled to or measured by."""
+    vary: dict[str, Any] = Field(default_factory=dict)
+    """What varies in the scene."""
+    correlation: list[Correlation] = Field(default_factory=list)
+    """What varies together."""
+    limit_states: dict[str, LimitState] = Field(default_factory=dict)
+    """What is asked of each run."""
+    ida: IdaTable | None = None
+    """Of the design "ida"."""
+    ensemble: EnsembleTable | None = None
+    """Of the design "ensemble"."""
+    run: RunTable = Field(default_factory=RunTable)
+    """How the runs are made."""
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """A study file whose tables are checked."""
+
+    path: Path
+    text: str
+    tables: StudyTables
+    scene: Scene
+    scene_tables: dict[str, Any]  # as they stand in the file of the scene
+    scene_name: str
+    varied: Varied
+    origin: Origin
+
+    @property
+    def title(self) -> str:
+        """The title."""
+        return self.tables.title or self.scene.title
+
+    @property
+    def folder(self) -> Path:
+        """Folder from which the paths of the study are read."""
+        return self.path.parent
+
+    def at_fault(self, error: InputError) -> InputError:
+        """An error that begins with a key of this file, with file and line before it."""
+        return InputError(f"{self.origin.of(str(error).partition(':')[0])}: {error}")
+
+
+def read_study(path: Path | str) -> Study:
+    """Read and check a study file and its scene.
+
+    Raises:
+        InputError: no such file, no TOML, an unknown or missing key, a value out of range; names file, line and key.
+    """
+    path = Path(path)
+    text = _study_text(path)
+    origin, tables = Origin(text, path), parse_toml(text, path)
+    try:
+        top = parse_table(StudyTables, tables, "")
+        _check_design(top)
+        varied = read_varied(top.vary, top.correlation)
+    except InputError as error:
+        raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None
+    if isinstance(top.scene, str):
+        file = path.parent / top.scene
+        if not file.is_file():
+            raise InputError(f"{origin.of('scene')}: scene: {file}: no such scene file")
+        scene, own = read_scene(file), parse_toml(read_text(file), file)
+        return Study(path, text, top, scene, own, top.scene, varied, origin)
+    inner = Origin(text, path, within="scene.")
+    return Study(path, text, top, scene_of(top.scene, dump_toml(top.scene), path, inner), top.scene, path.name, varied, origin)
+
+
+def _study_text(path: Path) -> str:
+    """The text of the file."""
+    if not path.exists():
+        raise InputError(f"{path}: no such study file")
+    return read_text(path)
+
+
+def _check_design(top: StudyTables) -> None:
+    """Check that a design has what it needs, and nothing that it does not use.
+
+    Raises:
+        InputError: names the key.
+    """
+    design, intensity = top.design, top.intensity
+    levels = intensity is not None and intensity.levels is not None
+    needs = {
+        "sample": [("samples", top.samples is not None), ("vary", bool(top.vary))],
+        "stripes": [("intensity.levels", levels), ("records", top.records is not None)],
+        "cloud": [("records", top.records is not None)],
+        "ida": [("records", top.records is not None), ("intensity", intensity is not None), ("ida", top.ida is not None)],
+    }
+    for key, there in needs.get(design, []):
+        if not there:
+            raise InputError(f'{key}: missing, the design "{design}" needs it')
+    for key, owner in (("samples", "sample"), ("ida", "ida"), ("ensemble", "ensemble")):
+        if getattr(top, key) is not None and design != owner:
+            raise InputError(f'{key}: belongs to the design "{owner}", and this one is "{design}"')
+    if levels and design in ("ida", "cloud", "ensemble"):
+        raise InputError(f'intensity.levels: the design "{design}" takes none')
+    if top.ida is not None and top.ida.limit_state not in top.limit_states:
+        raise InputError(
+            f'ida.limit_state: there is no "{top.ida.limit_state}" in [limit_states]{suggest(top.ida.limit_state, top.limit_states)}'
+        )
+    of_files = top.records is not None and top.records.folder is not None
+    if intensity is not None and (intensity.key is None) != of_files:
+        if of_files:
+            raise InputError("intensity.key: motions of a folder are scaled by their measure; leave it out")
+        raise InputError(
+            "intensity.key: missing; there are no motions of a folder to measure, so a level is the value of a key of the scene"
+        )

@@ -1,0 +1,145 @@
+"""One run, as a worker makes it: a scene goes in, a row of numbers comes out.
+
+The row depends on the scene alone, seconds and worker aside. Structures are kept from run to run, since in most studies only the loads
+differ. A run ends after the step in which its time is up; what fails is a row with its reason.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import socket
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from masonry_cd.errors import InputError, one_line
+
+RESULTS = "result.h5"
+SUMMARIES = ("summary.json", "joints.csv")  # what keep = "summary" keeps
+STRUCTURES = 4  # that a worker keeps
+SCENE = "scene.toml"
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a worker is asked."""
+
+    name: str  # of the run
+    tables: Mapping[str, Any]  # of its scene
+    timeout: float  # of the clock, for its steps [s]
+    keep: str = "none"  # none | summary | all
+    folder: str = ""  # of the study, where something is kept
+    reference: bool = False  # send the result file back as well
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What it answers."""
+
+    name: str
+    row: Mapping[str, Any]  # status, reason, seconds, and the numbers of the run
+    joints: Mapping[str, Any] | None = None  # arrays by name, of a run that is done
+    reference: bytes | None = None  # the result file
+
+
+def run_task(task: Task) -> Outcome:
+    """Make a run. Whatever goes wrong in it becomes a row."""
+    begin = time.perf_counter()
+    with TemporaryDirectory(prefix="masonry-cd-", dir=_scratch()) as scratch:
+        folder = Path(scratch) / "run"
+        joints, reference = None, None
+        try:
+            row, joints = _made(task, folder)
+            if joints is not None:
+                reference = (folder / RESULTS).read_bytes() if task.reference else None
+                _keep(task, folder)
+        except InputError as error:
+            row = {"status": "failed", "reason": str(error).replace(scratch, "")}
+        except MemoryError:
+            row = {"status": "failed", "reason": "not enough memory"}
+        except Exception as error:  # a defect of the program costs one run, not the study
+            row = {"status": "failed", "reason": one_line(f"{type(error).__name__}: {error}").replace(scratch, "")}
+    where = {"seconds": time.perf_counter() - begin, "worker": f"{socket.gethostname()}:{os.getpid()}"}
+    return Outcome(task.name, row | where, joints, reference)
+
+
+def _made(task: Task, folder: Path) -> tuple[dict[str, Any], dict[str, Any] | None]:
+    """Run the scene; the row, and the arrays of its joints."""
+    from masonry_cd.app.case import prepare
+    from masonry_cd.app.run_case import run_case
+    from masonry_cd.studies.study import numbers
+    from masonry_cd.studies.study.checks import scene_of_run
+
+    begin = time.perf_counter()
+    scene = scene_of_run(dict(task.tables))
+    made_of = json.dumps([task.tables["structure"], task.tables["material"]], sort_keys=True, default=str)
+    case = prepare(scene, _structure(hashlib.sha256(made_of.encode()).hexdigest(), _Given(scene)))
+    set_up = time.perf_counter() - begin
+    summary = run_case(case, folder, limit=task.timeout)
+    ended = time.perf_counter()
+    if summary["stopped"]:
+        timed_out = summary["stopped"].startswith("out of time")
+        row = {"status": "timeout" if timed_out else "failed", "reason": summary["stopped"]}
+        if timed_out:  # at which step that was says more of the machine than of the run
+            row["reason"] = f"out of time, {task.timeout:g} s"
+        return row, None
+    found, joints = numbers.of_run(folder / RESULTS, summary, scene)
+    timing = {"set_up": set_up, "stepping": summary["stepping_seconds"], "closing": time.perf_counter() - ended}
+    return {"status": "done", "reason": "", **found, "timing": timing}, joints
+
+
+class _Given:
+    """A scene that is no part of the key of a cache."""
+
+    def __init__(self, scene: Any) -> None:
+        self.scene = scene
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Given)
+
+    def __hash__(self) -> int:
+        return 0
+
+
+@lru_cache(STRUCTURES)
+def _structure(digest: str, given: _Given) -> Any:
+    """The structure of a scene, by the digest of the tables that it is made of."""
+    from masonry_cd.app.case import structure_of
+
+    return structure_of(given.scene)
+
+
+def _keep(task: Task, folder: Path) -> None:
+    """Put what is to be kept of a run into the folder of the study, whole or not at all."""
+    if task.keep == "none":
+        return
+    from masonry_cd.app.scene_text import dump_toml
+
+    if task.keep == "summary":
+        for file in folder.iterdir():
+            if file.name not in SUMMARIES:
+                file.unlink()
+    (folder / SCENE).write_text(dump_toml(task.tables), encoding="utf-8")
+    place = Path(task.folder) / "runs" / task.name
+    part = place.with_name(f"{task.name}.{os.getpid()}.part")
+    part.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copytree(folder, part)
+    shutil.rmtree(place, ignore_errors=True)
+    part.rename(place)
+
+
+def _scratch() -> str | None:
+    """The folder of this worker for files that come and go; that of the machine elsewhere."""
+    from distributed import get_worker
+
+    try:
+        return str(get_worker().local_directory)
+    except ValueError:
+        return None

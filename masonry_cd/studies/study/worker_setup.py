@@ -1,0 +1,11 @@
+"""Loaded by each worker of this machine as it starts: Ctrl-C in a terminal reaches all processes, and is for the first alone to answer."""
+
+from __future__ import annotations
+
+import signal
+from typing import Any
+
+
+def dask_setup(worker: Any) -> None:
+    """Leave Ctrl-C to the process that the user started; it ends its workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,0 +1,138 @@
+"""A small scene and its studies, and tasks that stand in for runs: workers import them from here."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from conftest import cuboid
+
+from masonry_cd.studies.study.task import Outcome, Task
+
+SCENE = """\
+title = "Block on a plate"
+[structure]
+kind = "file"
+path = "blocks.json"
+[material]
+density = 2000.0
+friction = 0.4
+[[loads]]
+kind = "sinusoidal"
+direction = "x"
+amplitude = 0.4
+frequency = 2.0
+cycles = 1
+[run]
+dt = 1e-2
+duration = 0.5
+tolerance = 1e-6
+"""
+GRID = """\
+scene = "scene.toml"
+design = "grid"
+[vary]
+"loads[0].amplitude" = [0.3, 0.4, 0.6]
+"material.friction" = [0.2, 0.4]
+[limit_states]
+slid = {quantity = "max_sliding", above = 1e-3}
+"""
+RECORDS = """\
+scene = "scene.toml"
+design = "stripes"
+[records]
+folder = "records"
+pattern = '(?P<motion>.+)_(?P<component>[^_]+)\\.acc'
+x = ["NS", "H1"]
+y = ["EW", "H2"]
+z = ["UD"]
+shake = ["x"]
+units = "m/s2"
+dt = 0.01
+[intensity]
+measure = "PGA"
+levels = [1.0, 2.0, 4.0]
+[limit_states]
+slid = {quantity = "max_sliding", above = 1e-3}
+"""
+SAMPLES, STEP = 100, 0.01
+NAMES = {"quake_a": ("NS", "EW", "UD"), "quake_b": ("H1", "H2", "UD"), "far_c": ("NS", "EW", "UD")}
+
+
+def write_scene(folder: Path, text: str = SCENE) -> None:
+    """The scene and its two blocks."""
+    plate = cuboid((-2.0, -1.0, -0.5), (2.0, 1.0, 0.0)) | {"name": "plate", "fixed": True, "group": "base"}
+    block = cuboid((-0.5, -0.25, 0.0), (0.5, 0.25, 0.4)) | {"name": "block", "group": "block"}
+    (folder / "blocks.json").write_text(json.dumps({"units": "m", "blocks": [plate, block]}))
+    (folder / "scene.toml").write_text(text)
+
+
+def write_study(folder: Path, text: str = GRID, **changes: str) -> Path:
+    """A study of the scene; lines are replaced by what they begin with."""
+    write_scene(folder)
+    path = folder / "study.toml"
+    path.write_text(changed(text, changes))
+    return path
+
+
+def changed(text: str, changes: dict[str, str]) -> str:
+    """A text some of whose lines are others."""
+    lines = text.splitlines()
+    for begin, line in changes.items():
+        (place,) = (i for i, old in enumerate(lines) if old.startswith(begin))
+        lines[place] = line
+    return "\n".join(lines) + "\n"
+
+
+def wave(k: int) -> np.ndarray:
+    """An acceleration (SAMPLES,) that is unlike those of other numbers [m/s2]."""
+    t = STEP * np.arange(SAMPLES)
+    return np.asarray((1.0 + 0.3 * k) * np.sin((9.0 + 2.0 * k) * t) * np.exp(-(((t - 0.4) / 0.15) ** 2)))
+
+
+def write_records(folder: Path, names: dict[str, tuple[str, ...]] = NAMES) -> None:
+    """Three motions of three components, one column each."""
+    (folder / "records").mkdir()
+    for k, (motion, components) in enumerate(names.items()):
+        for i, component in enumerate(components):
+            values = wave(3 * k + i)
+            (folder / "records" / f"{motion}_{component}.acc").write_text("".join(f"{v:.8f}\n" for v in values))
+
+
+def rows_without_seconds(folder: Path) -> list[str]:
+    """The lines of runs.csv without what differs from time to time."""
+    lines = (folder / "runs.csv").read_text().splitlines()
+    place = lines[0].split(",").index("seconds")
+    return [",".join(cell for i, cell in enumerate(line.split(",")) if i != place) for line in lines]
+
+
+# --- tasks that stand in for runs ---------------------------------------------------------------------------------------------------
+
+
+def stub(task: Task) -> Outcome:
+    """Ten milliseconds."""
+    time.sleep(0.01)
+    return Outcome(task.name, _row())
+
+
+def dies_once(task: Task) -> Outcome:
+    """Kills its worker the first time, if its folder says so."""
+    mark = Path(task.folder) / f"{task.name}.died"
+    if task.name == "b" and not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return Outcome(task.name, _row())
+
+
+def raises(task: Task) -> Outcome:
+    """An error that no run reports by itself."""
+    raise RuntimeError(f"{task.name} is broken")
+
+
+def _row() -> dict[str, Any]:
+    return {"status": "done", "reason": "", "seconds": 0.01, "worker": str(os.getpid())}

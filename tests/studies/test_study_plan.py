@@ -1,0 +1,345 @@
+"""The plan of a study: which runs each design has, what they are called, and what changes when it grows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import lognorm, norm, truncnorm
+from studied import GRID, RECORDS, SCENE, STEP, changed, wave, write_records, write_scene, write_study
+
+from loads.signal.baseline import correct, integrate
+from masonry_cd.errors import InputError
+from masonry_cd.studies.study.designs.ida import next_level
+from masonry_cd.studies.study.plan import Plan
+from masonry_cd.studies.study.study_case import plan_of
+from masonry_cd.studies.study.study_file import IdaTable
+from masonry_cd.studies.study.varied import Correlation, Distribution, Varied
+
+FRICTION = '[vary]\n"material.friction" = {distribution = "lognormal", median = 0.4, beta = 0.15}\n'
+
+
+def planned(folder: Path, text: str, **changes: str) -> Plan:
+    """The plan of a study in a folder."""
+    return plan_of(write_study(folder, text, **changes))
+
+
+def with_records(folder: Path, text: str = RECORDS, **changes: str) -> Plan:
+    """The plan of a study over the three motions."""
+    if not (folder / "records").exists():
+        write_records(folder)
+    return planned(folder, text, **changes)
+
+
+# --- designs ------------------------------------------------------------------------------------------------------------------------
+
+
+def test_a_grid_has_all_combinations_in_order(tmp_path: Path) -> None:
+    plan = planned(tmp_path, GRID)
+    found = [tuple(run.asked.values.values()) for run in plan.runs]
+    assert found == [(a, mu) for a in (0.3, 0.4, 0.6) for mu in (0.2, 0.4)]
+    scene = plan.maker.tables(plan.runs[3].asked)
+    assert (scene["loads"][0]["amplitude"], scene["material"]["friction"]) == (0.4, 0.4)
+    assert len({run.name for run in plan.runs}) == 6
+
+
+def test_ranges_are_even_and_whole_where_they_are_written_so(tmp_path: Path) -> None:
+    ranges = {
+        '"loads[0]': '"loads[0].amplitude" = {from = 0.1, to = 0.4, count = 4}',
+        '"material': '"run.seed" = {from = 1, to = 3, count = 3}',
+    }
+    plan = planned(tmp_path, GRID, **ranges)
+    assert np.allclose([run.asked.values["loads[0].amplitude"] for run in plan.runs[::3]], [0.1, 0.2, 0.3, 0.4])
+    assert [run.asked.values["run.seed"] for run in plan.runs[:3]] == [1, 2, 3]
+
+
+def test_stripes_are_all_motions_at_all_levels(tmp_path: Path) -> None:
+    plan = with_records(tmp_path)
+    assert [(run.asked.motion, run.asked.level) for run in plan.runs] == [
+        (motion, level) for motion in ("far_c", "quake_a", "quake_b") for level in (1.0, 2.0, 4.0)
+    ]
+    for run in plan.runs:
+        measures = plan.maker.measures(run.asked)
+        assert measures["PGA"] == run.asked.level
+        (load,) = plan.maker.tables(run.asked)["loads"][1:]
+        assert Path(load["path"]).name == f"{run.asked.motion}_{'H1' if run.asked.motion == 'quake_b' else 'NS'}.acc"
+
+
+def test_a_motion_is_measured_as_it_shakes_the_base(tmp_path: Path) -> None:
+    plan = with_records(tmp_path)
+    run = next(run for run in plan.runs if run.asked.motion == "quake_a" and run.asked.level == 2.0)
+    shaken = correct(integrate(wave(0), STEP), 2)
+    factor = 2.0 / np.abs(shaken.acceleration).max()
+    measures, (load,) = plan.maker.measures(run.asked), plan.maker.tables(run.asked)["loads"][1:]
+    assert load["scale"] == pytest.approx(factor, rel=1e-6)
+    assert measures["PGV"] == pytest.approx(factor * np.abs(shaken.velocity).max(), rel=1e-5)
+    a, b = shaken.acceleration[:-1], shaken.acceleration[1:]
+    assert measures["Arias"] == pytest.approx(factor**2 * np.pi / 2 / 9.80665 * STEP / 3 * (a * a + a * b + b * b).sum(), rel=1e-5)
+
+
+def test_a_level_of_both_components_scales_them_by_one_factor(tmp_path: Path) -> None:
+    text = RECORDS.replace('measure = "PGA"', 'measure = "PGV"\nof = "geometric_mean"').replace('shake = ["x"]', "")
+    plan = with_records(tmp_path, text)
+    run = plan.runs[0]
+    loads = plan.maker.tables(run.asked)["loads"][1:]
+    assert [load["direction"] for load in loads] == ["x", "y", "z"]
+    assert len({load["scale"] for load in loads}) == 1
+    peaks = [np.abs(correct(integrate(wave(6 + i), STEP), 2).velocity).max() for i in range(2)]  # far_c is the third that is written
+    assert loads[0]["scale"] * np.sqrt(peaks[0] * peaks[1]) == pytest.approx(1.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("shake", ['["x"]', '["x", "y"]'])
+def test_a_turned_pair_shakes_by_both_components(tmp_path: Path, shake: str) -> None:
+    from loads import build
+
+    plan = with_records(tmp_path, RECORDS.replace('shake = ["x"]', f"shake = {shake}\nrotate = 30.0"))
+    run = plan.runs[0]
+    loads = plan.maker.tables(run.asked)["loads"][1:]
+    motion = build(loads, 0.01, 99, (0, 0, -9.81), tmp_path).support_velocity[:, 0]
+    x, y = (correct(integrate(wave(6 + i), STEP), 2).velocity for i in range(2))
+    c, s = np.cos(np.radians(30.0)), np.sin(np.radians(30.0))
+    factor = motion[:, 0].max() / (c * x - s * y).max()
+    assert np.allclose(motion[:, 0], factor * (c * x - s * y), atol=1e-6)
+    assert np.allclose(motion[:, 1], factor * (s * x + c * y) if "y" in shake else 0.0, atol=1e-6)
+
+
+def test_a_motion_is_trimmed_where_its_arias_intensity_builds_up(tmp_path: Path) -> None:
+    plan = with_records(
+        tmp_path, RECORDS.replace("dt = 0.01", "dt = 0.01\ntrim = {arias = [0.05, 0.95], before = 0.02, after = 0.1}\nrest = 0.3")
+    )
+    run = next(run for run in plan.runs if run.asked.motion == "quake_a")
+    raw = correct(integrate(wave(0), STEP), 2)
+    built = np.cumsum(raw.acceleration**2)
+    begin, end = (STEP * float(np.argmax(built >= share * built[-1])) for share in (0.05, 0.95))
+    tables = plan.maker.tables(run.asked)
+    window = tables["loads"][1]["window"]
+    assert window == pytest.approx([begin - 0.02, end + 0.1], abs=2 * STEP)
+    assert tables["run"]["duration"] == pytest.approx(window[1] - window[0] + 0.3)
+
+
+def test_a_cloud_takes_motions_as_they_are(tmp_path: Path) -> None:
+    text = RECORDS.replace("stripes", "cloud").replace("levels = [1.0, 2.0, 4.0]", "")
+    plan = with_records(tmp_path, text)
+    assert [run.asked.motion for run in plan.runs] == ["far_c", "quake_a", "quake_b"]
+    peaks = [plan.maker.measures(run.asked)["PGA"] for run in plan.runs]
+    assert peaks == pytest.approx([np.abs(correct(integrate(wave(k), STEP), 2).acceleration).max() for k in (6, 0, 3)], rel=1e-6)
+    assert all(plan.maker.tables(run.asked)["loads"][1]["scale"] == 1.0 for run in plan.runs)
+
+
+def test_a_sample_is_a_latin_hypercube(tmp_path: Path) -> None:
+    text = GRID.replace('"grid"', '"sample"\nsamples = 8').replace("[0.2, 0.4]", '{distribution = "uniform", low = 0.2, high = 0.6}')
+    plan = planned(tmp_path, text)
+    friction = np.sort([run.asked.values["material.friction"] for run in plan.runs])
+    assert np.array_equal(np.floor((friction - 0.2) / 0.4 * 8), np.arange(8))  # one in each stripe
+    assert {run.asked.values["loads[0].amplitude"] for run in plan.runs} == {0.3, 0.4, 0.6}
+    assert list(plan.runs[0].asked.values) == ["loads[0].amplitude", "material.friction"]
+
+
+@pytest.mark.parametrize(
+    ("perturb", "get"), [("loads", lambda t: t["loads"][0]["amplitude"] / 0.4), ("friction", lambda t: t["material"]["friction"] / 0.4)]
+)
+def test_members_of_an_ensemble_differ_by_next_to_nothing(tmp_path: Path, perturb: str, get) -> None:
+    text = f'scene = "scene.toml"\ndesign = "ensemble"\n[ensemble]\nmembers = 5\nperturb = "{perturb}"\nsize = 1e-8\n'
+    plan = planned(tmp_path, text)
+    changes = [get(plan.maker.tables(run.asked)) - 1.0 for run in plan.runs]
+    assert changes[0] == 0.0
+    assert len(set(changes)) == 5
+    assert 1e-9 < max(map(abs, changes)) <= 1e-8
+    assert [run.asked.member for run in plan.runs] == [0, 1, 2, 3, 4]
+
+
+# --- names and growth ---------------------------------------------------------------------------------------------------------------
+
+
+def test_more_levels_and_motions_leave_the_names_and_draws_of_the_others(tmp_path: Path) -> None:
+    small = with_records(tmp_path, RECORDS.replace("dt = 0.01", 'dt = 0.01\nexclude = ["far_*"]') + FRICTION, levels="levels = [2.0]")
+    large = with_records(tmp_path, RECORDS + FRICTION)
+    there = {run.name: run.asked.values for run in large.runs}
+    assert len(small.runs) == 2
+    assert len(large.runs) == 9
+    for run in small.runs:
+        assert there[run.name] == run.asked.values
+    assert len({run.asked.values["material.friction"] for run in large.runs}) == 9
+
+
+def test_names_follow_from_content_not_from_places(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    one, other = with_records(tmp_path / "a"), with_records(tmp_path / "b")
+    assert [run.name for run in one.runs] == [run.name for run in other.runs]
+    file = tmp_path / "b" / "records" / "far_c_NS.acc"
+    file.write_text(file.read_text().replace("0.0", "0.1", 1))
+    again = with_records(tmp_path / "b")
+    assert [run.name == old.name for run, old in zip(again.runs, one.runs, strict=True)] == [
+        run.asked.motion != "far_c" for run in again.runs
+    ]
+
+
+def test_drawing_changes_no_name(tmp_path: Path) -> None:
+    names = [run.name for run in planned(tmp_path, GRID).runs]
+    write_scene(tmp_path, SCENE + "[report]\ncrack_map = true\n")
+    assert [run.name for run in plan_of(tmp_path / "study.toml").runs] == names
+    write_scene(tmp_path, SCENE + "[report]\nopened = 1e-3\n")
+    assert not set(names) & {run.name for run in plan_of(tmp_path / "study.toml").runs}
+
+
+def test_an_inline_scene_is_the_same_study(tmp_path: Path) -> None:
+    names = [run.name for run in planned(tmp_path, GRID).runs]
+    inline = SCENE.replace("[[loads]]", "[[scene.loads]]").replace("title", "[scene]\ntitle").replace("[structure]", "[scene.structure]")
+    inline = inline.replace("[material]", "[scene.material]").replace("[run]", "[scene.run]")
+    path = tmp_path / "inline.toml"
+    path.write_text(GRID.partition("\n")[2] + inline)
+    assert [run.name for run in plan_of(path).runs] == names
+
+
+# --- distributions ------------------------------------------------------------------------------------------------------------------
+
+U = (0.001, 0.2, 0.5, 0.93)
+
+
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        ({"distribution": "uniform", "low": -1.0, "high": 3.0}, lambda u: -1.0 + 4.0 * u),
+        ({"distribution": "normal", "mean": 2.0, "std": 0.5}, lambda u: norm.ppf(u, 2.0, 0.5)),
+        ({"distribution": "lognormal", "median": 0.6, "beta": 0.15}, lambda u: lognorm.ppf(u, 0.15, scale=0.6)),
+        ({"distribution": "normal", "mean": 2.0, "std": 0.5, "low": 1.5}, lambda u: truncnorm.ppf(u, -1.0, np.inf, 2.0, 0.5)),
+        ({"distribution": "normal", "mean": 2.0, "std": 0.5, "low": 1.5, "high": 2.25}, lambda u: truncnorm.ppf(u, -1.0, 0.5, 2.0, 0.5)),
+        ({"distribution": "lognormal", "median": 1.0, "beta": 1.0, "high": 1.0}, lambda u: np.exp(truncnorm.ppf(u, -np.inf, 0.0))),
+    ],
+)
+def test_quantiles(keys: dict, expected) -> None:
+    found = Distribution.model_validate(keys)
+    assert [found.quantile(u) for u in U] == pytest.approx([float(expected(u)) for u in U], rel=1e-9)
+
+
+def test_correlated_keys_vary_together() -> None:
+    plain = Distribution(distribution="normal", mean=0.0, std=1.0)
+    varied = Varied({}, {"a": plain, "b": plain, "c": plain}, [Correlation(keys=["a", "c"], rho=0.8)])
+    random = np.random.default_rng(1)
+    drawn = np.array([list(varied.draw(random.random(3)).values()) for _ in range(4000)])
+    assert np.allclose(np.corrcoef(drawn.T), [[1, 0, 0.8], [0, 1, 0], [0.8, 0, 1]], atol=0.05)
+    assert np.allclose(drawn.std(axis=0), 1.0, atol=0.05)
+
+
+# --- hunt and fill --------------------------------------------------------------------------------------------------------------------
+
+
+def hunted(table: IdaTable, capacity: float) -> list[float]:
+    """The levels, in the order in which they are run, of a structure that collapses from a level on."""
+    found: dict[float, bool | None] = {}
+    level: float | None = table.start
+    while level is not None:
+        found[level] = level >= capacity
+        level = next_level(table, found)
+    return list(found)
+
+
+def test_the_hunt_steps_up_then_closes_in_then_fills() -> None:
+    levels = hunted(IdaTable(start=0.1, step=0.1, growth=0.05, resolution=0.1, fill=2, runs=20), 0.62)
+    assert levels[:5] == pytest.approx([0.1, 0.2, 0.35, 0.55, 0.8])  # steps of 0.1, 0.15, 0.2, 0.25
+    collapsed, safe = min(x for x in levels if x >= 0.62), max(x for x in levels if x < 0.62)
+    assert collapsed - safe <= 0.1 * collapsed
+    assert levels[-2:] == pytest.approx([0.45, 0.275])  # the widest gaps below
+    assert len(levels) == len(set(levels))
+
+
+def test_a_hunt_ends_with_its_runs_or_a_run_without_data() -> None:
+    table = IdaTable(start=0.1, step=0.1, runs=5)
+    assert len(hunted(table, 9.0)) == 5
+    assert next_level(table, {0.1: False, 0.2: None}) is None
+
+
+def test_a_collapse_at_the_first_level_is_bracketed_from_nothing() -> None:
+    levels = hunted(IdaTable(start=1.0, step=1.0, resolution=0.2, fill=0, runs=20), 0.05)
+    assert min(levels) < 0.05 < max(x for x in levels if x >= 0.05)
+
+
+def test_the_runs_of_an_ida_do_not_depend_on_the_order_in_which_they_end(tmp_path: Path) -> None:
+    text = RECORDS.replace("stripes", "ida").replace("levels = [1.0, 2.0, 4.0]", "") + FRICTION
+    text += '[ida]\nlimit_state = "slid"\nstart = 1.0\nstep = 1.0\n'
+    capacity = {"far_c": 3.3, "quake_a": 7.1, "quake_b": 0.4}
+
+    def ended(take: int) -> list[str]:
+        """The names of all runs, when of those that wait it is always the first, or the last, that ends."""
+        plan = with_records(tmp_path, text)
+        waiting = list(plan.runs)
+        while waiting:
+            run = waiting.pop(take)
+            assert run.asked.level is not None
+            sliding = 1.0 if run.asked.level >= capacity[run.asked.motion] else 0.0
+            waiting += plan.after(run, {"status": "done", "max_sliding": sliding})
+        assert len({run.asked.values["material.friction"] for run in plan.runs}) == 3  # one of each motion
+        return [run.name for run in plan.ordered()]
+
+    assert ended(0) == ended(-1)
+    assert len(ended(0)) > 20
+
+
+# --- bad input ----------------------------------------------------------------------------------------------------------------------
+
+MU, VARY, REFUSED = '"material', "study.toml:5: vary.", "is refused by the scene:"
+OF_GRID = [
+    ({"scene": 'scene = "sceen.toml"'}, "study.toml:1: scene: sceen.toml: no such scene file"),
+    ({"design": 'design = "gird"'}, "study.toml:2: design: input should be 'grid', 'sample', 'stripes', 'ida', 'cloud' or 'ensemble'"),
+    ({"design": 'desing = "grid"'}, 'study.toml:2: desing: unknown key (did you mean "design"?)'),
+    ({MU: '"material.fricton" = [0.2]'}, f'{VARY}"material.fricton": 0.2 {REFUSED} material.fricton: unknown key'),
+    ({MU: '"loads[3].amplitude" = [0.2]'}, f'{VARY}"loads[3].amplitude": 0.2 {REFUSED} there is no loads[3] in'),
+    ({MU: '"structure.thickness" = [0.2]'}, f'{VARY}"structure.thickness": 0.2 {REFUSED} structure.thick'),
+    ({MU: '"material.friction" = [0.2, -0.1]'}, f'{VARY}"material.friction": -0.1 {REFUSED} material.fri'),
+    ({MU: '"material.friction" = {distribution = "normal", mean = 0.6, std = 0.1}'}, f'{VARY}"material.friction": a grid'),
+    ({MU: '"material.friction" = {distribution = "gauss"}'}, f'{VARY}"material.friction".distribution: input should be'),
+    ({MU: '"material.friction" = {distribution = "normal", mean = 0.6}'}, f'{VARY}"material.friction": std: missing'),
+    ({MU: '"material.friction" = {from = 1, to = 2}'}, f'{VARY}"material.friction".count: missing'),
+    ({MU: '"material.friction" = []'}, f'{VARY}"material.friction": an empty list'),
+    ({"slid": 'slid = {quantity = "max_slide", above = 1}'}, 'study.toml:7: limit_states.slid: quantity: unknown "max_slide" (did'),
+    ({"slid": 'slid = {quantity = "grade", above = 1}'}, "study.toml:7: limit_states.slid: at_least: should be a grade, D1, D2"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "message"), OF_GRID)
+def test_a_bad_study_is_one_line(tmp_path: Path, changes: dict[str, str], message: str) -> None:
+    with pytest.raises(InputError) as refused:
+        planned(tmp_path, GRID, **changes)
+    assert str(refused.value).replace(f"{tmp_path}/", "").startswith(message)
+
+
+OF_RECORDS = [
+    ({"pattern": r"pattern = '(?P<motion>.+)-(?P<component>.+)\.acc'"}, "study.toml:5: records.pattern: no file of records matches"),
+    ({"pattern": "pattern = '(?P<motion>.+'"}, "study.toml:5: records.pattern: no regular expression"),
+    ({"pattern": "pattern = '(?P<motion>.+)'"}, "study.toml:5: records.pattern: has no group (?P<component>...)"),
+    ({"folder =": 'folder = "record"'}, "study.toml:4: records.folder: record: no such folder"),
+    ({"x = ": 'x = ["NS"]'}, 'study.toml:6: records.x: the motion "quake_b" has components H1, H2, UD, none of NS'),
+    ({"y = ": 'y = ["NS", "H1"]'}, 'study.toml:6: records.x: "NS" of the motion "far_c" is asked for along two axes'),
+    ({"units": ""}, "study.toml:3: records.units: missing"),
+    ({"dt = ": ""}, "study.toml:3: records"),
+    ({"measure": 'measure = "PGB"'}, 'study.toml:13: intensity.measure: unknown intensity measure "PGB" (did you mean "PG'),
+    ({"measure": 'measure = "D5-95"'}, "study.toml:13: intensity.measure: D5-95:x: no factor scales"),
+    ({"levels": "levels = [1.0, -2.0]"}, "study.toml:12: intensity.levels[1]: input should be greater than 0"),
+    ({"levels": ""}, 'study.toml:12: intensity.levels: missing, the design "stripes" needs it'),
+    ({"dt = ": 'dt = 0.01\nexclude = ["nobody"]'}, 'study.toml:12: records.exclude: there is no motion "nobody"'),
+    ({"dt = ": "dt = 0.01\nwindow = [0.2, 9.0]"}, "study.toml:12: records.window: [0.2, 9.0] reaches outside the record, 0 to 0.99 s"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "message"), OF_RECORDS)
+def test_bad_records_are_one_line(tmp_path: Path, changes: dict[str, str], message: str) -> None:
+    with pytest.raises(InputError) as refused:
+        with_records(tmp_path, RECORDS, **changes)
+    assert str(refused.value).replace(f"{tmp_path}/", "").startswith(message)
+
+
+def test_a_distribution_that_leaves_the_allowed_range(tmp_path: Path) -> None:
+    wide = '[vary]\n"material.friction" = {distribution = "normal", mean = 0.4, std = 0.1}\n'
+    with pytest.raises(
+        InputError, match=r'vary."material.friction": its distribution reaches values where -0.07\d+ is refused by the scene'
+    ):
+        with_records(tmp_path, RECORDS + wide)
+    assert len(with_records(tmp_path, RECORDS + wide.replace("std = 0.1", "std = 0.1, low = 0.1")).runs) == 9
+
+
+def test_a_component_that_is_missing(tmp_path: Path) -> None:
+    write_records(tmp_path, {"quake_a": ("NS", "EW", "UD"), "quake_b": ("NS", "UD")})
+    with pytest.raises(InputError, match=r'study.toml:7: records.y: the motion "quake_b" has components NS, UD, none of EW, H2'):
+        plan_of(write_study(tmp_path, changed(RECORDS, {})))

@@ -1,0 +1,379 @@
+"""Studies from end to end: on two workers and on one, gone on with after kills, grown, and with runs that yield no data."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import studied
+from studied import GRID, SCENE, rows_without_seconds, write_scene, write_study
+from typer.testing import CliRunner, Result
+
+from masonry_cd.cli.app import app
+from masonry_cd.io.results import Results
+from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, read_slurm, slurm_cluster
+from masonry_cd.studies.study.engine import Engine
+from masonry_cd.studies.study.plan import Planned
+from masonry_cd.studies.study.space import Asked
+from masonry_cd.studies.study.task import Outcome, Task
+
+PATIENCE = 120.0  # [s] for another process to get so far
+
+
+@pytest.fixture(scope="module")
+def scheduler() -> Iterator[str]:
+    """The address of a scheduler with two workers, as a user would have started them."""
+    import dask
+    from distributed import LocalCluster
+
+    with (
+        dask.config.set(SETTINGS),
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50, env=ONE_THREAD) as cluster,
+    ):
+        yield cluster.scheduler_address
+
+
+@pytest.fixture(scope="module")
+def study(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A grid of six runs, made by two workers: its folder, beside study.toml."""
+    folder = tmp_path_factory.mktemp("study")
+    write_study(folder)
+    result = invoke(folder / "study.toml", "--scheduler", scheduler)
+    assert result.exit_code == 0, result.output
+    assert "6 of 6 runs done, 0 failed, 0 ran out of time" in result.stdout
+    return folder / "out"
+
+
+def invoke(path: Path, *options: str) -> Result:
+    """The command on a study file, its results beside it."""
+    return CliRunner().invoke(app, ["study", str(path), "-o", str(path.parent / "out"), *options])
+
+
+def wait_until(holds: Callable[[], bool]) -> None:
+    """Wait for another process."""
+    end = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < end, "it did not come so far"
+        time.sleep(0.02)
+
+
+def row_names(folder: Path) -> dict[str, int]:
+    """The rows that are there, by name, with the instant at which each was written."""
+    return {file.stem: file.stat().st_mtime_ns for file in (folder / "rows").glob("*.json")}
+
+
+# --- what a study leaves ------------------------------------------------------------------------------------------------------------
+
+
+def test_the_table_has_a_row_of_each_run(study: Path) -> None:
+    from pyarrow import parquet
+
+    lines = (study / "runs.csv").read_text().splitlines()
+    header = lines[0].split(",")
+    first = "run,motion,level,seed,status,reason,seconds,loads[0].amplitude,material.friction,max_opening,max_sliding,displacement_max"
+    assert lines[0].startswith(first)
+    assert header[-2:] == ["block.grade_number", "block.drift"]
+    rows = [dict(zip(header, line.split(",", len(header) - 1), strict=False)) for line in lines[1:]]
+    assert [row["loads[0].amplitude"] for row in rows] == ["0.3", "0.3", "0.4", "0.4", "0.6", "0.6"]
+    assert {row["status"] for row in rows} == {"done"}
+    for slippery, rough in zip(rows[::2], rows[1::2], strict=True):
+        assert float(slippery["max_sliding"]) > float(rough["max_sliding"])
+    table = parquet.read_table(study / "runs.parquet").to_pydict()
+    assert list(table) == header
+    assert [repr(value) for value in table["max_sliding"]] == [row["max_sliding"] for row in rows]
+
+
+def test_the_numbers_are_those_of_a_run(study: Path, tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, ["run", str(study.parent / "scene.toml"), "-o", str(tmp_path / "run")])
+    assert result.exit_code == 0, result.output
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    row = next(row for row in read_rows(study) if row["values"] == {"loads[0].amplitude": 0.4, "material.friction": 0.4})
+    assert row["displacement_max"] == summary["displacement_max"]
+    assert row["max_sliding"] == summary["sliding_max"]
+    assert row["steps"] == summary["steps"]
+    assert row["error_max"] == summary["solver"]["error_max"]
+    with np.load(study / "joints" / f"{row['run']}.npz") as joints, Results.open(tmp_path / "run" / "result.h5") as results:
+        assert joints["sliding"].dtype == np.float32
+        assert np.array_equal(joints["sliding"], results.peaks["sliding"].astype(np.float32))
+        assert joints["lost"].tolist() == [False]
+
+
+def read_rows(study: Path) -> list[dict[str, Any]]:
+    """The rows as the engine wrote them."""
+    return [json.loads(file.read_text()) for file in sorted((study / "rows").glob("*.json"))]
+
+
+def test_joints_of_one_geometry_have_one_digest(study: Path) -> None:
+    digests = {int(np.load(file)["shape"]) for file in (study / "joints").glob("*.npz")}
+    assert len(digests) == 1
+
+
+def test_the_reference_is_the_first_run_of_the_plan(study: Path) -> None:
+    first = (study / "runs.csv").read_text().splitlines()[1].partition(",")[0]
+    assert (study / "reference" / "run.txt").read_text().strip() == first
+    with Results.open(study / "reference" / "result.h5") as results:
+        assert [block.name for block in results.blocks] == ["plate", "block"]
+    told = json.loads((study / "study.json").read_text())
+    assert (told["runs"], told["design"], told["measure"], told["varied"]) == (6, "grid", None, ["loads[0].amplitude", "material.friction"])
+    assert told["limit_states"] == {"slid": {"quantity": "max_sliding", "above": 1e-3}}
+
+
+def test_one_worker_of_its_own_leaves_the_same_bytes(study: Path, tmp_path: Path) -> None:
+    result = invoke(write_study(tmp_path), "--workers", "1")
+    assert result.exit_code == 0, result.output
+    assert "1 worker of this machine, one thread and at most" in result.stderr
+    assert rows_without_seconds(tmp_path / "out") == rows_without_seconds(study)
+    for file in (study / "joints").glob("*.npz"):
+        assert file.read_bytes() == (tmp_path / "out" / "joints" / file.name).read_bytes()
+
+
+# --- going on -----------------------------------------------------------------------------------------------------------------------
+
+
+def test_the_same_command_makes_no_run_again(study: Path) -> None:
+    before, table = row_names(study), (study / "runs.csv").read_bytes()
+    result = invoke(study.parent / "study.toml", "--scheduler", "tcp://127.0.0.1:1")  # of which none is needed
+    assert result.exit_code == 0, result.output
+    assert row_names(study) == before
+    assert (study / "runs.csv").read_bytes() == table
+
+
+def test_more_values_make_their_own_runs_only(study: Path, scheduler: str, tmp_path: Path) -> None:
+    small = write_study(tmp_path, GRID, **{'"loads': '"loads[0].amplitude" = [0.4]'})
+    assert invoke(small, "--scheduler", scheduler).exit_code == 0
+    before = row_names(tmp_path / "out")
+    write_study(tmp_path)
+    result = invoke(small, "--scheduler", scheduler)
+    assert "6 runs, 4 of them to be made" in result.stderr
+    assert {name: row_names(tmp_path / "out")[name] for name in before} == before
+    assert rows_without_seconds(tmp_path / "out") == rows_without_seconds(study)
+    assert (tmp_path / "out" / "reference" / "run.txt").read_bytes() == (study / "reference" / "run.txt").read_bytes()
+
+
+def test_the_folder_of_another_study_is_refused(study: Path) -> None:
+    before = row_names(study)
+    for changes, what in (
+        ({"design": 'design = "sample"\nsamples = 4'}, "design"),
+        ({'"material': '"material.friction" = {distribution = "normal", mean = 0.4, std = 0.01}'}, "set of varied keys or distributions"),
+    ):
+        path = study.parent / "other.toml"
+        path.write_text(studied.changed(GRID.replace('"grid"', '"sample"\nsamples = 4') if "design" not in changes else GRID, changes))
+        result = invoke(path)
+        assert result.exit_code == 2
+        assert result.stderr.endswith("choose another folder, or --force to begin anew\n")
+        assert what in result.stderr or "design" in result.stderr
+    assert row_names(study) == before
+
+
+def test_an_ida_hunts_and_its_runs_are_found_again(scheduler: str, tmp_path: Path) -> None:
+    studied.write_records(tmp_path)
+    hunt = '[ida]\nlimit_state = "slid"\nstart = 2.0\nstep = 2.0\nresolution = 0.3\nfill = 0\n'
+    path = write_study(tmp_path, studied.RECORDS.replace("stripes", "ida").replace("levels = [1.0, 2.0, 4.0]", "") + hunt)
+    write_scene(tmp_path, SCENE.replace("amplitude = 0.4", "amplitude = 0.0"))
+    result = invoke(path, "--scheduler", scheduler)
+    assert result.exit_code == 0, result.output
+    rows = read_rows(tmp_path / "out")
+    for motion in studied.NAMES:
+        own = {row["level"]: row["max_sliding"] > 1e-3 for row in rows if row["motion"] == motion}
+        capacity = min(level for level, slid in own.items() if slid)
+        assert capacity > 0.4 * 9.81  # a rigid block slides where the base accelerates beyond mu g
+        assert capacity - max(level for level in own if level < capacity) <= 0.3 * capacity
+    assert json.loads((tmp_path / "out" / "study.json").read_text())["runs"] == len(rows)
+    table = rows_without_seconds(tmp_path / "out")
+    again = invoke(path)
+    assert f"{len(rows)} runs so far, 0 of them to be made" in again.stderr
+    assert rows_without_seconds(tmp_path / "out") == table
+
+
+def started(path: Path, *options: str) -> subprocess.Popen[str]:
+    """The command in a process group of its own."""
+    command = [sys.executable, "-m", "masonry_cd", "study", str(path), "-o", str(path.parent / "out"), *options]
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, env=dict(os.environ)
+    )
+
+
+LONG = {"[limit_states]": '"run.dt" = [1e-3, 8e-4, 5e-4]\n[limit_states]'}  # some seconds of runs
+
+
+@pytest.fixture
+def long(tmp_path: Path) -> Path:
+    """A study of 18 runs that take a while."""
+    return write_study(tmp_path, GRID, **LONG)
+
+
+def test_a_program_that_is_killed_goes_on(long: Path, scheduler: str) -> None:
+    program = started(long, "--workers", "1")
+    wait_until(lambda: len(row_names(long.parent / "out")) >= 2 or program.poll() is not None)
+    program.kill()
+    program.communicate()
+    before = row_names(long.parent / "out")
+    assert 2 <= len(before) < 18
+    result = invoke(long, "--scheduler", scheduler, "--resume")
+    assert f"18 runs, {18 - len(before)} of them to be made" in result.stderr
+    assert "18 of 18 runs done" in result.stdout
+    assert {name: row_names(long.parent / "out")[name] for name in before} == before
+    assert not list((long.parent / "out").rglob("*.part*"))
+
+
+def test_ctrl_c_ends_a_study_and_says_how_to_go_on(long: Path) -> None:
+    program = started(long, "--workers", "1")
+    wait_until(lambda: len(row_names(long.parent / "out")) >= 1 or program.poll() is not None)
+    os.killpg(program.pid, signal.SIGINT)
+    _, said = program.communicate(timeout=PATIENCE)
+    assert program.returncode == 130
+    lines = [line for line in said.splitlines() if line.startswith("masonry-cd: ")]
+    assert lines == [f"masonry-cd: go on with: masonry-cd study {long} -o {long.parent / 'out'} --workers 1", "masonry-cd: interrupted"]
+    assert "Traceback" not in said
+    assert 1 <= len(row_names(long.parent / "out")) < 18
+
+
+# --- runs without data --------------------------------------------------------------------------------------------------------------
+
+
+def test_a_run_out_of_time_is_a_row_and_made_again_when_asked(scheduler: str, tmp_path: Path) -> None:
+    path = write_study(tmp_path, GRID + "[run]\ntimeout = 1e-4\n")
+    result = invoke(path, "--scheduler", scheduler)
+    assert (result.exit_code, "0 of 6 runs done, 0 failed, 6 ran out of time" in result.stdout) == (0, True)
+    assert "warning: 6 of 6 runs without data: out of time, 0.0001 s" in result.stderr
+    assert {(row["status"], row["reason"]) for row in read_rows(tmp_path / "out")} == {("timeout", "out of time, 0.0001 s")}
+    write_study(tmp_path)
+    assert "0 of 6 runs done" in invoke(path, "--scheduler", scheduler).stdout
+    assert "6 of 6 runs done" in invoke(path, "--scheduler", scheduler, "--retry").stdout
+
+
+def test_a_run_that_fails_is_a_row_with_its_reason(scheduler: str, tmp_path: Path) -> None:
+    path = write_study(tmp_path, GRID, **{'"loads': '"loads[0].amplitude" = [0.3, 2e4]'})
+    result = invoke(path, "--scheduler", scheduler)
+    assert (result.exit_code, "2 of 4 runs done, 2 failed" in result.stdout) == (0, True)
+    lines = rows_without_seconds(tmp_path / "out")
+    assert [",failed," in line for line in lines] == [False, False, False, True, True]
+    assert "the supports would move at up to 2e+04 m/s" in lines[3]
+
+
+def test_what_is_kept_of_runs(scheduler: str, tmp_path: Path) -> None:
+    for keep, files in (
+        ("summary", {"summary.json", "joints.csv", "scene.toml"}),
+        ("all", {"result.h5", "joints.csv", "summary.json", "scene.toml"}),
+    ):
+        folder = tmp_path / keep
+        folder.mkdir()
+        path = write_study(folder, GRID + f'[run]\nkeep = "{keep}"\n', **{'"loads': '"loads[0].amplitude" = [0.4]'})
+        result = invoke(path, "--scheduler", scheduler)
+        assert result.exit_code == 0, result.output
+        kept = list((folder / "out" / "runs").iterdir())
+        assert {place.name for place in kept} == set(row_names(folder / "out"))
+        assert all({file.name for file in place.iterdir()} == files for place in kept)
+
+
+def test_nothing_wrong_with_all_runs_gets_as_far_as_a_worker(tmp_path: Path) -> None:
+    path = write_study(tmp_path)
+    write_scene(tmp_path, SCENE.replace("amplitude = 0.4", "amplitude = 0.4\nphase = 0.1"))
+    result = invoke(path)
+    assert result.exit_code == 2
+    assert "phase: unknown key" in result.stderr
+    assert not (tmp_path / "out" / "runs.csv").exists()
+
+
+def test_a_scheduler_that_does_not_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("masonry_cd.studies.study.clusters.ANSWER", 0.5)
+    result = invoke(write_study(tmp_path), "--scheduler", "tcp://127.0.0.1:1")
+    assert result.exit_code == 2
+    line = "--scheduler tcp://127.0.0.1:1: no scheduler answers there within 0.5 s; start one with: dask scheduler"
+    assert result.stderr.endswith(f"masonry-cd: error: {line}\n")
+
+
+# --- the engine ---------------------------------------------------------------------------------------------------------------------
+
+
+def executed(scheduler: str, folder: Path, function: Callable[[Task], Outcome], names: str) -> dict[str, dict[str, Any]]:
+    """The rows of tasks that stand in for runs, by name."""
+    from distributed import Client
+
+    rows: dict[str, dict[str, Any]] = {}
+
+    def ended(run: Planned, outcome: Outcome) -> list[Planned]:
+        rows[run.name] = dict(outcome.row)
+        return [Planned("followed", Asked(), 1.0)] if run.name == "a" else []
+
+    with Client(scheduler, set_as_default=False) as client:
+        engine = Engine(client, lambda run: Task(run.name, {}, 1.0, folder=str(folder)), ended, lambda *_: None, function)
+        engine.execute(Planned(name, Asked(), 1.0) for name in names)
+    return rows
+
+
+def test_a_worker_that_is_killed_costs_its_run_which_is_made_again(scheduler: str, tmp_path: Path) -> None:
+    rows = executed(scheduler, tmp_path, studied.dies_once, "abcd")
+    assert (tmp_path / "b.died").exists()
+    assert {name: row["status"] for name, row in rows.items()} == dict.fromkeys(["a", "b", "c", "d", "followed"], "done")
+
+
+def test_an_error_of_the_program_is_a_row(scheduler: str, tmp_path: Path) -> None:
+    rows = executed(scheduler, tmp_path, studied.raises, "xy")
+    assert {name: row["reason"] for name, row in rows.items()} == {name: f"RuntimeError: {name} is broken" for name in "xy"}
+
+
+# --- slurm, and what is not loaded ----------------------------------------------------------------------------------------------------
+
+SLURM = """\
+jobs = 3
+cores = 8
+memory = "32 GB"
+walltime = "02:00:00"
+queue = "short"
+account = "arches"
+directives = ["--constraint=avx2"]
+prologue = ["source /opt/env/bin/activate"]
+python = "/opt/env/bin/python"
+"""
+
+
+def test_the_job_script_of_slurm(tmp_path: Path) -> None:
+    (tmp_path / "slurm.toml").write_text(SLURM)
+    with slurm_cluster(read_slurm(tmp_path / "slurm.toml")) as cluster:
+        script = cluster.job_script()
+    lines = script.splitlines()
+    asked = [
+        "#SBATCH -p short",
+        "#SBATCH -A arches",
+        "#SBATCH --cpus-per-task=8",
+        "#SBATCH --mem=30G",
+        "#SBATCH -t 02:00:00",
+        "#SBATCH --constraint=avx2",
+    ]
+    assert set(asked) <= set(lines)
+    assert lines.index("source /opt/env/bin/activate") < lines.index("export NUMBA_NUM_THREADS=1") < len(lines) - 1
+    assert lines[-1].startswith("/opt/env/bin/python -m distributed.cli.dask_worker tcp://")
+    assert all(word in lines[-1] for word in ("--nthreads 1 ", "--nworkers 8 ", "--memory-limit 3.73GiB ", "--nanny "))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [(SLURM.replace("queue", "queu"), 'queu: unknown key (did you mean "queue"?)'), ("cores = 4", "jobs: missing")],
+)
+def test_a_bad_file_for_slurm(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "slurm.toml").write_text(text)
+    result = invoke(write_study(tmp_path), "--slurm", str(tmp_path / "slurm.toml"))
+    assert result.exit_code == 2
+    assert result.stderr.endswith(f"masonry-cd: error: {tmp_path / 'slurm.toml'}: {message}\n")
+
+
+def test_an_ordinary_run_loads_nothing_of_dask(tmp_path: Path) -> None:
+    write_scene(tmp_path)
+    code = (
+        "import sys\nfrom typer.testing import CliRunner\nfrom masonry_cd.cli.app import app\n"
+        f"done = CliRunner().invoke(app, ['run', {str(tmp_path / 'scene.toml')!r}, '-o', {str(tmp_path / 'out')!r}])\n"
+        "assert done.exit_code == 0, done.output\n"
+        "sys.exit(', '.join({'dask', 'distributed', 'pyarrow', 'pandas'} & set(sys.modules)) or 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
