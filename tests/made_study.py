@@ -58,11 +58,12 @@ def rows_of(made: Made) -> list[dict[str, Any]]:
             collapsed = ratio >= 1.0
             opening = 4e-3 * ratio**2 * (100.0 if collapsed else 1.0)
             row = {
-                "run": f"{len(rows):08x}", "motion": f"M{m:02d}", "level": "" if made.design == "cloud" else repr(float(level)), "seed": "0",
-                "status": "done", "reason": "", "seconds": "1.5", "material.friction": repr(0.6 * float(np.exp(0.15 * z))),
-                "PGA": repr(float(level)), "PGV": repr(float(0.1 * level * np.exp(0.3 * random.standard_normal()))),
-                "max_opening": repr(float(opening)), "max_sliding": repr(float(0.5 * opening)), "displacement_max": repr(float(2 * opening)),
-                "drift": repr(float(opening / 3)), "collapsed_blocks": str(int(collapsed)), "collapse_time": "4.2" if collapsed else "",
+                "run": f"{len(rows):08x}", "motion": f"M{m:02d}", "level": "" if made.design == "cloud" else repr(float(level)),
+                "seed": "0", "status": "done", "reason": "", "seconds": "1.5", "PGA": repr(float(level)),
+                "material.friction": repr(0.6 * float(np.exp(0.15 * z))),
+                "PGV": repr(float(0.1 * level * np.exp(0.3 * random.standard_normal()))), "max_opening": repr(float(opening)),
+                "max_sliding": repr(float(0.5 * opening)), "displacement_max": repr(float(2 * opening)), "drift": repr(float(opening / 3)),
+                "collapsed_blocks": str(int(collapsed)), "collapse_time": "4.2" if collapsed else "",
                 "grade": "D4" if collapsed else "D1", "grade_number": "4" if collapsed else "1", "steps": "1000", "steps_missed": "0",
                 "error_max": "1e-09",
             }  # fmt: skip

@@ -19,7 +19,6 @@ from reports.study.measures import with_unit
 
 NEAR = 0.02  # a level is the run's own intensity where the two differ by less than this
 SAME = 1e-6
-FEW_RECORDS = 10
 FEW_EVENTS = 5  # runs that exceed, or that do not
 
 
@@ -164,7 +163,7 @@ def fit_study(study: Study) -> Fits:
         if not near:
             more, clouds = _clouds(sample, measure)
             fits += more
-    return Fits(tuple(fits), clouds, (), tuple(line for fit in fits for line in _warnings(study, fit)))
+    return Fits(tuple(fits), clouds, (), tuple(line for fit in fits for line in _warnings(fit)))
 
 
 def _counted(sample: Sample, limit: LimitState, measure: str, method: str) -> Fit:
@@ -217,7 +216,7 @@ def _ida(study: Study, measure: str, intensity: np.ndarray) -> Fits:
         parts = _betas(study, sample.z(first), curve, lambda z, found=found: betas.of_capacities(found, z))
         reached = int((~found.above).sum())
         fits.append(Fit(limit, measure, "ida", curve, replicated, len(curves), reached, parts, found.intensity, ~found.above, found))
-    return Fits(tuple(fits), (), every, tuple(line for fit in fits for line in _warnings(study, fit)))
+    return Fits(tuple(fits), (), every, tuple(line for fit in fits for line in _warnings(fit)))
 
 
 def _betas(study: Study, z: np.ndarray | None, curve: Lognormal, split: object) -> Betas:
@@ -243,17 +242,14 @@ def _differ(study: Study) -> bool:
 # --- warnings -------------------------------------------------------------------------------------------------------------------
 
 
-def _warnings(study: Study, fit: Fit) -> list[str]:
+def _warnings(fit: Fit) -> list[str]:
     """What the data cannot carry."""
     who, out = f"{fit.limit.name} ({fit.method})", []
     state = str(fit.curve.state[0])
     unit = "records" if fit.method == "ida" else "runs"
-    top, least = (
-        with_unit(float(fit.intensity.max(initial=0.0)), fit.measure),
-        with_unit(float(fit.intensity.min(initial=0.0)), fit.measure),
-    )
     if not fit.runs:
         return [f"{who}: no run says anything of it"]
+    least, top = (with_unit(float(value), fit.measure) for value in (fit.intensity.min(), fit.intensity.max()))
     if state == fragility.NONE:
         return [f"{who}: none of {fit.runs} {unit} exceeded it, up to {fit.measure} {top}: no fragility; go higher"]
     if state == fragility.ALL:
@@ -272,8 +268,6 @@ def _warnings(study: Study, fit: Fit) -> list[str]:
         out.append(f"{who}: only {rare} of {fit.runs} {unit} {which}: the fit hangs on them")
     if fit.theta > float(fit.intensity.max()):
         out.append(f"{who}: the median, {with_unit(fit.theta, fit.measure)}, lies beyond the strongest run, {top}")
-    if 0 < len(study.motions) < FEW_RECORDS:
-        out.append(f"{who}: {len(study.motions)} records are few; the bands are too narrow with less than {FEW_RECORDS}")
     lost = float(np.mean(~np.isfinite(fit.replicated.beta)))
     if lost > FEW:
         out.append(f"{who}: {100 * lost:.0f} % of the bootstrap's samples could not be fitted: the bands are rough")
@@ -284,8 +278,7 @@ def _between(fit: Fit) -> str:
     """Where data that separate change."""
     if fit.method == "ida":
         return "fewer than two records reached it within their runs"
-    below, above = fit.intensity[~fit.over].max(), fit.intensity[fit.over].min()
-    low, high = (with_unit(float(value), fit.measure) for value in (below, above))
-    if below == above:
+    low, high = (with_unit(float(value), fit.measure) for value in (fit.intensity[~fit.over].max(), fit.intensity[fit.over].min()))
+    if low == high:
         return f"only at {fit.measure} {high} do some runs exceed it and others not"
     return f"all runs up to {fit.measure} {low} stay below it, all from {high} on exceed it"

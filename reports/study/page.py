@@ -9,6 +9,7 @@ import base64
 import html
 import math
 import re
+import struct
 from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -36,7 +37,7 @@ RESULTS = (
     "steps_missed",
     "error_max",
 )
-WIDE = ("ida.png", "cloud.png", "stripes.png", "spread.png", "tornado.png")
+WIDE = 2.0  # width over height from which on a picture has a row to itself
 CAPTIONS = {
     "fragility.png": "The probability that a limit state is exceeded, given the intensity. Points are what was counted, lines what was "
     "fitted; inside its band a line could as well lie with other records of the same kind. Where a curve leaves the points, trust those.",
@@ -109,9 +110,11 @@ def _pictures(pictures: Sequence[Path]) -> str:
         return ""
     parts = []
     for path in pictures:
-        data = base64.b64encode(path.read_bytes()).decode("ascii")
+        image = path.read_bytes()
+        width, height = struct.unpack(">II", image[16:24])  # the head of a PNG
+        data = base64.b64encode(image).decode("ascii")
         caption = CAPTIONS.get(path.name, "How often each joint opened at this level.")
-        wide = ' class="wide"' if path.name in WIDE else ""
+        wide = ' class="wide"' if width > WIDE * height else ""
         alt = html.escape(path.stem.replace("_", " "))
         parts.append(
             f'<figure{wide}><img src="data:image/png;base64,{data}" alt="{alt}"><figcaption>{escaped(caption)}</figcaption></figure>'
@@ -140,13 +143,19 @@ def _fits(fits: Sequence[Fit]) -> str:
     for fit in fits:
         of = "records" if fit.method == "ida" else "runs"
         cells = [
-            fit.limit.in_words(), METHODS[fit.method], f"{_number(fit.theta)} {unit(fit.measure)}" if fit.fitted else "no fit",
-            _range(fit.theta_band), _number(fit.beta, 2), _range(fit.beta_band, 2), _number(fit.betas.record, 2), _number(fit.betas.model, 2),
+            fit.limit.in_words(),
+            METHODS[fit.method],
+            f"{_number(fit.theta)} {unit(fit.measure)}" if fit.fitted else "no fit",
+            _range(fit.theta_band),
+            _number(fit.beta, 2),
+            _range(fit.beta_band, 2),
+            _number(fit.betas.record, 2),
+            _number(fit.betas.model, 2),
             f"{fit.exceeded} of {fit.runs} {of}",
-        ]  # fmt: skip
+        ]
         rows.append(f'<tr><th scope="row">{escaped(fit.limit.name)}</th>{"".join(f"<td>{escaped(cell)}</td>" for cell in cells)}</tr>')
     head = "".join(f'<th scope="col">{escaped(text)}</th>' for text in heads)
-    notes = dict.fromkeys(f"{fit.limit.name} ({fit.method}): {fit.betas.note}" for fit in fits if fit.fitted and fit.betas.note)
+    notes = dict.fromkeys(fit.betas.note for fit in fits if fit.fitted and fit.betas.note)
     return (
         f'<section aria-labelledby="fits-title"><h2 id="fits-title">Fragilities over {escaped(fits[0].measure)}</h2><div class="scroll">'
         f'<table id="fits"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
@@ -167,7 +176,7 @@ def _runs(study: Study) -> str:
     rows = [f"<tr>{''.join(_cell(study, name, k) for name in shown)}</tr>" for k in range(min(study.count, ROWS))]
     more = f" The first {ROWS} of {study.count}; all are in runs.csv." if study.count > ROWS else ""
     return (
-        f'<section aria-labelledby="runs-title"><h2 id="runs-title">Runs</h2><p class="hint">Lengths in metres; a heading sorts.{more}</p>'
+        f'<section aria-labelledby="runs-title"><h2 id="runs-title">Runs</h2><p class="hint">Lengths in m; a heading sorts.{more}</p>'
         f'<div class="scroll tall"><table id="runs"><caption class="hidden">Runs; headings sort</caption><thead><tr>{head}</tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table></div>"
         + (f'<p class="more">Printed: the first {PRINTED} of {study.count} rows.</p></section>' if study.count > PRINTED else "</section>")

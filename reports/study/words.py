@@ -16,6 +16,7 @@ from reports.study.run_pictures import quantities_of
 from reports.study.sensitivity import SIGNIFICANT, Correlation
 from reports.study.tables import first_fits
 
+FEW_RECORDS = 10
 NAMED = 3  # of what varied, in the line on what matters
 
 
@@ -104,6 +105,8 @@ def warnings_of(study: Study) -> list[str]:
         out.append(f"{lost} of {study.count} runs failed or timed out: they are no data, and where they are the strongest, fits are biased")
     if not found["done"]:
         out.append("no run is done: there is nothing to fit")
+    if study.asked["measure"] and 0 < len(study.motions) < FEW_RECORDS:
+        out.append(f"{len(study.motions)} records are few: with less than {FEW_RECORDS} the bands are too narrow")
     missed = study.numbers("steps_missed")[study.done]
     some = int((missed > 0).sum())
     if some:
