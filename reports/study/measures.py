@@ -38,7 +38,6 @@ OPENQUAKE = {
     "Arias": Imt("IA", "m/s", 1.0),
     "CAV": Imt("CAV", "g s", 1.0 / G),
     "D5-95": Imt("RSD595", "s", 1.0),
-    "FIV3": Imt("FIV3", "cm/s", 100.0),
 }
 
 
@@ -65,7 +64,7 @@ def with_unit(value: float, measure: str) -> str:
 
 
 def openquake(measure: str) -> Imt | None:
-    """What OpenQuake calls a measure; None where it has no such measure."""
+    """What OpenQuake calls a measure; None where its name and unit there are not known."""
     if base(measure) == "Sa":
         period = re.match(r"Sa\(\s*([^,)]+?)\s*\)", measure)  # of five per cent of damping only
         return Imt(f"SA({period.group(1)})", "g", 1.0 / G) if period else None

@@ -94,7 +94,7 @@ def write_openquake(path: Path, title: str, fits: Sequence[Fit]) -> list[str]:
         return []
     imt = openquake(chosen[0].measure)
     if imt is None:
-        return [f"fragility.xml: OpenQuake has no measure {chosen[0].measure}: not written"]
+        return [f"fragility.xml: what OpenQuake calls {chosen[0].measure} is not known: not written"]
     curves = [Curve(fit.limit.name, fit.theta * imt.factor, fit.beta) for fit in chosen]
     every = [value * imt.factor for fit in chosen for value in (float(fit.intensity.min()), float(fit.intensity.max()))]
     write_nrml(path, title, curves, imt, (min(every), max(every)))
