@@ -152,7 +152,7 @@ def stripes_picture(study: Study, path: Path) -> None:
             stripe = rows & (level == one)
             own = np.maximum(values[stripe & ~study.collapsed & np.isfinite(values)], least)
             spread = np.linspace(-0.13, 0.13, len(own)) * near if len(own) > 1 else np.zeros(len(own))
-            axes.plot(one + spread, factor * own, ".", color="#56b4e9", markersize=4, zorder=2)
+            axes.plot(one + spread, factor * own, ".", color="#56b4e9", markersize=4, zorder=5)
             everything = np.where(study.collapsed[stripe], np.inf, np.where(np.isnan(values[stripe]), np.nan, values[stripe]))
             everything = np.maximum(everything[~np.isnan(everything)], least)
             if len(everything):
@@ -193,7 +193,7 @@ def spread_picture(study: Study, path: Path) -> None:
         own = np.sort(factor * values[study.done & np.isfinite(values)])
         share = np.arange(1, len(own) + 1) / len(own)
         axes.step(np.concatenate([own[:1], own]), np.concatenate([[0.0], share]), where="post", color=colour(k), linewidth=2.0)
-        three = np.percentile(own, [25.0, 50.0, 75.0])
+        three = quantiles(own, (0.25, 0.5, 0.75))  # of the steps, so that the marks lie on the line
         axes.plot(three, [0.25, 0.5, 0.75], MARKERS[k], color=INK, markersize=7, markerfacecolor="white", zorder=4)
         for value, height in zip(three, (0.25, 0.5, 0.75), strict=True):
             axes.annotate(f"{value:.3g}", (value, height), (9, -4), textcoords="offset points", fontsize=9.5, color=INK)

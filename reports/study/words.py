@@ -63,10 +63,10 @@ def _first(study: Study) -> str:
 def fit_line(fit: Fit) -> str:
     """``collapse: median PGA 2.4 m/s² (95 %: 2.2 to 2.7), beta 0.43 (0.31 to 0.52), 45 of 320 runs exceed it``"""
     low, high = fit.theta_band
-    end = with_unit(high, fit.measure) if np.isfinite(high) else "without an upper bound"
+    found = f"{low:.3g} to {with_unit(high, fit.measure)}" if np.isfinite(high) else f"from {low:.3g} on, without an upper bound"
     of = "records reach" if fit.method == "ida" else "runs exceed"
     text = (
-        f"{fit.limit.name}: median {fit.measure} {with_unit(fit.theta, fit.measure)} ({100 * LEVEL:.0f} %: {low:.3g} to {end}), "
+        f"{fit.limit.name}: median {fit.measure} {with_unit(fit.theta, fit.measure)} ({100 * LEVEL:.0f} %: {found}), "
         f"beta {fit.beta:.2f} ({fit.beta_band[0]:.2f} to {fit.beta_band[1]:.2f}), {fit.exceeded} of {fit.runs} {of} it"
     )
     parts = [f"{name} {value:.2f}" for name, value in (("records", fit.betas.record), ("model", fit.betas.model)) if value is not None]
