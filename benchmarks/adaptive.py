@@ -25,11 +25,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks import rocking
-from benchmarks.ours import run_and_discard, stepper
+from benchmarks.ours import stepper
 from benchmarks.sitting import HERE, head, sitting
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
 from masonry_cd.dynamics.adaptive import AdaptiveSteps
+from masonry_cd.studies.discarded import run_and_discard
 
 RECORD = HERE.parents[1] / "shared/records/laquila_2009_AQV_NS.asc"
 PERTURBED = 1e-6  # of the amplitude, from member to member

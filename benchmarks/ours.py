@@ -17,15 +17,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from math import nan
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 from benchmarks.counters import Counters
 from benchmarks.scenes import GRAVITY, BenchScene, scene, tower
-from masonry_cd.app.case import Case, prepare
-from masonry_cd.app.run_case import run_case
+from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
@@ -99,20 +97,6 @@ def stepper_of_file(path: Path, changes: Sequence[str] = (), factor: float = 1.0
     if settings.settle:
         settle(machine)
     return machine
-
-
-def run_and_discard(case: Case) -> dict[str, Any]:
-    """Run a case in a folder that is thrown away; its summary, with the seconds of the processor from the first step to the last file.
-
-    Raises:
-        KeyboardInterrupt: it was interrupted.
-    """
-    begin = time.process_time()
-    with TemporaryDirectory() as folder:
-        summary = run_case(case, Path(folder) / "out")
-    if summary["signal"]:
-        raise KeyboardInterrupt
-    return summary | {"processor": time.process_time() - begin}
 
 
 def measure(made: BenchScene, steps: int | None = None, solver: str = "auto", tolerance: float = 1e-8, **settings: Any) -> Measured:

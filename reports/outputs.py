@@ -17,7 +17,8 @@ from reports.damage.part_damage import PartDamage, Settings, part_damage
 from reports.damage.part_files import BY_SHOCK, NAMES_OF_FILES, in_short, write_part_damage
 from reports.deformed import Solids
 from reports.extra import EXTRA
-from reports.maps.crack_map import MapStyle, framing, sheet_of, view_and_cut
+from reports.maps.crack_map import sheet_of
+from reports.maps.framing import MapStyle, framing, view_and_cut
 from reports.maps.sequence import animation, crack_maps, frames_at, slack, times_within
 from reports.settings import Report
 

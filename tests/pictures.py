@@ -8,7 +8,7 @@ import numpy as np
 from made_run import box
 
 from reports.drawing.figure import layout
-from reports.maps import crack_map
+from reports.maps.crack_key import OPENING_COLOURS, Scale
 
 BASE = box("base", (-1.5, -0.5, -0.3), (1.5, 0.5, 0), "base", fixed=True)
 COLUMN = [BASE, *(box(f"d{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1)) for k in range(3))]
@@ -33,5 +33,5 @@ def model_area(image: np.ndarray, aspect: float) -> np.ndarray:
     return image[top : top + height, left : left + width]
 
 
-def opening_scale() -> crack_map.Scale:
-    return crack_map.Scale(1e-4, 0.05, crack_map.OPENING_COLOURS)
+def opening_scale() -> Scale:
+    return Scale(1e-4, 0.05, OPENING_COLOURS)

@@ -49,7 +49,7 @@ def _problem(source: Path, asked: Mapping[str, Any], overrides: Sequence[str], s
     for option, given in (("--dts", asked["dts"]), ("--duration", asked["duration"]), ("--seeds", asked["seeds"]), ("--set", overrides)):
         if given:
             raise InputError(f"{option}: {source.name} is a friction problem; time steps, seeds and changes are for a scene")
-    solvers, tolerances = _solvers(asked["solvers"]), _tolerances(asked["tolerances"])
+    solvers, tolerances = solvers_asked(asked["solvers"]), tolerances_asked(asked["tolerances"])
     from masonry_cd.friction.files import read_problem
     from masonry_cd.studies.accuracy import PROBLEM_TOLERANCES, solver_rows, solvers_for
 
@@ -80,11 +80,11 @@ def _scene(source: Path, asked: Mapping[str, Any], overrides: Sequence[str], say
     scene = read_scene(source, changes)
     if scene.run.adaptive:
         raise InputError(f'{source}: run.dt is "auto", and accuracy compares fixed time steps; give it a scene with a number there')
-    solvers, tolerances = _solvers(asked["solvers"]) or (scene.run.solver,), _tolerances(asked["tolerances"])
+    solvers, tolerances = solvers_asked(asked["solvers"]) or (scene.run.solver,), tolerances_asked(asked["tolerances"])
     from masonry_cd.studies.accuracy import DT_FACTORS, SCENE_TOLERANCES, run_rows
     from masonry_cd.studies.accuracy_seeds import seed_lines, seed_warnings, study_seeds
 
-    dts = _numbers(asked["dts"], "--dts", 0.1) or tuple(factor * scene.run.dt for factor in DT_FACTORS)
+    dts = numbers_asked(asked["dts"], "--dts", 0.1) or tuple(factor * scene.run.dt for factor in DT_FACTORS)
     rows = run_rows(source, changes, solvers, dts, tolerances or SCENE_TOLERANCES, asked["repeats"] or SCENE_REPEATS, say)
     lines, warnings = [*_run_lines(scene.title, rows)], _run_warnings(rows)
     study = None
@@ -136,7 +136,7 @@ def _run_warnings(rows: Sequence[Any]) -> list[str]:
 # --- options --------------------------------------------------------------------------------------------------------------------
 
 
-def _solvers(text: str | None) -> tuple[str, ...] | None:
+def solvers_asked(text: str | None) -> tuple[str, ...] | None:
     """Solvers as typed, in that order."""
     if text is None:
         return None
@@ -149,12 +149,12 @@ def _solvers(text: str | None) -> tuple[str, ...] | None:
     return tuple(dict.fromkeys(names))
 
 
-def _tolerances(text: str | None) -> tuple[float, ...] | None:
+def tolerances_asked(text: str | None) -> tuple[float, ...] | None:
     """Tolerances as typed, from loose to tight."""
-    return _numbers(text, "--tolerances", 1.0)
+    return numbers_asked(text, "--tolerances", 1.0)
 
 
-def _numbers(text: str | None, option: str, below: float) -> tuple[float, ...] | None:
+def numbers_asked(text: str | None, option: str, below: float) -> tuple[float, ...] | None:
     """Positive numbers as typed, from large to small, each once.
 
     Raises:
@@ -184,14 +184,14 @@ def _write(measured: dict[str, Any], folder: Path) -> dict[str, Any]:
     folder.mkdir(parents=True, exist_ok=True)
     rows, study = [asdict(row) for row in measured["rows"]], measured["study"]
     written = [folder / name for name in OUTPUTS[: 4 if study else 3]]
-    _write_csv(rows, written[0])
+    write_rows(rows, written[0])
     warnings = [f"- **{line}**" for line in measured["warnings"]]
     lines = [f"- {line}" for line in measured["lines"]]
     sections = [f"# Error against run time: {measured['title']}", "", markdown(rows), *lines, *warnings]
     if study:
         order = np.argsort(-study.spread("normal_force"), kind="stable")[:MOST_VARYING]
         table = study.rows()
-        _write_csv(table, written[3])
+        write_rows(table, written[3])
         sections += ["", "## Joints whose forces vary most over seeds", "", markdown([table[j] for j in order])]
     with replacing(written[1]) as part:
         part.write_text("\n".join(sections) + "\n", encoding="utf-8")
@@ -200,7 +200,7 @@ def _write(measured: dict[str, Any], folder: Path) -> dict[str, Any]:
     return {"lines": measured["lines"], "warnings": measured["warnings"], "written": written}
 
 
-def _write_csv(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
+def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     """Write rows of like keys."""
     write_csv(path, rows[0], ([f"{v:.9g}" if isinstance(v, float) else str(v) for v in row.values()] for row in rows))
 

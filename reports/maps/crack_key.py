@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -36,19 +37,27 @@ class Marks:
         return cls(snapshot.opening, snapshot.sliding, snapshot.separated, snapshot.open, snapshot.slid)
 
 
-class Scale:
-    """Classes of a length from a threshold to a largest value, in steps of 1-2-5, each with a colour; one more class lies beyond."""
+class ColourClasses:
+    """Classes of a value, each with a colour and its lower bound; the last is open."""
 
-    def __init__(self, smallest: float, largest: float, colours: tuple[str, float, float]) -> None:
+    def __init__(self, bounds: Sequence[float], colours: tuple[str, float, float], factor: float) -> None:
         from matplotlib import colormaps
 
         name, low, high = colours
-        self.bounds = classes(smallest, largest)  # [m]
+        self.bounds = list(bounds)
+        self.factor = factor  # of the bounds, into the unit of the key
         self.colours = np.round(255 * colormaps[name](np.linspace(low, high, len(self.bounds)))[:, :3]).astype(np.uint8)
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
-        """(N, 3) uint8 colours of lengths (N,) [m]."""
+        """(N, 3) uint8 colours of values (N,)."""
         return self.colours[np.clip(np.searchsorted(self.bounds, values, side="right") - 1, 0, len(self.colours) - 1)]
+
+
+class Scale(ColourClasses):
+    """Classes of a length [m], in the key in mm, from a threshold to a largest value in steps of 1-2-5; one more class lies beyond."""
+
+    def __init__(self, smallest: float, largest: float, colours: tuple[str, float, float]) -> None:
+        super().__init__(classes(smallest, largest), colours, 1e3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +93,7 @@ def draw_scales(sheet: Sheet, key: Key) -> None:
     """What all maps of a sequence share: the two colour scales, the scale bar, and what the ribbons of forces mean."""
     boxes = sheet.plan.keys(4)
     for box, scale, name, dash in zip(boxes[:2], key.scales, ("opening", "sliding"), (False, True), strict=True):
-        _scale_key(sheet.axes(*box), box, scale, f"{key.when} {name} [mm]", dash)
+        draw_scale(sheet.axes(*box), box, scale, f"{key.when} {name} [mm]", dash)
     bar = sheet.axes(*boxes[3])
     width, height = boxes[3][2:]
     room = TRIAD if key.view.is_oblique else 0.0
@@ -99,10 +108,10 @@ def draw_signs(sheet: Sheet, key: Key) -> None:
     middle = [scale.colours[len(scale.colours) // 2] / 255.0 for scale in scales]
     both = marks.opened & marks.slid
     rows: list[tuple[Paint, str]] = [
-        (partial(_band_sign, first=middle[0], second=middle[0]), f"joint open ({int((marks.opened & ~both).sum())})"),
-        (partial(_band_sign, first=middle[1], second=np.ones(3)), f"joint slid ({int((marks.slid & ~both).sum())})"),
-        (partial(_band_sign, first=middle[0], second=middle[1]), f"open and slid ({int(both.sum())})"),
-        (partial(_band_sign, first=rgb(PARTED), second=rgb(PARTED)), f"separated ({int(marks.separated.sum())})"),
+        (partial(band_sign, first=middle[0], second=middle[0]), f"joint open ({int((marks.opened & ~both).sum())})"),
+        (partial(band_sign, first=middle[1], second=np.ones(3)), f"joint slid ({int((marks.slid & ~both).sum())})"),
+        (partial(band_sign, first=middle[0], second=middle[1]), f"open and slid ({int(both.sum())})"),
+        (partial(band_sign, first=rgb(PARTED), second=rgb(PARTED)), f"separated ({int(marks.separated.sum())})"),
     ]
     if key.down or not key.alone:
         hidden = f", {key.outside} not in view" if key.outside else ""
@@ -114,18 +123,18 @@ def draw_signs(sheet: Sheet, key: Key) -> None:
         bar = sheet.axes(*boxes[3])
         thrust = np.array(THRUST) / 255.0
         width = f"normal force, widest {force(key.force)}"
-        rows = [(partial(_band_sign, first=thrust, second=thrust), width), (_no_sign, THRUST_NOTE)]
+        rows = [(partial(band_sign, first=thrust, second=thrust), width), (no_sign, THRUST_NOTE)]
         sheet.swatches(bar, rows, 10, boxes[3][3] - 84, pitch=29.0)
 
 
 THRUST_NOTE = "through where it acts in each joint"
 
 
-def _no_sign(axes: Any, place: Box) -> None:
+def no_sign(axes: Any, place: Box) -> None:
     """A row of text only."""
 
 
-def _scale_key(axes: Any, box: Box, scale: Scale, name: str, dash: bool) -> None:
+def draw_scale(axes: Any, box: Box, scale: ColourClasses, name: str, dash: bool = False) -> None:
     """A row of boxes with their bounds below; dashed ones leave a gap, as the dashes of the map do."""
     from matplotlib.patches import Rectangle
 
@@ -135,11 +144,11 @@ def _scale_key(axes: Any, box: Box, scale: Scale, name: str, dash: bool) -> None
         left = start + k * width
         axes.add_patch(Rectangle((left, top), width * (0.66 if dash else 1.0), 26, facecolor=colour / 255.0, linewidth=0))
         axes.plot([left, left], [top - 6, top], color=FAINT, linewidth=1.0)
-        axes.text(left, top - 18, f"{bound * 1000:.3g}", fontsize=11, color=INK, ha="center", va="center")
+        axes.text(left, top - 18, f"{bound * scale.factor:.3g}", fontsize=11, color=INK, ha="center", va="center")
     axes.text(start + len(scale.bounds) * width + 6, top + 13, "+", fontsize=14, color=INK, va="center")
 
 
-def _band_sign(axes: Any, place: Box, first: np.ndarray, second: np.ndarray) -> None:
+def band_sign(axes: Any, place: Box, first: np.ndarray, second: np.ndarray) -> None:
     """A piece of a band, its dashes alternating."""
     from matplotlib.patches import Rectangle
 

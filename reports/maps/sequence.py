@@ -17,7 +17,8 @@ from masonry_cd.io.results import Results
 from reports.drawing.figure import Sheet
 from reports.drawing.render import Canvas
 from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Key, Scale, draw_scales
-from reports.maps.crack_map import Framing, MapStyle, framing, sheet_and_key, sheet_of
+from reports.maps.crack_map import sheet_and_key, sheet_of
+from reports.maps.framing import Framing, MapStyle, framing
 
 MOST_FRAMES = 60  # of an animation
 WIDTH = 900  # of an animation [pixels]

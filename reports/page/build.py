@@ -26,7 +26,7 @@ from reports.deformed import Solids, solids_of
 from reports.drawing.figure import nice
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
-from reports.maps.crack_map import MOST, SEEN
+from reports.maps.framing import MOST, SEEN
 from reports.page import motion, series, words
 from reports.page.pack import packed, packed_length
 

@@ -20,19 +20,19 @@ from reports.damage.definitions import Thresholds
 from reports.deformed import Pose, Solids
 from reports.drawing import render
 from reports.drawing.figure import in_metres, nice
-from reports.drawing.structure_picture import auto_view, families_of, structure_picture
-from reports.maps import crack_map
+from reports.drawing.structure_picture import auto_view, families_of, rgb, structure_picture
+from reports.maps import crack_key, crack_map, framing
 
 
 def drawn(path: Path, blocks: list[Block], states: list, **options: object) -> np.ndarray:
     """The crack map of a made run."""
     with Results.open(write_run(path.with_suffix(".h5"), blocks, states)) as results:
-        crack_map.crack_map(results, path, style=crack_map.MapStyle(**options))  # type: ignore[arg-type]
+        crack_map.crack_map(results, path, style=framing.MapStyle(**options))  # type: ignore[arg-type]
     return pixels(path)
 
 
-def sliding_scale() -> crack_map.Scale:
-    return crack_map.Scale(1e-4, 0.05, crack_map.SLIDING_COLOURS)
+def sliding_scale() -> crack_key.Scale:
+    return crack_key.Scale(1e-4, 0.05, crack_key.SLIDING_COLOURS)
 
 
 def test_opened_and_slid_joints_are_distinguished(tmp_path: Path) -> None:
@@ -55,9 +55,9 @@ def test_parted_faces_and_fallen_blocks_show(tmp_path: Path) -> None:
     rest = at_rest(COLUMN)
     image = drawn(tmp_path / "fallen.png", COLUMN, [rest, shifted(rest, 3, (1.3, 0, -2.0))])
     area = image[120 : image.shape[0] - 240]
-    fallen = np.abs(area.astype(int) - (255 * crack_map.rgb(crack_map.FALLEN))).max(axis=2) < 14
+    fallen = np.abs(area.astype(int) - (255 * rgb(crack_key.FALLEN))).max(axis=2) < 14
     assert fallen.sum() > 10_000
-    assert shares(area, (255 * crack_map.rgb(crack_map.PARTED)).astype(np.uint8)[None])[0] > 200
+    assert shares(area, (255 * rgb(crack_key.PARTED)).astype(np.uint8)[None])[0] > 200
 
 
 def test_the_same_run_gives_the_same_picture(tmp_path: Path) -> None:
@@ -73,15 +73,15 @@ def test_small_displacements_are_amplified_and_large_ones_are_not(tmp_path: Path
         with Results.open(write_run(tmp_path / "run.h5", COLUMN, [rest, shifted(rest, 3, (shift, 0, 0))])) as results:
             solids = Solids.from_blocks(results.blocks)
             down = np.array([False, False, False, shift > 1])
-            factors.append(crack_map.amplification(Pose.of(results, solids), solids, down, 3.0))
+            factors.append(framing.amplification(Pose.of(results, solids), solids, down, 3.0))
     assert factors == [1.0, 1.0, 20.0, 1.0, 1.0]
 
 
 def test_a_block_flung_far_does_not_make_the_structure_a_dot() -> None:
     rest = render.Window(-1.0, 1.0, 0.0, 3.0)
-    window = crack_map.followed(rest, np.array([[-0.5, 0.0], [80.0, 0.5], [0.2, 2.9]]))
+    window = framing.followed(rest, np.array([[-0.5, 0.0], [80.0, 0.5], [0.2, 2.9]]))
     assert window.left == rest.left and window.top == rest.top
-    assert window.width <= rest.width + crack_map.REACH * rest.height + 1e-9
+    assert window.width <= rest.width + framing.REACH * rest.height + 1e-9
 
 
 @pytest.mark.parametrize(("out", "held"), [(0.9, True), (3.0, False)])
@@ -90,7 +90,7 @@ def test_the_rubble_of_a_collapse_is_in_the_picture_but_not_what_flew_off(tmp_pa
     rest = at_rest(COLUMN)
     fallen = shifted(rest, 3, (3.0 * out, 0, -2.0))
     with Results.open(write_run(tmp_path / "run.h5", COLUMN, [rest, fallen])) as results:
-        window = crack_map.framing(results, [1], crack_map.MapStyle(view="front")).window
+        window = framing.framing(results, [1], framing.MapStyle(view="front")).window
     assert (window.right > fallen.position[3, 0]) == held
 
 
@@ -130,8 +130,8 @@ def test_scale_bar_is_true(tmp_path: Path) -> None:
     blocks = [box("base", (-1, -1, -0.2), (1, 1, 0), "base", fixed=True), box("cube", (-1, -1, 0), (1, 1, 1), "stone")]
     structure_picture(blocks, tmp_path / "cube.png", "a cube")
     image = pixels(tmp_path / "cube.png").astype(int)
-    stone = np.abs(image - 255 * crack_map.rgb("#e6d9bd")).max(axis=2) < 14
-    ink = (image == 255 * crack_map.rgb("#23272b")).all(axis=2)
+    stone = np.abs(image - 255 * rgb("#e6d9bd")).max(axis=2) < 14
+    ink = (image == 255 * rgb("#23272b")).all(axis=2)
     bar_row = image.shape[0] - ink[::-1].sum(axis=1).argmax() - 1  # the outline of the bar is the longest line of ink
     bar = np.flatnonzero(ink[bar_row])
     width = np.flatnonzero(stone[: image.shape[0] // 2].sum(axis=0) > 50)
@@ -149,13 +149,13 @@ def test_bad_input_is_one_line(tmp_path: Path) -> None:
     rest = at_rest(COLUMN)
     with Results.open(write_run(tmp_path / "run.h5", COLUMN, [rest])) as results:
         with pytest.raises(InputError, match=r'^view: "fornt" is none; views: auto, front'):
-            crack_map.crack_map(results, tmp_path / "x.png", style=crack_map.MapStyle(view="fornt"))
+            crack_map.crack_map(results, tmp_path / "x.png", style=framing.MapStyle(view="fornt"))
         with pytest.raises(InputError, match=r"^scale: must be positive"):
-            crack_map.MapStyle(scale=0.0)
+            framing.MapStyle(scale=0.0)
         with pytest.raises(InputError, match=r"^frame 1: the result has frames 0 to 0"):
             crack_map.crack_map(results, tmp_path / "x.png", frame=1)
         with pytest.raises(InputError, match=r"^largest: must lie above"):
-            crack_map.MapStyle(thresholds=Thresholds(opened=0.1))
+            framing.MapStyle(thresholds=Thresholds(opened=0.1))
         with pytest.raises(InputError, match=r"cannot be written"):
             crack_map.crack_map(results, tmp_path / "none" / "x.png")
 

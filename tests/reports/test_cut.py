@@ -17,8 +17,9 @@ from masonry_cd.model.polygon import loop_area
 from reports.deformed import Pose, Solids
 from reports.drawing.render import Lines, Surface, view_named
 from reports.maps.bands import band_corners
-from reports.maps.crack_map import MapStyle, crack_map
+from reports.maps.crack_map import crack_map
 from reports.maps.cut import caps_of, clipped, clipped_lines, cut_named, traces
+from reports.maps.framing import MapStyle
 
 BASE = box("base", (-2, -1, -0.5), (2, 1, 0), "base", fixed=True)
 STACK = [BASE, *(box(f"s{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1)) for k in range(3))]

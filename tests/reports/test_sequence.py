@@ -11,7 +11,7 @@ from pictures import COLUMN, opening_scale, pixels
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
-from reports.maps.crack_map import MapStyle, framing
+from reports.maps.framing import MapStyle, framing
 from reports.maps.sequence import animation, crack_maps, frames_at
 
 

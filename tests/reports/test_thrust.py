@@ -21,7 +21,8 @@ from reports.damage.definitions import Thresholds
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids
 from reports.drawing.render import Surface, view_named
-from reports.maps.crack_map import MapStyle, framing, sheet_of
+from reports.maps.crack_map import sheet_of
+from reports.maps.framing import MapStyle, framing
 from reports.maps.thrust import COLOUR, WIDEST, drawn_points, ribbons
 
 BASE = box("base", (-2, -1, -0.5), (2, 1, 0), "base", fixed=True)

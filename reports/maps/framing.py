@@ -1,0 +1,124 @@
+"""How a map is drawn, and what all maps of a sequence have in common: view, cut, amplification, window and sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from masonry_cd.io.results import Results
+from reports.damage.definitions import Thresholds
+from reports.damage.joint_damage import fallen
+from reports.deformed import Pose, Solids, solids_of
+from reports.drawing.figure import Layout, layout, nice
+from reports.drawing.render import View, Window, view_named
+from reports.drawing.structure_picture import auto_view, structure_window
+from reports.maps.cut import FACING, Cut, axis_of, cut_named
+
+SEEN = 0.02  # amplified displacements reach at most this share of the picture
+REACH = 0.35  # the picture follows blocks by at most this share of the structure's extent
+COLLAPSE = 1.0  # ... and where blocks have fallen, so that a heap of rubble is held
+MOST = 1000.0  # largest amplification
+
+
+@dataclass(frozen=True)
+class MapStyle:
+    """How crack maps are drawn.
+
+    Attributes:
+        view: auto (front where all blocks are prisms across y, else isometric), front, back, side, top or isometric.
+        scale: amplification of the displacements; None picks 1, or what makes the largest one visible.
+        thresholds: where an opening and a sliding begin to be drawn.
+        largest: where the last class of the colour scales begins [m].
+        cut: a plane to cut by, ``y=1.5`` or ``y`` for the middle; empty for none. The view is then by default the one that faces it.
+        thrust: draw the line of thrust.
+    """
+
+    view: str = "auto"
+    scale: float | None = None
+    thresholds: Thresholds = field(default_factory=Thresholds)
+    largest: float = 0.05
+    cut: str = ""
+    thrust: bool = False
+
+    def __post_init__(self) -> None:
+        if self.scale is not None and not (np.isfinite(self.scale) and self.scale > 0):
+            raise InputError(f"scale: must be positive, got {self.scale!r}")
+        if not self.largest > max(self.thresholds.opened, self.thresholds.slid):
+            raise InputError(f"largest: must lie above the thresholds, got {self.largest!r}")
+
+
+@dataclass(frozen=True, eq=False)
+class Framing:
+    """What all maps of a sequence have in common."""
+
+    style: MapStyle
+    view: View
+    cut: Cut | None
+    factor: float  # amplification of displacements
+    window: Window
+    plan: Layout
+    alone: bool  # a single map, whose key names only what it shows
+
+    @property
+    def pixel(self) -> float:
+        """Size of a pixel [m]."""
+        return self.window.width / self.plan.pixels[0]
+
+
+def view_and_cut(solids: Solids, style: MapStyle) -> tuple[View, Cut | None]:
+    """The view that a style asks for, and its cut.
+
+    Raises:
+        InputError: no such view or plane, or one that shows nothing of the structure.
+    """
+    facing = FACING[axis_of(style.cut)] if style.cut else auto_view(solids)
+    view = view_named(facing if style.view == "auto" else style.view)
+    return view, cut_named(style.cut, solids, view) if style.cut else None
+
+
+def framing(results: Results, frames: Sequence[int], style: MapStyle) -> Framing:
+    """Choose view, amplification and window so that they suit all frames.
+
+    Raises:
+        InputError: no such view or plane.
+    """
+    solids = solids_of(results.blocks)
+    view, cut = view_and_cut(solids, style)
+    rest = structure_window(solids, view)
+    poses = [Pose.of(results, solids, frame) for frame in frames]
+    farthest = max(range(len(frames)), key=lambda k: largest_displacement(poses[k], solids))
+    fell = np.any([fallen(results, style.thresholds, frames[k]) for k in {farthest, len(frames) - 1}], axis=0)
+    factor = style.scale if style.scale is not None else amplification(poses[farthest], solids, fell, max(rest.width, rest.height))
+    free, window = ~solids.fixed[solids.vertex_block], rest
+    for pose in poses:
+        moved = pose.moved(solids, solids.vertices[free], solids.vertex_block[free], factor)
+        window = window.joined(followed(rest, view.plane(moved), COLLAPSE if fell.any() else REACH))
+    plan = layout(window.width / window.height)
+    return Framing(style, view, cut, factor, window.fitted(plan.pixels), plan, alone=len(frames) == 1)
+
+
+def largest_displacement(pose: Pose, solids: Solids) -> float:
+    """Largest displacement of a free block's centre relative to the base [m]."""
+    return float(np.linalg.norm(pose.displacement(solids)[~solids.fixed], axis=1).max(initial=0.0))
+
+
+def amplification(pose: Pose, solids: Solids, down: np.ndarray, size: float) -> float:
+    """1 where a displacement can be seen in a picture of a size [m] or blocks have fallen, else a round factor that shows it."""
+    largest = largest_displacement(pose, solids)
+    if down.any() or MOST * largest < SEEN / 10 * size:
+        return 1.0  # what has fallen is seen as it is, and what no amplification shows is left alone
+    return float(np.clip(nice(SEEN * size / largest), 1.0, MOST))
+
+
+def followed(rest: Window, moved: np.ndarray, share: float = REACH) -> Window:
+    """The window at rest, extended to points (N, 2) that have moved out of it, but for those flung farther than a share of its size."""
+    reach, pad = share * max(rest.width, rest.height), 0.03 * max(rest.width, rest.height)
+    low, high = np.array([rest.left, rest.bottom]), np.array([rest.right, rest.top])
+    near = moved[((moved > low - reach) & (moved < high + reach)).all(axis=1)]
+    if not len(near):
+        return rest
+    (left, bottom), (right, top) = near.min(axis=0) - pad, near.max(axis=0) + pad
+    return Window(min(rest.left, float(left)), max(rest.right, float(right)), min(rest.bottom, float(bottom)), max(rest.top, float(top)))

@@ -1,0 +1,143 @@
+"""The layers of a map: the shape at rest, the blocks, and the bands of the joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from masonry_cd.model.joints import Joints
+from reports.damage.macro_elements import DamageSnapshot
+from reports.deformed import Pose, Solids
+from reports.drawing.render import Layer, Lines, Surface
+from reports.drawing.structure_picture import EDGE, SUPPORT, block_layers, rgb
+from reports.maps.bands import Bands, band_corners, dashed, face_plates, joint_bands
+from reports.maps.crack_key import FALLEN, PARTED, SHADOW, STONE, Marks, Scale
+from reports.maps.cut import caps_of, clipped, clipped_lines, traces
+from reports.maps.framing import Framing, largest_displacement
+
+BAND = 6.0  # width of a closed joint's band [pixels]
+BAND_OF_BLOCK = 0.2  # ... but no more than this share of a block's smallest extent
+LEAST_BAND = 2.5  # ... and no less than this [pixels]
+CAP = 0.82  # faces of a cut are darker than others by this factor
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What a sheet shows."""
+
+    framed: Framing
+    joints: Joints
+    solids: Solids
+    snapshot: DamageSnapshot
+    last: bool  # the last frame
+    marks: Marks
+    drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
+    provisional: str  # of the last frame: why it is not the end, in words
+    suffered: str  # of the last frame: the damage over all steps, in words
+
+    @property
+    def pose(self) -> Pose:
+        """Where the blocks are."""
+        return self.snapshot.pose
+
+    @property
+    def down(self) -> np.ndarray:
+        """(B,) fallen blocks."""
+        return self.snapshot.down
+
+    @property
+    def largest(self) -> float:
+        """Largest displacement of a free block relative to the base [m]."""
+        return largest_displacement(self.pose, self.solids)
+
+
+def shadow(subject: Subject) -> Surface:
+    """The free blocks at rest, pale, behind everything: seen only where the structure has moved away."""
+    solids, framed = subject.solids, subject.framed
+    towards = framed.view.towards
+    behind = float((solids.vertices @ towards).max() - (subject.drawn @ towards).min()) + 0.01 * framed.window.height
+    free = ~solids.fixed[solids.face_block]
+    sides = np.diff(solids.loop_start)
+    colours = np.tile((255 * rgb(SHADOW)).astype(np.uint8), (int(free.sum()), 1))
+    loops = solids.loops[np.repeat(free, sides)]
+    whole = Surface(solids.vertices, loops, np.cumsum([0, *sides[free]]), colours, lit=False)
+    left = clipped(whole, framed.cut) if framed.cut is not None else whole
+    return Surface(left.points - behind * towards, left.loops, left.loop_start, left.colours, lit=False)
+
+
+def block_layers_of(subject: Subject) -> list[Layer]:
+    """Faces and edges of the blocks; where they are cut, with caps in a darker tone."""
+    solids, framed = subject.solids, subject.framed
+    colours = np.where(subject.down[:, None], rgb(FALLEN), rgb(STONE))
+    colours[solids.fixed] = rgb(SUPPORT)
+    whole = block_layers(solids, subject.drawn, colours, framed.view, framed.window)
+    if framed.cut is None:
+        return list(whole)
+    layers: list[Layer] = [
+        clipped(layer, framed.cut) if isinstance(layer, Surface) else clipped_lines(layer, framed.cut) for layer in whole
+    ]
+    caps = caps_of(solids, subject.drawn, framed.cut)
+    shade = (255 * CAP * colours[caps.block]).astype(np.uint8)
+    lift = 5e-4 * framed.window.height * framed.view.towards
+    outline = caps.outline(EDGE, 1.2 if len(caps.block) < 2000 else 0.7)
+    return [
+        *layers,
+        Surface(caps.points, caps.loops, caps.loop_start, shade, lit=False),
+        Lines(outline.points + lift, outline.pairs, outline.colour, outline.width),
+    ]
+
+
+def joint_layers(subject: Subject, scales: tuple[Scale, Scale]) -> list[Surface]:
+    """One surface for the bands of opened and slid joints, one for the parted faces of blocks that still stand."""
+    joints, marks, solids, framed = subject.joints, subject.marks, subject.solids, subject.framed
+    standing = [marks.separated & ~subject.down[block] for block in (joints.block_a, joints.block_b)]
+    layers = coloured_bands(subject, marks.opened | marks.slid, *_band_colours(marks, scales))
+    if np.any(standing):
+        width = band_width(subject)
+        dark = np.tile((255 * rgb(PARTED)).astype(np.uint8), (joints.count, 1))
+        plates = dashed(face_plates(joints, standing, solids, subject.pose, framed.factor, 0.7 * width), dark, dark, width)
+        layers.append(lifted(plates, framed, cut=True))
+    return layers
+
+
+def coloured_bands(subject: Subject, drawn: np.ndarray, first: np.ndarray, second: np.ndarray) -> list[Surface]:
+    """The bands of the joints drawn (J,), dashed in two colours (J, 3) uint8; where it is cut, in its plane as well."""
+    if not drawn.any():
+        return []
+    framed, width = subject.framed, band_width(subject)
+    bands = joint_bands(subject.joints, drawn, subject.solids, subject.pose, framed.factor, width)
+    layers = [lifted(dashed(bands, first, second, width), framed, cut=True)]
+    if framed.cut is not None:
+        layers.append(lifted(dashed(_traces(subject, drawn, width), first, second, width), framed, cut=False))
+    return layers
+
+
+def band_width(subject: Subject) -> float:
+    """Of a closed joint [m]."""
+    solids, pixel = subject.solids, subject.framed.pixel
+    smallest = float(np.median(solids.sizes[~solids.fixed].min(axis=1))) if not solids.fixed.all() else np.inf
+    return max(LEAST_BAND * pixel, min(BAND * pixel, BAND_OF_BLOCK * smallest))
+
+
+def _band_colours(marks: Marks, scales: tuple[Scale, Scale]) -> tuple[np.ndarray, np.ndarray]:
+    """(J, 3) the two colours that the dashes of each joint alternate between."""
+    opening, sliding = scales[0](marks.opening), scales[1](marks.sliding)
+    first = np.where(marks.opened[:, None], opening, sliding)
+    white = np.full_like(first, 255)
+    return first, np.where(~marks.slid[:, None], opening, np.where(marks.opened[:, None], sliding, white))
+
+
+def _traces(subject: Subject, marked: np.ndarray, width: float) -> Bands:
+    """The bands of the joints in the plane of the cut."""
+    framed = subject.framed
+    assert framed.cut is not None
+    on_a, on_b = band_corners(subject.joints, subject.solids, subject.pose, framed.factor, width)
+    return traces(subject.joints, on_a, on_b, marked, framed.cut)
+
+
+def lifted(surface: Surface, framed: Framing, cut: bool) -> Surface:
+    """A surface a little before the blocks; clipped first if it is to be cut."""
+    lift = 1e-3 * framed.window.height * framed.view.towards
+    left = clipped(surface, framed.cut) if cut and framed.cut is not None else surface
+    return Surface(left.points + lift, left.loops, left.loop_start, left.colours, lit=False)

@@ -1,0 +1,1 @@
+"""Studies: what many runs say together. It reads a study's folder, fits fragilities, and writes tables, pictures and a page."""

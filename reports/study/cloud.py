@@ -1,0 +1,82 @@
+r"""Clouds: unscaled records, and a straight line through the logarithms.
+
+    ln EDP = a + b ln IM + s e,        e standard normal
+    P(EDP > c | IM) = Phi( (a + b ln IM - ln c) / s ),      theta = exp((ln c - a) / b),    beta = s / b
+
+(Cornell, Jalayer, Hamburger & Foutch, J. Struct. Eng. 128(4), 2002; Jalayer, De Risi & Manfredi, Bull. Earthq. Eng. 13, 2015.) The
+opening of a joint whose block has fallen is no measurement. Of a run that collapsed all that is known is that it exceeds the limit
+states, so that it enters the likelihood as an observation from below (tobit; Jalayer, Ebrahimian, Miano, Manfredi & Sezen, EESD 46,
+2017, separate the collapses by a logistic regression instead). In the same way, what is below a thousandth of the smallest limit is an
+observation from above: the logarithm of next to nothing must not steer the line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from reports.study.censored import Weights, regression
+from reports.study.fragility import FALLING, FITTED, Lognormal
+
+NOTHING = 1e-3  # of the smallest limit: less than this of a quantity is none
+LEAST = 5  # runs seen exactly, for a line
+
+
+class Cloud(NamedTuple):
+    """Runs as the regression sees them: N runs, in logarithms."""
+
+    measure: np.ndarray  # (N,) ln IM
+    demand: np.ndarray  # (N,) ln EDP, or the bound that is known
+    above: np.ndarray  # (N,) bool: known to lie above
+    below: np.ndarray  # (N,) bool: known to lie below
+
+    @property
+    def exact(self) -> np.ndarray:
+        """(N,) bool: seen exactly."""
+        return ~self.above & ~self.below
+
+
+class Line(NamedTuple):
+    """ln EDP = a + b ln IM + s e, of R replicates; nan where there is none."""
+
+    a: np.ndarray
+    b: np.ndarray
+    s: np.ndarray
+
+    def fragility(self, limit: float) -> Lognormal:
+        """Of exceeding a limit."""
+        rising = self.b > 1e-6
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            theta = np.where(rising, np.exp((np.log(limit) - self.a) / self.b), np.nan)
+            beta = np.where(rising, self.s / self.b, np.nan)
+        return Lognormal(theta, beta, np.where(rising, FITTED, FALLING).astype(object))
+
+
+def cloud_of(intensity: np.ndarray, demand: np.ndarray, collapsed: np.ndarray, limits: Sequence[float]) -> Cloud:
+    """The cloud of runs.
+
+    Args:
+        intensity: (N,) positive.
+        demand: (N,) largest value of a quantity; nan is allowed where blocks fell.
+        collapsed: (N,) bool.
+        limits: of all limit states of this quantity.
+    """
+    floor, most = NOTHING * min(limits), max(limits)
+    known = np.where(collapsed, np.fmin(np.where(np.isnan(demand), most, demand), most), demand)
+    known = np.where(collapsed, np.maximum(known, floor), known)
+    below = ~collapsed & (known < floor)
+    return Cloud(np.log(intensity), np.log(np.where(below, floor, known)), collapsed, below)
+
+
+def fit_line(cloud: Cloud, weights: np.ndarray) -> Line:
+    """The regression, for each row of the weights (R, N)."""
+    exact = weights * cloud.exact
+    if not len(cloud.measure):
+        return Line(*np.full((3, len(weights)), np.nan))
+    x = np.column_stack([np.ones(len(cloud.measure)), cloud.measure])
+    c, scatter = regression(x, cloud.demand, Weights(exact, weights * cloud.above, weights * cloud.below))
+    enough = exact.sum(axis=1) >= LEAST
+    a, b, s = (np.where(enough, values, np.nan) for values in (c[:, 0], c[:, 1], scatter))
+    return Line(a, b, s)

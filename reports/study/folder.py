@@ -1,0 +1,179 @@
+"""A study's folder as it is read: study.json says what was asked, runs.csv has one row per run, joints/ what each run did to the joints."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from reports.study.limits import LimitState, read_limit_states
+
+FIRST = ("run", "motion", "level", "seed", "status", "reason", "seconds")  # columns before what varied
+RESULTS = "max_opening"  # the column with which the results begin; between what varied and it lie the intensity measures
+TEXT = ("run", "motion", "status", "reason", "grade")  # columns of words; all others are of numbers where they can be
+STATES = ("done", "failed", "timeout")
+KEYS = ("title", "design", "seed", "scene", "measure", "levels", "varied", "limit_states", "runs")
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """A study's folder.
+
+    Attributes:
+        folder: where it lies.
+        asked: what study.json holds.
+        limit_states: by name.
+        columns: of runs.csv by name; (N,) floats, nan where a cell is empty, or a list of N texts.
+        measures: names of the columns that are intensity measures.
+    """
+
+    folder: Path
+    asked: Mapping[str, Any]
+    limit_states: tuple[LimitState, ...]
+    columns: Mapping[str, np.ndarray | list[str]]
+    measures: tuple[str, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of rows."""
+        return len(self.text("run"))
+
+    @cached_property
+    def done(self) -> np.ndarray:
+        """(N,) bool: runs that came to their end."""
+        return np.array([word == "done" for word in self.text("status")], dtype=bool)
+
+    @cached_property
+    def collapsed(self) -> np.ndarray:
+        """(N,) bool: runs in which blocks fell."""
+        return self.numbers("collapsed_blocks") > 0
+
+    @cached_property
+    def motion(self) -> np.ndarray:
+        """(N,) int: which record shook each run, -1 for none."""
+        words = self.text("motion")
+        names = {name: k for k, name in enumerate(self.motions)}
+        return np.array([names.get(word, -1) for word in words], dtype=np.int64)
+
+    @cached_property
+    def motions(self) -> tuple[str, ...]:
+        """The records, in the order of the table."""
+        return tuple(dict.fromkeys(word for word in self.text("motion") if word))
+
+    @cached_property
+    def clusters(self) -> np.ndarray:
+        """(N,) int: runs that are drawn together in the bootstrap, those of one record; a run without a record is one by itself."""
+        alone = len(self.motions) + np.arange(self.count)
+        return np.unique(np.where(self.motion >= 0, self.motion, alone), return_inverse=True)[1].reshape(-1)
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """Keys of the scene that vary."""
+        return tuple(self.asked["varied"])
+
+    def text(self, name: str) -> list[str]:
+        """A column of words."""
+        column = self.columns[name]
+        return column if isinstance(column, list) else [repr(float(value)) for value in column]
+
+    def numbers(self, name: str) -> np.ndarray:
+        """(N,) a column of numbers; nan where it has none, or is not there."""
+        column = self.columns.get(name)
+        return column if isinstance(column, np.ndarray) else np.full(self.count, np.nan)
+
+    def is_number(self, name: str) -> bool:
+        """Whether a column is there and one of numbers."""
+        return isinstance(self.columns.get(name), np.ndarray)
+
+    def spread(self, names: Sequence[str]) -> list[str]:
+        """Those of some columns that are numbers and differ between runs that are done."""
+        found = []
+        for name in names:
+            values = self.numbers(name)[self.done]
+            values = values[np.isfinite(values)]
+            if len(values) > 2 and np.ptp(values) > 1e-9 * np.abs(values).max():
+                found.append(name)
+        return found
+
+
+def read_study(folder: Path) -> Study:
+    """Read a study's folder.
+
+    Raises:
+        InputError: study.json or runs.csv is missing, broken, or the two do not belong together.
+    """
+    asked = _read_asked(folder / "study.json")
+    header, rows = _read_rows(folder / "runs.csv", asked)
+    columns = {name: _column(name, [row[k] for row in rows]) for k, name in enumerate(header)}
+    states = columns["status"]
+    for k, word in enumerate(states):
+        if word not in STATES:
+            raise InputError(f'{folder / "runs.csv"}, line {k + 2}: status: "{word}" is none of {", ".join(STATES)}')
+    begin, end = len(FIRST) + len(asked["varied"]), header.index(RESULTS)
+    measures = tuple(header[begin:end])
+    levels = columns["level"]
+    scaled = isinstance(levels, np.ndarray) and bool(np.isfinite(levels).any())
+    if asked["measure"] is not None and asked["measure"] not in measures and not scaled and rows:
+        raise InputError(f'{folder / "study.json"}: measure: runs.csv has no column "{asked["measure"]}"')
+    limits = read_limit_states(asked["limit_states"], header, folder / "study.json")
+    return Study(folder, asked, limits, columns, measures)
+
+
+def _read_asked(path: Path) -> dict[str, Any]:
+    """What study.json holds."""
+    try:
+        asked = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path.parent}: no study: it has no {path.name}") from None
+    except (OSError, ValueError) as failure:
+        raise InputError(f"{path}: cannot be read: {failure}") from None
+    if not isinstance(asked, dict) or asked.get("format") != 1:
+        raise InputError(f"{path}: not the format 1 that this version reads")
+    lacking = next((key for key in KEYS if key not in asked), None)
+    if lacking:
+        raise InputError(f"{path}: {lacking}: missing")
+    seed, varied = asked["seed"], asked["varied"]
+    if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
+        raise InputError(f"{path}: seed: must be a whole number from 0 on, got {seed!r}")
+    if not isinstance(varied, list) or not all(isinstance(name, str) for name in varied):
+        raise InputError(f"{path}: varied: must be a list of names")
+    if not isinstance(asked["limit_states"], dict):
+        raise InputError(f"{path}: limit_states: must be a table")
+    return asked
+
+
+def _read_rows(path: Path, asked: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
+    """Header and rows of runs.csv."""
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            lines = list(csv.reader(file))
+    except FileNotFoundError:
+        raise InputError(f"{path.parent}: the study has no {path.name} yet") from None
+    except (OSError, ValueError, csv.Error) as failure:
+        raise InputError(f"{path}: cannot be read: {failure}") from None
+    header, rows = (lines[0], lines[1:]) if lines else ([], [])
+    wanted = [*FIRST, *asked["varied"]]
+    if header[: len(wanted)] != wanted or RESULTS not in header or len(set(header)) < len(header):
+        raise InputError(f"{path}, line 1: not the columns of this study: {', '.join(wanted)}, ..., {RESULTS}, ...")
+    for k, row in enumerate(rows):
+        if len(row) != len(header):
+            raise InputError(f"{path}, line {k + 2}: {len(row)} cells, and {len(header)} columns")
+    return header, rows
+
+
+def _column(name: str, cells: list[str]) -> np.ndarray | list[str]:
+    """A column: numbers where all cells are, empty ones nan; else words, without the guard of :mod:`masonry_cd.csv_files`."""
+    if name not in TEXT and not name.endswith(".grade"):
+        try:
+            return np.array([float(cell) if cell else math.nan for cell in cells], dtype=float)
+        except ValueError:
+            pass
+    return [cell[1:] if cell.startswith("'") else cell for cell in cells]

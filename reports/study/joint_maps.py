@@ -1,0 +1,202 @@
+r"""How often each joint opened, slid or was lost over the runs of a study, and the median of its largest opening.
+
+The share of n runs in which a joint passed a threshold estimates a probability with a standard error of sqrt(p (1 - p) / n), at most
+0.5 / sqrt(n). Runs over levels of an intensity are a sample of none: there the maps are drawn level by level as well. Only runs on the same
+joints are counted, by the digest ``shape`` of each; where the geometry varies, the others are left out, which a warning says.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from masonry_cd.csv_files import write_csv
+from masonry_cd.errors import InputError
+from masonry_cd.io.results import Results
+from masonry_cd.quantities import length
+from reports.damage.definitions import Thresholds
+from reports.damage.joint_files import thresholds_of
+from reports.maps.crack_key import OPENING_COLOURS, ColourClasses, Scale
+from reports.maps.framing import MapStyle
+from reports.maps.joint_values import JointValues, draw_joint_values
+from reports.settings import report_of
+from reports.study.folder import Study
+from reports.study.measures import with_unit
+
+SHARES = (0.005, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9)  # lower bounds of the classes of a probability
+SHARE_COLOURS = ("YlOrRd", 0.18, 1.0)
+MOST_CELLS = 100_000_000  # runs times joints that are held for the median, 0.4 GB
+LEVELS = 3  # that have maps of their own, at most
+LARGEST = 0.05  # where the last class of the median opening begins [m]
+TABLE = "joint_probabilities.csv"
+KEYS = ("opening", "sliding", "lost", "shape")
+
+
+@dataclass(frozen=True, eq=False)
+class JointRuns:
+    """What n runs did to the same J joints."""
+
+    rows: np.ndarray  # (n,) of the table
+    opening: np.ndarray  # (n, J) float32, largest [m]; inf where the joint was lost
+    slid: np.ndarray  # (n, J) bool
+    lost: np.ndarray  # (n, J) bool
+    left_out: int  # runs on other joints
+
+    def opened(self, thresholds: Thresholds) -> np.ndarray:
+        """(n, J) bool."""
+        return self.opening >= thresholds.opened
+
+
+def read_joint_runs(study: Study, count: int, thresholds: Thresholds) -> JointRuns | None:
+    """Read joints/*.npz of the runs that are done; the first in the table that has one says which joints are meant.
+
+    Args:
+        study: the study.
+        count: number of joints of the reference.
+        thresholds: of sliding.
+
+    Raises:
+        InputError: a file is broken, or has another number of joints.
+    """
+    rows, opening, slid, lost, shape, left_out = [], [], [], [], None, 0
+    for row in np.flatnonzero(study.done):
+        path = study.folder / "joints" / f"{study.text('run')[row]}.npz"
+        if not path.exists():
+            continue
+        found = _read(path)
+        shape = int(found["shape"]) if shape is None else shape
+        if int(found["shape"]) != shape:
+            left_out += 1
+            continue
+        if found["opening"].shape != (count,):
+            raise InputError(f"{path}: {len(found['opening'])} joints, and reference/result.h5 has {count}")
+        rows.append(row)
+        gone = found["lost"].astype(bool)
+        opening.append(np.where(gone, np.float32(np.inf), found["opening"].astype(np.float32)))
+        slid.append((found["sliding"] >= thresholds.slid) & ~gone)
+        lost.append(gone)
+        if len(rows) * count > MOST_CELLS:
+            break
+    if not rows:
+        return None
+    return JointRuns(np.array(rows), np.array(opening), np.array(slid), np.array(lost), left_out)
+
+
+def _read(path: Path) -> dict[str, np.ndarray]:
+    """One of them."""
+    try:
+        with np.load(path) as file:
+            found = {key: file[key] for key in KEYS}
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as failure:
+        raise InputError(f"{path}: cannot be read: {failure}") from None
+    if not found["opening"].shape == found["sliding"].shape == found["lost"].shape or found["opening"].ndim != 1:
+        raise InputError(f"{path}: opening, sliding and lost differ in their number of joints")
+    return found
+
+
+def draw_joint_maps(study: Study) -> tuple[list[Path], list[str], list[str]]:
+    """Draw the maps that the runs allow, and write their table.
+
+    Returns:
+        the files, closing lines, and warnings.
+
+    Raises:
+        InputError: a broken file; no off-screen OpenGL.
+    """
+    reference = study.folder / "reference" / "result.h5"
+    if not reference.exists() or not (study.folder / "joints").is_dir():
+        return [], [], []
+    with Results.open(reference) as results:
+        thresholds = thresholds_of(report_of(results.scene)) if results.scene else Thresholds()
+        runs = read_joint_runs(study, results.joints.count, thresholds)
+        if runs is None or not results.joints.count:
+            return [], [], []
+        style = MapStyle(thresholds=thresholds, largest=max(LARGEST, 10.0 * max(thresholds.opened, thresholds.slid)))
+        maps = _maps(study, runs, style)
+        written = draw_joint_values(results, maps, style)
+        joints, names = results.joints, [block.name for block in results.blocks]
+        pairs = [(names[a], names[b]) for a, b in zip(joints.block_a, joints.block_b, strict=True)]
+    _write_table(study.folder / TABLE, runs, thresholds, pairs)
+    return [*written, study.folder / TABLE], _lines(runs, thresholds, pairs), _warnings(study, runs)
+
+
+def _maps(study: Study, runs: JointRuns, style: MapStyle) -> list[JointValues]:
+    """Those that show anything: opened, slid, lost, the median opening, and opened level by level."""
+    thresholds, count = style.thresholds, len(runs.rows)
+    title, share = str(study.asked["title"]), ColourClasses(SHARES, SHARE_COLOURS, 100.0)
+    opened = runs.opened(thresholds)
+    over = f"over {count} runs, at rest · standard error {50.0 / np.sqrt(count):.2g} % at most"
+    shares = (
+        ("probability_opened.png", "how often joints opened", opened, f"opened by {length(thresholds.opened)} or more, or lost"),
+        ("probability_slid.png", "how often joints slid", runs.slid, f"slid by {length(thresholds.slid)} or more, not lost"),
+        ("probability_lost.png", "how often joints were lost", runs.lost, "separated for good at the end"),
+    )
+    out = [
+        JointValues(study.folder / name, f"{title}: {words}", f"{meaning} · {over}", hits.mean(axis=0), share, "share of the runs [%]")
+        for name, words, hits, meaning in shares
+    ]
+    median, scale = _median(runs.opening), Scale(thresholds.opened, style.largest, OPENING_COLOURS)
+    facts = f"half of {count} runs open a joint by more than this; a joint that is lost counts as wide open"
+    words = f"{title}: median of the largest opening"
+    out.append(JointValues(study.folder / "median_opening.png", words, facts, median, scale, "median of the largest opening [mm]"))
+    level, name = study.numbers("level")[runs.rows], str(study.asked["measure"] or "level")
+    for one in _levels(level) if study.asked["design"] != "ida" else ():
+        here = level == one
+        facts = f"opened by {length(thresholds.opened)} or more, or lost · {int(here.sum())} runs at {name} {with_unit(one, name)}, at rest"
+        path = study.folder / f"probability_opened_at_{one:g}.png"
+        words = f"{title}: how often joints opened at {name} {with_unit(one, name)}"
+        out.append(JointValues(path, words, facts, opened[here].mean(axis=0), share, "share of the runs [%]"))
+    return [one for one in out if one.drawn.any()]
+
+
+def _median(opening: np.ndarray) -> np.ndarray:
+    """(J,) lower median of openings (n, J), infinite ones included."""
+    return np.asarray(np.sort(opening, axis=0)[(len(opening) - 1) // 2], dtype=float)
+
+
+def _levels(level: np.ndarray) -> list[float]:
+    """Levels with maps of their own, evenly spread over those that there are."""
+    found = np.unique(level[np.isfinite(level)])
+    if len(found) < 2:
+        return []
+    places = np.unique(np.round(np.linspace(0, len(found) - 1, min(LEVELS, len(found)))).astype(int))
+    return [float(value) for value in found[places]]
+
+
+def _write_table(path: Path, runs: JointRuns, thresholds: Thresholds, pairs: list[tuple[str, str]]) -> None:
+    """A row per joint."""
+    opened, slid, lost = (hits.mean(axis=0) for hits in (runs.opened(thresholds), runs.slid, runs.lost))
+    median = _median(runs.opening)
+    header = ("joint", "block_a", "block_b", "runs", "opened", "slid", "lost", "median_opening")
+    rows = (
+        (j, *pairs[j], len(runs.rows), f"{opened[j]:.6g}", f"{slid[j]:.6g}", f"{lost[j]:.6g}", f"{median[j]:.6g}")
+        for j in range(len(pairs))
+    )
+    write_csv(path, header, rows)
+
+
+def _lines(runs: JointRuns, thresholds: Thresholds, pairs: list[tuple[str, str]]) -> list[str]:
+    """Which joint opened most often."""
+    share = runs.opened(thresholds).mean(axis=0)
+    often = int(np.argmax(share))
+    if share[often] == 0:
+        return [f"no joint opened by {length(thresholds.opened)} in any of {len(runs.rows)} runs"]
+    many = int((share >= 0.5).sum())
+    return [
+        f"the joint of {pairs[often][0]} and {pairs[often][1]} opened most often, in {100 * share[often]:.0f} % of {len(runs.rows)} runs; "
+        f"{many} of {len(share)} joints opened in half of them or more"
+    ]
+
+
+def _warnings(study: Study, runs: JointRuns) -> list[str]:
+    """Runs that are not counted."""
+    out = []
+    if runs.left_out:
+        out.append(f"maps of the joints: {runs.left_out} runs are left out, whose joints are not those of the first run")
+    lacking = int(study.done.sum()) - len(runs.rows) - runs.left_out
+    if lacking:
+        out.append(f"maps of the joints: {lacking} of {int(study.done.sum())} runs have no file in joints, or are more than can be held")
+    return out

@@ -1,0 +1,140 @@
+"""What a study's folder gets from the reports: tables, pictures and the page, as far as its design and its runs allow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from reports.study.fits import Fit, Fits, fit_study
+from reports.study.folder import Study, read_study
+from reports.study.fragility_picture import fragility_picture
+from reports.study.joint_maps import TABLE, draw_joint_maps
+from reports.study.page import PAGE, write_page
+from reports.study.run_pictures import cloud_picture, ida_picture, quantities_of, spread_picture, stripes_picture
+from reports.study.sensitivity import Correlation, correlations
+from reports.study.tables import (
+    first_fits,
+    row_of,
+    write_fragility_csv,
+    write_fragility_json,
+    write_json,
+    write_openquake,
+    write_sensitivity,
+)
+from reports.study.tornado_picture import tornado_picture
+from reports.study.words import counts, lines_of, spreads, warnings_of
+
+FILES = (
+    "fragility.csv", "fragility.json", "fragility.xml", "sensitivity.csv", TABLE, "summary.json", PAGE, "fragility.png", "ida.png",
+    "cloud.png", "stripes.png", "spread.png", "tornado.png", "median_opening.png",
+)  # fmt: skip
+MAPS = "probability_*.png"
+
+
+@dataclass(eq=False)
+class Written:
+    """What has been written, and what there is to say of it."""
+
+    pictures: list[Path] = field(default_factory=list)
+    tables: list[Path] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+
+def write_study(folder: Path) -> dict[str, Any]:
+    """Fit, draw and write all that a study's design and its runs allow; what an earlier call wrote and this one does not is removed.
+
+    Args:
+        folder: of a study: study.json, runs.csv, and, for the maps, joints/ and reference/.
+
+    Returns:
+        what summary.json holds, with ``lines`` and ``warnings``.
+
+    Raises:
+        InputError: something in the folder is missing or broken.
+    """
+    study = read_study(folder)
+    fits, rows = fit_study(study), correlations(study)
+    for path in [folder / name for name in FILES] + sorted(folder.glob(MAPS)):
+        path.unlink(missing_ok=True)
+    out = Written(lines=lines_of(study, fits.fits, rows), warnings=[*warnings_of(study), *fits.warnings])
+    _write_tables(study, fits, rows, out)
+    _draw(study, fits, rows, out)
+    _draw_maps(study, out)
+    summary = _summary(study, fits.fits, rows, out)
+    write_page(study, fits.fits, out.pictures, out.lines, out.warnings)
+    write_json(folder / "summary.json", summary)
+    return summary
+
+
+def _write_tables(study: Study, fits: Fits, rows: Sequence[Correlation], out: Written) -> None:
+    """fragility.csv, .json and .xml, sensitivity.csv."""
+    folder = study.folder
+    if fits.fits:
+        write_fragility_csv(folder / "fragility.csv", fits.fits)
+        write_fragility_json(folder / "fragility.json", fits)
+        out.tables += [folder / "fragility.csv", folder / "fragility.json"]
+        out.warnings += write_openquake(folder / "fragility.xml", str(study.asked["title"]), fits.fits)
+        out.tables += [path for path in (folder / "fragility.xml",) if path.exists()]
+    if rows:
+        write_sensitivity(folder / "sensitivity.csv", rows)
+        out.tables.append(folder / "sensitivity.csv")
+
+
+def _draw(study: Study, fits: Fits, rows: Sequence[Correlation], out: Written) -> None:
+    """The diagrams."""
+    title, quantities = str(study.asked["title"]), quantities_of(study)
+    levels = study.numbers("level")[study.done]
+    in_stripes = study.asked["design"] != "ida" and len(np.unique(levels[np.isfinite(levels)])) > 1
+    drawn = any(fit.runs for fit in fits.fits)
+    asked: list[tuple[str, bool, Callable[[Path], None]]] = [
+        ("fragility.png", drawn, lambda path: fragility_picture([fit for fit in fits.fits if fit.runs], f"{title}: fragility", path)),
+        ("ida.png", bool(fits.curves and quantities), lambda path: ida_picture(study, fits.curves, path)),
+        ("cloud.png", bool(fits.clouds), lambda path: cloud_picture(study, fits.clouds, path)),
+        ("stripes.png", in_stripes and bool(quantities), lambda path: stripes_picture(study, path)),
+        ("spread.png", not drawn and not in_stripes and bool(quantities), lambda path: spread_picture(study, path)),
+        ("tornado.png", bool(rows), lambda path: tornado_picture(rows, title, path)),
+    ]
+    for name, wanted, draw in asked:
+        if wanted:
+            draw(study.folder / name)
+            out.pictures.append(study.folder / name)
+
+
+def _draw_maps(study: Study, out: Written) -> None:
+    """The maps of the joints; without off-screen OpenGL, a warning."""
+    try:
+        written, lines, warnings = draw_joint_maps(study)
+    except InputError as failure:
+        if "OpenGL" not in str(failure):
+            raise
+        out.warnings.append(str(failure))
+        return
+    out.pictures += [path for path in written if path.suffix == ".png"]
+    out.tables += [path for path in written if path.suffix != ".png"]
+    out.lines += lines
+    out.warnings += warnings
+
+
+def _summary(study: Study, fits: Sequence[Fit], rows: Sequence[Correlation], out: Written) -> dict[str, Any]:
+    """What summary.json holds."""
+    return {
+        "format": 1,
+        "title": study.asked["title"],
+        "design": study.asked["design"],
+        "measure": study.asked["measure"],
+        "runs": counts(study),
+        "records": len(study.motions),
+        "collapsed": int((study.collapsed & study.done).sum()),
+        "fragility": [row_of(fit) | dict(fit.betas.as_dict()) for fit in first_fits(fits)],
+        "spread": spreads(study),
+        "sensitivity": [row._asdict() for row in rows if row.kind == "varied"],
+        "files": [path.name for path in (*out.tables, *out.pictures)] + [PAGE],
+        "lines": out.lines,
+        "warnings": out.warnings,
+    }

@@ -1,0 +1,142 @@
+"""The common look of a study's pictures: sheets for print, names and colours as in the other pictures of the program."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.atomic import replacing
+from masonry_cd.errors import InputError
+from reports.drawing.figure import COLOURS, FAINT, INK
+from reports.study.limits import LimitState
+
+DPI = 150
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+STROKES = ("-", "--", ":", "-.")
+PALE = "#b8bec4"
+PANELS = 3  # side by side at most
+LENGTHS = ("max_opening", "max_sliding", "displacement_max")  # columns in metres, drawn in millimetres
+WORDS = {
+    "max_opening": "largest opening",
+    "max_sliding": "largest sliding",
+    "displacement_max": "largest displacement",
+    "drift": "drift",
+    "collapsed_blocks": "number of fallen blocks",
+    "grade_number": "number of the grade",
+}
+
+
+def quantity(column: str) -> tuple[str, float]:
+    """How an axis names a column, with its unit, and the factor into that unit."""
+    part, _, name = column.rpartition(".")
+    words = WORDS.get(name or column, name or column)
+    where = f" of {part}" if part else ""
+    if (name or column) in LENGTHS:
+        return f"{words}{where} [mm]", 1e3
+    return (f"{words}{where} [%]", 100.0) if (name or column) == "drift" else (f"{words}{where}", 1.0)
+
+
+def colour(k: int) -> str:
+    """Of the k-th of several."""
+    return COLOURS[k % len(COLOURS)]
+
+
+def sheet(title: str, facts: str, panels: int = 1, size: tuple[float, float] | None = None) -> tuple[Any, list[Any]]:
+    """A figure with a title, a line of facts, and panels side by side."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    width, height = size or ((8.2, 5.6) if panels == 1 else (1.4 + 4.9 * panels, 5.4))
+    figure: Any = Figure(figsize=(width, height), dpi=DPI, facecolor="white", layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08, wspace=0.06, rect=(0.0, 0.0, 1.0, 1.0 - 0.72 / height))
+    FigureCanvasAgg(figure)
+    figure.text(0.16 / width, 1.0 - 0.26 / height, title, fontsize=14, fontweight="bold", color=INK, va="center", parse_math=False)
+    figure.text(0.16 / width, 1.0 - 0.54 / height, facts, fontsize=10, color=FAINT, va="center", parse_math=False)
+    axes = list(figure.subplots(1, panels, squeeze=False)[0])
+    for one in axes:
+        plain(one)
+    return figure, axes
+
+
+def plain(axes: Any) -> None:
+    """No frame but the axes, a faint grid behind."""
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    for side in ("left", "bottom"):
+        axes.spines[side].set_color(FAINT)
+    axes.tick_params(labelsize=10, colors=FAINT, which="both")
+    axes.grid(color="#e8eaed", linewidth=0.8)
+    axes.set_axisbelow(True)
+
+
+def name_axes(axes: Any, across: str, up: str) -> None:
+    """Titles of the axes."""
+    axes.set_xlabel(across, fontsize=11, color=INK, parse_math=False)
+    axes.set_ylabel(up, fontsize=11, color=INK, parse_math=False)
+
+
+def logarithmic(axis: Any) -> None:
+    """Ticks of a logarithmic axis in plain numbers: 1, 2, 5 where it is short."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = sorted(axis.get_view_interval())
+    subs = (1.0, 2.0, 5.0) if high < 300.0 * low else (1.0,)
+    axis.set_major_locator(LogLocator(subs=subs, numticks=12))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def legend(axes: Any, columns: int = 1, **more: Any) -> None:
+    """A key below the axes."""
+    handles, _ = axes.get_legend_handles_labels()
+    if handles:
+        options: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (0.0, -0.13), "ncols": columns} | more
+        texts = axes.legend(fontsize=9.5, frameon=False, labelcolor=INK, **options).get_texts()
+        for text in texts:
+            text.set_parse_math(False)
+
+
+def halo() -> list[Any]:
+    """White around a text, so that it can be read over lines."""
+    from matplotlib.patheffects import withStroke
+
+    return [withStroke(linewidth=3.0, foreground="white")]
+
+
+def limit_line(axes: Any, limit: LimitState, k: int, factor: float, across: bool) -> None:
+    """The bound of a limit state, a dashed line with its name; ``across`` the picture, or upright."""
+    look = {"color": colour(k), "linewidth": 1.1, "linestyle": (0, (5, 3)), "zorder": 2.5}
+    words: dict[str, Any] = {"fontsize": 9.5, "color": colour(k), "path_effects": halo(), "zorder": 6, "parse_math": False}
+    if across:
+        axes.axhline(factor * limit.bound, **look)
+        axes.annotate(
+            limit.name, (0.0, factor * limit.bound), (4, 3), xycoords=("axes fraction", "data"), textcoords="offset points", **words
+        )
+    else:
+        axes.axvline(factor * limit.bound, **look)
+        at = (factor * limit.bound, 1.0)
+        axes.annotate(
+            limit.name, at, (3, -4), xycoords=("data", "axes fraction"), textcoords="offset points", rotation=90, va="top", **words
+        )
+
+
+def save(figure: Any, path: Path) -> None:
+    """Write the PNG; nothing in it depends on the day.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    try:
+        with replacing(path) as part:
+            figure.savefig(part, metadata={"Software": None})
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def quantiles(values: np.ndarray, shares: Sequence[float]) -> list[float]:
+    """Order statistics at shares of values (N,), infinite ones included."""
+    ordered = np.sort(values)
+    return [float(ordered[min(len(ordered) - 1, max(0, int(np.ceil(q * len(ordered))) - 1))]) for q in shares]
