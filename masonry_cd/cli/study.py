@@ -24,13 +24,15 @@ def study(
     retry: Annotated[bool, typer.Option("--retry", help="Make runs again that failed or ran out of time.")] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Refuse a DIR that holds no study; else it goes on without it as well.")] = False,
     plan: Annotated[bool, typer.Option("--plan", help="Check the study, print how many runs it has, and make none.")] = False,
+    report: Annotated[bool, typer.Option("--report", help="Fit and draw again from the runs in DIR; make none.")] = False,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Make many runs of one scene: over records, intensities, materials, and seeds, on all cores or on a cluster.
 
-    DIR gets runs.csv and runs.parquet, one row per run. The same command again goes on where the last one ended, and makes no finished
-    run again; more records or levels in STUDY make only their own runs. Ctrl-C ends a study without losing a finished run.
+    DIR gets runs.csv and runs.parquet, one row per run, and what follows from them: fragilities with their bands, pictures, and the page
+    study.html. The same command again goes on where the last one ended, and makes no finished run again; more records or levels in STUDY
+    make only their own runs. Ctrl-C ends a study without losing a finished run.
 
     \b
     Examples:
@@ -45,6 +47,7 @@ def study(
 
         exclude(("--scheduler", scheduler), ("--slurm", slurm))
         exclude(("--workers", workers), ("--scheduler or --slurm", scheduler or slurm))
+        exclude(("--report", report), ("--force", force))
         made = plan_of(study)
         if plan:
             asked = made.maker.study
@@ -53,6 +56,9 @@ def study(
             )
             return
         run = made.maker.study.tables.run
+        if report:
+            _write_report(output, quiet)
+            return
         options = Options(Where(scheduler, slurm, workers or run.workers, run.memory), retry, force, resume, quiet)
         go_on = f"masonry-cd: go on with: {shlex.join(['masonry-cd', *(word for word in sys.argv[1:] if word != '--force')])}"
         try:
@@ -61,6 +67,8 @@ def study(
             typer.echo(go_on, err=True)
             raise
         _tell_end(found, output, quiet)
+        if not found["stopped"]:
+            _write_report(output, quiet)
     if found["stopped"]:
         typer.echo(f"masonry-cd: error: {found['stopped']}; finished runs are kept\n{go_on}", err=True)
         raise typer.Exit(1)
@@ -74,3 +82,14 @@ def _tell_end(found: dict[str, Any], output: Path, quiet: bool) -> None:
         typer.echo(f"results: {output / 'runs.csv'}, {output / 'runs.parquet'}")
     for reason, count in sorted(found["reasons"].items(), key=lambda item: -item[1])[:5]:
         typer.echo(f"masonry-cd: warning: {count} of {no_data} runs without data: {reason}", err=True)
+
+
+def _write_report(output: Path, quiet: bool) -> None:
+    """Write what follows from the runs, and tell it."""
+    from reports.study.outputs import write_study
+
+    summary = write_study(output)
+    if not quiet:
+        typer.echo("\n".join([*summary["lines"], f"page: {output / 'study.html'}"]))
+    for line in summary["warnings"]:
+        typer.echo(f"masonry-cd: warning: {line}", err=True)
