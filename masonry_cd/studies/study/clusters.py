@@ -81,7 +81,9 @@ def connected(where: Where) -> Iterator[tuple[Client, str]]:
     import dask
     from distributed import Client
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # deaths of workers are counted by the engine
+    for name in list(logging.root.manager.loggerDict):
+        if name.startswith("distributed"):  # what it reports of lost workers and schedulers, the engine tells in a line
+            logging.getLogger(name).setLevel(logging.CRITICAL)
     with dask.config.set(SETTINGS):
         if where.scheduler is not None:
             with _answering(where.scheduler) as client:
