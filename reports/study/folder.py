@@ -119,9 +119,7 @@ def read_study(folder: Path) -> Study:
             raise InputError(f'{folder / "runs.csv"}, line {k + 2}: status: "{word}" is none of {", ".join(STATES)}')
     begin, end = len(FIRST) + len(asked["varied"]), header.index(RESULTS)
     measures = tuple(header[begin:end])
-    levels = columns["level"]
-    scaled = isinstance(levels, np.ndarray) and bool(np.isfinite(levels).any())
-    if asked["measure"] is not None and asked["measure"] not in measures and not scaled and rows:
+    if rows and asked["measure"] is not None and asked["measure"] not in measures:
         raise InputError(f'{folder / "study.json"}: measure: runs.csv has no column "{asked["measure"]}"')
     limits = read_limit_states(asked["limit_states"], header, folder / "study.json")
     return Study(folder, asked, limits, columns, measures)
