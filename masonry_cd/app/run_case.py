@@ -153,6 +153,7 @@ def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: f
         gravity = math.hypot(*settings.gravity)
         restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.longest_step, settings.tolerance)
     summary["warnings"] = [*run_warnings(summary), *summary["warnings"], *fast, *restless]
+    summary["time_step_remarks"] = [*case.coarse, *fast]
     summary["wall_seconds"] = since + time.perf_counter()
     writer.write_closing(as_json(summary))
     return summary

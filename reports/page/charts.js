@@ -26,7 +26,7 @@ class Charts {
   base(name, title, unit) {
     const all = this.curves(["x", "y", "z"].map((axis) => [`base/${name}/${axis}`, axis]));
     const moving = all.filter(({ value }) => value.some((v) => Math.abs(v) > 1e-9)); /* directions in which nothing happens are left out */
-    return { title, unit, curves: moving.length ? moving : all, note: all.length && !moving.length ? "The base does not move." : "", empty: "No block is a support." };
+    return { title, unit, curves: moving, hidden: !moving.length };
   }
 
   energy() {

@@ -202,7 +202,7 @@ def test_joints_have_the_classes_of_the_crack_map(page, folder):
     with Results.open(folder / "result.h5") as results:
         moment = DamageSnapshot.at(results, results.frames - 1, Thresholds())
         assert moment.down.tolist() == [False, False, False, False, True]
-        marks = Marks.of(results.joints, moment, Thresholds())
+        marks = Marks.of(moment)
     scales = Scale(1e-4, 0.05, OPENING_COLOURS), Scale(1e-4, 0.05, SLIDING_COLOURS)
     shown = np.reshape(page.run("const v = masonry.all.viewer; return Array.from(v.marks.subarray(0, 8 * v.joints));"), (-1, 8))
     assert (shown[:, 3] == 255).tolist() == (marks.opened | marks.slid).tolist()
