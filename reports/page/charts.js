@@ -6,6 +6,7 @@ class Charts {
     const last = Math.max(motion.end, ...["error/time", "energy/kinetic/time"].map((name) => (data[name] ? data[name][data[name].length - 1] : 0)));
     const make = () => new Plot(host, [motion.time[0], last], seek);
     this.plots = Object.fromEntries(["points", "joint", "base", "speed", "energy", "error", "cost", "contacts"].map((name) => [name, make()]));
+    for (const [name, plot] of Object.entries(this.plots)) plot.host.dataset.plot = name;
     this.plots.base.show(this.base("displacement", "Base: displacement", "m"));
     this.plots.speed.show(this.base("velocity", "Base: velocity", "m/s"));
     this.plots.energy.show(this.energy());

@@ -43,4 +43,4 @@ def downloads(names: list[str]) -> str:
         for name in (name.removeprefix(PREFIX) for name in names)
     ]
     hint = "Numbers in SI units, as in the files beside this page in the folder of the run. They are part of this page; nothing is fetched."
-    return section("tables", "Tables", f'<p class="hint">{hint}</p><ul class="files">{"".join(rows)}</ul>')
+    return section("tables", "Tables", f'<p class="note">{hint}</p><ul class="files">{"".join(rows)}</ul>')

@@ -47,7 +47,7 @@ def parts(context: PageContext) -> str:
         "parts",
         "Damage by part",
         f'<div class="scroll short"><table class="parts"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
-        '<p class="hint">A part (macro-element) is a group of blocks. Grades go by what is left at the end, see '
+        '<p class="note">A part (macro-element) is a group of blocks. Grades go by what is left at the end, see '
         f'<a href="#grades-title">Grades of damage</a>. {thresholds}{state}</p>',
     )
 
@@ -104,7 +104,7 @@ def _shaking(context: PageContext) -> str:
         return ""
     columns = ("base motion", "direction", "PGA [m&#47;s²]", "PGV", "PGD")
     return table(columns, rows) + (
-        '<p class="hint">Peaks of the base acceleration, velocity and displacement as they were applied. What a structure withstands under '
+        '<p class="note">Peaks of the base acceleration, velocity and displacement as they were applied. What a structure withstands under '
         "one motion is no capacity: other motions of equal peaks may do more, or less.</p>"
     )
 
@@ -149,6 +149,6 @@ def ties(context: PageContext) -> str:
 
 
 _TIES = (
-    '<p class="hint">Ties are elastic, and pull only. Compare the stress with the strength of the bar, and the tension with what its '
+    '<p class="note">Ties are elastic, and pull only. Compare the stress with the strength of the bar, and the tension with what its '
     "anchors and the masonry about them bear: neither is checked here.</p>"
 )

@@ -220,7 +220,7 @@ def _bound(values: Sequence[float], grade: int, text: Callable[[float], str]) ->
 
 
 _GRADES = (
-    f'<p class="hint">Grades and words: {escaped(REFERENCE)}. The scale describes damage in words and gives no numbers. The numbers '
+    f'<p class="note">Grades and words: {escaped(REFERENCE)}. The scale describes damage in words and gives no numbers. The numbers '
     "here are this program's, set in [report.grades]: widths after Burland, Broms &amp; de Mello (Behaviour of foundations and structures, "
     "Tokyo, 1977; BRE Digest 251), drifts after FEMA 356 (2000), table C1-3. A part has the highest grade whose number it reaches; the "
     "scale itself grades buildings as a whole, by what an inspector sees. They help to compare runs; they do not replace an inspection.</p>"

@@ -52,12 +52,12 @@ def _overall(found: list[Check]) -> str:
     for verdict, words in ((DOUBTFUL, "Do not rely on this run before it is mended"), (LOOK, "Read this before you rely on the run")):
         names = [check.name.lower() for check in found if check.verdict == verdict]
         if names:
-            return f"<p><b>{words}: {', '.join(names)}.</b></p>"
-    return "<p>All checks of the computation are good.</p>"
+            return f'<p class="lead-in"><b>{words}: {", ".join(names)}.</b></p>'
+    return '<p class="lead-in">All checks of the computation are good.</p>'
 
 
 _BEYOND = (
-    '<p class="hint">These checks say how exactly the model was computed, not how well the model describes the structure. One run of '
+    '<p class="note">These checks say how exactly the model was computed, not how well the model describes the structure. One run of '
     "strong shaking is one sample: once blocks rock and slide, the smallest change can alter which of them move. Before you draw a "
     "conclusion, repeat the run with other motions, with the friction a little lower and higher, and with half the time step, and compare "
     "(<code>masonry-cd compare</code>).</p>"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
+import subprocess
 import zlib
 from base64 import urlsafe_b64decode
 from datetime import date
@@ -11,6 +13,7 @@ from html import unescape
 from pathlib import Path
 from typing import Any
 
+import browser as browsers
 import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, write_run
@@ -21,6 +24,7 @@ from reports.damage.part_damage import PartDamage, part_damage
 from reports.damage.part_files import write_part_damage
 from reports.page import write_page
 from reports.page.limits import largest_pressure, moving_axes
+from reports.page.pdf import write_pdf
 from reports.settings import report_of
 
 DRY = '[structure]\nkind = "file"\n[material]\ndensity = 2000.0\nfriction = 0.6\n[run]\ndt = 1e-3\nduration = 0.2\n'
@@ -224,3 +228,25 @@ def test_the_model_is_looked_at_as_the_scene_asks_and_across_a_wall_that_leaves_
     text = (tmp_path / "across" / "report.html").read_text(encoding="utf-8")
     assert '"view":"isometric"' in text
     assert json.loads(re.search(r'"high":(\[[^\]]*\])', text).group(1))[1] == pytest.approx(0.8)  # the block that went is in view
+
+
+@pytest.mark.skipif(bool(browsers.missing()) or not shutil.which("pdftotext"), reason="no Chromium, or no pdftotext (poppler-utils)")
+def test_each_printed_page_has_its_number_and_the_heads_of_its_tables(tmp_path):
+    blocks = [box("ground", (-1, 0, -0.5), (2, 1, 0), "base", fixed=True)]
+    blocks += [box(f"stone {k}", (0, 0, 0.1 * k), (1, 1, 0.1 * k + 0.1), "tower") for k in range(60)]
+    rest = at_rest(blocks)
+    slipped = rest
+    for k in range(60):
+        slipped = shifted(slipped, slice(k + 1, None), (1e-3, 0, 0))
+    scene = DRY + '[report]\nproject = "A tower"\nauthor = "Office"\n'
+    with Results.open(write_run(tmp_path / "result.h5", blocks, [rest, slipped], "Tower", scene=scene, ended=True)) as results:
+        write_page(results, tmp_path / "report.html", SOUND, parts=part_damage(results))
+    write_pdf(tmp_path / "report.html", tmp_path / "report.pdf")
+    pages = subprocess.run(["pdftotext", tmp_path / "report.pdf", "-"], capture_output=True, text=True, check=True).stdout.split("\f")[:-1]
+    assert len(pages) >= 4
+    for k, text in enumerate(pages, start=1):
+        assert f"{k}/{len(pages)}" in text.replace(" ", "") and "A tower" in text and "Office" in text and date.today().isoformat() in text
+    rows = [text for text in pages if "stone" in text and re.search(r"slid\n", text) and "graded" not in text and "[structure]" not in text]
+    assert len(rows) >= 2, "the table goes over more than one page"
+    assert all("block a" in text for text in rows)
+    assert "Joints 1 to 40 of 60 in this order; all of them are in joints.csv" in " ".join(" ".join(pages).split())
