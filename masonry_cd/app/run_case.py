@@ -38,7 +38,7 @@ from reports.extra import EXTRA
 RESULTS = "result.h5"
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
-    "damage_shocks.csv", "crack_map.png", "crack_map.gif", "report.html", "report.pdf",
+    "damage_shocks.csv", "crack_map.png", "crack_map.svg", "crack_map.pdf", "crack_map.gif", "report.html", "report.pdf",
 )  # fmt: skip
 
 

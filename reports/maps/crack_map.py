@@ -117,6 +117,12 @@ class Framing:
         """Size of a pixel [m]."""
         return self.window.width / self.plan.pixels[0]
 
+    @property
+    def scales(self) -> tuple[Scale, Scale]:
+        """The colours of openings and slidings."""
+        thresholds, largest = self.style.thresholds, self.style.largest
+        return Scale(thresholds.opened, largest, OPENING_COLOURS), Scale(thresholds.slid, largest, SLIDING_COLOURS)
+
 
 def view_and_cut(solids: Solids, style: MapStyle) -> tuple[View, Cut | None]:
     """The view that a style asks for, and its cut.
@@ -160,20 +166,24 @@ def sheet_of(results: Results, frame: int, framed: Framing, samples: int = SAMPL
 
 def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas) -> tuple[Sheet, Key]:
     """The sheet of a frame without the scales of its key, which a sequence draws once, and what the key says."""
-    subject = _subject(results, frame, framed)
-    thresholds, largest = framed.style.thresholds, framed.style.largest
-    scales = Scale(thresholds.opened, largest, OPENING_COLOURS), Scale(thresholds.slid, largest, SLIDING_COLOURS)
-    layers = [_shadow(subject), *_block_layers(subject), *_joint_layers(subject, scales)]
+    subject = subject_of(results, frame, framed)
+    layers = [shadow(subject), *_block_layers(subject), *_joint_layers(subject, framed.scales)]
     force = None
     if framed.style.thrust:
-        thrust, force = _thrust_layer(results, frame, subject)
+        thrust, force = thrust_layer(results, frame, subject)
         layers.append(thrust)
     sheet = Sheet(framed.plan)
     sheet.model(canvas.draw(layers, framed.window))
-    sheet.head(results.title or "Crack map", _facts(subject))
+    return sheet, draw_around(sheet, subject, results.title, force)
+
+
+def draw_around(sheet: Sheet, subject: Subject, title: str, force: float | None) -> Key:
+    """Draw the head and the signs of a sheet; return what its key says. ``force`` is that of the widest ribbon [N]."""
+    framed = subject.framed
+    sheet.head(title or "Crack map", _facts(subject))
     key = Key(
         marks=subject.marks,
-        scales=scales,
+        scales=framed.scales,
         when="Present" if not (subject.last and framed.alone) else "Provisional" if subject.provisional else "Residual",
         down=int(subject.down.sum()),
         outside=_outside(subject),
@@ -184,7 +194,7 @@ def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas)
         view=framed.view,
     )
     draw_signs(sheet, key)
-    return sheet, key
+    return key
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,7 +227,7 @@ class Subject:
         return largest_displacement(self.pose, self.solids)
 
 
-def _subject(results: Results, frame: int, framed: Framing) -> Subject:
+def subject_of(results: Results, frame: int, framed: Framing) -> Subject:
     """Collect what a frame shows."""
     solids, thresholds = solids_of(results.blocks), framed.style.thresholds
     snapshot, last = DamageSnapshot.at(results, frame, thresholds), frame == results.frames - 1
@@ -258,7 +268,7 @@ def followed(rest: Window, moved: np.ndarray, share: float = REACH) -> Window:
     return Window(min(rest.left, float(left)), max(rest.right, float(right)), min(rest.bottom, float(bottom)), max(rest.top, float(top)))
 
 
-def _shadow(subject: Subject) -> Surface:
+def shadow(subject: Subject) -> Surface:
     """The free blocks at rest, pale, behind everything: seen only where the structure has moved away."""
     solids, framed = subject.solids, subject.framed
     towards = framed.view.towards
@@ -272,11 +282,16 @@ def _shadow(subject: Subject) -> Surface:
     return Surface(left.points - behind * towards, left.loops, left.loop_start, left.colours, lit=False)
 
 
+def block_colours(subject: Subject) -> np.ndarray:
+    """(B, 3) colours of the blocks, 0..1."""
+    colours = np.where(subject.down[:, None], rgb(FALLEN), rgb(STONE))
+    colours[subject.solids.fixed] = rgb(SUPPORT)
+    return np.asarray(colours)
+
+
 def _block_layers(subject: Subject) -> list[Layer]:
     """Faces and edges of the blocks; where they are cut, with caps in a darker tone."""
-    solids, framed = subject.solids, subject.framed
-    colours = np.where(subject.down[:, None], rgb(FALLEN), rgb(STONE))
-    colours[solids.fixed] = rgb(SUPPORT)
+    solids, framed, colours = subject.solids, subject.framed, block_colours(subject)
     whole = block_layers(solids, subject.drawn, colours, framed.view, framed.window)
     if framed.cut is None:
         return list(whole)
@@ -294,20 +309,30 @@ def _block_layers(subject: Subject) -> list[Layer]:
     ]
 
 
+def band_width(subject: Subject) -> float:
+    """Width of a closed joint's band [m]."""
+    solids, pixel = subject.solids, subject.framed.pixel
+    smallest = float(np.median(solids.sizes[~solids.fixed].min(axis=1))) if not solids.fixed.all() else np.inf
+    return max(LEAST_BAND * pixel, min(BAND * pixel, BAND_OF_BLOCK * smallest))
+
+
+def standing_faces(subject: Subject) -> list[np.ndarray]:
+    """(J,) whether the face on block a, and that on block b, of a separated joint is drawn: that of a block which stands."""
+    blocks = (subject.joints.block_a, subject.joints.block_b)
+    return [subject.marks.separated & ~subject.down[block] for block in blocks]
+
+
 def _joint_layers(subject: Subject, scales: tuple[Scale, Scale]) -> list[Surface]:
     """One surface for the bands of opened and slid joints, one for the parted faces of blocks that still stand."""
     joints, marks, solids, framed = subject.joints, subject.marks, subject.solids, subject.framed
-    smallest = float(np.median(solids.sizes[~solids.fixed].min(axis=1))) if not solids.fixed.all() else np.inf
-    width = max(LEAST_BAND * framed.pixel, min(BAND * framed.pixel, BAND_OF_BLOCK * smallest))
-    marked = marks.opened | marks.slid
-    standing = [marks.separated & ~subject.down[block] for block in (joints.block_a, joints.block_b)]
+    width, marked, standing = band_width(subject), marks.opened | marks.slid, standing_faces(subject)
     layers: list[Surface] = []
     if marked.any():
-        first, second = _band_colours(marks, scales)
+        first, second = band_colours(marks, scales)
         bands = joint_bands(joints, marked, solids, subject.pose, framed.factor, width)
         layers.append(_lifted(dashed(bands, first, second, width), framed, cut=True))
         if framed.cut is not None:
-            layers.append(_lifted(dashed(_traces(subject, marked, width), first, second, width), framed, cut=False))
+            layers.append(_lifted(dashed(trace_bands(subject, marked, width), first, second, width), framed, cut=False))
     if np.any(standing):
         dark = np.tile((255 * rgb(PARTED)).astype(np.uint8), (joints.count, 1))
         plates = dashed(face_plates(joints, standing, solids, subject.pose, framed.factor, 0.7 * width), dark, dark, width)
@@ -315,7 +340,7 @@ def _joint_layers(subject: Subject, scales: tuple[Scale, Scale]) -> list[Surface
     return layers
 
 
-def _band_colours(marks: Marks, scales: tuple[Scale, Scale]) -> tuple[np.ndarray, np.ndarray]:
+def band_colours(marks: Marks, scales: tuple[Scale, Scale]) -> tuple[np.ndarray, np.ndarray]:
     """(J, 3) the two colours that the dashes of each joint alternate between."""
     opening, sliding = scales[0](marks.opening), scales[1](marks.sliding)
     first = np.where(marks.opened[:, None], opening, sliding)
@@ -323,7 +348,7 @@ def _band_colours(marks: Marks, scales: tuple[Scale, Scale]) -> tuple[np.ndarray
     return first, np.where(~marks.slid[:, None], opening, np.where(marks.opened[:, None], sliding, white))
 
 
-def _traces(subject: Subject, marked: np.ndarray, width: float) -> Bands:
+def trace_bands(subject: Subject, marked: np.ndarray, width: float) -> Bands:
     """The bands of the joints in the plane of the cut."""
     framed = subject.framed
     assert framed.cut is not None
@@ -338,7 +363,7 @@ def _lifted(surface: Surface, framed: Framing, cut: bool) -> Surface:
     return Surface(left.points + lift, left.loops, left.loop_start, left.colours, lit=False)
 
 
-def _thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surface, float]:
+def thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surface, float]:
     """The line of thrust, before everything else, and the force of the widest ribbon [N]."""
     framed, towards = subject.framed, subject.framed.view.towards
     surface, largest = ribbons(results, subject.solids, subject.pose, subject.snapshot, frame, framed.factor, framed.view, framed.pixel)
