@@ -13,7 +13,7 @@ from reports.page.words import PageContext, escaped, number, sensible
 G = 9.80665  # [m/s2]
 COLUMNS = (
     "part", "grade", "by", "mechanism", "opened", "slid", "opened and slid", "separated", "lost", "opening left [mm]", "sliding left [mm]",
-    "drift left [%]", "largest drift [%]",
+    "drift left [%]", "largest drift of frames [%]",
 )  # fmt: skip
 
 
@@ -48,8 +48,17 @@ def parts(context: PageContext) -> str:
         "Damage by part",
         f'<div class="scroll short"><table class="parts"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
         '<p class="note">A part (macro-element) is a group of blocks. Grades go by what is left at the end, see '
-        f'<a href="#grades-title">Grades of damage</a>. {thresholds}{state}</p>',
+        f'<a href="#grades-title">Grades of damage</a>. {thresholds} Openings and slidings '
+        f"are looked at in all time steps, largest drifts and mechanisms in {_frames(context)}.{state}</p>",
     )
+
+
+def _frames(context: PageContext) -> str:
+    """The frames that the history of the parts is made of, with the time between them."""
+    assert context.parts is not None
+    times = sorted({row["time"] for row in context.parts.history})
+    apart = f", {number(float(f'{1e3 * (times[-1] - times[0]) / (len(times) - 1):.3g}'), 'ms')} apart" if len(times) > 1 else ""
+    return f"the {len(times)} frames of the history{apart}"
 
 
 def _part(row: Mapping[str, Any], whole: bool) -> str:

@@ -104,6 +104,7 @@ def test_parts_come_before_joints_and_limits_after_them(tmp_path):
     places = [text.index(f'id="{name}-title"') for name in ("parts", "model", "damage", "limits", "trust", "grades", "tables", "settings")]
     assert places == sorted(places)
     assert "graded D2, moderate damage" in words(text)
+    assert "largest drifts and mechanisms in the 3 frames of the history, 100 ms apart." in words(text)
 
 
 def test_the_grades_are_those_of_ems_98_with_the_numbers_in_force(tmp_path):
