@@ -85,11 +85,11 @@ def test_a_canvas_draws_each_picture_anew_and_once(monkeypatch):
     render = pyvista.Plotter.render
     monkeypatch.setattr(pyvista.Plotter, "render", lambda self: (drawn.append(1), render(self))[1])
     with Canvas(view_named("front"), (40, 40), samples=1) as canvas:
-        for colour in ([255, 0, 0], [0, 255, 0], [0, 0, 255]):
+        for number, colour in enumerate(([255, 0, 0], [0, 255, 0], [0, 0, 255])):
             before = len(drawn)
             layers = [
                 Surface(square + [0, k, 0], np.arange(4), np.array([0, 4]), np.array([colour], np.uint8), lit=False) for k in range(3)
             ]
             image = canvas.draw(layers, Window(0.0, 1.0, 0.0, 1.0))
             assert image[20, 20].tolist() == colour
-            assert not before or len(drawn) == before + 1  # the first picture opens OpenGL as well
+            assert number == 0 or len(drawn) == before + 1  # the first picture opens OpenGL as well
