@@ -96,6 +96,13 @@ def draw_crack_map(results: Results, path: Path, settings: Report, frame: int = 
     sheet_of(results, frame, framing(results, [frame], style_of(settings))).save(path)
 
 
+def draw_vector(results: Results, folder: Path, settings: Report, frame: int = -1) -> list[Path]:
+    """Draw the crack map as polygons, in SVG and PDF."""
+    from reports.maps.vector_map import vector_maps
+
+    return vector_maps(results, folder, style_of(settings), frame)
+
+
 def frame_at(results: Results, time: float | None) -> int:
     """The frame next to a time [s]; the last for None."""
     return -1 if time is None else frames_at(results, [time])[0]
@@ -147,6 +154,8 @@ def write_asked(results: Results, folder: Path, settings: Report, summary: Mappi
             write_page(results, folder / PAGE, settings, summary, damage)
     if settings.crack_map:
         draw_crack_map(results, folder / "crack_map.png", settings)
+    if settings.vector:
+        draw_vector(results, folder, settings)
     times, beyond = times_within(results, settings.times)
     if times:
         draw_times(results, folder, settings, times)

@@ -33,11 +33,34 @@ def _known_extra(schema: dict[str, Any]) -> None:
     schema["items"] = {"enum": [*EXTRA]}
 
 
+def _words(value: object) -> object:
+    """A line of text."""
+    if not isinstance(value, str):
+        raise ValueError('should be a text, "..."')
+    if not value.strip() or len(value) > LONGEST_WORDS or any(ord(letter) < 32 for letter in value):
+        raise ValueError(f"should be one line of 1 to {LONGEST_WORDS} letters")
+    return value.strip()
+
+
+LONGEST_WORDS = 200  # letters of a line of the title block
+Words = Annotated[str, BeforeValidator(_words), Field(min_length=1, max_length=LONGEST_WORDS)]
+
+
 class Report(Table):
     """The table ``[report]``: what is drawn after the run."""
 
+    project: Words | None = None
+    """Of the title block of the page and its PDF."""
+    client: Words | None = None
+    """For whom the report is; of the title block."""
+    author: Words | None = None
+    """Who answers for it; of the title block."""
+    date: Words | None = None
+    """Of the report, as it is to be printed; the day on which the page is written when not given."""
     crack_map: Flag = False
     """Draw crack_map.png."""
+    vector: Flag = False
+    """Draw crack_map.svg and crack_map.pdf, in which blocks and joints are polygons that print sharp at any size."""
     view: Literal["auto", "front", "back", "side", "top", "isometric"] = "auto"
     """From where."""
     scale: Annotated[Number, Field(gt=0)] | None = None
@@ -69,7 +92,7 @@ class Report(Table):
     @property
     def asks(self) -> bool:
         """Whether anything is to be written beside joints.csv."""
-        return self.damage or self.crack_map or bool(self.times) or self.animation or self.html or bool(self.extra)
+        return self.damage or self.crack_map or self.vector or bool(self.times) or self.animation or self.html or bool(self.extra)
 
 
 def report_of(text: str, **changes: object) -> Report:

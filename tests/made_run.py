@@ -50,8 +50,10 @@ def write_run(
     peaks: bool = True,
     scene: str = "",
     histories: Mapping[str, np.ndarray] | None = None,
+    ended: bool = False,
 ) -> Path:
-    """Write a result with one frame per state, 0.1 s apart; without peaks it is the file of a run that was killed.
+    """Write a result with one frame per state, 0.1 s apart; without peaks it is the file of a run that was killed,
+    and with a scene it is one that was cut off unless it has ``ended``.
 
     ``histories`` (F, J) or (F, J, 3) of the joints by name come beside those that are measured.
     """
@@ -65,6 +67,8 @@ def write_run(
             writer.append({"time": 0.1 * k, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
             writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
             writer.append({f"joints/{name}": rows[k] for name, rows in (histories or {}).items()})
+        if ended:
+            writer.write_closing('{"stopped": ""}')
         writer.flush()
         if peaks:
             writer.write_peaks({name: getattr(largest, name) for name in JOINT_PEAKS})

@@ -50,6 +50,7 @@ class Case:
     still: float  # speed below which a block counts as still at the end [m/s]
     notes: tuple[str, ...]  # what was changed in making the blocks, in words
     warnings: tuple[str, ...]  # what the time step is too coarse for, and the machine too small
+    coarse: tuple[str, ...]  # those of them on the time step
     built_gap: float  # largest gap or overlap of the joints as built that counts as none [m]
     seconds: float  # to build it
 
@@ -162,7 +163,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     except InputError as error:
         raise scene.at_fault(error) from None
     steps = len(loading.acceleration) - 1
-    return Case(scene, assembly, joints, loading, steps, still, notes, warnings, built, time.perf_counter() - begin)
+    return Case(scene, assembly, joints, loading, steps, still, notes, warnings, tuple(coarse), built, time.perf_counter() - begin)
 
 
 def _odd_size(assembly: Assembly) -> list[str]:

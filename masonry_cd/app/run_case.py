@@ -39,7 +39,7 @@ from reports.extra import EXTRA
 RESULTS = "result.h5"
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
-    "damage_shocks.csv", "crack_map.png", "crack_map.gif", "report.html", "report.pdf",
+    "damage_shocks.csv", "crack_map.png", "crack_map.svg", "crack_map.pdf", "crack_map.gif", "report.html", "report.pdf",
 )  # fmt: skip
 
 
@@ -169,6 +169,7 @@ def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: f
         gravity = math.hypot(*settings.gravity)
         restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.longest_step, settings.tolerance)
     summary["warnings"] = [*run_warnings(summary), *summary["warnings"], *fast, *restless]
+    summary["time_step_remarks"] = [*case.coarse, *fast]
     summary["wall_seconds"] = since + time.perf_counter()
     writer.write_closing(as_json(summary))
     return summary

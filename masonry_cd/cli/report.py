@@ -23,6 +23,7 @@ def report(
     cut: Annotated[str | None, typer.Option(metavar="PLANE", help="Cut by a plane, y=1.5 [m], or y for the middle.")] = None,
     thrust: Annotated[bool | None, typer.Option("--thrust/--no-thrust", help="Draw the line of thrust.", show_default=False)] = None,
     animation: Annotated[bool, typer.Option("--animation", help="Draw crack_map.gif, the whole run.")] = False,
+    vector: Annotated[bool, typer.Option("--vector", help="Draw crack_map.svg and crack_map.pdf, sharp at any size.")] = False,
     energy: Annotated[bool, typer.Option("--energy", help="Draw energy.png: what was put in, where it went, the balance.")] = False,
     extra: Annotated[list[str] | None, typer.Option(metavar="NAME", help="A further report by its name; as often as needed.")] = None,
     html: Annotated[bool, typer.Option("--html", help="Write report.html, a page that shows the run and needs no network.")] = False,
@@ -41,7 +42,7 @@ def report(
       masonry-cd report out/aqueduct --html --no-crack-map
     """
     with errors_reported():
-        drawn = crack_map or times is not None or animation
+        drawn = crack_map or times is not None or animation or vector
         for name, given in (("--view", view), ("--scale", scale), ("--cut", cut), ("--thrust", thrust)):
             exclude((name, given is not None and not (name == "--scale" and (html or pdf))), ("--no-crack-map", not drawn))
         exclude(("--time", time is not None), ("--no-crack-map", not crack_map))
@@ -72,6 +73,8 @@ def report(
             if crack_map:
                 written.append(folder / "crack_map.png")
                 outputs.draw_crack_map(results, written[-1], settings, frame)
+            if vector:
+                written += outputs.draw_vector(results, folder, settings, frame)
             if chosen:
                 written += outputs.draw_times(results, folder, settings, chosen)
             if animation:

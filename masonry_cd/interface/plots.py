@@ -53,7 +53,8 @@ class Plots:
         """
         from PIL import Image as images
 
-        from reports.maps.crack_map import framing, sheet_of
+        from reports.maps.crack_map import sheet_of
+        from reports.maps.framing import framing
         from reports.outputs import frame_at, style_of
 
         settings = parse_table(Report, self._settings.model_dump(exclude_unset=True) | keys, "report")

@@ -26,7 +26,6 @@ import numpy as np
 from masonry_cd.dynamics.pauses import DROP, TILT
 from masonry_cd.errors import InputError
 from masonry_cd.model.joints import Joints
-from masonry_cd.quantities import length
 from reports.deformed import Pose, Solids
 
 STATES = ("intact", "opened", "slid", "separated")
@@ -63,7 +62,7 @@ class Thresholds:
     def in_words(self) -> str:
         """The thresholds that count joints and blocks, in a sentence."""
         return (
-            f"Opened: by {length(self.opened)} or more; slid: by {length(self.slid)} or more, at any time step. "
+            f"Opened: by {1e3 * self.opened:.3g} mm or more; slid: by {1e3 * self.slid:.3g} mm or more, at any time step. "
             f"Separated: no contact left at the end. Fallen: dropped by {100 * self.drop:.3g} % of its height, turned by "
             f"{self.tilt:g} degrees, or all joints separated."
         )

@@ -41,6 +41,21 @@ LABELS = (
     "destruction",
 )
 
+REFERENCE = (
+    "Grünthal, G. (ed.): European Macroseismic Scale 1998 (EMS-98). Cahiers du Centre Européen de Géodynamique et de Séismologie 15, "
+    "Luxembourg, 1998"
+)
+DESCRIPTIONS = (
+    "",
+    "No structural damage, slight non-structural damage: hair-line cracks in very few walls; fall of small pieces of plaster only.",
+    "Slight structural, moderate non-structural damage: cracks in many walls; fall of fairly large pieces of plaster.",
+    "Moderate structural, heavy non-structural damage: large and extensive cracks in most walls; failure of individual non-structural "
+    "elements (partitions, gable walls).",
+    "Heavy structural, very heavy non-structural damage: serious failure of walls; partial structural failure of roofs and floors.",
+    "Very heavy structural damage: total or near total collapse.",
+)
+"""What EMS-98 says of masonry buildings of the grades D0 to D5; it does not define a grade 0."""
+
 
 def _five_rising(value: object) -> object:
     """Five numbers that do not fall, for D1 to D5."""

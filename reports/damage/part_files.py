@@ -35,7 +35,8 @@ DIGITS = 9
 NOTE = (
     "A part is a group of blocks. A joint between two parts belongs to both, so the parts add up to more than the structure, which "
     "counts each joint once. opened, slid and separated: what each joint suffered at any time, as in joints.csv; open, slipped, apart, "
-    "hinges and residual values: what is left at the end, between blocks that have not fallen. SI units."
+    "hinges and residual values: what is left at the end, between blocks that have not fallen. Largest openings and slidings are over all "
+    "time steps; largest drifts and displacements, and the hinges of a run, are over the frames, see history_frames. SI units."
 )
 
 
@@ -67,6 +68,7 @@ def as_json(damage: PartDamage) -> dict[str, Any]:
             "time": damage.time,
             "provisional": damage.provisional,
             "note": NOTE,
+            "history_frames": len({row["time"] for row in damage.history}),
             "thresholds": asdict(settings.thresholds),
             "rules": asdict(settings.rules),
             "grades": {"labels": dict(zip(NAMES, grades.labels, strict=True)), "reached_from": bounds},

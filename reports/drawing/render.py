@@ -170,6 +170,7 @@ class Canvas:
         for layer in layers:
             _add(self._plotter, layer, self._samples)
         _aim(self._plotter.camera, layers, self._view, window)
+        self._plotter.render()  # once, with all layers: a screenshot alone renders the first time only
         image = self._plotter.screenshot(None, return_img=True)
         if image is None or image.shape[:2] != (self._size[1], self._size[0]):
             raise InputError(NO_CONTEXT)
@@ -230,7 +231,7 @@ def _add(plotter: Any, layer: Layer, samples: int) -> None:
         if len(layer.pairs):
             cells = np.insert(layer.pairs, 0, 2, axis=1).ravel()
             mesh = pyvista.PolyData(layer.points, lines=cells)
-            plotter.add_mesh(mesh, color=layer.colour, line_width=samples * layer.width, lighting=False)
+            plotter.add_mesh(mesh, color=layer.colour, line_width=samples * layer.width, lighting=False, render=False)
         return
     if len(layer.loop_start) < 2:
         return
@@ -238,7 +239,7 @@ def _add(plotter: Any, layer: Layer, samples: int) -> None:
     mesh = pyvista.PolyData(layer.points, faces=cells)
     mesh.cell_data["colour"] = layer.colours
     look = {"ambient": AMBIENT, "diffuse": 1.0, "specular": 0.0} if layer.lit else {}
-    plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=layer.lit, opacity=layer.opacity, show_edges=False, **look)
+    plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=layer.lit, opacity=layer.opacity, show_edges=False, render=False, **look)
 
 
 def _aim(camera: Any, layers: Sequence[Layer], view: View, window: Window) -> None:

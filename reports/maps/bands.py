@@ -61,7 +61,12 @@ def face_plates(joints: Joints, drawn: Sequence[np.ndarray], solids: Solids, pos
 
 
 def dashed(bands: Bands, first: np.ndarray, second: np.ndarray, width: float) -> Surface:
-    """A surface of bands, cut into dashes whose colours alternate between first and second (J, 3) uint8.
+    """A surface of bands, cut into dashes whose colours alternate between first and second (J, 3) uint8."""
+    return dashes(bands, first, second, width)[0]
+
+
+def dashes(bands: Bands, first: np.ndarray, second: np.ndarray, width: float) -> tuple[Surface, np.ndarray]:
+    """The surface of :func:`dashed`, and the side (P,) of the bands that each of its polygons is a piece of.
 
     Every side begins and ends with the first colour, so that short ones show it.
     """
@@ -77,7 +82,7 @@ def dashed(bands: Bands, first: np.ndarray, second: np.ndarray, width: float) ->
     points = np.stack(quad, axis=1).reshape(-1, 3)
     joint = bands.joint[side]
     colours = np.where((k % 2 == 0)[:, None], first[joint], second[joint]).astype(np.uint8)
-    return Surface(points, np.arange(len(points)), np.arange(0, len(points) + 1, 4), colours, lit=False)
+    return Surface(points, np.arange(len(points)), np.arange(0, len(points) + 1, 4), colours, lit=False), side
 
 
 def _grown(corners: np.ndarray, joints: Joints, corner_joint: np.ndarray, by: float) -> np.ndarray:

@@ -24,7 +24,7 @@ from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import frame_index, solids_of
 from reports.drawing.figure import Sheet, in_metres
 from reports.drawing.render import SAMPLES, Canvas, Surface
-from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Key, Marks, Scale, draw_scales, draw_signs
+from reports.maps.crack_key import Key, Marks, draw_scales, draw_signs
 from reports.maps.cut import clipped
 from reports.maps.framing import Framing, MapStyle, framing
 from reports.maps.layers import Subject, block_layers_of, joint_layers, shadow
@@ -58,20 +58,24 @@ def sheet_of(results: Results, frame: int, framed: Framing, samples: int = SAMPL
 
 def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas) -> tuple[Sheet, Key]:
     """The sheet of a frame without the scales of its key, which a sequence draws once, and what the key says."""
-    subject = _subject(results, frame, framed)
-    thresholds, largest = framed.style.thresholds, framed.style.largest
-    scales = Scale(thresholds.opened, largest, OPENING_COLOURS), Scale(thresholds.slid, largest, SLIDING_COLOURS)
-    layers = [shadow(subject), *block_layers_of(subject), *joint_layers(subject, scales)]
+    subject = subject_of(results, frame, framed)
+    layers = [shadow(subject), *block_layers_of(subject), *joint_layers(subject, framed.scales)]
     force = None
     if framed.style.thrust:
-        thrust, force = _thrust_layer(results, frame, subject)
+        thrust, force = thrust_layer(results, frame, subject)
         layers.append(thrust)
     sheet = Sheet(framed.plan)
     sheet.model(canvas.draw(layers, framed.window))
-    sheet.head(results.title or "Crack map", _facts(subject))
+    return sheet, draw_around(sheet, subject, results.title, force)
+
+
+def draw_around(sheet: Sheet, subject: Subject, title: str, force: float | None) -> Key:
+    """Draw the head and the signs of a sheet; return what its key says. ``force`` is that of the widest ribbon [N]."""
+    framed = subject.framed
+    sheet.head(title or "Crack map", _facts(subject))
     key = Key(
         marks=subject.marks,
-        scales=scales,
+        scales=framed.scales,
         when="Present" if not (subject.last and framed.alone) else "Provisional" if subject.provisional else "Residual",
         down=int(subject.down.sum()),
         outside=_outside(subject),
@@ -82,10 +86,10 @@ def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas)
         view=framed.view,
     )
     draw_signs(sheet, key)
-    return sheet, key
+    return key
 
 
-def _subject(results: Results, frame: int, framed: Framing) -> Subject:
+def subject_of(results: Results, frame: int, framed: Framing) -> Subject:
     """Collect what a frame shows."""
     solids, thresholds = solids_of(results.blocks), framed.style.thresholds
     snapshot, last = DamageSnapshot.at(results, frame, thresholds), frame == results.frames - 1
@@ -102,7 +106,7 @@ def _subject(results: Results, frame: int, framed: Framing) -> Subject:
     )
 
 
-def _thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surface, float]:
+def thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surface, float]:
     """The line of thrust, before everything else, and the force of the widest ribbon [N]."""
     framed, towards = subject.framed, subject.framed.view.towards
     surface, largest = ribbons(results, subject.solids, subject.pose, subject.snapshot, frame, framed.factor, framed.view, framed.pixel)

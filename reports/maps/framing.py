@@ -15,6 +15,7 @@ from reports.deformed import Pose, Solids, solids_of
 from reports.drawing.figure import Layout, layout, nice
 from reports.drawing.render import View, Window, view_named
 from reports.drawing.structure_picture import auto_view, structure_window
+from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Scale
 from reports.maps.cut import FACING, Cut, axis_of, cut_named
 
 SEEN = 0.02  # amplified displacements reach at most this share of the picture
@@ -66,6 +67,12 @@ class Framing:
     def pixel(self) -> float:
         """Size of a pixel [m]."""
         return self.window.width / self.plan.pixels[0]
+
+    @property
+    def scales(self) -> tuple[Scale, Scale]:
+        """The colours of openings and slidings."""
+        thresholds, largest = self.style.thresholds, self.style.largest
+        return Scale(thresholds.opened, largest, OPENING_COLOURS), Scale(thresholds.slid, largest, SLIDING_COLOURS)
 
 
 def view_and_cut(solids: Solids, style: MapStyle) -> tuple[View, Cut | None]:

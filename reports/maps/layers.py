@@ -66,11 +66,16 @@ def shadow(subject: Subject) -> Surface:
     return Surface(left.points - behind * towards, left.loops, left.loop_start, left.colours, lit=False)
 
 
+def block_colours(subject: Subject) -> np.ndarray:
+    """(B, 3) colours of the blocks, 0..1."""
+    colours = np.where(subject.down[:, None], rgb(FALLEN), rgb(STONE))
+    colours[subject.solids.fixed] = rgb(SUPPORT)
+    return np.asarray(colours)
+
+
 def block_layers_of(subject: Subject) -> list[Layer]:
     """Faces and edges of the blocks; where they are cut, with caps in a darker tone."""
-    solids, framed = subject.solids, subject.framed
-    colours = np.where(subject.down[:, None], rgb(FALLEN), rgb(STONE))
-    colours[solids.fixed] = rgb(SUPPORT)
+    solids, framed, colours = subject.solids, subject.framed, block_colours(subject)
     whole = block_layers(solids, subject.drawn, colours, framed.view, framed.window)
     if framed.cut is None:
         return list(whole)
@@ -91,8 +96,8 @@ def block_layers_of(subject: Subject) -> list[Layer]:
 def joint_layers(subject: Subject, scales: tuple[Scale, Scale]) -> list[Surface]:
     """One surface for the bands of opened and slid joints, one for the parted faces of blocks that still stand."""
     joints, marks, solids, framed = subject.joints, subject.marks, subject.solids, subject.framed
-    standing = [marks.separated & ~subject.down[block] for block in (joints.block_a, joints.block_b)]
-    layers = coloured_bands(subject, marks.opened | marks.slid, *_band_colours(marks, scales))
+    standing = standing_faces(subject)
+    layers = coloured_bands(subject, marks.opened | marks.slid, *band_colours(marks, scales))
     if np.any(standing):
         width = band_width(subject)
         dark = np.tile((255 * rgb(PARTED)).astype(np.uint8), (joints.count, 1))
@@ -109,8 +114,14 @@ def coloured_bands(subject: Subject, drawn: np.ndarray, first: np.ndarray, secon
     bands = joint_bands(subject.joints, drawn, subject.solids, subject.pose, framed.factor, width)
     layers = [lifted(dashed(bands, first, second, width), framed, cut=True)]
     if framed.cut is not None:
-        layers.append(lifted(dashed(_traces(subject, drawn, width), first, second, width), framed, cut=False))
+        layers.append(lifted(dashed(trace_bands(subject, drawn, width), first, second, width), framed, cut=False))
     return layers
+
+
+def standing_faces(subject: Subject) -> list[np.ndarray]:
+    """(J,) whether the face on block a, and that on block b, of a separated joint is drawn: that of a block which stands."""
+    blocks = (subject.joints.block_a, subject.joints.block_b)
+    return [subject.marks.separated & ~subject.down[block] for block in blocks]
 
 
 def band_width(subject: Subject) -> float:
@@ -120,7 +131,7 @@ def band_width(subject: Subject) -> float:
     return max(LEAST_BAND * pixel, min(BAND * pixel, BAND_OF_BLOCK * smallest))
 
 
-def _band_colours(marks: Marks, scales: tuple[Scale, Scale]) -> tuple[np.ndarray, np.ndarray]:
+def band_colours(marks: Marks, scales: tuple[Scale, Scale]) -> tuple[np.ndarray, np.ndarray]:
     """(J, 3) the two colours that the dashes of each joint alternate between."""
     opening, sliding = scales[0](marks.opening), scales[1](marks.sliding)
     first = np.where(marks.opened[:, None], opening, sliding)
@@ -128,7 +139,7 @@ def _band_colours(marks: Marks, scales: tuple[Scale, Scale]) -> tuple[np.ndarray
     return first, np.where(~marks.slid[:, None], opening, np.where(marks.opened[:, None], sliding, white))
 
 
-def _traces(subject: Subject, marked: np.ndarray, width: float) -> Bands:
+def trace_bands(subject: Subject, marked: np.ndarray, width: float) -> Bands:
     """The bands of the joints in the plane of the cut."""
     framed = subject.framed
     assert framed.cut is not None

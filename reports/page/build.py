@@ -26,8 +26,8 @@ from reports.deformed import Solids, solids_of
 from reports.drawing.figure import nice
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
-from reports.maps.framing import MOST, SEEN
-from reports.page import motion, series, words
+from reports.maps.framing import COLLAPSE, MOST, SEEN
+from reports.page import downloads, findings, limits, motion, series, title_block, trust, words
 from reports.page.pack import packed, packed_length
 
 LIMIT = 13_500_000  # of the packed data [bytes]: with names and scripts the page stays below 15 MB
@@ -83,11 +83,15 @@ def write_page(
         summary=summary,
         parts=parts,
         provisional=end_state(results, thresholds).provisional,
+        thresholds=thresholds,
     )
-    facts, text = _data(results, solids, table, (thresholds, largest), missed_times, limit)
+    tables = downloads.tables(results, table, parts)
+    facts, text = _data(results, solids, table, (thresholds, largest), tables | {"missed": missed_times}, limit)
+    asked = context.report.get("view", "auto")
+    facts |= {"view": asked} if asked != "auto" else {}
     facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
     facts["factor"] = scale if scale is not None else _amplification(solids, context.displacement_max, bool(context.fallen))
-    page = _filled(context, facts, text)
+    page = _filled(context, facts, text, [*tables])
     try:
         with replacing(path) as part:
             part.write_text(page, encoding="utf-8")
@@ -117,14 +121,14 @@ def _amplification(solids: Solids, largest: float, any_fallen: bool) -> float:
 
 
 def _data(
-    results: Results, solids: Solids, table: JointDamage, classes: tuple[Thresholds, float], missed: np.ndarray, limit: int
+    results: Results, solids: Solids, table: JointDamage, classes: tuple[Thresholds, float], more: Mapping[str, np.ndarray], limit: int
 ) -> tuple[dict[str, Any], str]:
-    """The numbers: what fits into JSON, and the arrays as one packed text."""
+    """The numbers: what fits into JSON, and the arrays, with some more by name, as one packed text."""
     facts, arrays = _still(results, solids, table, classes[0])
     curves = series.base_motion(results, solids) | series.step_curves(results)
     for name, curve in curves.items():
         arrays |= {f"{name}/time": curve.time, f"{name}/value": curve.value}
-    arrays["missed"] = missed
+    arrays |= more
     moved = motion.read_motion(results, solids, motion.frames_shown(results.frames, FRAMES))
     count = len(moved.frames)
     while True:
@@ -138,7 +142,28 @@ def _data(
     flags = {"fallen": motion.bits(down), "separated": motion.bits(apart)}
     contents, text = packed(arrays | units | flags, histories)
     facts |= {"contents": contents, "frames": len(moved.frames), "frames_written": results.frames, "scales": scales}
-    return facts, text
+    return facts | _seen(solids, moved), text
+
+
+def _seen(solids: Solids, moved: motion.Motion) -> dict[str, Any]:
+    """From where the model is looked at first, and the box that it shows: the blocks at rest and wherever they went, those flung away
+    left out. A planar structure that moved most across its plane is not looked at from the front."""
+    free = ~solids.fixed if not solids.fixed.all() else solids.fixed
+    rest = solids.vertices[free[solids.vertex_block]]
+    low, high = rest.min(axis=0), rest.max(axis=0)
+    origin, reach = (low + high) / 2.0, COLLAPSE * float((high - low).max())
+    place = (solids.centre + moved.displacement)[:, free]  # (F, B, 3)
+    near = ((place > low - reach) & (place < high + reach)).all(axis=2)[..., None]
+    half = 0.5 * solids.sizes[free]
+    lowest = np.where(near, place - half, np.inf).min(axis=(0, 1))
+    highest = np.where(near, place + half, -np.inf).max(axis=(0, 1))
+    most = np.abs(moved.displacement[:, free]).max(axis=(0, 1))
+    view = auto_view(solids)
+    return {
+        "view": "isometric" if view == "front" and most[1] > most[0] else view,
+        "low": (np.minimum(low, lowest) - origin).tolist(),
+        "high": (np.maximum(high, highest) - origin).tolist(),
+    }
 
 
 def _still(results: Results, solids: Solids, table: JointDamage, thresholds: Thresholds) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
@@ -173,10 +198,7 @@ def _still(results: Results, solids: Solids, table: JointDamage, thresholds: Thr
         "names": [block.name for block in results.blocks],
         "groups": [block.group for block in results.blocks],
         "families": [{"text": item.text, "colour": item.colour} for item in families],
-        "low": (drawn.min(axis=0) - origin).tolist(),
-        "high": (drawn.max(axis=0) - origin).tolist(),
         "smallest": float(np.median(sizes)),
-        "view": auto_view(solids),
         "top": top,
         "states": STATES,
         "meaning": thresholds.in_words(),
@@ -209,20 +231,27 @@ def _histories(
     return histories, units, scales
 
 
-def _filled(context: words.PageContext, facts: Mapping[str, Any], text: str) -> str:
+def _filled(context: words.PageContext, facts: Mapping[str, Any], text: str, tables: list[str]) -> str:
     """The template with everything in its place."""
     here = files("reports.page")
     title = context.results.title or "Report of a run"
     values = {
         "title": words.escaped(title),
+        "block": title_block.title_block(context),
         "lead": words.lead(context),
         "outcome": words.outcome(context),
         "notices": words.notices(context),
         "tiles": words.tiles(context),
-        "parts": words.parts(context),
+        "parts": findings.parts(context),
+        "capacity": findings.capacity(context),
+        "ties": findings.ties(context),
+        "limits": limits.limits(context),
+        "trust": trust.trust(context),
+        "grades": limits.grades(context),
+        "tables": downloads.downloads(tables),
         "settings": words.settings(context),
         "scene": words.escaped(context.results.scene or "The result keeps no scene."),
-        "style": (here / "style.css").read_text(encoding="utf-8"),
+        "style": (here / "style.css").read_text(encoding="utf-8") + title_block.running(context),
         "script": "\n".join((here / name).read_text(encoding="utf-8") for name in SCRIPTS),
         "facts": json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c").replace("/", "\\/"),
         "data": text,

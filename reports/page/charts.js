@@ -6,6 +6,7 @@ class Charts {
     const last = Math.max(motion.end, ...["error/time", "energy/kinetic/time"].map((name) => (data[name] ? data[name][data[name].length - 1] : 0)));
     const make = () => new Plot(host, [motion.time[0], last], seek);
     this.plots = Object.fromEntries(["points", "joint", "base", "speed", "energy", "error", "cost", "contacts"].map((name) => [name, make()]));
+    for (const [name, plot] of Object.entries(this.plots)) plot.host.dataset.plot = name;
     this.plots.base.show(this.base("displacement", "Base: displacement", "m"));
     this.plots.speed.show(this.base("velocity", "Base: velocity", "m/s"));
     this.plots.energy.show(this.energy());
@@ -26,7 +27,7 @@ class Charts {
   base(name, title, unit) {
     const all = this.curves(["x", "y", "z"].map((axis) => [`base/${name}/${axis}`, axis]));
     const moving = all.filter(({ value }) => value.some((v) => Math.abs(v) > 1e-9)); /* directions in which nothing happens are left out */
-    return { title, unit, curves: moving.length ? moving : all, note: all.length && !moving.length ? "The base does not move." : "", empty: "No block is a support." };
+    return { title, unit, curves: moving, hidden: !moving.length };
   }
 
   energy() {

@@ -219,6 +219,15 @@ function clicked(event) {
   else chooseBlock(found.block);
 }
 
+/* Gives the reader a file that the page carries. */
+function save(content, type, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([content], { type }));
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+
 function watchControls() {
   by("play").addEventListener("click", () => play(!state.playing));
   by("slider").max = motion.frames - 1;
@@ -244,13 +253,11 @@ function watchControls() {
     if (block >= 0 && !state.chosen.some((item) => item.block === block)) chooseBlock(block);
   });
   by("block-names").innerHTML = facts.names.slice(0, 2000).map((name) => `<option value="${safe(name)}">`).join("");
-  by("save").addEventListener("click", () => {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([facts.scene], { type: "application\u002ftoml" }));
-    link.download = "scene.toml";
-    link.click();
-    URL.revokeObjectURL(link.href);
-  });
+  by("save").addEventListener("click", () => save(facts.scene, "application\u002ftoml", "scene.toml"));
+  for (const button of document.querySelectorAll("[data-file]")) {
+    const name = button.dataset.file;
+    button.addEventListener("click", () => save(data[`file\u002f${name}`], "text\u002fcsv", name));
+  }
   by("copy").addEventListener("click", () => {
     const done = (text) => { by("copied").textContent = text; };
     const select = () => { getSelection().selectAllChildren(by("scene")); done("The scene is selected: copy it with Ctrl+C."); };
@@ -289,6 +296,8 @@ async function start() {
   } catch (problem) { tell(problem); }
   watchControls();
   legend();
+  state.component = motion.mainAxis(facts.top);
+  by("component").value = state.component;
   chooseBlock(facts.top);
   by("loading").remove();
   const dated = () => { by("printed").textContent = `Printed on ${new Date().toISOString().slice(0, 10)}`; };

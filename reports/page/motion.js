@@ -32,6 +32,13 @@ class Motion {
     return [code[i] * unit[block], code[i + stride] * unit[block], code[i + 2 * stride] * unit[block]];
   }
 
+  /* The axis along which a block moves farthest. */
+  mainAxis(block) {
+    const most = [0, 0, 0];
+    for (let frame = 0; frame < this.frames; frame++) this.displacement(block, frame).forEach((u, k) => { most[k] = Math.max(most[k], Math.abs(u)); });
+    return "xyz"[most.indexOf(Math.max(...most))];
+  }
+
   /* Quaternion (w, x, y, z) of a block at a frame. */
   quaternion(block, frame) {
     const { rotation: code, rotation_unit: unit } = this.data, stride = this.blocks * this.frames, i = block * this.frames + frame;

@@ -138,7 +138,10 @@ class Plot {
     const x = this.x(time).toFixed(1);
     this.cursor.setAttribute("x1", x);
     this.cursor.setAttribute("x2", x);
-    this.curves.forEach((curve, k) => { this.outputs[k].textContent = short(nearest(curve, time), 3); });
+    this.curves.forEach((curve, k) => {
+      const value = nearest(curve, time), nothing = !this.spec.log && Math.abs(value) < 1e-6 * (this.high - this.low); /* rounding is no news */
+      this.outputs[k].textContent = short(nothing ? 0 : value, 3);
+    });
   }
 }
 

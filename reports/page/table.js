@@ -103,6 +103,9 @@ class Table {
     const { order, first, rows } = this, last = Math.min(order.length, first + rows);
     this.body.replaceChildren(...order.slice(first, last).map((j) => this.row(j)));
     document.getElementById("rows").textContent = order.length ? `${first + 1} to ${last} of ${order.length}` : "none";
+    const more = document.getElementById("more");
+    more.hidden = order.length <= rows;
+    more.textContent = `Joints ${first + 1} to ${last} of ${order.length} in this order; all of them are in joints.csv.`;
     document.getElementById("previous").disabled = first === 0;
     document.getElementById("next").disabled = last === order.length;
   }

@@ -8,12 +8,13 @@ from __future__ import annotations
 import html
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from masonry_cd.io.results import Results
+from reports.damage.definitions import Thresholds
 from reports.damage.joint_damage import JointDamage
 from reports.damage.part_damage import PartDamage
 from reports.deformed import Solids
@@ -37,11 +38,18 @@ class PageContext:
     summary: Mapping[str, Any]  # as in summary.json; empty where there is none
     parts: PartDamage | None = None
     provisional: str = ""  # why residual values are not the last, in words
+    thresholds: Thresholds = field(default_factory=Thresholds)
 
     @property
     def tables(self) -> dict[str, Any]:
         """The tables of the scene; empty where the result keeps none."""
         return tomllib.loads(self.results.scene) if self.results.scene else {}
+
+    @property
+    def report(self) -> Mapping[str, Any]:
+        """The scene's table ``[report]``; empty where there is none."""
+        found: Mapping[str, Any] = self.tables.get("report", {})
+        return found
 
     def count(self, state: str) -> int:
         """Joints of a state."""
@@ -115,7 +123,18 @@ def outcome(context: PageContext) -> str:
     widest = f"the widest opening was {in_metres(_most(table.max_opening))}, the farthest sliding {in_metres(_most(table.max_sliding))}"
     free = int((~context.solids.fixed).sum())
     down = f"{len(context.fallen)} of {free} blocks fell" if context.fallen else "no block fell"
-    return f"{', '.join(counts)}; {widest}; {down}. The largest displacement relative to the base is {in_metres(context.displacement_max)}."
+    farthest = f"The largest displacement relative to the base is {in_metres(context.displacement_max)}."
+    return f"{_graded(context)}{', '.join(counts)}; {widest}; {down}. {farthest}"
+
+
+def _graded(context: PageContext) -> str:
+    """The grade of the structure, with what gives it, as a sentence."""
+    if context.parts is None:
+        return ""
+    whole = context.parts.parts[-1]
+    why = f": {escaped(whole['grade_reason'])}" if whole["grade_reason"] else ""
+    state = ", provisionally" if context.provisional else ""
+    return f"<b>The structure as a whole is graded {whole['grade']}, {escaped(whole['grade_label'])}</b>{state}{why}. "
 
 
 def notices(context: PageContext) -> str:
@@ -143,7 +162,9 @@ def notices(context: PageContext) -> str:
 def tiles(context: PageContext) -> str:
     """The headline numbers."""
     joints, seconds = context.results.joints.count, context.summary.get("stepping_seconds")
+    grade = [("grade of the structure", context.parts.parts[-1]["grade"])] if context.parts is not None else []
     rows = [
+        *grade,
         ("joints opened", f"{context.only('opened')}<small> of {joints}</small>"),
         ("joints slid", f"{context.only('slid')}<small> of {joints}</small>"),
         ("joints opened and slid", f"{int(context.table.both.sum())}<small> of {joints}</small>"),
@@ -155,50 +176,8 @@ def tiles(context: PageContext) -> str:
         ("steps that missed the tolerance", f"{context.missed}<small> of {context.steps}</small>" if context.steps else "unknown"),
     ]
     if seconds and context.summary.get("steps"):
-        rows.append(("per step", number(1e3 * seconds / context.summary["steps"], "ms")))
+        rows.append(("per step", number(float(f"{1e3 * seconds / context.summary['steps']:.3g}"), "ms")))
     return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in rows)
-
-
-def parts(context: PageContext) -> str:
-    """The damage of the named parts, the gravest first; empty where there is none."""
-    if context.parts is None:
-        return ""
-    whole, labels = context.parts.parts[-1], context.parts.settings.grades.labels
-    rows = [whole, *sorted(context.parts.parts[:-1], key=lambda row: str(row["grade"]), reverse=True)]
-    body = "".join(_part(row, row is whole) for row in rows)
-    names = (
-        "part",
-        "grade",
-        "by",
-        "mechanism",
-        "opened",
-        "slid",
-        "opened and slid",
-        "separated",
-        "lost",
-        "opening left [mm]",
-        "sliding left [mm]",
-        "drift left [%]",
-    )
-    head = "".join(f'<th scope="col">{name}</th>' for name in names)
-    thresholds = escaped(context.parts.settings.thresholds.in_words())
-    state = f" <b>Grades and what is left are {escaped(context.provisional)}.</b>" if context.provisional else ""
-    meaning = "; ".join(f"D{k} {escaped(label)}" for k, label in enumerate(labels))
-    return (
-        '<section aria-labelledby="parts-title"><h2 id="parts-title">Damage by part</h2><div class="scroll short">'
-        f'<table class="parts"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
-        f'<p class="hint">Grades by what is left at the end: {meaning}. {thresholds}{state}</p></section>'
-    )
-
-
-def _part(row: Mapping[str, Any], whole: bool) -> str:
-    """A row of the table of parts."""
-    cells = [f'<td><span class="grade {row["grade"]}">{row["grade"]}</span></td>', f"<td>{escaped(row['grade_reason'])}</td>"]
-    cells.append(f"<td>{escaped(row['mechanism'])}</td>")
-    counts = [row[key] for key in ("only_opened", "only_slid", "opened_and_slid", "separated", "lost_blocks")]
-    left = [1e3 * row["residual_opening"], 1e3 * row["residual_sliding"], 1e2 * row["residual_drift"]]
-    cells += [f'<td class="number">{text}</td>' for text in (*map(str, counts), *map(sensible, left))]
-    return f'<tr{" class=whole" if whole else ""}><th scope="row">{escaped(row["part"])}</th>{"".join(cells)}</tr>'
 
 
 def settings(context: PageContext) -> str:

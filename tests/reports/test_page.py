@@ -87,7 +87,14 @@ def test_the_file_names_no_outside_address(folder):
 def test_in_print_it_is_a4_with_page_numbers_a_date_and_headings_on_each_page(folder):
     text = (folder / "report.html").read_text(encoding="utf-8")
     printed = text[text.index("@media print") : text.index("</style>")]
-    for rule in ("size: A4", "counter(page)", "counter(pages)", "table-header-group", ".printed { display: block; }", "overflow: visible"):
+    for rule in (
+        "size: A4",
+        "counter(page)",
+        "counter(pages)",
+        "table-header-group; break-inside: avoid",
+        ".printed { display: block; }",
+        "overflow: visible",
+    ):
         assert rule in printed, rule
     assert '<p class="printed" id="printed"></p>' in text
 

@@ -11,6 +11,7 @@ from pictures import COLUMN, opening_scale, pixels
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
+from reports.drawing.render import Canvas, Surface, Window, view_named
 from reports.maps.framing import MapStyle, framing
 from reports.maps.sequence import animation, crack_maps, frames_at
 
@@ -73,3 +74,22 @@ def test_a_single_frame_makes_no_animation(tmp_path: Path) -> None:
         pytest.raises(InputError, match=r"^animation: the result has a single frame$"),
     ):
         animation(results, tmp_path / "run.gif")
+
+
+def test_a_canvas_draws_each_picture_anew_and_once(monkeypatch):
+    """Layers are added without drawing: each costs a pass of OpenGL otherwise."""
+    import pyvista
+
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]])
+    drawn = []
+    render = pyvista.Plotter.render
+    monkeypatch.setattr(pyvista.Plotter, "render", lambda self: (drawn.append(1), render(self))[1])
+    with Canvas(view_named("front"), (40, 40), samples=1) as canvas:
+        for number, colour in enumerate(([255, 0, 0], [0, 255, 0], [0, 0, 255])):
+            before = len(drawn)
+            layers = [
+                Surface(square + [0, k, 0], np.arange(4), np.array([0, 4]), np.array([colour], np.uint8), lit=False) for k in range(3)
+            ]
+            image = canvas.draw(layers, Window(0.0, 1.0, 0.0, 1.0))
+            assert image[20, 20].tolist() == colour
+            assert number == 0 or len(drawn) == before + 1  # the first picture opens OpenGL as well

@@ -1,0 +1,46 @@
+"""The tables of a run, carried within the page: the reader saves them as CSV files, without a network and without the run's folder."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from masonry_cd.io.results import Results
+from reports.damage.end_state import end_state
+from reports.damage.joint_damage import JointDamage, write_joints_csv
+from reports.damage.part_damage import PartDamage
+from reports.damage.part_files import write_part_damage
+from reports.page.findings import section
+
+JOINTS = "joints.csv"
+MEANING = {
+    JOINTS: "every joint: largest and last opening and sliding, rotation, contact lost, state",
+    "damage.csv": "every part: counts, largest and last values, drift, mechanism, grade with its reason",
+    "damage_history.csv": "every part over time",
+    "hinges.csv": "joints that were hinges, and where they touched",
+    "drift.csv": "displacement and drift of every part, level by level",
+    "damage_shocks.csv": "every part after each shock",
+}
+PREFIX = "file/"  # of their names among the packed arrays
+
+
+def tables(results: Results, table: JointDamage, parts: PartDamage | None) -> dict[str, np.ndarray]:
+    """The bytes of each table by its name among the packed arrays; they are those of the files in the run's folder."""
+    with tempfile.TemporaryDirectory() as folder:
+        here = Path(folder)
+        write_joints_csv(table, here / JOINTS, end_state(results, parts.settings.thresholds if parts else None).provisional)
+        if parts is not None:
+            write_part_damage(parts, here)
+        return {PREFIX + name: np.frombuffer((here / name).read_bytes(), np.uint8) for name in MEANING if (here / name).exists()}
+
+
+def downloads(names: list[str]) -> str:
+    """A button for each table, and what it holds."""
+    rows = [
+        f'<li><button type="button" data-file="{name}">{name}</button> {MEANING[name]}</li>'
+        for name in (name.removeprefix(PREFIX) for name in names)
+    ]
+    hint = "Numbers in SI units, as in the files beside this page in the folder of the run. They are part of this page; nothing is fetched."
+    return section("tables", "Tables", f'<p class="note">{hint}</p><ul class="files">{"".join(rows)}</ul>')

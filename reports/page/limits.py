@@ -1,0 +1,227 @@
+"""What the analysis assumes and what it leaves out, in words drawn from the scene; and what the grades of damage mean."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from masonry_cd.io.results import Results
+from masonry_cd.model.materials import JointLaw, Material
+from reports.damage.grades import DESCRIPTIONS, LABELS, NAMES, REFERENCE, Grades, percent
+from reports.drawing.figure import in_metres
+from reports.page.findings import section, table
+from reports.page.words import PageContext, escaped, number
+
+CHUNK_BYTES = 1 << 24  # joint forces are read in chunks of this size
+PAIRS = 6  # of groups whose values are listed
+
+
+def limits(context: PageContext) -> str:
+    """Assumptions and limits, as lists."""
+    assumed, left_out = assumptions(context), not_modelled(context)
+    return section(
+        "limits", "Assumptions and limits", f"<h3>What is assumed</h3>{_list(assumed)}<h3>What is not modelled</h3>{_list(left_out)}"
+    )
+
+
+def assumptions(context: PageContext) -> list[str]:
+    """What holds in the model, a sentence or two each, as HTML."""
+    material = context.tables.get("material")
+    found = Material.model_validate(material) if material else None
+    return [
+        _blocks(context),
+        *([_friction(found.friction), *_joints(found.joints)] if found else []),
+        "Blocks hit one another without rebound: an impact takes out what energy it can, and leaves no damage on the blocks.",
+        _base(context),
+        *_gravity(context),
+        *([_PLANE] if context.summary.get("planar") else []),
+    ]
+
+
+_PLANE = (
+    "The structure and its loads mirror each other about one plane and stay in it: motion across that plane, such as that of a wall out of "
+    "its plane, cannot occur in this run."
+)
+
+
+def not_modelled(context: PageContext) -> list[str]:
+    """What the run says nothing of, as HTML."""
+    kinds = [load.get("kind") for load in context.tables.get("loads", [])]
+    lines = [
+        "Deformation, cracking and crushing of the blocks. " + _pressure(context.results),
+        "Wear of the joints: friction is the same at every speed and after any sliding, and edges do not spall.",
+        "The ground: supports move as prescribed, without soil beneath them that yields, sinks or radiates energy."
+        + ("" if {"settlement", "spreading"} & set(kinds) else " They do not settle."),
+    ]
+    moving = moving_axes(context.results)
+    if moving and "z" not in moving:
+        lines.append("The vertical component of the motion: the base moves along " + " and ".join(moving) + " only.")
+    elif "z" in moving and len(moving) == 1:
+        lines.append("The horizontal components of the motion: the base moves along z only.")
+    if "tie" not in kinds:
+        lines.append("Ties and anchors: none is in the model.")
+    lines.append(
+        "Floors, roofs, backfill, plaster, neighbours and whatever else is not among the blocks, with its mass and its stiffness; "
+        "live loads, water, temperature and decay."
+    )
+    return lines
+
+
+def moving_axes(results: Results) -> list[str]:
+    """The axes along which supports move, over the frames."""
+    fixed = np.flatnonzero([block.fixed for block in results.blocks])
+    if not len(fixed) or results.frames < 2:
+        return []
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    rows = max(1, CHUNK_BYTES // (24 * len(results.blocks)))
+    start = np.asarray(results.position[0], dtype=float)[fixed]
+    for first in range(0, results.frames, rows):
+        moved = np.asarray(results.position[first : min(first + rows, results.frames)], dtype=float)[:, fixed] - start
+        low, high = np.minimum(low, moved.min(axis=(0, 1))), np.maximum(high, moved.max(axis=(0, 1)))
+    return [axis for axis, span in zip("xyz", high - low, strict=True) if span > 1e-9]
+
+
+def largest_pressure(results: Results) -> tuple[float, int, float] | None:
+    """Largest normal force of a joint over its area in the frames [Pa], the joint, and when [s]; None in a file without forces."""
+    joints = results.joints
+    if not joints.count or not results.has_joint_history("normal_force"):
+        return None
+    best, rows = (-1.0, 0, 0.0), max(1, CHUNK_BYTES // (8 * joints.count))
+    force = results.file["joints/normal_force"]
+    for first in range(0, results.frames, rows):
+        pressure = np.nan_to_num(np.asarray(force[first : min(first + rows, results.frames)], dtype=float)) / joints.area
+        frame, joint = np.unravel_index(int(np.argmax(pressure)), pressure.shape)
+        if pressure[frame, joint] > best[0]:
+            best = (float(pressure[frame, joint]), int(joint), float(results.time[first + int(frame)]))
+    return best
+
+
+def _pressure(results: Results) -> str:
+    """What to compare with the strength of the masonry."""
+    found = largest_pressure(results)
+    if found is None:
+        return "Compressive stresses are to be checked by other means."
+    pressure, joint, time = found
+    names = [results.blocks[int(side[joint])].name for side in (results.joints.block_a, results.joints.block_b)]
+    return (
+        f"The largest mean pressure on a joint, in the frames of the run, is <b>{number(float(f'{pressure / 1e6:.2g}'), 'MPa')}</b> "
+        f"(normal force over the whole area of joint {joint}, “{escaped(names[0])}” and “{escaped(names[1])}”, at {number(time, 's')}); "
+        "where a joint opens, the edge that still touches bears many times more. Compare it with the strength of the masonry."
+    )
+
+
+def _list(lines: Sequence[str]) -> str:
+    return f"<ul>{''.join(f'<li>{line}</li>' for line in lines)}</ul>"
+
+
+def _blocks(context: PageContext) -> str:
+    """The blocks and their density."""
+    free = [block for block in context.results.blocks if not block.fixed]
+    densities = [block.density for block in free] or [math.nan]
+    low, high = min(densities), max(densities)
+    density = number(low) if low == high else f"{number(low)} to {number(high)}"
+    return (
+        f"The {len(free)} blocks that are free to move are rigid, of uniform density ({density} kg&#47;m³); they touch, slide, rock and "
+        "part only at their faces. Cracks run through joints alone, along the division into blocks that the scene makes."
+    )
+
+
+def _friction(friction: float | dict[str, float]) -> str:
+    """Coulomb's law with its numbers."""
+    law = "Friction in the joints is Coulomb's, with the coefficient "
+    if isinstance(friction, dict):
+        listed = [f"{_number_and_angle(mu)} ({escaped(_pair(pair))})" for pair, mu in friction.items()][:PAIRS]
+        return law + ", ".join(listed) + (" and others." if len(friction) > PAIRS else ".")
+    return f"{law}{_number_and_angle(friction)} in all joints."
+
+
+def _number_and_angle(mu: float) -> str:
+    return f"{mu:.3g}, an angle of {math.degrees(math.atan(mu)):.3g}°"
+
+
+def _pair(pair: str) -> str:
+    return "all other joints" if pair == "default" else pair
+
+
+def _joints(laws: dict[str, JointLaw]) -> list[str]:
+    """Dry joints, or the mortar of each pair of groups."""
+    dry = "Joints are dry and rigid: they bear no tension, pass on any pressure, and have no cohesion"
+    if not laws:
+        return [f"{dry}."]
+    lines = [f"Joints of {escaped(_pair(pair))}: {_law(law)}." for pair, law in list(laws.items())[:PAIRS] if pair != "default"]
+    if "default" in laws:
+        others = "Joints" if len(laws) == 1 else "All other joints"
+        return [*lines, f"{others}: {_law(laws['default'])}."]
+    return [*lines, "All other joints are dry and rigid: they bear no tension, pass on any pressure, and have no cohesion."]
+
+
+def _law(law: JointLaw) -> str:
+    """A joint's law in words."""
+    normal, shear = law.stiffness
+    words = [f"elastic, {_giga(normal)} across and {_giga(shear)} along" if normal else "rigid"]
+    if not (law.cohesion or law.tension):
+        return f"{words[0]}, dry: without tension and cohesion"
+    tension = f"a tensile strength of {_kilo(law.tension)}" if law.tension is not None else "a tensile strength of cohesion over friction"
+    words.append(f"mortar with a cohesion of {_kilo(law.cohesion)} and {tension}; where it breaks, friction alone is left, at once")
+    return ", ".join(words)
+
+
+def _giga(value: float) -> str:
+    return f"{value / 1e9:.3g} GN&#47;m³"
+
+
+def _kilo(value: float) -> str:
+    return f"{value / 1e3:.3g} kPa"
+
+
+def _base(context: PageContext) -> str:
+    """How the supports move."""
+    count, moving = int(context.solids.fixed.sum()), moving_axes(context.results)
+    if not count:
+        return "No block is a support."
+    supports = "The support is rigid" if count == 1 else f"The {count} supports are rigid"
+    if not moving:
+        return f"{supports} and at rest."
+    differ = context.summary.get("loads", {}).get("base", {}).get("largest_difference", 0.0)
+    together = "" if count == 1 else ", all alike" if not differ else f", apart from one another by up to {in_metres(differ)}"
+    return f"{supports} and {'moves' if count == 1 else 'move'} as prescribed along {' and '.join(moving)}{together}."
+
+
+def _gravity(context: PageContext) -> list[str]:
+    """Gravity, where it is not that of the earth, straight down."""
+    gravity = context.tables.get("run", {}).get("gravity", [0.0, 0.0, -9.81])
+    down = gravity[:2] == [0.0, 0.0] or gravity[:2] == [0, 0]
+    if down and abs(gravity[2] + 9.81) < 0.02:
+        return []
+    return [f"Gravity is ({', '.join(f'{value:.4g}' for value in gravity)}) m&#47;s²."]
+
+
+def grades(context: PageContext) -> str:
+    """What D0 to D5 mean: the words of EMS-98, and the numbers of this report."""
+    settings = context.parts.settings.grades if context.parts is not None else Grades()
+    rows = []
+    for k, (name, label) in enumerate(zip(NAMES, settings.labels, strict=True)):
+        said = escaped(DESCRIPTIONS[k]) if label == LABELS[k] else ""
+        bounds = [
+            _bound(values, k, text) for values, text in ((settings.width, in_metres), (settings.drift, percent), (settings.lost, percent))
+        ]
+        rows.append([f'<span class="grade {name}">{name}</span>', escaped(label), said, *bounds])
+    columns = ("grade", "damage", "EMS-98, masonry buildings", "width left, from", "drift left, from", "lost volume, from")
+    return section("grades", "Grades of damage", table(columns, rows) + _GRADES)
+
+
+def _bound(values: Sequence[float], grade: int, text: Callable[[float], str]) -> str:
+    """From where on a measure gives a grade."""
+    if grade == 0 or math.isinf(values[grade - 1]):
+        return "–"
+    return "any" if values[grade - 1] <= 1e-6 else escaped(text(values[grade - 1]))
+
+
+_GRADES = (
+    f'<p class="note">Grades and words: {escaped(REFERENCE)}. The scale describes damage in words and gives no numbers. The numbers '
+    "here are this program's, set in [report.grades]: widths after Burland, Broms &amp; de Mello (Behaviour of foundations and structures, "
+    "Tokyo, 1977; BRE Digest 251), drifts after FEMA 356 (2000), table C1-3. A part has the highest grade whose number it reaches; the "
+    "scale itself grades buildings as a whole, by what an inspector sees. They help to compare runs; they do not replace an inspection.</p>"
+)
