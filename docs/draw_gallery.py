@@ -25,20 +25,31 @@ MEASURED = FOLDER / "measured.json"
 WIDTH, COLOURS = 1000, 96  # of a picture: pixels, and colours of its palette, which keep it below 150 kB
 HEAD = """# Gallery
 
-Every scene in `examples/`, as its crack map shows it. Written by `python docs/draw_gallery.py`, which runs each of them and measures the processor
-time of one thread: reading, checking, computing, and drawing, with kernels that were compiled before. Other programs shared the machine.
+Every scene in `examples/`, as its crack map shows it. Written by `python docs/draw_gallery.py`, which runs each of them and measures its processor
+time: checking, computing and drawing on one thread, with kernels compiled before. Other programs shared the machine.
 
 """
 
 
+def examples() -> list[str]:
+    """Names of all examples."""
+    return sorted(path.stem for path in EXAMPLES.glob("*.toml"))
+
+
 def page(measured: dict[str, Any]) -> str:
-    """The text of the page: a table of all examples, then each with its picture."""
-    rows = ["| example | blocks | joints | steps | processor time |", "|---|---|---|---|---|"]
-    rows += [
-        f"| [`{name}.toml`](#{name}) | {its['blocks']} | {its['joints']} | {its['steps']} | {_said(its['seconds'])} |"
-        for name, its in sorted(measured.items())
+    """The text of the page: a table of all examples, then each with its picture. Where a record is missing, none was measured."""
+    rows = [
+        "| example | blocks | joints | steps | processor time |",
+        "|---|---|---|---|---|",
+        *(_row(name, measured) for name in examples()),
     ]
-    return HEAD + "\n".join([*rows, "", *(_section(name) for name in sorted(measured))])
+    return HEAD + "\n".join([*rows, "", *(_section(name, name in measured) for name in examples())])
+
+
+def missing(name: str) -> list[str]:
+    """Files that the loads of an example read and that are not beside it."""
+    loads = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8")).get("loads", [])
+    return [load["path"] for load in loads if "path" in load and not (EXAMPLES / load["path"]).exists()]
 
 
 def about(name: str) -> tuple[str, str, str]:
@@ -50,9 +61,17 @@ def about(name: str) -> tuple[str, str, str]:
     return tomllib.loads(text).get("title", name), "\n".join(line for line in lines if line != command), command
 
 
-def _section(name: str) -> str:
+def _row(name: str, measured: dict[str, Any]) -> str:
+    if name not in measured:
+        return f"| [`{name}.toml`](#{name}) | | | | reads {missing(name)[0]}, which the program does not bring |"
+    its = measured[name]
+    return f"| [`{name}.toml`](#{name}) | {its['blocks']} | {its['joints']} | {its['steps']} | {_said(its['seconds'])} |"
+
+
+def _section(name: str, drawn: bool) -> str:
     title, words, command = about(name)
-    return f"## {name}\n\n**{title}.** {words}\n\n```sh\n{command}\n```\n\n![Crack map of {name}.toml](gallery/{name}.png)\n"
+    picture = f"![Crack map of {name}.toml](gallery/{name}.png)\n" if drawn else ""
+    return f"## {name}\n\n**{title}.** {words}\n\n```sh\n{command}\n```\n\n{picture}"
 
 
 def _said(seconds: float) -> str:
@@ -99,7 +118,7 @@ def main() -> None:
     parser.add_argument("--page", action="store_true", help="run nothing")
     asked = parser.parse_args()
     measured = json.loads(MEASURED.read_text()) if MEASURED.exists() else {}
-    names = sorted(path.stem for path in EXAMPLES.glob("*.toml"))
+    names = examples()
     for name in () if asked.page else asked.only or names:
         measured[name] = measure(name, asked.records)
         print(name, measured[name], flush=True)

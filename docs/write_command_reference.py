@@ -18,10 +18,11 @@ PAGE = Path(__file__).with_name("command_reference.md")
 HEAD = """# Commands
 
 Written from the command line by `python docs/write_command_reference.py`. `masonry-cd COMMAND --help` says the same; `python -m masonry_cd`
-stands for `masonry-cd` where that is not on the path. `masonry-cd --install-completion` teaches bash, zsh, fish or PowerShell to complete commands
-and options with Tab.
+stands for `masonry-cd` where that is not on the path. `masonry-cd --install-completion` teaches bash, zsh, fish or PowerShell to complete
+commands and options with Tab.
 
-Exit codes: 0 done; 1 the run could not go on; 2 bad input, with one line that says what and where; 128 + N stopped by signal N, so 130 after Ctrl-C.
+Exit codes: 0 done; 1 the run could not go on; 2 bad input, with one line that says what and where; 128 + N stopped by signal N, as
+130 by Ctrl-C.
 
 """
 TYPES = {int: "INTEGER", float: "NUMBER", str: "TEXT", Path: "PATH"}
@@ -72,7 +73,8 @@ def _names(key: str, kind: Any, info: ArgumentInfo | OptionInfo) -> str:
     shown = info.metavar or TYPES.get(kind, "")
     if isinstance(info, ArgumentInfo):
         return f"`{shown}`"
-    given = [word for word in (info.default, *(info.param_decls or ())) if isinstance(word, str)]  # the first is kept as if it were a default
+    declared = (info.default, *(info.param_decls or ()))  # inside Annotated the first name is kept as if it were a default
+    given = [word for word in declared if isinstance(word, str)]
     names = [part for word in given or _by_key(key, kind) for part in word.split("/")]
     shown = "" if kind is bool else shown
     return ", ".join(f"`{each}`" for each in names) + (f" `{shown}`" if shown else "")

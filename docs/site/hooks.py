@@ -16,22 +16,22 @@ from latex2mathml.converter import convert
 from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).resolve().parents[2]
-OUTSIDE = {"CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md", "benchmarks/README.md": "benchmarks.md", "README.md": "index.md"}
-INSIDE = {page: place for place, page in OUTSIDE.items() if page != "index.md"}
+BROUGHT = {"CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md", "benchmarks/README.md": "benchmarks.md"}
+PLACES = {page: place for place, page in BROUGHT.items()}
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]*)(#[^)\s]*)?\)")
 FENCE = re.compile(r"^(```.*?^```$)", re.DOTALL | re.MULTILINE)
 
 
 def on_files(files: Files, config: Any) -> Files:
     """Add the pages that lie outside docs/."""
-    for page, place in INSIDE.items():
+    for page, place in PLACES.items():
         files.append(File.generated(config, page, content=(ROOT / place).read_text(encoding="utf-8")))
     return files
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Formulas in the marks of arithmatex; links to where their files lie in the site."""
-    place = INSIDE.get(page.file.src_uri, f"docs/{page.file.src_uri}")
+    place = PLACES.get(page.file.src_uri, f"docs/{page.file.src_uri}")
     text = re.sub(r"^```math\n(.*?)^```$", r"$$\n\1$$", markdown, flags=re.DOTALL | re.MULTILINE)
     parts = FENCE.split(text)  # code is left as it is
     for i in range(0, len(parts), 2):
@@ -68,8 +68,8 @@ def _link(found: re.Match[str], page: str, place: str) -> str:
     aim = posixpath.normpath(posixpath.join(posixpath.dirname(place), target))
     if not (ROOT / aim).exists():
         return found[0]  # reported by the build
-    if aim in OUTSIDE:
-        there = OUTSIDE[aim]
+    if aim in BROUGHT or aim == "README.md":
+        there = BROUGHT.get(aim, "index.md")
     elif aim.startswith("docs/") and Path(aim).suffix not in {".py", ".toml", ".json"}:
         there = aim.removeprefix("docs/")
     else:
