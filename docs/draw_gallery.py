@@ -13,20 +13,24 @@ import re
 import resource
 import subprocess
 import sys
-import tempfile
 import tomllib
 from pathlib import Path
 from typing import Any
+
+from masonry_cd.io.results import Results
 
 DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"
 PAGE, FOLDER = DOCS / "gallery.md", DOCS / "gallery"
 MEASURED = FOLDER / "measured.json"
-WIDTH, COLOURS = 1000, 96  # of a picture: pixels, and colours of its palette, which keep it below 150 kB
+RUNS = DOCS.parent / "out" / "gallery"
+WIDTH, COLOURS = 1000, 256  # of a picture: pixels, and colours of its palette, which keep it below 150 kB
+VISIBLE = 1e-4  # what a crack map shows of a joint [m]
 HEAD = """# Gallery
 
-Every scene in `examples/`, as its crack map shows it. Written by `python docs/draw_gallery.py`, which runs each of them and measures its processor
-time: checking, computing and drawing on one thread, with kernels compiled before. Other programs shared the machine.
+Every scene in `examples/` with its crack map: at the end of the run, or where nothing is left by then, at its widest cracks. Written by
+`python docs/draw_gallery.py`, which runs each of them and measures its processor time: checking, computing and drawing on one thread, with
+kernels compiled before. Other programs shared the machine.
 
 """
 
@@ -79,17 +83,32 @@ def _said(seconds: float) -> str:
 
 
 def measure(name: str, records: Path | None) -> dict[str, Any]:
-    """Run an example, keep its crack map as a small picture, and return what it took."""
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder)
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        command = [sys.executable, "-m", "masonry_cd", "run", EXAMPLES / f"{name}.toml", "-o", out, "--force", "-q"]
-        subprocess.run([*command, "--set", "report.crack_map=true", *_records(name, records)], check=True)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        _keep(out / "crack_map.png", FOLDER / f"{name}.png")
-        summary = json.loads((out / "summary.json").read_text())
+    """Run an example, draw its picture, and return what it took."""
+    out = RUNS / name
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = [sys.executable, "-m", "masonry_cd", "run", EXAMPLES / f"{name}.toml", "-o", out, "--force", "-q"]
+    subprocess.run([*command, "--set", "report.crack_map=true", *_records(name, records)], check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    draw(name)
+    summary = json.loads((out / "summary.json").read_text())
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return {"blocks": summary["blocks"], "joints": summary["joints"], "steps": summary["steps"], "seconds": round(seconds, 1)}
+
+
+def draw(name: str) -> None:
+    """A small picture of a run: of its end, or where nothing is left by then, of the moment at which its joints were open widest."""
+    from PIL import Image
+
+    out = RUNS / name
+    with Results.open(out / "result.h5") as results:
+        widest = results.joint_history("opening").max(axis=1)
+        left = max(widest[-1], results.joint_history("sliding")[-1].max())
+        when = float(results.time[int(widest.argmax())])
+    if left < VISIBLE:
+        subprocess.run([sys.executable, "-m", "masonry_cd", "report", out, "--time", str(when)], check=True, stdout=subprocess.DEVNULL)
+    with Image.open(out / "crack_map.png") as image:
+        small = image.convert("RGB").resize((WIDTH, round(image.height * WIDTH / image.width)), Image.Resampling.LANCZOS)
+        small.quantize(COLOURS, Image.Quantize.MAXCOVERAGE).save(FOLDER / f"{name}.png", optimize=True)
 
 
 def _records(name: str, folder: Path | None) -> list[str]:
@@ -99,15 +118,6 @@ def _records(name: str, folder: Path | None) -> list[str]:
     if paths and folder is None:
         raise SystemExit(f"{name}.toml reads {paths[0][1]}: say where it is, --records FOLDER")
     return [word for i, path in paths for word in ("--set", f"loads[{i}].path={folder / Path(path).name if folder else path}")]
-
-
-def _keep(picture: Path, place: Path) -> None:
-    """Write a picture smaller, in few colours."""
-    from PIL import Image
-
-    with Image.open(picture) as image:
-        height = round(image.height * WIDTH / image.width)
-        image.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS).quantize(COLOURS).save(place, optimize=True)
 
 
 def main() -> None:
