@@ -2,6 +2,7 @@
 
 python docs/draw_gallery.py --records FOLDER     (with the folder of the records that scenes name, which the program does not have)
 python docs/draw_gallery.py --only arch
+python docs/draw_gallery.py --draw               (the pictures anew, of the runs that are left in out/gallery)
 python docs/draw_gallery.py --page               (the text anew from docs/gallery/measured.json; nothing is run)
 """
 
@@ -15,16 +16,21 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from masonry_cd.io.results import Results
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"
 PAGE, FOLDER = DOCS / "gallery.md", DOCS / "gallery"
 MEASURED = FOLDER / "measured.json"
 RUNS = DOCS.parent / "out" / "gallery"
-WIDTH, COLOURS = 1000, 256  # of a picture: pixels, and colours of its palette, which keep it below 150 kB
+WIDTH = 1000  # of a picture [pixels]
 VISIBLE = 1e-4  # what a crack map shows of a joint [m]
 HEAD = """# Gallery
 
@@ -108,7 +114,19 @@ def draw(name: str) -> None:
         subprocess.run([sys.executable, "-m", "masonry_cd", "report", out, "--time", str(when)], check=True, stdout=subprocess.DEVNULL)
     with Image.open(out / "crack_map.png") as image:
         small = image.convert("RGB").resize((WIDTH, round(image.height * WIDTH / image.width)), Image.Resampling.LANCZOS)
-        small.quantize(COLOURS, Image.Quantize.MAXCOVERAGE).save(FOLDER / f"{name}.png", optimize=True)
+    in_few_colours(small).save(FOLDER / f"{name}.png", optimize=True)
+
+
+def in_few_colours(image: Image.Image) -> Image.Image:
+    """A picture with a palette, half of it for the colours of the joints, which are few of its pixels."""
+    from PIL import Image
+
+    pixels = np.asarray(image).reshape(1, -1, 3)
+    strong = np.ptp(pixels, axis=2) > 60
+    palette = Image.new("P", (1, 1))
+    halves = [Image.fromarray(pixels[:, mask[0]]).quantize(128).getpalette() or [] for mask in (strong, ~strong)]
+    palette.putpalette([value for half in halves for value in half[: 3 * 128]])
+    return image.quantize(palette=palette, dither=Image.Dither.NONE)
 
 
 def _records(name: str, folder: Path | None) -> list[str]:
@@ -125,11 +143,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these examples alone")
     parser.add_argument("--records", type=Path, metavar="FOLDER", help="where the records are")
+    parser.add_argument("--draw", action="store_true", help="draw runs of out/gallery anew")
     parser.add_argument("--page", action="store_true", help="run nothing")
     asked = parser.parse_args()
     measured = json.loads(MEASURED.read_text()) if MEASURED.exists() else {}
     names = examples()
-    for name in () if asked.page else asked.only or names:
+    if asked.draw:
+        for name in asked.only or sorted(path.parent.name for path in RUNS.glob("*/summary.json")):
+            draw(name)
+    for name in () if asked.page or asked.draw else asked.only or names:
         measured[name] = measure(name, asked.records)
         print(name, measured[name], flush=True)
         MEASURED.write_text(json.dumps({key: measured[key] for key in sorted(measured) if key in names}, indent=1) + "\n")

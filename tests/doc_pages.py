@@ -60,7 +60,8 @@ def command_lines(page: Path) -> list[str]:
 
 
 def typed(text: str) -> Iterator[str]:
-    """Lines of a block of shell as a shell runs them: without comments, loops over words undone."""
+    """Lines of a block of shell as a shell runs them: joined at a backslash, without comments, loops over words undone."""
+    text = text.replace("\\\n", " ")
     loop = re.compile(r"^for (\w+) in (.*?); do\n(.*?)^done$", re.DOTALL | re.MULTILINE)
 
     def undone(found: re.Match[str]) -> str:

@@ -24,7 +24,7 @@ def lines_of(first: str) -> list[tuple[str, str]]:
 
 
 def test_lines_are_found_and_loops_undone():
-    assert list(typed("a 1  # why\n\nfor x in 2 3; do\n  b --set k=$x\ndone\n")) == ["a 1", "b --set k=2", "b --set k=3"]
+    assert list(typed("a \\\n  1  # why\n\nfor x in 2 3; do\n  b --set k=$x\ndone\n")) == ["a 1", "b --set k=2", "b --set k=3"]
     assert len(lines_of("masonry-cd")) >= 100
     assert {name for name, _ in lines_of("masonry-cd")} >= {"README.md", "docs/command_reference.md", "docs/tutorials/sweep.md"}
 
