@@ -70,7 +70,7 @@ def _link(found: re.Match[str], page: str, place: str) -> str:
         return found[0]  # reported by the build
     if aim in BROUGHT or aim == "README.md":
         there = BROUGHT.get(aim, "index.md")
-    elif aim.startswith("docs/") and Path(aim).suffix not in {".py", ".toml", ".json"}:
+    elif aim.startswith("docs/") and (ROOT / aim).is_file() and Path(aim).suffix not in {".py", ".toml", ".json"}:
         there = aim.removeprefix("docs/")
     else:
         return words

@@ -114,6 +114,24 @@ def test_a_formula_that_cannot_be_drawn_is_refused() -> None:
         hooks.mathml(r"a \nosuchcommand b", "inline")
 
 
+def test_docstrings_are_read_as_markdown() -> None:
+    rewritten = loaded(DOCS / "site" / "docstrings.py", "site_docstrings").rewritten
+    session = ">>> run.blocks(0.0)\n'ux'"
+    assert rewritten(f"Made by :func:`mc.run`.\n\n{session}\n\nMore.") == f"Made by `mc.run`.\n\n```pycon\n{session}\n```\n\nMore."
+
+
+def test_links_lead_to_where_the_site_has_its_files() -> None:
+    hooks = loaded(DOCS / "site" / "hooks.py", "site_hooks")
+
+    def moved(link: str, place: str) -> str:
+        return hooks.LINK.sub(lambda found: hooks._link(found, place.removeprefix("docs/"), place), link)
+
+    assert moved("[a](../CONTRIBUTING.md#tests)", "docs/validation.md") == "[a](contributing.md#tests)"
+    assert moved("[a](../../README.md)", "docs/howto/church.md") == "[a](../index.md)"
+    assert moved("[a](accuracy.toml), [b](../tests)", "docs/accuracy.md") == "a, b"
+    assert moved("[a](nowhere.md) [b](https://elsewhere)", "docs/index.md") == "[a](nowhere.md) [b](https://elsewhere)"
+
+
 def test_the_reference_of_commands_is_what_is_generated() -> None:
     reference = loaded(DOCS / "write_command_reference.py", "write_command_reference")
     assert reference.PAGE.read_text(encoding="utf-8") == reference.page(), "python docs/write_command_reference.py"
