@@ -2,6 +2,7 @@
 # make demo    set-up, then the main job: an aqueduct under a sinusoidal load, to out/demo/crack_map.png
 # make test    set-up, then the tests
 # make check   set-up, then lint, format, types, and which room imports which
+# make docs    set-up, then the documentation as a site: out/docs/index.html
 # make validation      set-up, then the long comparisons with published numbers, closed forms and limit analysis; it prints their tables
 # make test-portable   set-up, then the numerical tests with kernels compiled for any x86-64 and for this very processor: rounding differs there
 # make clean   drops what numba has compiled
@@ -22,7 +23,7 @@ as         = $(2) NUMBA_CACHE_DIR=$(CURDIR)/.cache/numba-$(1) $(VENV)/bin/python
 LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.so.1 libxft2:libXft.so.2 \
              libxinerama1:libXinerama.so.1 libgomp1:libgomp.so.1 libegl1:libEGL.so.1
 
-.PHONY: setup demo test check validation test-portable clean libraries
+.PHONY: setup demo test check docs validation test-portable clean libraries
 .DELETE_ON_ERROR:
 
 setup: libraries $(STAMP) $(WARM)
@@ -42,6 +43,10 @@ check: libraries $(STAMP)
 	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/mypy
 	$(VENV)/bin/lint-imports --no-logo
+
+docs: libraries $(STAMP)
+	@NO_MKDOCS_2_WARNING=1 $(VENV)/bin/python -m mkdocs build --quiet --strict -f docs/site/mkdocs.yml
+	@echo "Documentation: see out/docs/index.html"
 
 validation: libraries $(STAMP)
 	$(VENV)/bin/python -m pytest -m validation -s

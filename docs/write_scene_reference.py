@@ -55,7 +55,8 @@ def _keys(schema: dict[str, Any], before: str) -> Iterator[str]:
         fallback = (
             f"`{json.dumps(key['default'], ensure_ascii=False)}`" if "default" in key else "*needed*" if name in _needed(schema) else ""
         )
-        yield f"| `{before}{name}` | {fallback} | {said.replace('|', chr(92) + '|')} |"
+        cell = said.replace("|", "\\|").replace("] [", "] \\[")  # two brackets in a row are no link
+        yield f"| `{before}{name}` | {fallback} | {cell} |"
         for inner in (key, key.get("items"), *key.get("anyOf", [])):
             if isinstance(inner, dict) and "properties" in inner:
                 yield from _keys(inner, f"{before}{name}.")

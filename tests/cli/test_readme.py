@@ -1,10 +1,12 @@
-"""The README speaks of the program as it is: its scene runs, its block file reads, and its tables name every key and no other."""
+"""README and the page on the scene file speak of the program as it is: the scene runs, the block file reads, the tables name every key."""
 
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
+from doc_pages import fences
 from places import ROOT
 from pydantic import BaseModel
 
@@ -33,18 +35,17 @@ from structures.kinds.wall import WallTable
 from structures.schema import OpeningTable
 
 README = ROOT / "README.md"
+SCENE_FILE = ROOT / "docs" / "scene_file.md"
 
 
-def fenced(language: str) -> str:
+def fenced(page: Path, language: str) -> str:
     """The first code block of a language."""
-    found = re.search(rf"```{language}\n(.*?)```", README.read_text(), re.DOTALL)
-    assert found
-    return found.group(1)
+    return next(fence.text for fence in fences(page) if fence.language == language)
 
 
 def keys_after(mark: str) -> set[str]:
     """Names in the first column of the first table whose heading, or section, begins with the mark."""
-    text = README.read_text()
+    text = SCENE_FILE.read_text()
     rows = text[text.index(mark) :].split("\n\n")
     table = rows[0] if mark.startswith("|") else next(part for part in rows if part.startswith("| key"))
     first = [line.split("|")[1] for line in table.splitlines()[2:]]
@@ -53,13 +54,13 @@ def keys_after(mark: str) -> set[str]:
 
 def test_the_scene_of_the_readme_is_sound(tmp_path):
     scene = tmp_path / "scene.toml"
-    scene.write_text(fenced("toml"))
+    scene.write_text(fenced(README, "toml"))
     case = prepare(read_scene(scene, ["run.duration=0.01"]))
     assert case.assembly.count >= 150
 
 
-def test_the_block_file_of_the_readme_is_sound(tmp_path):
-    (tmp_path / "blocks.json").write_text(fenced("json"))
+def test_the_block_file_of_the_page_is_sound(tmp_path):
+    (tmp_path / "blocks.json").write_text(fenced(SCENE_FILE, "json"))
     (block,) = read(tmp_path / "blocks.json", 2000.0)
     assert (block.name, block.density, block.group) == ("v1", 2200, "arch")
 
@@ -87,11 +88,15 @@ def test_the_block_file_of_the_readme_is_sound(tmp_path):
         ('| `kind = "point"`', PointTable),
         ('| `kind = "tie"`', TieTable),
         ('| `kind = "gravity"`', GravityTable),
-        ("### [material]", Material),
-        ("### [run]", Run),
-        ("### [report]", Report),
+        ("## [material]", Material),
+        ("## [run]", Run),
+        ("## [report]", Report),
     ],
 )
 def test_the_tables_name_every_key_and_no_other(mark: str, model: type[BaseModel]):
     common = {"kind"} | ({"direction"} if mark.startswith("| `kind") else set())
     assert keys_after(mark) - common == set(model.model_fields) - common
+
+
+def test_the_readme_stays_an_introduction():
+    assert len(README.read_text().splitlines()) <= 160

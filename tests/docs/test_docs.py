@@ -12,6 +12,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 import scenes
+from doc_pages import DOCS, PAGES, page_name
 from models import stepper
 
 import masonry_cd.solvers
@@ -23,8 +24,6 @@ from masonry_cd.friction.problem import Problem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 
 ROOT = Path(__file__).resolve().parents[2]
-DOCS = ROOT / "docs"
-PAGES = sorted([*DOCS.glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "benchmarks" / "README.md"])
 EXAMPLES = dict(re.findall(r"The whole file, `([\w/]+\.py)`:\n\n```python\n(.*?)```", (DOCS / "architecture.md").read_text(), re.DOTALL))
 STACK, JACOBI = "structures/kinds/stack.py", "masonry_cd/solvers/jacobi.py"
 
@@ -135,7 +134,7 @@ def test_one_file_adds_a_kind_and_one_a_solver() -> None:
     assert np.abs(machine.state.position - machine.assembly.centre).max() < 1e-6
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=page_name)
 def test_files_that_a_page_names_are_there(page: Path) -> None:
     text = page.read_text()
     named = {name for name in re.findall(r"`((?:[\w-]+/)+[\w-]+\.\w+)`", text) if name not in EXAMPLES}
@@ -145,7 +144,7 @@ def test_files_that_a_page_names_are_there(page: Path) -> None:
     assert sorted(link for link in links if link and not (page.parent / link).exists()) == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=page_name)
 def test_links_to_a_heading_find_it(page: Path) -> None:
     for target, anchor in re.findall(r"\]\(([^)\s#]*)#([^)\s]+)\)", page.read_text()):
         if "://" in target:

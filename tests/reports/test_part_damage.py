@@ -271,8 +271,8 @@ def test_long_histories_are_thinned_out_but_keep_their_ends(tmp_path: Path, monk
     assert sorted({row["time"] for row in damage.history}) == pytest.approx([0.0, 0.3, 0.7, 1.0])
 
 
-def test_the_readme_states_the_default_thresholds() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_the_page_on_results_states_the_default_thresholds() -> None:
+    text = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
     for name in ("width", "drift", "lost"):
         (line,) = [line for line in text.splitlines() if line.startswith(f"| `{name}`, ")]
         assert tuple(float(cell) for cell in line.split("|")[2:7]) == getattr(grades.Grades(), name)
