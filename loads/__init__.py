@@ -23,7 +23,7 @@ from masonry_cd.errors import InputError, parse_table, suggest
 from masonry_cd.extensions import Entries
 from masonry_cd.model.blocks import Assembly
 
-__all__ = ["KINDS", "Loading", "build"]
+__all__ = ["KINDS", "Loading", "build", "parse"]
 
 FASTEST = 1e4  # speed of a support [m/s]
 STRONGEST = 1e6  # body force [m/s2]
@@ -86,7 +86,7 @@ def build(
         InputError: an unknown kind, a bad key, or a bad record file.
     """
     grid = RunGrid(float(dt), int(steps), np.asarray(gravity, dtype=float), Path(folder), assembly, longest)
-    asked = [_parse(table, f"loads[{i}]") for i, table in enumerate(tables)]
+    asked = [parse(table, f"loads[{i}]") for i, table in enumerate(tables)]
     falls = _gravity_tables(asked)
     parts = [KINDS[table.kind].part(table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
     if not falls:
@@ -116,8 +116,12 @@ def build(
     return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, collect(parts, grid), warnings)
 
 
-def _parse(table: Mapping[str, Any], where: str) -> LoadTable:
-    """Validate one table by the model of its kind."""
+def parse(table: Mapping[str, Any], where: str) -> LoadTable:
+    """Validate one table by the model of its kind.
+
+    Raises:
+        InputError: an unknown kind, or a bad key.
+    """
     kind = table.get("kind")
     if kind is None:
         raise InputError(f"{where}.kind: missing; kinds: {', '.join(KINDS)}")

@@ -80,11 +80,13 @@ def prepare(scene: Scene) -> Case:
         InputError: anything wrong with the structure, the material or the loads.
     """
     import loads
+    from loads.statics import limit_table
     from structures.standing import standing
 
     begin = time.perf_counter()
     blocks, notes = build_structure(scene)
     try:
+        limit_table(scene.limit)
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 

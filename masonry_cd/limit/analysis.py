@@ -19,6 +19,7 @@ from masonry_cd.model.joints import Joints
 
 CAP = 1e4  # largest factor looked for, with the live loads scaled to the dead ones
 STANDS = 1e-5  # a structure stands that bears its dead loads but for this share
+NO_FORCE = 1e-6  # share of the mean weight of a block below which a joint bears nothing
 NO_WORK = "limit: the load does no work on any mechanism: no factor of it sets the structure in motion"
 
 
@@ -55,6 +56,17 @@ class Answer:
 
 
 @dataclass(frozen=True, eq=False)
+class Collapse:
+    """A mechanism and the forces of the J joints that go with it."""
+
+    mechanism: Mechanism
+    normal_force: np.ndarray  # (J,) [N]
+    shear_force: np.ndarray  # (J,) [N]
+    force_point: np.ndarray  # (J, 3) where the resultant crosses the joint [m]; nan without a normal force
+    bars: np.ndarray  # (T,) tensions of the ties [N]
+
+
+@dataclass(frozen=True, eq=False)
 class Analysis:
     """A limit analysis: whether the structure stands, what it bears, how it gives way."""
 
@@ -68,6 +80,21 @@ class Analysis:
     def stands(self) -> bool:
         """Whether it bears its dead loads."""
         return self.standing >= 1.0 - STANDS
+
+    def collapse(self, joints: int) -> Collapse:
+        """The mechanism of the least factor found, or else the associated one, with its forces; of a structure of so many joints."""
+        best, moves = self.associated.optimum, self.associated.mechanism
+        if self.least is not None and self.least_mechanism is not None:
+            best, moves = self.least.optimum, self.least_mechanism
+        joint, points, weight = self.problem.points.joint, self.problem.points, self.problem.weight
+        normal = weight * best.force[:, 0]
+        total = np.bincount(joint, normal, minlength=joints)
+        world = np.einsum("pd,pdi->pi", weight * best.force[:, 1:], points.frame[:, 1:])
+        shear = np.stack([np.bincount(joint, part, minlength=joints) for part in world.T], axis=1)
+        sums = np.stack([np.bincount(joint, normal * part, minlength=joints) for part in points.point.T], axis=1)
+        bears = np.abs(total) > NO_FORCE * weight
+        place = np.where(bears[:, None], sums / np.where(bears, total, 1.0)[:, None], np.nan)
+        return Collapse(moves, total, np.linalg.norm(shear, axis=1), place, weight * best.bars)
 
 
 def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options | None = None) -> Analysis:
