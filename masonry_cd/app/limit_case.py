@@ -129,7 +129,8 @@ def summary(case: LimitCase) -> dict[str, Any]:
         out["angle_degrees"] = math.degrees(math.atan(answer.factor))
     if least is not None:
         out["least"] = {
-            "factor": least.optimum.factor, "gap": least.gap, "starts": least.starts, "agreeing": least.agreeing, "found": list(least.found),
+            "factor": least.optimum.factor, "gap": least.gap, "starts": least.starts, "agreeing": least.agreeing,
+            "found": list(least.found),
         }  # fmt: skip
     return out
 
@@ -166,8 +167,9 @@ def lines(case: LimitCase) -> list[str]:
     out.append(f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]))
     made = answer.certificate
     out.append(
-        f"certificate: static {made.static:.8g}, kinematic {made.kinematic:.8g}, gap {made.gap:.1e}; residuals: equilibrium "
-        f"{made.equilibrium:.1e}, friction {made.friction:.1e}, flow {made.flow:.1e}; {answer.optimum.method}, {in_words(answer.seconds)}"
+        f"certificate: static {made.static:.8g}, kinematic {made.kinematic:.8g}, gap {made.gap:.1e}; residuals: "
+        f"equilibrium {made.equilibrium:.1e}, friction {made.friction:.1e}, flow {made.flow:.1e}; "
+        f"{answer.optimum.method}, {in_words(answer.seconds)}"
     )
     return [*out, *case.notes]
 

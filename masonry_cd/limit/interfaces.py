@@ -3,8 +3,8 @@ r"""Where the forces of a limit analysis act: the corners of the joints, each wi
 A joint's stress resultant can be anything that forces at the corners of its polygon add up to, so the corners are enough. In a plane they
 are the two ends of the joint.
 
-**Bond.** A joint with cohesion c and tensile strength f_t has the area A. Corner k gets the share A_k, whose sum is A and whose first moment
-that of the polygon (the mean of its fans of triangles, a third of each triangle to each of its corners). Then
+**Bond.** A joint with cohesion c and tensile strength f_t has the area A. Corner k gets the share A_k; the shares add up to A and have the
+first moment of the polygon (the mean of its fans of triangles, a third of each triangle to each of its corners). Then
 
     |t_k| <= mu (n_k + a_k),    n_k >= -f_k,        a_k = A_k c / mu  the tip of Mohr-Coulomb's cone,   f_k = A_k f_t.
 

@@ -3,12 +3,13 @@ r"""Coulomb friction that does not dilate, in a plane: the least factor that is 
 Sliding that opens nothing, u_n = 0, is not the associated flow rule, and the factor of collapse is then not unique. A factor belongs to it
 when forces and velocities satisfy together, with r' = r + a n and u_t = s_1 - s_2,
 
-    r as in the static problem, v with u_n >= 0 and w_1 . v = 1,     u_n (r_n + f) = 0,    s_1 (mu r'_n + r_t) = 0,    s_2 (mu r'_n - r_t) = 0.
+    r as in the static problem, v with u_n >= 0 and w_1 . v = 1,
+    u_n (r_n + f) = 0,    s_1 (mu r'_n + r_t) = 0,    s_2 (mu r'_n - r_t) = 0.
 
 The least is a linear programme with complementarity constraints (Ferris & Tin-Loi, Int. J. Mech. Sci. 43, 2001). It is sought in two moves.
 
-1. **A sequence of associated problems** (Gilbert, Casapulla & Ahmed, Computers & Structures 84, 2006): the cone at each point is replaced by
-   the strip |r_t| <= mu N_k, whose flow rule opens nothing. N_k is renewed from the normal forces found, N_k+1 = b N_k + (1 - b) r'_n,
+1. **A sequence of associated problems** (Gilbert, Casapulla & Ahmed, Computers & Structures 84, 2006): the cone at each point is replaced
+   by the strip |r_t| <= mu N_k, whose flow rule opens nothing. N_k is renewed from the normal forces found, N_k+1 = b N_k + (1 - b) r'_n,
    until they agree. Its mechanism is that of a problem without dilation.
 2. **Descent between forces and velocities.** The products above are a sum g(r, v) that is linear in each. For the mechanism at hand the
    forces of least lambda + M g are found, for these forces the velocities of least g, and so on: linear programmes both.

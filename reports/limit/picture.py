@@ -132,8 +132,8 @@ def _joint_layers(moves: Mechanism, joints: Joints, solids: Solids, reach: float
 
 def _between(moves: Mechanism, joints: Joints, solids: Solids, points: np.ndarray, joint: np.ndarray, reach: float) -> np.ndarray:
     """Points (N, 3) of joints (N,), halfway between where the two blocks carry them."""
-    sides = (joints.block_a[joint], joints.block_b[joint])
-    return 0.5 * sum(moved_points(moves, solids.centre, points, block, reach) for block in sides)
+    first, second = (moved_points(moves, solids.centre, points, block[joint], reach) for block in (joints.block_a, joints.block_b))
+    return 0.5 * (first + second)
 
 
 def _dots(places: np.ndarray, colour: str, view: View, radius: float) -> Surface:
