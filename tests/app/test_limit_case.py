@@ -7,6 +7,7 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from ferris_tin_loi import ASSOCIATED, dry_wall
 from models import box, ground
@@ -18,6 +19,7 @@ from masonry_cd.cli.app import app
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Block
 from structures.files import blockfile
+from structures.geometry.prism import prism_xz
 
 PUSH = '[[loads]]\nkind = "push"\ndirection = "x"\nrate = 0.1\n'
 TILT = '[[loads]]\nkind = "tilt"\ndirection = "x"\nrate = 0.1\n'
@@ -109,8 +111,8 @@ def test_what_shakes_is_left_out_and_said(tmp_path):
 
 
 def test_blocks_that_touch_along_a_line_are_counted(tmp_path):
-    ledge = box("b", (0.5, -0.2, 1.5), (1.0, 0.2, 2.0))  # along an edge of the pillar, and on nothing else
-    found = limit_case(scene(tmp_path, [*pillar(), ledge], PUSH))
+    wedge = Block("b", *prism_xz(np.array([[0.25, 1.5], [0.35, 1.8], [0.15, 1.8]]), -0.2, 0.2), 2000.0)  # on its edge
+    found = limit_case(scene(tmp_path, [*pillar(), wedge], PUSH))
     assert not found.analysis.stands
     assert any("touch along a line" in line for line in lines(found))
 
