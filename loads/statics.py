@@ -47,8 +47,9 @@ class LimitTable(Table):
     """Or: numbers of the [[loads]] of kind point that are multiplied, from 0; the others are constant."""
     sides: Annotated[Count, Field(ge=0, le=64)] = 0
     """Of friction pyramids that replace the circular cones of a structure in space, from inside; 0 for circular ones."""
-    starts: Annotated[Count, Field(ge=0, le=1000)] = 3
-    """Of the search for the least factor of sliding without dilation, in a plane; 0 for none."""
+    starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
+    """Of the search for the least factor of sliding without dilation; 3 in a plane and none in space when not given, where each start
+    solves some twenty cone programmes."""
 
     @field_validator("live", mode="before")
     @classmethod

@@ -16,6 +16,7 @@ from masonry_cd.contact.find_joints import built_gap, find_joints, loose_contact
 from masonry_cd.errors import InputError
 from masonry_cd.limit.analysis import Analysis, Collapse, Options, analyse
 from masonry_cd.limit.mechanism import STATES
+from masonry_cd.limit.problem import plane_of
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 from masonry_cd.quantities import force, in_words
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "mechanism.png", "thrust.png")
 TURNS = 30  # most rounds in which the angle of a tilt is found
 SAME_TILT = 1e-9  # change of lambda at which it is
+STARTS = 3  # of the search for the least factor in a plane
 NAMED = 6  # blocks that a line names
 
 
@@ -84,7 +86,8 @@ def limit_case(path: Path | str, changes: Sequence[str] = ()) -> LimitCase:
 
 def _analyse(assembly: Assembly, joints: Joints, loads: StaticLoads, asked: LimitTable, seed: int) -> Analysis:
     """The limit analysis; of a tilt beside loads that do not turn with it, at the angle that belongs to its own factor."""
-    options = Options(asked.sides, asked.starts, seed)
+    usual = STARTS if plane_of(assembly, loads.at()) is not None else 0
+    options = Options(asked.sides, usual if asked.starts is None else asked.starts, seed)
     if loads.kind != "tilt" or (loads.only_gravity and not assembly.laws.apex.any()):
         return analyse(assembly, joints, loads.at(), options)
     factor, last = 0.0, math.inf
@@ -163,6 +166,8 @@ def lines(case: LimitCase) -> list[str]:
         sure = f"{least.agreeing} of {least.starts} starts came to it, none to less; no proof that it is the least"
         out.append(f"sliding without dilation: {least.optimum.factor:.5g} is the least found; {sure}")
         out.append(f"Coulomb's law allows {least.optimum.factor:.5g} to {answer.factor:.5g}; a run finds one value in between")
+    elif not analysis.problem.moves_support:
+        out.append(_no_least(case))
     moves = case.collapse.mechanism
     out.append(f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]))
     made = answer.certificate
@@ -172,6 +177,13 @@ def lines(case: LimitCase) -> list[str]:
         f"{answer.optimum.method}, {in_words(answer.seconds)}"
     )
     return [*out, *case.notes]
+
+
+def _no_least(case: LimitCase) -> str:
+    """Why there is no least factor."""
+    off = "not searched for; limit.starts = 2 does, at some twenty times the cost of each"
+    sought = "no start came to an end" if case.scene.limit.get("starts") else off
+    return f"sliding without dilation may give way at less: {sought}"
 
 
 def _who(case: LimitCase) -> str:

@@ -12,6 +12,7 @@ from masonry_cd.limit.conic import solve_conic
 from masonry_cd.limit.linear import solve_linear
 from masonry_cd.limit.mechanism import Mechanism, mechanism
 from masonry_cd.limit.nonassociated import LeastFound, least_factor
+from masonry_cd.limit.nonassociated_space import least_factor_in_space
 from masonry_cd.limit.problem import LimitProblem, Loads, limit_problem
 from masonry_cd.limit.solution import Optimum, Unbounded
 from masonry_cd.model.blocks import Assembly
@@ -126,8 +127,9 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
         raise InputError(NO_WORK)
     answer = _answer(problem, assembly, joints, best, scale * CAP, time.perf_counter() - begin)
     least = None
-    if options.starts and problem.axis is not None and not problem.moves_support:
-        least = least_factor(problem, best, options.starts, options.seed)
+    if options.starts and not problem.moves_support:
+        search = least_factor_in_space if problem.axis is None else least_factor
+        least = search(problem, best, options.starts, options.seed)
     moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
     return Analysis(problem, min(alone.factor, 1.0), answer, least, moves)
 

@@ -3,16 +3,22 @@ r"""Limit analysis in space with circular friction cones, as a second-order cone
 The kinematic form is solved, whose unknowns are the velocities of the blocks, six each, and few more; Clarabel's dual variables are the
 forces. With K the cone |y| <= x, over all points k,
 
-    min  c . v + cap t + sum_k (a_k - f_k)(-y_k) + N_y . w      w_1 . v + t = 1,      ((u_kn - y_k)/mu_k, u_kt) in K,      G v <= w,
+    min  c . v + cap t + sum_k (f_k - a_k) y_k + N_y . w      w_1 . v + t = 1,      ((u_kn - y_k)/mu_k, u_kt) in K,      G v <= w,
 
 c = -w_0 + H^T (a n), u = H v, and t, y, w >= 0: t is the multiplier of the cap on lambda, y_k of a tension that is cut off, w of a tie
-that yields. A point without friction takes u_kn >= 0. Goulart & Chen, Clarabel: an interior-point solver for conic programs with quadratic
-objectives, 2024.
+that yields. A point without friction takes u_kn - y_k >= 0.
+
+**Strips** instead of cones, |r_kt| <= s_k whatever the normal force, take u_kn - y_k >= 0 and (z_k, u_kt) in K with s_k z_k as their work:
+they slide and open nothing. **Prices** of forces, p_k . r'_k, added to a factor that is now the least, take
+
+    w_1 . v + t = -1  and  ((u_kn - y_k + p_kn)/mu_k, u_kt + p_kt) in K.
+
+Goulart & Chen, Clarabel: an interior-point solver for conic programs with quadratic objectives, 2024.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, hstack, identity, vstack
@@ -21,6 +27,7 @@ from masonry_cd.limit.problem import LimitProblem
 from masonry_cd.limit.solution import Optimum, Unbounded
 
 TOLERANCE = 1e-7  # of gap and residuals over their scale; what is reached is in the certificate
+ENDED = ("Solved", "AlmostSolved", "InsufficientProgress", "MaxIterations")  # with an answer
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,55 +38,84 @@ class ConeProgramme:
     matrix: csc_matrix
     right: np.ndarray
     lines: int  # rows of the nonnegative cone
-    cones: np.ndarray  # (K,) points whose forces are the second-order cones
-    smooth: np.ndarray  # (Z,) points without friction: the first rows of the nonnegative cone
-    held: np.ndarray  # (C,) points whose tension is cut off
+    cones: np.ndarray  # (K,) points whose forces, or their tangential part, are the second-order cones
+    upright: np.ndarray  # (Z,) points whose normal force is one of the first rows of the nonnegative cone
+    sense: float  # 1: the largest factor, -1: the least
 
 
-def cone_programme(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float) -> ConeProgramme:
-    """The programme of the head of this file for loads (unknowns,)."""
-    n, ties = problem.unknowns, len(problem.strength)
+def cone_programme(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, strip: np.ndarray | None = None) -> ConeProgramme:
+    """The programme of the head of this file for loads (unknowns,), with strips s (P,) where they are given."""
+    n, ties, count = problem.unknowns, len(problem.strength), problem.points.count
     held = np.flatnonzero(problem.tension < problem.apex)
-    smooth, rough = np.flatnonzero(problem.mu == 0.0), np.flatnonzero(problem.mu > 0.0)
+    rough = np.flatnonzero(problem.mu > 0.0)
+    upright = np.flatnonzero(problem.mu == 0.0) if strip is None else np.arange(count)
     yields = np.flatnonzero(np.isfinite(problem.strength))
-    normal = problem.jacobian[0::3]
-    cut = coo_matrix((np.ones(len(held)), (held, np.arange(len(held)))), (problem.points.count, len(held))).tocsr()
-    cost = np.concatenate(
-        [problem.jacobian.T @ problem.bond() - dead, [cap], (problem.tension - problem.apex)[held], problem.strength[yields]]
-    )
-    extra = len(cost) - n
-    nothing = csr_matrix((len(smooth), 1 + len(yields)))
+    cut = csr_matrix((np.ones(len(held)), (held, np.arange(len(held)))), (count, len(held)))
+    wide = np.zeros(0) if strip is None else strip[rough]
+    cost = [problem.jacobian.T @ problem.bond() - dead, [cap], (problem.tension - problem.apex)[held], problem.strength[yields], wide]
+    extra = 1 + len(held) + len(yields) + len(wide)
     first = hstack([csr_matrix(live[None]), csr_matrix(([1.0], ([0], [0])), (1, extra))])
-    slip = hstack([-normal[smooth], nothing[:, :1], cut[smooth], nothing[:, 1:]])
+    lift = hstack([csr_matrix((count, 1)), cut, csr_matrix((count, len(yields) + len(wide)))], format="csr")
+    opens = hstack([-problem.jacobian[0::3][upright], lift[upright]])
     signs = hstack([csr_matrix((extra, n)), -identity(extra)])
-    pull = csr_matrix((-np.ones(len(yields)), (yields, np.arange(len(yields)))), (ties, len(yields)))
-    drawn = hstack([problem.bars, csr_matrix((ties, 1 + len(held))), pull])
-    matrix = vstack([first, slip, signs, drawn, _cone_rows(problem, rough, cut, len(yields))], format="csc")
+    pull = coo_matrix((-np.ones(len(yields)), (yields, 1 + len(held) + np.arange(len(yields)))), (ties, extra))
+    rows = _cone_rows(problem, rough, lift) if strip is None else _strip_rows(problem, rough, extra)
+    matrix = vstack([first, opens, signs, hstack([problem.bars, pull]), rows], format="csc")
     right = np.zeros(matrix.shape[0])
     right[0] = 1.0
-    return ConeProgramme(cost, matrix, right, len(smooth) + extra + ties, rough, smooth, held)
+    return ConeProgramme(np.concatenate(cost), matrix, right, len(upright) + extra + ties, rough, upright, 1.0)
 
 
-def _cone_rows(problem: LimitProblem, rough: np.ndarray, cut: csr_matrix, yields: int) -> csr_matrix:
+def _cone_rows(problem: LimitProblem, rough: np.ndarray, lift: csr_matrix) -> csr_matrix:
     """Rows -((u_n - y) / mu, u_t) of the points with friction."""
-    rows = (3 * rough[:, None] + np.arange(3)).ravel()
     scale = np.ones((len(rough), 3))
     scale[:, 0] = 1.0 / problem.mu[rough]
-    weighted = problem.jacobian[rows].multiply(-scale.ravel()[:, None])
-    lift = csr_matrix((scale[:, 0], (3 * np.arange(len(rough)), rough)), (3 * len(rough), problem.points.count)) @ cut
-    nothing = csr_matrix((3 * len(rough), 1))
-    return hstack([weighted, nothing, lift, csr_matrix((3 * len(rough), yields))], format="csr")
+    weighted = problem.jacobian[_rows_of(rough)].multiply(-scale.ravel()[:, None])
+    raised = csr_matrix((scale[:, 0], (3 * np.arange(len(rough)), rough)), (3 * len(rough), problem.points.count)) @ lift
+    return hstack([weighted, raised], format="csr")
 
 
-def solve_conic(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float) -> Optimum:
-    """The largest factor up to ``cap``, for loads (unknowns,) that need not be the problem's own.
+def _strip_rows(problem: LimitProblem, rough: np.ndarray, extra: int) -> csr_matrix:
+    """Rows -(z, u_t) of the points with friction; z are the last of the extra unknowns."""
+    tangent = np.ones((len(rough), 3))
+    tangent[:, 0] = 0.0
+    moved = problem.jacobian[_rows_of(rough)].multiply(-tangent.ravel()[:, None])
+    place = (3 * np.arange(len(rough)), extra - len(rough) + np.arange(len(rough)))
+    return hstack([moved, csr_matrix((-np.ones(len(rough)), place), (3 * len(rough), extra))], format="csr")
+
+
+def _rows_of(points: np.ndarray) -> np.ndarray:
+    return (3 * points[:, None] + np.arange(3)).ravel()
+
+
+def priced(problem: LimitProblem, programme: ConeProgramme, prices: np.ndarray) -> ConeProgramme:
+    """The programme of the least lambda + sum of prices (P, 3) times r'; its cones must not be strips."""
+    matrix, right = programme.matrix.tolil(), programme.right.copy()
+    matrix[0, : problem.unknowns] = -matrix[0, : problem.unknowns]
+    asked = prices[programme.cones].copy()
+    asked[:, 0] /= problem.mu[programme.cones]
+    right[1 : 1 + len(programme.upright)] = prices[programme.upright, 0]
+    right[1 + programme.lines :] = asked.ravel()
+    return replace(programme, matrix=matrix.tocsc(), right=right, sense=-1.0)
+
+
+def solve_conic(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, strip: np.ndarray | None = None) -> Optimum:
+    """The largest factor up to ``cap``, for loads (unknowns,) that need not be the problem's own; with strips s (P,) for cones.
+
+    Raises:
+        Unbounded: no answer.
+    """
+    return solve_programme(problem, cone_programme(problem, dead, live, cap, strip))
+
+
+def solve_programme(problem: LimitProblem, programme: ConeProgramme) -> Optimum:
+    """By Clarabel.
 
     Raises:
         Unbounded: no answer.
     """
     import clarabel
 
-    programme = cone_programme(problem, dead, live, cap)
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
@@ -88,18 +124,15 @@ def solve_conic(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: 
     size = len(programme.cost)
     solver = clarabel.DefaultSolver(csc_matrix((size, size)), programme.cost, programme.matrix, programme.right, cones, settings)
     answer = solver.solve()
-    if str(answer.status) not in ("Solved", "AlmostSolved", "InsufficientProgress", "MaxIterations"):
+    if str(answer.status) not in ENDED:
         raise Unbounded(f"Clarabel: {answer.status}")
-    return _optimum(problem, programme, np.array(answer.x), np.array(answer.z), int(answer.iterations), f"Clarabel ({answer.status})")
-
-
-def _optimum(problem: LimitProblem, programme: ConeProgramme, x: np.ndarray, z: np.ndarray, iterations: int, method: str) -> Optimum:
-    """Forces and velocities out of the unknowns x and the multipliers z."""
+    x, z = np.array(answer.x), np.array(answer.z)
     force = np.zeros((problem.points.count, 3))
-    cones = z[1 + programme.lines :].reshape(-1, 3).copy()
-    cones[:, 0] /= problem.mu[programme.cones]
-    force[programme.cones] = cones
-    force[programme.smooth, 0] = z[1 : 1 + len(programme.smooth)]
+    cones = z[1 + programme.lines :].reshape(-1, 3)
+    force[programme.cones, 0] = cones[:, 0] / problem.mu[programme.cones]
+    force[programme.cones, 1:] = cones[:, 1:]
+    force[programme.upright, 0] = z[1 : 1 + len(programme.upright)]
     force[:, 0] -= problem.apex
-    ties = len(problem.strength)
-    return Optimum(-float(z[0]), force, z[1 + programme.lines - ties : 1 + programme.lines], x[: problem.unknowns], iterations, method)
+    bars = z[1 + programme.lines - len(problem.strength) : 1 + programme.lines]
+    name = f"Clarabel ({answer.status})"
+    return Optimum(-programme.sense * float(z[0]), force, bars, x[: problem.unknowns], int(answer.iterations), name)

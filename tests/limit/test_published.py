@@ -52,6 +52,14 @@ def test_least_factor_without_dilation_of_the_largest_wall():
     assert analysis.least.optimum.factor == pytest.approx(LEAST[6], rel=1e-2)
 
 
+def test_least_factor_in_space_of_a_wall_beside_a_lone_block_out_of_its_plane():
+    apart = box("apart", (0.0, 2.0, 0.0), (1.0, 3.0, 0.5))
+    in_space = pushed([*dry_wall(3), apart], FRICTION, options=Options(starts=1))
+    assert in_space.problem.axis is None and in_space.least is not None
+    assert in_space.least.optimum.factor == pytest.approx(LEAST[3], rel=0.02)
+    assert in_space.least.gap < 1e-4
+
+
 def test_minimum_thickness_of_an_arch_by_bisection():
     thin, thick = 0.100, 0.115
     while thick - thin > 2e-5:
