@@ -6,6 +6,7 @@ r"""Limit analysis against the dynamics: the factor of a push that each kind of 
 
 **By the dynamics** a push is held from rest, on rigid joints, for SECONDS: the structure moves if a block goes farther than MOVED of the
 smallest width. The factor is bracketed by halving between one at which it stands and one at which it moves, to a share of the factor.
+A hair above its factor a structure is too slow to be seen, so both may lie some thousandths too high.
 Where sliding decides, rigid dynamics may find any factor that Coulomb's law allows, from the least one without dilation to the
 associated one.
 """
@@ -115,7 +116,8 @@ def size_row(length: float) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables asked for."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.limit", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    raw = argparse.RawTextHelpFormatter
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.limit", description=__doc__, formatter_class=raw)
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(TABLES)}; all when none is named")
     parser.add_argument("--share", type=float, default=0.01, help="width of the bracket of the dynamics, as a share of the factor")
     parser.add_argument("--sizes", type=float, nargs="+", metavar="LENGTH", help="of the blocks of churches [m]: what the solver takes")
@@ -129,9 +131,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         for length in asked.sizes:
             print(size_row(length), flush=True)
         return
-    print(
-        "| structure | push | blocks | least found | associated | dynamics stands, moves | associated mechanism |\n|---|---|---|---|---|---|---|"
-    )
+    print("| structure | push | blocks | least found | associated | dynamics stands, moves | associated mechanism |")
+    print("|---|---|---|---|---|---|---|")
     for kind in asked.kinds or TABLES:
         for way in WAYS:
             print(row(kind, way, asked.share), flush=True)

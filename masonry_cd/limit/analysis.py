@@ -105,11 +105,8 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
         InputError: a structure without supports, live loads that do no work, or no answer of the solver.
     """
     options = options or Options()
-    if not assembly.fixed.any():
-        raise InputError("structure: no block is fixed: nothing carries it, and a limit analysis has no answer")
-    problem = limit_problem(assembly, joints, replace(loads, support_velocity=None))
     begin = time.perf_counter()
-    alone = _solve(problem, np.zeros_like(problem.dead), problem.dead, 1.0, options)
+    problem, alone = at_rest(assembly, joints, loads, options)
     if alone.factor < 1.0 - STANDS:
         nothing = replace(problem, live=problem.dead, dead=np.zeros_like(problem.dead))
         fall = _answer(nothing, assembly, joints, alone, 1.0, time.perf_counter() - begin)
@@ -132,6 +129,18 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
         least = search(problem, best, options.starts, options.seed)
     moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
     return Analysis(problem, min(alone.factor, 1.0), answer, least, moves)
+
+
+def at_rest(assembly: Assembly, joints: Joints, loads: Loads, options: Options | None = None) -> tuple[LimitProblem, Optimum]:
+    """The largest share of the dead loads that a structure bears, at most 1, and the problem that this is of.
+
+    Raises:
+        InputError: a structure without supports, or no answer of the solver.
+    """
+    if not assembly.fixed.any():
+        raise InputError("structure: no block is fixed: nothing carries it, and a limit analysis has no answer")
+    problem = limit_problem(assembly, joints, replace(loads, support_velocity=None))
+    return problem, _solve(problem, np.zeros_like(problem.dead), problem.dead, 1.0, options or Options())
 
 
 def _solve(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, options: Options) -> Optimum:

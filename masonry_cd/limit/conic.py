@@ -26,7 +26,8 @@ from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, hstack, identity, v
 from masonry_cd.limit.problem import LimitProblem
 from masonry_cd.limit.solution import Optimum, Unbounded
 
-TOLERANCE = 1e-7  # of gap and residuals over their scale; what is reached is in the certificate
+TOLERANCE = 1e-8  # of residuals and gap over their scale: factors of churches then hold to five digits, at 1e-7 to three
+MOST = 100  # iterations; what is reached then is in the certificate
 ENDED = ("Solved", "AlmostSolved", "InsufficientProgress", "MaxIterations")  # with an answer
 
 
@@ -118,6 +119,7 @@ def solve_programme(problem: LimitProblem, programme: ConeProgramme) -> Optimum:
 
     settings = clarabel.DefaultSettings()
     settings.verbose = False
+    settings.max_iter = MOST
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
     cones = [clarabel.ZeroConeT(1), clarabel.NonnegativeConeT(programme.lines)]
     cones += [clarabel.SecondOrderConeT(3)] * len(programme.cones)
@@ -128,9 +130,9 @@ def solve_programme(problem: LimitProblem, programme: ConeProgramme) -> Optimum:
         raise Unbounded(f"Clarabel: {answer.status}")
     x, z = np.array(answer.x), np.array(answer.z)
     force = np.zeros((problem.points.count, 3))
-    cones = z[1 + programme.lines :].reshape(-1, 3)
-    force[programme.cones, 0] = cones[:, 0] / problem.mu[programme.cones]
-    force[programme.cones, 1:] = cones[:, 1:]
+    inside = z[1 + programme.lines :].reshape(-1, 3)
+    force[programme.cones, 0] = inside[:, 0] / problem.mu[programme.cones]
+    force[programme.cones, 1:] = inside[:, 1:]
     force[programme.upright, 0] = z[1 : 1 + len(programme.upright)]
     force[:, 0] -= problem.apex
     bars = z[1 + programme.lines - len(problem.strength) : 1 + programme.lines]
