@@ -28,6 +28,7 @@ OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "mechanism.png", "thrust.pn
 TURNS = 30  # most rounds in which the angle of a tilt is found
 SAME_TILT = 1e-9  # change of lambda at which it is
 STARTS = 3  # of the search for the least factor in a plane
+SAME = 1e-4  # share of the factor by which the least and the associated one may differ and agree
 NAMED = 6  # blocks that a line names
 
 
@@ -165,7 +166,9 @@ def lines(case: LimitCase) -> list[str]:
     if least is not None:
         sure = f"{least.agreeing} of {least.starts} starts came to it, none to less; no proof that it is the least"
         out.append(f"sliding without dilation: {least.optimum.factor:.5g} is the least found; {sure}")
-        out.append(f"Coulomb's law allows {least.optimum.factor:.5g} to {answer.factor:.5g}; a run finds one value in between")
+        apart = answer.factor - least.optimum.factor > SAME * abs(answer.factor)
+        between = f"Coulomb's law allows {least.optimum.factor:.5g} to {answer.factor:.5g} at least; a run finds one of its values"
+        out.append(between if apart else "both agree: how joints slide makes no difference here")
     elif not analysis.problem.moves_support:
         out.append(_no_least(case))
     moves = case.collapse.mechanism

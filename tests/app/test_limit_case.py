@@ -86,6 +86,10 @@ def test_a_tilt_turns_gravity_but_no_other_load(tmp_path):
     assert (math.cos(phi) + 1.0) * 0.25 == pytest.approx(math.sin(phi) * 0.75, abs=1e-8)
 
 
+def test_where_nothing_slides_both_values_agree(tmp_path):
+    assert any("both agree" in line for line in lines(limit_case(scene(tmp_path, pillar(), PUSH))))
+
+
 def test_live_loads_are_multiplied_and_others_are_not(tmp_path):
     points = "".join(
         f'[[loads]]\nkind = "point"\nblock = "a"\nforce = [{f}, 0, 0]\npoint = [0.25, 0, {z}]\n' for f, z in ((100.0, 1.5), (1000.0, 0.75))
