@@ -26,6 +26,7 @@ def page() -> str:
     tables = scene_schema()["properties"]
     parts = [HEAD, *_section("[structure]", tables["structure"]), *_section("[material]", tables["material"])]
     parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
+    parts += [*_section("[limit]", tables["limit"])]
     return "\n".join(parts)
 
 

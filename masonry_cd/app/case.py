@@ -125,10 +125,12 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
         InputError: anything wrong with the structure, the material or the loads.
     """
     import loads
+    from loads.statics import limit_table
 
     begin = time.perf_counter()
     structure = structure or structure_of(scene)
     try:
+        limit_table(scene.limit)
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from masonry_cd.app.case import Case
 
 MOVED = 0.01
+NOT_THE_LEAST = (
+    "rigid joints that slide allow several load factors: this run found one, not the least; masonry-cd limit SCENE gives the bracket"
+)
 
 
 def outcome(case: Case, results: Results) -> dict[str, Any]:
@@ -37,7 +40,8 @@ def _load_factor(case: Case, results: Results) -> dict[str, Any]:
         return {}
     limit = MOVED * float(case.assembly.shapes.size[free[case.assembly.shapes.part_block]].min())
     beyond = np.flatnonzero(displacements(results) > limit)
-    found: dict[str, Any] = {"end": float(factor[-1]), "limit": limit, "given_way": None, "given_way_time": None}
+    rigid = not case.assembly.laws.by_area.any()
+    found: dict[str, Any] = {"end": float(factor[-1]), "limit": limit, "given_way": None, "given_way_time": None, "rigid": rigid}
     if len(beyond):
         time = float(results.time[beyond[0]])
         step = int(np.searchsorted(results.per_step("step_time"), time))  # that ended there: frames are at the ends of steps
@@ -73,6 +77,7 @@ def outcome_lines(summary: dict[str, Any]) -> list[str]:
     lines = [_shock_line(shock) for shock in summary.get("shocks", ())]
     if "load_factor" in summary:
         lines.append(_factor_line(summary["load_factor"]))
+        lines += [NOT_THE_LEAST] if summary["load_factor"].get("rigid") else []
     return lines + [_tie_line(tie) for tie in summary.get("ties", ())]
 
 

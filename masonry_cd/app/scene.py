@@ -7,6 +7,7 @@
     [[loads]]    kind = "sinusoidal"  # checked by the room loads
     [run]        dt, duration ...
     [report]     crack_map
+    [limit]      push = "x"           # optional, of masonry-cd limit
 
 A run is a pure function of its scene, so the text of the scene, with what ``--set`` changed in it, goes into the results.
 All quantities are in SI units.
@@ -16,7 +17,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -50,6 +51,8 @@ class SceneTables(Table):
     """How it is computed."""
     report: dict[str, Any] = Field(default_factory=dict)
     """What is drawn and written after the run."""
+    limit: dict[str, Any] = Field(default_factory=dict)
+    """What masonry-cd limit multiplies until the structure gives way; a run does not read it."""
 
     @field_validator("title")
     @classmethod
@@ -65,7 +68,7 @@ class SceneTables(Table):
             raise ValueError(f"a newer masonry_cd reads this; this one reads scenes up to format {FORMAT}")
         return value
 
-    @field_validator("structure", "material", "run", "report", mode="before")
+    @field_validator("structure", "material", "run", "report", "limit", mode="before")
     @classmethod
     def _is_table(cls, value: object) -> object:
         if not isinstance(value, Mapping):
@@ -118,6 +121,7 @@ class Scene:
     text: str  # what the results keep: the file's text, or that of the changed tables when --set was used
     path: Path
     origin: Origin  # of its keys, for messages
+    limit: dict[str, Any] = field(default_factory=dict)  # checked by the room loads
 
     @property
     def folder(self) -> Path:
@@ -133,7 +137,7 @@ class Scene:
     def at_fault(self, error: InputError) -> InputError:
         """An error with file and line before it, where its message begins with a key of this scene; else the error itself."""
         message = str(error)
-        key = re.match(r"((?:structure|material|loads|run|report|title)[^\s:]*)(?::| )", message)
+        key = re.match(r"((?:structure|material|loads|run|report|limit|title)[^\s:]*)(?::| )", message)
         return InputError(f"{self.origin.of(key.group(1))}: {message}") if key else error
 
 
@@ -198,6 +202,7 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
             text=text,
             path=path,
             origin=origin,
+            limit=top.limit,
         )
     except InputError as error:
         raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None

@@ -34,7 +34,8 @@ def scene_schema() -> Schema:
     keys["material"] |= table_schema(Material)
     keys["run"] |= table_schema(Run)
     keys["report"] |= report_schema()
-    for table in ("structure", "material", "run", "report"):
+    keys["limit"] |= limit_schema()
+    for table in ("structure", "material", "run", "report", "limit"):
         if keys[table].get(REFUSED) is True:
             del keys[table][REFUSED]
     keys["structure"]["required"] = ["kind"]
@@ -48,6 +49,13 @@ def report_schema() -> Schema:
     made = table_schema(Report)
     made["properties"]["grades"] = table_schema(Grades) | {"description": made["properties"]["grades"]["description"]}
     return made
+
+
+def limit_schema() -> Schema:
+    """The schema of ``[limit]``."""
+    from loads.statics import LimitTable
+
+    return table_schema(LimitTable)
 
 
 def structure_schema(kind: str) -> Schema:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.app.scene_schema import TITLE, load_schema, report_schema, schema_text, structure_schema
+from masonry_cd.app.scene_schema import TITLE, limit_schema, load_schema, report_schema, schema_text, structure_schema
 from masonry_cd.app.scene_text import toml_text
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError, one_line, suggest
@@ -93,6 +93,7 @@ def starter(kind: str, path: Path) -> str:
         *_table("loads", load_schema("sinusoidal"), LOAD, row=True),
         *_table("run", table_schema(Run), RUN),
         *_table("report", report_schema(), REPORT),
+        *_table("limit", limit_schema(), {}),
     ]
     return "\n".join(lines) + "\n"
 

@@ -16,6 +16,7 @@ from masonry_cd.cli.build import build
 from masonry_cd.cli.compare import compare
 from masonry_cd.cli.export import export
 from masonry_cd.cli.init import init
+from masonry_cd.cli.limit import limit
 from masonry_cd.cli.modal import modal
 from masonry_cd.cli.record import record
 from masonry_cd.cli.report import report
@@ -63,6 +64,7 @@ for command in (
     compare,
     record,
     modal,
+    limit,
     solve,
     accuracy,
     study,

@@ -40,6 +40,12 @@ def joint_parts(assembly: Assembly) -> np.ndarray:
     return pairs[contacts.pair[[piece[0] for piece in pieces]]].reshape(-1, 2)
 
 
+def loose_contacts(assembly: Assembly) -> int:
+    """Pairs of parts that touch along a line or in a point: no joint, though a run has contacts there."""
+    contacts, pieces, _ = _touching(assembly)
+    return len(np.unique(contacts.pair)) - len(pieces)
+
+
 def built_gap(assembly: Assembly) -> float:
     """The largest gap or overlap, as built, of joints that were meant to have none [m]; 0 where coordinates are exact."""
     contacts, pieces, _ = _touching(assembly)

@@ -46,11 +46,27 @@ def ribbons(
         raise InputError("thrust: this result does not hold the forces of its joints and where they act; run its scene again")
     joints = results.joints
     force = np.where(snapshot.separated, 0.0, joint_frame(results, "normal_force", frame))
-    largest = float(force.max(initial=0.0))
     place = drawn_points(results, solids, pose, frame, factor)
+    return joint_ribbons((joints.block_a, joints.block_b), place, force, solids, view, pixel)
+
+
+def joint_ribbons(
+    blocks: tuple[np.ndarray, np.ndarray], place: np.ndarray, force: np.ndarray, solids: Solids, view: View, pixel: float
+) -> tuple[Surface, float]:
+    """The ribbons of J joints as a surface that faces the viewer, and the force of the widest one [N].
+
+    Args:
+        blocks: a and b of each joint, (J,) each.
+        place: (J, 3) where their resultants act [m].
+        force: (J,) normal forces [N].
+        solids: of the blocks.
+        view: from where.
+        pixel: size of a pixel [m].
+    """
+    largest = float(force.max(initial=0.0))
+    hub = _hubs(*blocks, place, force, len(solids.centre))
     ends, strength = [], []
-    for block in (joints.block_a, joints.block_b):
-        hub = _hubs(joints.block_a, joints.block_b, place, force, len(solids.centre))
+    for block in blocks:
         drawn = ~solids.fixed[block] & (force >= THINNEST * max(largest, 1e-300))
         ends.append(np.stack([place, hub[block]], axis=1)[drawn])
         strength.append(force[drawn])

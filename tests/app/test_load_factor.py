@@ -11,6 +11,7 @@ import pytest
 from models import box, ground
 
 from masonry_cd.app.case import prepare
+from masonry_cd.app.load_factor import NOT_THE_LEAST, outcome_lines
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
@@ -48,6 +49,12 @@ def test_a_block_gives_way_at_its_coefficient_of_friction_or_not_at_all(tmp_path
     held = push_over(tmp_path, blocks, push, 0.4, 5e-3, 1.0)
     assert held["load_factor"]["given_way"] is None
     assert closing_lines(held)[1] == "load factor: 0.35 at the end, before a block had moved by more than 2 mm"
+    assert closing_lines(held)[2] == NOT_THE_LEAST
+
+
+def test_a_factor_on_elastic_joints_is_not_said_to_be_one_of_several() -> None:
+    factor = {"end": 0.3, "limit": 2e-3, "given_way": None, "given_way_time": None, "rigid": False}
+    assert outcome_lines({"load_factor": factor}) == [outcome_lines({"load_factor": factor | {"rigid": True}})[0]]
 
 
 def test_without_a_tilt_or_a_push_there_is_none(tmp_path: Path) -> None:

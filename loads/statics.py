@@ -1,0 +1,192 @@
+r"""The loads of a scene as a limit analysis takes them: what stays constant, and the pattern that is multiplied by the factor.
+
+Constant are gravity, and the point loads at their full size. The pattern is one of
+
+    push          lambda |g| d on every kilogram, along a direction d
+    tilt          gravity turned by phi towards d: cos(phi) (g + lambda |g| d) with lambda = tan(phi)
+    live          point loads of the scene, each times lambda
+    settlement    supports that move, by themselves or apart: the force that they still bear
+
+It is named in ``[limit]``, or is the one load of kind push, tilt, settlement or spreading of the scene. What shakes is left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+import loads
+from loads.kinds.forces import PointLoad, PointTable, Tie, TieTable
+from loads.kinds.settlement import SettlementTable, SpreadingTable
+from loads.kinds.tilt import PushTable, TiltTable
+from loads.motion import Direction, DirectionKey, LoadTable, RunGrid, parse_direction
+from masonry_cd.errors import InputError, parse_table
+from masonry_cd.fields import Count, Table
+from masonry_cd.limit.problem import Bars, Loads
+from masonry_cd.model.blocks import Assembly
+
+NO_STEP = 1e-12  # of a grid that has none [s]: no tie is too stiff for it
+PULSE = 100.0  # steps that stand for the pulse of a settlement
+LEVEL = 1e-9
+
+
+class LimitTable(Table):
+    """The table ``[limit]``: what ``masonry-cd limit`` multiplies, and how it solves."""
+
+    push: DirectionKey | None = None
+    """Along this direction a body force of lambda times the weight acts on every block."""
+    tilt: DirectionKey | None = None
+    """Or: to this level direction the structure is tilted, lambda is the tangent of the angle."""
+    live: Annotated[tuple[Annotated[Count, Field(ge=0)], ...], Field(json_schema_extra={"default": []})] = ()
+    """Or: numbers of the [[loads]] of kind point that are multiplied, from 0; the others are constant."""
+    sides: Annotated[Count, Field(ge=0, le=64)] = 0
+    """Of friction pyramids that replace the circular cones of a structure in space, from inside; 0 for circular ones."""
+    starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
+    """Of the search for the least factor of sliding without dilation; 3 in a plane and none in space when not given, where each start
+    solves some twenty cone programmes."""
+
+    @field_validator("live", mode="before")
+    @classmethod
+    def _list(cls, value: object) -> object:
+        if not isinstance(value, (list, tuple)):
+            raise ValueError("should be a list of numbers of [[loads]], e.g. [0]")
+        return tuple(value)
+
+    @model_validator(mode="after")
+    def _one_pattern(self) -> LimitTable:
+        named = [name for name in ("push", "tilt", "live") if getattr(self, name)]
+        if len(named) > 1:
+            raise ValueError(f"{' and '.join(named)} are given; a limit analysis takes one pattern: one direction at a time")
+        if 0 < self.sides < 3:
+            raise ValueError("sides: a friction pyramid has at least 3")
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class StaticLoads:
+    """Loads on B blocks, and which pattern is multiplied."""
+
+    kind: str  # push, tilt, live or settlement
+    words: str
+    direction: tuple[float, float, float] | None  # of push and tilt
+    gravity: np.ndarray  # (B, 6) [N]
+    constant: np.ndarray  # (B, 6) of point loads [N, N m]
+    live: np.ndarray  # (B, 6)
+    bars: Bars
+    support_velocity: np.ndarray | None
+    notes: tuple[str, ...]
+
+    @property
+    def only_gravity(self) -> bool:
+        """Whether gravity alone is constant and nothing but friction resists: a tilt is then a push."""
+        return not self.constant.any() and not len(self.bars.strength)
+
+    def at(self, cosine: float = 1.0) -> Loads:
+        """The loads of a limit analysis; those of a tilt at the cosine of its angle."""
+        turned = cosine if self.kind == "tilt" else 1.0
+        return Loads(turned * self.gravity + self.constant, turned * self.live, self.bars, self.support_velocity)
+
+
+def static_loads(
+    tables: Sequence[Mapping[str, Any]], limit: LimitTable, gravity: Sequence[float], folder: Path, assembly: Assembly
+) -> StaticLoads:
+    """The loads of a scene's tables ``[[loads]]`` and ``[limit]``.
+
+    Raises:
+        InputError: no pattern, several, one that needs gravity where there is none, or a bad table.
+    """
+    asked = [loads.parse(table, f"loads[{i}]") for i, table in enumerate(tables)]
+    down, free = np.asarray(gravity, dtype=float), ~assembly.fixed
+    grid = RunGrid(NO_STEP, 1, down, folder, assembly)
+    weight, nothing = np.zeros((assembly.count, 6)), np.zeros((assembly.count, 6))
+    weight[free, :3] = assembly.mass[free, None] * down
+    parts = {i: loads.KINDS[t.kind].part(t, grid, f"loads[{i}]") for i, t in enumerate(asked) if isinstance(t, (PointTable, TieTable))}
+    points = {i: part.forces[0] for i, part in parts.items() if isinstance(part.forces[0], PointLoad)}
+    for i in limit.live:
+        if i not in points:
+            raise InputError(f"limit.live: loads[{i}] is no load of kind point of this scene")
+    kind, direction, words, support, at = _pattern(asked, limit, down, grid)
+    constant = sum((_wrench(force, assembly) for i, force in points.items() if i not in limit.live), nothing)
+    live = sum((_wrench(points[i], assembly) for i in limit.live), nothing)
+    if direction is not None:
+        live = nothing.copy()
+        live[free, :3] = math.hypot(*down) * assembly.mass[free, None] * np.array(direction.vector)
+    ties = [part.forces[0] for part in parts.values() if isinstance(part.forces[0], Tie)]
+    used = (PointTable, TieTable, PushTable, TiltTable) if support is None else (PointTable, TieTable)
+    left = [f"loads[{i}] ({t.kind})" for i, t in enumerate(asked) if not isinstance(t, used) and i != at and t.kind != "gravity"]
+    notes = (f"{', '.join(left)}: left out, a limit analysis is static",) if left else ()
+    vector = None if direction is None else direction.vector
+    return StaticLoads(kind, words, vector, weight, constant, live, _bars(ties, assembly), support, notes)
+
+
+def _pattern(
+    asked: Sequence[LoadTable], limit: LimitTable, down: np.ndarray, grid: RunGrid
+) -> tuple[str, Direction | None, str, np.ndarray | None, int | None]:
+    """Kind, direction, words, velocity of the supports (B, 3), and the place in [[loads]], of the one pattern."""
+    if limit.push is not None:
+        return _body_force("push", limit.push, down, "limit.push", None)
+    if limit.tilt is not None:
+        return _body_force("tilt", limit.tilt, down, "limit.tilt", None)
+    if limit.live:
+        return "live", None, f"live loads: {', '.join(f'loads[{i}]' for i in limit.live)}", None, None
+    kinds = (PushTable, TiltTable, SettlementTable, SpreadingTable)
+    there = [(i, table) for i, table in enumerate(asked) if isinstance(table, kinds)]
+    if not there:
+        raise InputError('limit: no load to multiply; give one in [limit], e.g. push = "x", or a load of kind push or tilt')
+    if len(there) > 1:
+        which = ", ".join(f"loads[{i}] ({table.kind})" for i, table in there)
+        raise InputError(f"limit: {which} are several patterns, a limit analysis takes one; name it in [limit]")
+    ((at, table),) = there
+    if isinstance(table, PushTable):
+        return _body_force("push", table.direction, down, f"loads[{at}].direction", at)
+    if isinstance(table, TiltTable):
+        turned = table.direction or parse_direction([float(n) + 0.0 for n in np.cross(table.axis.vector, down)])  # type: ignore[union-attr]
+        return _body_force("tilt", turned, down, f"loads[{at}].direction", at)
+    assert isinstance(table, (SettlementTable, SpreadingTable))
+    own = RunGrid(table.duration / PULSE, 2 * int(PULSE), grid.gravity, grid.folder, grid.assembly)
+    part = loads.KINDS[table.kind].part(table, own, f"loads[{at}]")
+    sign = math.copysign(1.0, table.displacement)
+    velocity = np.outer(sign * np.asarray(part.share), table.direction.vector)
+    return "settlement", None, f"loads[{at}] {table.kind} along {table.direction.label}", velocity, at
+
+
+def _body_force(
+    kind: str, direction: Direction, down: np.ndarray, where: str, at: int | None
+) -> tuple[str, Direction, str, None, int | None]:
+    """A push or a tilt."""
+    size = math.hypot(*down)
+    if size == 0.0:
+        raise InputError(f"{where}: needs gravity, but run.gravity is zero")
+    if kind == "tilt" and abs(float(np.sum(down * direction.vector))) > LEVEL * size:
+        raise InputError(f"{where}: must be level, at right angles to gravity")
+    return kind, direction, f"{kind} {'towards' if kind == 'tilt' else 'along'} {direction.label}", None, at
+
+
+def _wrench(force: PointLoad, assembly: Assembly) -> np.ndarray:
+    """A point load as forces and moments on all blocks, (B, 6)."""
+    out = np.zeros((assembly.count, 6))
+    out[force.block] = np.concatenate([force.force, np.cross(force.arm, force.force)])
+    return out
+
+
+def _bars(ties: Sequence[Tie], assembly: Assembly) -> Bars:
+    """The ties; how much they bear is not limited."""
+    if not ties:
+        return Bars.none()
+    blocks = np.array([tie.blocks for tie in ties])
+    return Bars(blocks, assembly.centre[blocks] + np.array([tie.arms for tie in ties]), np.full(len(ties), np.inf))
+
+
+def limit_table(table: Mapping[str, Any]) -> LimitTable:
+    """Check a table ``[limit]``.
+
+    Raises:
+        InputError: an unknown key, or a value out of range.
+    """
+    return parse_table(LimitTable, table, "limit")

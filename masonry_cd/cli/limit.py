@@ -1,0 +1,39 @@
+"""``masonry-cd limit``: the largest load factor of a scene and its mechanism."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, free_folder
+
+
+def limit(
+    scene: SceneFile,
+    output: Output,
+    set_: Changes = None,
+    picture: Annotated[bool, typer.Option(help="Draw mechanism.png and thrust.png.")] = True,
+    view: Annotated[str, typer.Option(metavar="NAME", help="auto, front, back, side, top or isometric.")] = "auto",
+    force: Force = False,
+) -> None:
+    """Find the largest load factor of a scene by limit analysis, and the mechanism.
+
+    What is multiplied is the scene's load of kind push, tilt, settlement or spreading, or what its table [limit] names: push = "x",
+    tilt = "x", or live = [0] for point loads. In a plane the least factor without dilation is searched for as well.
+    DIR gets limit.json, blocks.csv, joints.csv, mechanism.png and thrust.png.
+
+    \b
+    Examples:
+      masonry-cd limit arch.toml -o out/limit --set 'limit.push="x"'
+      masonry-cd limit church.toml -o out/across --set 'limit.tilt="y"' --no-picture
+      masonry-cd limit wall.toml -o out/wall --set limit.starts=20
+    """
+    with errors_reported():
+        from masonry_cd.app.limit_case import OUTPUTS, limit_case, lines, write
+
+        free_folder(output, OUTPUTS, force)
+        case = limit_case(scene, set_ or ())
+        typer.echo("\n".join(lines(case)))
+        written = write(case, output, picture, view)
+        typer.echo(f"written: {', '.join(map(str, written))}")

@@ -1,0 +1,1 @@
+"""Limit analysis: the largest load that a structure of rigid blocks bears, and the mechanism by which it gives way."""

@@ -1,0 +1,185 @@
+"""A limit analysis from the question whether the structure stands to its mechanism at the largest factor, with a certificate."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from masonry_cd.limit.conic import solve_conic
+from masonry_cd.limit.linear import solve_linear
+from masonry_cd.limit.mechanism import Mechanism, mechanism
+from masonry_cd.limit.nonassociated import LeastFound, least_factor
+from masonry_cd.limit.nonassociated_space import least_factor_in_space
+from masonry_cd.limit.problem import LimitProblem, Loads, limit_problem
+from masonry_cd.limit.solution import Optimum, Unbounded
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.joints import Joints
+
+CAP = 1e4  # largest factor looked for, with the live loads scaled to the dead ones
+STANDS = 1e-5  # a structure stands that bears its dead loads but for this share
+NO_FORCE = 1e-6  # share of the mean weight of a block below which a joint bears nothing
+NO_WORK = "limit: the load does no work on any mechanism: no factor of it sets the structure in motion"
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to solve."""
+
+    sides: int = 0  # of the friction pyramids in space; 0: circular cones
+    starts: int = 3  # of the search for the least factor without dilation; 0: no search
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """How good an answer is; forces over the mean weight of a block, velocities with w_1 . v = 1."""
+
+    static: float  # the factor that the forces bear
+    kinematic: float  # the factor from the work of the loads on the mechanism
+    gap: float  # between the two
+    equilibrium: float  # largest residual of a block's equilibrium
+    friction: float  # largest force beyond a friction cone, or tension beyond a joint's
+    flow: float  # largest closing of a point, beyond what its flow rule allows, over the largest velocity
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What holds at the largest factor."""
+
+    factor: float
+    optimum: Optimum
+    mechanism: Mechanism
+    certificate: Certificate
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class Collapse:
+    """A mechanism and the forces of the J joints that go with it."""
+
+    mechanism: Mechanism
+    normal_force: np.ndarray  # (J,) [N]
+    shear_force: np.ndarray  # (J,) [N]
+    force_point: np.ndarray  # (J, 3) where the resultant crosses the joint [m]; nan without a normal force
+    bars: np.ndarray  # (T,) tensions of the ties [N]
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """A limit analysis: whether the structure stands, what it bears, how it gives way."""
+
+    problem: LimitProblem
+    standing: float  # share of its dead loads that it bears; 1: it stands
+    associated: Answer  # of the dead loads where it does not stand
+    least: LeastFound | None  # without dilation
+    least_mechanism: Mechanism | None
+
+    @property
+    def stands(self) -> bool:
+        """Whether it bears its dead loads."""
+        return self.standing >= 1.0 - STANDS
+
+    def collapse(self, joints: int) -> Collapse:
+        """The mechanism of the least factor found, or else the associated one, with its forces; of a structure of so many joints."""
+        best, moves = self.associated.optimum, self.associated.mechanism
+        if self.least is not None and self.least_mechanism is not None:
+            best, moves = self.least.optimum, self.least_mechanism
+        joint, points, weight = self.problem.points.joint, self.problem.points, self.problem.weight
+        normal = weight * best.force[:, 0]
+        total = np.bincount(joint, normal, minlength=joints)
+        world = np.einsum("pd,pdi->pi", weight * best.force[:, 1:], points.frame[:, 1:])
+        shear = np.stack([np.bincount(joint, part, minlength=joints) for part in world.T], axis=1)
+        sums = np.stack([np.bincount(joint, normal * part, minlength=joints) for part in points.point.T], axis=1)
+        bears = np.abs(total) > NO_FORCE * weight
+        place = np.where(bears[:, None], sums / np.where(bears, total, 1.0)[:, None], np.nan)
+        return Collapse(moves, total, np.linalg.norm(shear, axis=1), place, weight * best.bars)
+
+
+def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options | None = None) -> Analysis:
+    """Find the largest factor of the live loads.
+
+    Raises:
+        InputError: a structure without supports, live loads that do no work, or no answer of the solver.
+    """
+    options = options or Options()
+    begin = time.perf_counter()
+    problem, alone = at_rest(assembly, joints, loads, options)
+    if alone.factor < 1.0 - STANDS:
+        nothing = replace(problem, live=problem.dead, dead=np.zeros_like(problem.dead))
+        fall = _answer(nothing, assembly, joints, alone, 1.0, time.perf_counter() - begin)
+        return Analysis(problem, alone.factor, fall, None, None)
+    if loads.support_velocity is not None:
+        problem = limit_problem(assembly, joints, loads)
+    size = float(np.linalg.norm(problem.live))
+    if size == 0.0:
+        raise InputError(NO_WORK)
+    scale = max(float(np.linalg.norm(problem.dead)), 1e-300) / size
+    begin = time.perf_counter()
+    scaled = _solve(problem, problem.dead, scale * problem.live, CAP, options)
+    best = replace(scaled, factor=scale * scaled.factor, velocity=scale * scaled.velocity)
+    if scaled.factor > 0.99 * CAP:
+        raise InputError(NO_WORK)
+    answer = _answer(problem, assembly, joints, best, scale * CAP, time.perf_counter() - begin)
+    least = None
+    if options.starts and not problem.moves_support:
+        search = least_factor_in_space if problem.axis is None else least_factor
+        least = search(problem, best, options.starts, options.seed)
+    moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
+    return Analysis(problem, min(alone.factor, 1.0), answer, least, moves)
+
+
+def at_rest(assembly: Assembly, joints: Joints, loads: Loads, options: Options | None = None) -> tuple[LimitProblem, Optimum]:
+    """The largest share of the dead loads that a structure bears, at most 1, and the problem that this is of.
+
+    Raises:
+        InputError: a structure without supports, or no answer of the solver.
+    """
+    if not assembly.fixed.any():
+        raise InputError("structure: no block is fixed: nothing carries it, and a limit analysis has no answer")
+    problem = limit_problem(assembly, joints, replace(loads, support_velocity=None))
+    return problem, _solve(problem, np.zeros_like(problem.dead), problem.dead, 1.0, options or Options())
+
+
+def _solve(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, options: Options) -> Optimum:
+    """By the solver that fits."""
+    try:
+        if problem.axis is not None or options.sides:
+            return solve_linear(problem, dead, live, cap, options.sides or 8)
+        return solve_conic(problem, dead, live, cap)
+    except Unbounded as failure:
+        raise InputError(f"limit: no answer: {failure}") from None
+
+
+def _answer(problem: LimitProblem, assembly: Assembly, joints: Joints, best: Optimum, cap: float, seconds: float) -> Answer:
+    """An optimum with its mechanism and certificate."""
+    moves = mechanism(problem, assembly, joints, best.velocity)
+    return Answer(best.factor, best, moves, certificate(problem, best, cap), seconds)
+
+
+def certificate(problem: LimitProblem, best: Optimum, cap: float) -> Certificate:
+    """Measure an optimum, apart from what the solver says of it."""
+    left = problem.jacobian.T @ best.force.ravel() - problem.bars.T @ best.bars + problem.dead + best.factor * problem.live
+    normal, tangent = best.force[:, 0] + problem.apex, np.linalg.norm(best.force[:, 1:], axis=1)
+    beyond = np.maximum(tangent - problem.mu * normal, -(best.force[:, 0] + problem.tension))
+    moved = (problem.jacobian @ best.velocity).reshape(best.force.shape)
+    cut = problem.tension < problem.apex
+    lifted = problem.mu * np.linalg.norm(moved[:, 1:], axis=1)
+    closing = lifted - moved[:, 0]
+    longer = problem.bars @ best.velocity
+    yields = np.isfinite(problem.strength)
+    work = -float(problem.dead @ best.velocity) + float(np.sum(np.maximum(longer[yields], 0.0) * problem.strength[yields]))
+    work += float(np.sum(problem.apex * np.where(cut, np.minimum(lifted, moved[:, 0]), moved[:, 0])))
+    work += float(np.sum((problem.tension * np.maximum(moved[:, 0] - lifted, 0.0))[cut]))
+    kinematic = work + cap * max(1.0 - float(problem.live @ best.velocity), 0.0)
+    largest = max(float(np.abs(best.velocity).max(initial=0.0)), 1e-300)
+    return Certificate(
+        static=best.factor,
+        kinematic=kinematic,
+        gap=abs(kinematic - best.factor),
+        equilibrium=float(np.abs(left).max(initial=0.0)),
+        friction=float(np.maximum(beyond, 0.0).max(initial=0.0)),
+        flow=float(max(closing.max(initial=0.0), longer[~yields].max(initial=0.0)) / largest),
+    )

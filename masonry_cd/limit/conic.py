@@ -1,0 +1,140 @@
+r"""Limit analysis in space with circular friction cones, as a second-order cone programme, by Clarabel.
+
+The kinematic form is solved, whose unknowns are the velocities of the blocks, six each, and few more; Clarabel's dual variables are the
+forces. With K the cone |y| <= x, over all points k,
+
+    min  c . v + cap t + sum_k (f_k - a_k) y_k + N_y . w      w_1 . v + t = 1,      ((u_kn - y_k)/mu_k, u_kt) in K,      G v <= w,
+
+c = -w_0 + H^T (a n), u = H v, and t, y, w >= 0: t is the multiplier of the cap on lambda, y_k of a tension that is cut off, w of a tie
+that yields. A point without friction takes u_kn - y_k >= 0.
+
+**Strips** instead of cones, |r_kt| <= s_k whatever the normal force, take u_kn - y_k >= 0 and (z_k, u_kt) in K with s_k z_k as their work:
+they slide and open nothing. **Prices** of forces, p_k . r'_k, added to a factor that is now the least, take
+
+    w_1 . v + t = -1  and  ((u_kn - y_k + p_kn)/mu_k, u_kt + p_kt) in K.
+
+Goulart & Chen, Clarabel: an interior-point solver for conic programs with quadratic objectives, 2024.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, hstack, identity, vstack
+
+from masonry_cd.limit.problem import LimitProblem
+from masonry_cd.limit.solution import Optimum, Unbounded
+
+TOLERANCE = 1e-8  # of residuals and gap over their scale
+MOST = 75  # iterations: churches of 5,000 blocks end there with a factor that holds to four digits; the certificate has what is reached
+ENDED = ("Solved", "AlmostSolved", "InsufficientProgress", "MaxIterations")  # with an answer
+
+
+@dataclass(frozen=True, eq=False)
+class ConeProgramme:
+    """min cost . x with matrix x + s = right, s in zero x nonnegative x second-order cones of three, in this order."""
+
+    cost: np.ndarray
+    matrix: csc_matrix
+    right: np.ndarray
+    lines: int  # rows of the nonnegative cone
+    cones: np.ndarray  # (K,) points whose forces, or their tangential part, are the second-order cones
+    upright: np.ndarray  # (Z,) points whose normal force is one of the first rows of the nonnegative cone
+    sense: float  # 1: the largest factor, -1: the least
+
+
+def cone_programme(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, strip: np.ndarray | None = None) -> ConeProgramme:
+    """The programme of the head of this file for loads (unknowns,), with strips s (P,) where they are given."""
+    n, ties, count = problem.unknowns, len(problem.strength), problem.points.count
+    held = np.flatnonzero(problem.tension < problem.apex)
+    rough = np.flatnonzero(problem.mu > 0.0)
+    upright = np.flatnonzero(problem.mu == 0.0) if strip is None else np.arange(count)
+    yields = np.flatnonzero(np.isfinite(problem.strength))
+    cut = csr_matrix((np.ones(len(held)), (held, np.arange(len(held)))), (count, len(held)))
+    wide = np.zeros(0) if strip is None else strip[rough]
+    cost = [problem.jacobian.T @ problem.bond() - dead, [cap], (problem.tension - problem.apex)[held], problem.strength[yields], wide]
+    extra = 1 + len(held) + len(yields) + len(wide)
+    first = hstack([csr_matrix(live[None]), csr_matrix(([1.0], ([0], [0])), (1, extra))])
+    lift = hstack([csr_matrix((count, 1)), cut, csr_matrix((count, len(yields) + len(wide)))], format="csr")
+    opens = hstack([-problem.jacobian[0::3][upright], lift[upright]])
+    signs = hstack([csr_matrix((extra, n)), -identity(extra)])
+    pull = coo_matrix((-np.ones(len(yields)), (yields, 1 + len(held) + np.arange(len(yields)))), (ties, extra))
+    rows = _cone_rows(problem, rough, lift) if strip is None else _strip_rows(problem, rough, extra)
+    matrix = vstack([first, opens, signs, hstack([problem.bars, pull]), rows], format="csc")
+    right = np.zeros(matrix.shape[0])
+    right[0] = 1.0
+    return ConeProgramme(np.concatenate(cost), matrix, right, len(upright) + extra + ties, rough, upright, 1.0)
+
+
+def _cone_rows(problem: LimitProblem, rough: np.ndarray, lift: csr_matrix) -> csr_matrix:
+    """Rows -((u_n - y) / mu, u_t) of the points with friction."""
+    scale = np.ones((len(rough), 3))
+    scale[:, 0] = 1.0 / problem.mu[rough]
+    weighted = problem.jacobian[_rows_of(rough)].multiply(-scale.ravel()[:, None])
+    raised = csr_matrix((scale[:, 0], (3 * np.arange(len(rough)), rough)), (3 * len(rough), problem.points.count)) @ lift
+    return hstack([weighted, raised], format="csr")
+
+
+def _strip_rows(problem: LimitProblem, rough: np.ndarray, extra: int) -> csr_matrix:
+    """Rows -(z, u_t) of the points with friction; z are the last of the extra unknowns."""
+    tangent = np.ones((len(rough), 3))
+    tangent[:, 0] = 0.0
+    moved = problem.jacobian[_rows_of(rough)].multiply(-tangent.ravel()[:, None])
+    place = (3 * np.arange(len(rough)), extra - len(rough) + np.arange(len(rough)))
+    return hstack([moved, csr_matrix((-np.ones(len(rough)), place), (3 * len(rough), extra))], format="csr")
+
+
+def _rows_of(points: np.ndarray) -> np.ndarray:
+    return (3 * points[:, None] + np.arange(3)).ravel()
+
+
+def priced(problem: LimitProblem, programme: ConeProgramme, prices: np.ndarray) -> ConeProgramme:
+    """The programme of the least lambda + sum of prices (P, 3) times r'; its cones must not be strips."""
+    matrix, right = programme.matrix.tolil(), programme.right.copy()
+    matrix[0, : problem.unknowns] = -matrix[0, : problem.unknowns]
+    asked = prices[programme.cones].copy()
+    asked[:, 0] /= problem.mu[programme.cones]
+    right[1 : 1 + len(programme.upright)] = prices[programme.upright, 0]
+    right[1 + programme.lines :] = asked.ravel()
+    return replace(programme, matrix=matrix.tocsc(), right=right, sense=-1.0)
+
+
+def solve_conic(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, strip: np.ndarray | None = None) -> Optimum:
+    """The largest factor up to ``cap``, for loads (unknowns,) that need not be the problem's own; with strips s (P,) for cones.
+
+    Raises:
+        Unbounded: no answer.
+    """
+    return solve_programme(problem, cone_programme(problem, dead, live, cap, strip))
+
+
+def solve_programme(problem: LimitProblem, programme: ConeProgramme) -> Optimum:
+    """By Clarabel.
+
+    Raises:
+        Unbounded: no answer.
+    """
+    import clarabel
+
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_iter = MOST
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    cones = [clarabel.ZeroConeT(1), clarabel.NonnegativeConeT(programme.lines)]
+    cones += [clarabel.SecondOrderConeT(3)] * len(programme.cones)
+    size = len(programme.cost)
+    solver = clarabel.DefaultSolver(csc_matrix((size, size)), programme.cost, programme.matrix, programme.right, cones, settings)
+    answer = solver.solve()
+    if str(answer.status) not in ENDED:
+        raise Unbounded(f"Clarabel: {answer.status}")
+    x, z = np.array(answer.x), np.array(answer.z)
+    force = np.zeros((problem.points.count, 3))
+    inside = z[1 + programme.lines :].reshape(-1, 3)
+    force[programme.cones, 0] = inside[:, 0] / problem.mu[programme.cones]
+    force[programme.cones, 1:] = inside[:, 1:]
+    force[programme.upright, 0] = z[1 : 1 + len(programme.upright)]
+    force[:, 0] -= problem.apex
+    bars = z[1 + programme.lines - len(problem.strength) : 1 + programme.lines]
+    name = f"Clarabel ({answer.status})"
+    return Optimum(-programme.sense * float(z[0]), force, bars, x[: problem.unknowns], int(answer.iterations), name)

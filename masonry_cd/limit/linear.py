@@ -1,0 +1,83 @@
+r"""Limit analysis as a linear programme, by HiGHS: exact in a plane, with friction pyramids in space.
+
+A force in Coulomb's cone is a sum of forces along its edges, r' = sum_e x_e (n + mu d_e) with x_e >= 0. In a plane the cone has two edges,
+d = +t and -t. In space it is replaced by a pyramid of so many sides that lies inside it: the factor is then at most the exact one.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import block_diag, csr_matrix, hstack
+
+from masonry_cd.limit.problem import LimitProblem
+from masonry_cd.limit.solution import Optimum, Unbounded
+
+MANY = 20_000  # unknowns from which HiGHS' interior point method is faster than its simplex
+
+
+def solve_linear(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, sides: int = 8) -> Optimum:
+    """The largest factor up to ``cap``, for loads (unknowns,) that need not be the problem's own.
+
+    Args:
+        problem: the structure.
+        dead: w_0.
+        live: w_1.
+        cap: largest factor that is looked for.
+        sides: of the friction pyramids in space.
+
+    Raises:
+        Unbounded: no forces bear the dead loads with any factor up to ``cap``.
+    """
+    edges = _edges(problem, sides)
+    per_point = edges.shape[1]
+    spread = block_diag(list(edges.transpose(0, 2, 1)), format="csr") if problem.points.count else csr_matrix((0, 0))
+    matrix = hstack([problem.jacobian.T @ spread, -problem.bars.T, csr_matrix(live[:, None])], format="csr")
+    wanted = problem.jacobian.T @ problem.bond() - dead
+    count = per_point * problem.points.count
+    cost = np.zeros(matrix.shape[1])
+    cost[-1] = -1.0
+    bounds = np.zeros((matrix.shape[1], 2))
+    bounds[:count, 1] = np.inf
+    bounds[count:-1, 1] = problem.strength
+    bounds[-1] = -cap, cap
+    held = np.flatnonzero(problem.tension < problem.apex)
+    below = _cut_off(held, per_point, matrix.shape[1])
+    options = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+    answer = linprog(
+        cost, A_ub=below, b_ub=(problem.tension - problem.apex)[held] if len(held) else None, A_eq=matrix, b_eq=wanted, bounds=bounds,
+        method="highs-ipm" if matrix.shape[1] > MANY else "highs-ds", options=options,
+    )  # fmt: skip
+    if answer.status != 0:
+        raise Unbounded(answer.message)
+    x = answer.x
+    return Optimum(
+        factor=float(x[-1]),
+        force=(spread @ x[:count] - problem.bond()).reshape(problem.points.count, problem.directions),
+        bars=x[count:-1],
+        velocity=-np.asarray(answer.eqlin.marginals),
+        iterations=int(answer.nit),
+        method=f"HiGHS {'interior point' if matrix.shape[1] > MANY else 'dual simplex'}",
+    )
+
+
+def _edges(problem: LimitProblem, sides: int) -> np.ndarray:
+    """Edges of the friction cones, (P, E, m)."""
+    if problem.directions == 2:
+        ways = np.array([[1.0], [-1.0]])
+    else:
+        turn = 2.0 * math.pi * np.arange(sides) / sides
+        ways = np.array([[math.cos(a), math.sin(a)] for a in turn])
+    out = np.ones((problem.points.count, len(ways), problem.directions))
+    out[:, :, 1:] = problem.mu[:, None, None] * ways
+    return out
+
+
+def _cut_off(held: np.ndarray, per_point: int, columns: int) -> csr_matrix | None:
+    """Rows -r'_n of the points whose tension is cut off before the tip of the cone."""
+    if not len(held):
+        return None
+    place = (held[:, None] * per_point + np.arange(per_point)).ravel()
+    return csr_matrix((-np.ones(len(place)), (np.repeat(np.arange(len(held)), per_point), place)), (len(held), columns))

@@ -1,0 +1,92 @@
+r"""Coulomb friction that does not dilate, in space: a factor that belongs to it.
+
+The sequence of :mod:`masonry_cd.limit.nonassociated` with circles for strips, |r_t| <= mu N_k (Portioli, Casapulla, Gilbert & Cascini,
+Computers & Structures 142, 2014), and its descent: for the mechanism found, the forces of least lambda + M g,
+
+    g(r, v) = sum over the points of  u_n (r_n + f) + mu r'_n |u_t| + r_t . u_t,
+
+a cone programme too; the velocities of least g for forces r are those of the strips mu r'_n. Cone programmes are solved to a tolerance,
+so g is small and not zero; it is reported.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.limit.conic import cone_programme, priced, solve_conic, solve_programme
+from masonry_cd.limit.nonassociated import ALIKE, LeastFound
+from masonry_cd.limit.problem import LimitProblem
+from masonry_cd.limit.solution import Optimum, Unbounded
+
+STEPS = 20  # of the sequence at most
+SETTLED = 2e-4  # change of the factor, as a share of it, at which the sequence ends
+ROUNDS = 4  # of the descent at most
+PENALTY = 100.0  # M, over w_1 . v = 1
+NEARLY = 1e-3  # g of a pair that counts, as a share of the power of the loads
+MOST = 10.0  # times the associated factor: the largest that is looked for
+
+
+def least_factor_in_space(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> LeastFound | None:
+    """The least factor that the starts come to, None where none ends in a pair with a small g; arguments as of ``least_factor``."""
+    random = np.random.default_rng(seed)
+    cap = MOST * max(abs(associated.factor), 1e-3)
+    ends: list[tuple[float, Optimum, float]] = []
+    for start in range(starts):
+        normal = np.maximum(associated.force[:, 0] + problem.apex, 0.0)
+        blend = 0.5
+        if start:
+            normal = normal * random.random(len(normal)) + random.exponential(float(normal.mean()), len(normal))
+            blend = 0.3 + 0.4 * float(random.random())
+        try:
+            end = _descend(problem, _sequence(problem, normal, blend, cap), cap)
+        except Unbounded:
+            continue
+        if end is not None:
+            ends.append((end[0].factor, *end))
+    if not ends:
+        return None
+    _, best, gap = min(ends, key=lambda end: end[0])
+    found = tuple(end[0] for end in ends)
+    return LeastFound(best, gap, starts, sum(factor <= best.factor + ALIKE * abs(best.factor) for factor in found), found)
+
+
+def _sequence(problem: LimitProblem, normal: np.ndarray, blend: float, cap: float) -> np.ndarray:
+    """The velocities of the sequence from normal forces r'_n (P,)."""
+    last = np.inf
+    for _ in range(STEPS):
+        found = solve_conic(problem, problem.dead, problem.live, cap, problem.mu * normal)
+        if abs(found.factor - last) <= SETTLED * abs(found.factor):
+            break
+        last = found.factor
+        normal = blend * normal + (1.0 - blend) * np.maximum(found.force[:, 0] + problem.apex, 0.0)
+    return found.velocity / float(problem.live @ found.velocity)
+
+
+def _descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> tuple[Optimum, float] | None:
+    """By turns the forces of least lambda + M g for a mechanism, and the mechanism of least g for these forces: the least pair so found."""
+    best: tuple[Optimum, float] | None = None
+    for _ in range(ROUNDS):
+        pair = _forces(problem, velocity, cap)
+        if pair[1] <= NEARLY:
+            if best is not None and pair[0].factor >= best[0].factor * (1.0 - SETTLED):
+                break
+            best = pair
+        normal = np.maximum(pair[0].force[:, 0] + problem.apex, 0.0)
+        found = solve_conic(problem, problem.dead, problem.live, cap, problem.mu * normal)
+        velocity = found.velocity / float(problem.live @ found.velocity)
+    return best
+
+
+def _forces(problem: LimitProblem, velocity: np.ndarray, cap: float) -> tuple[Optimum, float]:
+    """The forces of least lambda + M g for a mechanism, and g over the power of the loads."""
+    moved = (problem.jacobian @ velocity).reshape(-1, 3)
+    size = np.linalg.norm(moved[:, 1:], axis=1)
+    prices = moved.copy()
+    prices[:, 0] = np.maximum(moved[:, 0], 0.0) + problem.mu * size
+    programme = priced(problem, cone_programme(problem, problem.dead, problem.live, cap), PENALTY * prices)
+    found = solve_programme(problem, programme)
+    lifted = found.force + np.stack([problem.apex, 0.0 * problem.apex, 0.0 * problem.apex], axis=1)
+    least = float(np.maximum(moved[:, 0], 0.0) @ np.maximum(problem.apex - problem.tension, 0.0))
+    power = abs(float(problem.dead @ velocity)) + abs(found.factor) + 1e-300
+    pair = Optimum(found.factor, found.force, found.bars, velocity, found.iterations, "sequence of cone programmes (Clarabel)")
+    return pair, abs(float(np.sum(prices * lifted)) - least) / power

@@ -1,0 +1,188 @@
+r"""The problem of a limit analysis, in forces without units.
+
+With r the forces at the P points of the joints, N those of the ties, w_0 the dead loads and w_1 the live ones, the largest factor is
+
+    max lambda     H^T r - G^T N + w_0 + lambda w_1 = 0,      r_k + a_k n in Coulomb's cone,    r_kn >= -f_k,    0 <= N <= N_y     (static)
+
+H maps the velocities of the free blocks to the relative velocities at the points (opening positive), G to the rates at which ties grow
+longer. The dual problem speaks of the velocities v of the blocks: with u = H v, and w_1 . v = 1,
+
+    min  -w_0 . v + (work of the bonds and of the ties that yield),     mu |u_t| <= u_n      (kinematic)
+
+which is the associated flow rule: what slides also opens. Livesley, Int. J. Numer. Meth. Engng 12, 1978.
+
+**Units.** Forces are over the mean weight W of the free blocks, lengths over the cube root L of their mean volume: numbers near one.
+The unknowns of a block are (v, L omega), six in space and three in a plane.
+
+**Supports that move.** A pattern V of support velocities adds one unknown, its factor: its row of H^T r is the power of the forces on the
+supports for V. With w_1 = 1 there, -lambda is what the supports still bear of it when they have moved a little: the least that they can.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix, hstack
+
+from masonry_cd.limit.interfaces import Interfaces, interfaces
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.joints import Joints
+from masonry_cd.model.middle_plane import middle_plane
+
+
+@dataclass(frozen=True, eq=False)
+class Bars:
+    """T ties: bars that pull and do not push."""
+
+    blocks: np.ndarray  # (T, 2)
+    points: np.ndarray  # (T, 2, 3) ends, world frame [m]
+    strength: np.ndarray  # (T,) force at which they yield [N], inf where it is not known
+
+    @classmethod
+    def none(cls) -> Bars:
+        """No tie."""
+        return cls(np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2, 3)), np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False)
+class Loads:
+    """What acts on the B blocks: forces [N] and moments about the centres of mass [N m], or supports that move."""
+
+    dead: np.ndarray  # (B, 6)
+    live: np.ndarray  # (B, 6), multiplied by the factor
+    bars: Bars
+    support_velocity: np.ndarray | None = None  # (B, 3) of the supports; then there are no live forces
+
+
+@dataclass(frozen=True, eq=False)
+class LimitProblem:
+    """A limit analysis over F free blocks with n unknowns each, P points with m directions, and T ties. Without units."""
+
+    points: Interfaces
+    axis: int | None  # normal of the plane in which it moves; None in space
+    free: np.ndarray  # (F,) blocks
+    weight: float  # W [N]
+    length: float  # L [m]
+    jacobian: csr_matrix  # (P m, n F + 1 or + 0) H
+    bars: csr_matrix  # (T, ...) G
+    dead: np.ndarray  # (n F ...)
+    live: np.ndarray  # (n F ...)
+    mu: np.ndarray  # (P,)
+    apex: np.ndarray  # (P,) a_k
+    tension: np.ndarray  # (P,) f_k
+    strength: np.ndarray  # (T,) N_y
+    moves_support: bool
+
+    @property
+    def directions(self) -> int:
+        """m."""
+        return 3 if self.axis is None else 2
+
+    @property
+    def unknowns(self) -> int:
+        """Of the velocities."""
+        return len(self.dead)
+
+    def bond(self) -> np.ndarray:
+        """(P m,) the vector a_k n: forces are r = r' - bond with r' in Coulomb's cone."""
+        out = np.zeros((self.points.count, self.directions))
+        out[:, 0] = self.apex
+        return out.ravel()
+
+    def block_velocity(self, v: np.ndarray, count: int) -> np.ndarray:
+        """Velocities (B, 6) of all blocks from the unknowns, in the units of v: angular velocities are per metre of v's length."""
+        out = np.zeros((count, 6))
+        columns = self.columns
+        part = v[: len(self.free) * len(columns)].reshape(len(self.free), len(columns)).copy()
+        part[:, columns >= 3] /= self.length
+        out[self.free[:, None], columns] = part
+        return out
+
+    @property
+    def columns(self) -> np.ndarray:
+        """Which of (vx, vy, vz, wx, wy, wz) are unknowns."""
+        return _columns(self.axis)
+
+
+def limit_problem(assembly: Assembly, joints: Joints, loads: Loads) -> LimitProblem:
+    """Set up a limit analysis; it is planar where the structure and its loads are."""
+    axis = plane_of(assembly, loads)
+    points = interfaces(assembly, joints, axis)
+    free = np.flatnonzero(~assembly.fixed)
+    weight = max(float(np.linalg.norm(loads.dead[free, :3], axis=1).mean()), 1e-300)
+    length = float(assembly.volume[free].mean()) ** (1.0 / 3.0)
+    normal = [points.frame[:, k] for k in range(points.frame.shape[1])]
+    rows = [_rows(assembly, points, direction) for direction in normal]
+    stacked = np.stack(rows, axis=1).reshape(-1, 2, 6)  # (P m, 2, 6)
+    ends = np.repeat(points.bodies, len(normal), axis=0)
+    jacobian = _assemble(stacked, ends, assembly, axis, length)
+    bars = _assemble(_bar_rows(assembly, loads.bars), loads.bars.blocks, assembly, axis, length)
+    scale = np.where(_columns(axis) < 3, weight, weight * length)
+    dead, live = ((part[free][:, _columns(axis)] / scale).ravel() for part in (loads.dead, loads.live))
+    moves = loads.support_velocity is not None
+    if moves:
+        velocity = np.pad(np.asarray(loads.support_velocity), ((0, 0), (0, 3)))
+        jacobian = _with_column(jacobian, np.einsum("red,red->r", stacked, velocity[ends]))
+        bars = _with_column(bars, np.einsum("red,red->r", _bar_rows(assembly, loads.bars), velocity[loads.bars.blocks]))
+        dead, live = np.append(dead, 0.0), np.append(live, 1.0)
+    return LimitProblem(
+        points=points, axis=axis, free=free, weight=weight, length=length, jacobian=jacobian, bars=bars, dead=dead, live=live, mu=points.mu,
+        apex=points.apex / weight, tension=points.tension / weight, strength=loads.bars.strength / weight, moves_support=moves,
+    )  # fmt: skip
+
+
+def plane_of(assembly: Assembly, loads: Loads) -> int | None:
+    """Normal of the plane in which the structure moves under its loads, None where it needs space."""
+    for axis in range(3):
+        at = middle_plane(assembly, axis)
+        if at is None:
+            continue
+        across = [axis, *(3 + d for d in range(3) if d != axis)]
+        forces = np.concatenate([loads.dead, loads.live])
+        still = loads.support_velocity is None or not loads.support_velocity[:, axis].any()
+        size = 1e-9 * float(np.abs(forces).max(initial=0.0))
+        if still and not (np.abs(forces[:, across]) > size).any() and _in_plane(loads.bars, axis, at):
+            return axis
+    return None
+
+
+def _in_plane(bars: Bars, axis: int, at: float) -> bool:
+    return bool((np.abs(bars.points[..., axis] - at) <= 1e-9 * max(1.0, abs(at))).all())
+
+
+def _columns(axis: int | None) -> np.ndarray:
+    return np.arange(6) if axis is None else np.array([*(d for d in range(3) if d != axis), 3 + axis])
+
+
+def _rows(assembly: Assembly, points: Interfaces, direction: np.ndarray) -> np.ndarray:
+    """Relative velocity of b from a along a direction (P, 3), by the velocities of both: (P, 2, 6)."""
+    arms = points.point[:, None] - assembly.centre[points.bodies]
+    turning = np.cross(arms, direction[:, None])
+    moving = np.broadcast_to(direction[:, None], turning.shape)
+    return np.concatenate([moving, turning], axis=2) * np.array([-1.0, 1.0])[:, None]
+
+
+def _bar_rows(assembly: Assembly, bars: Bars) -> np.ndarray:
+    """Rate at which each bar grows longer, by the velocities of its two blocks: (T, 2, 6)."""
+    if not len(bars.strength):
+        return np.zeros((0, 2, 6))
+    line = bars.points[:, 1] - bars.points[:, 0]
+    along = (line / np.linalg.norm(line, axis=1, keepdims=True))[:, None] * np.array([-1.0, 1.0])[:, None]
+    return np.concatenate([along, np.cross(bars.points - assembly.centre[bars.blocks], along)], axis=2)
+
+
+def _assemble(rows: np.ndarray, ends: np.ndarray, assembly: Assembly, axis: int | None, length: float) -> csr_matrix:
+    """Rows (R, 2, 6) over blocks (R, 2) as a matrix over the unknowns of the free blocks."""
+    columns = _columns(axis)
+    number = np.cumsum(~assembly.fixed) - 1
+    values = rows[..., columns] / np.where(columns < 3, 1.0, length)
+    place = number[ends][..., None] * len(columns) + np.arange(len(columns))
+    moving = np.broadcast_to(~assembly.fixed[ends][..., None], values.shape)
+    row = np.broadcast_to(np.arange(len(rows))[:, None, None], values.shape)
+    shape = (len(rows), len(columns) * int((~assembly.fixed).sum()))
+    return coo_matrix((values[moving], (row[moving], place[moving])), shape).tocsr()
+
+
+def _with_column(matrix: csr_matrix, column: np.ndarray) -> csr_matrix:
+    return hstack([matrix, csr_matrix(column[:, None])], format="csr")

@@ -1,0 +1,1 @@
+"""Limit analyses in tables and pictures: the mechanism, and the forces at collapse."""
