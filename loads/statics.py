@@ -101,7 +101,7 @@ def static_loads(
     Raises:
         InputError: no pattern, several, one that needs gravity where there is none, or a bad table.
     """
-    asked = [loads.parse(table, f"loads[{i}]") for i, table in enumerate(tables)]
+    asked = [loads.parse_load(table, f"loads[{i}]") for i, table in enumerate(tables)]
     down, free = np.asarray(gravity, dtype=float), ~assembly.fixed
     grid = RunGrid(NO_STEP, 1, down, folder, assembly)
     weight, nothing = np.zeros((assembly.count, 6)), np.zeros((assembly.count, 6))
