@@ -1,4 +1,5 @@
-"""Structures: from the [structure] table of a scene to checked blocks.
+"""Structures: from the [structure] table of a scene to checked blocks. Several of them, [[structures]], are put side by side by
+:mod:`structures.site`.
 
 Each kind is a module of :mod:`structures.kinds` with a function ``build(table, density, folder)``, goes by the module's name, and is
 imported when it is asked for. It returns the blocks, or, where it has changed something in making them, the blocks and lines on that.
@@ -11,7 +12,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from masonry_cd.extensions import Extensions
 
@@ -26,21 +27,31 @@ NOISE = "noise"  # key of the table of structures/noise.py
 KINDS: Extensions[Build] = Extensions("structures.kinds", "build")
 
 
+class Made(NamedTuple):
+    """What the tables of a scene make."""
+
+    blocks: list[Block]
+    notes: list[str]  # on what was changed in making them: curved faces made flat, gaps closed, noise
+
+
 def build(table: Mapping[str, Any], density: float | None, folder: Path) -> list[Block]:
-    """The blocks of a structure, see :func:`build_with_notes`."""
-    return build_with_notes(table, density, folder)[0]
+    """The blocks of a structure, see :func:`make`."""
+    return make(table, density, folder).blocks
 
 
 def build_with_notes(table: Mapping[str, Any], density: float | None, folder: Path) -> tuple[list[Block], list[str]]:
+    """The blocks of a structure, and lines on what was changed in making them, see :func:`make`."""
+    made = make(table, density, folder)
+    return made.blocks, made.notes
+
+
+def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     """Build the blocks of a structure and check them.
 
     Args:
         table: the scene's [structure] table, with ``kind``, and ``most_blocks``, ``foundations`` and ``noise`` where they are given.
         density: of the material [kg/m3]; the entries of a block file may state their own, and where all of them do there may be none.
         folder: where the scene file lies; the path of a block file is relative to it.
-
-    Returns:
-        the blocks, and lines on what was changed in making them: curved faces made flat, gaps closed, noise.
 
     Raises:
         InputError: an unknown kind, a key of that kind that is wrong, or blocks that are unsound.
@@ -64,11 +75,11 @@ def build_with_notes(table: Mapping[str, Any], density: float | None, folder: Pa
 
         blocks = in_pieces(blocks, table[FOUNDATIONS])
     if NOISE not in table:
-        return blocks, notes
+        return Made(blocks, notes)
     from structures import noise
 
     blocks, more = noise.with_noise(blocks, table[NOISE])
-    return blocks, [*notes, *more]
+    return Made(blocks, [*notes, *more])
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from masonry_cd.solvers import cores
 
 if TYPE_CHECKING:
     from loads import Loading
+    from structures import Made
 
 TOLD = 1e-8  # share of the smallest width: inexact joints as built are reported from there on; less is rounding
 CORNERS = 4.0  # contacts of a joint
@@ -54,12 +55,22 @@ class Case:
 
 
 def build_blocks(scene: Scene) -> list[Block]:
-    """The blocks of a scene's structure, see :func:`build_structure`."""
+    """The blocks of a scene's structures, see :func:`make_structures`."""
     return build_structure(scene)[0]
 
 
 def build_structure(scene: Scene) -> tuple[list[Block], list[str]]:
-    """The blocks of a scene's structure, and lines on what was changed in making them.
+    """The blocks of a scene's structures, and lines on what was changed in making them.
+
+    Raises:
+        InputError: with file and line of the scene where a key is at fault.
+    """
+    made = make_structures(scene)
+    return made.blocks, made.notes
+
+
+def make_structures(scene: Scene) -> Made:
+    """What the structures of a scene make.
 
     Raises:
         InputError: with file and line of the scene where a key is at fault.
@@ -68,7 +79,11 @@ def build_structure(scene: Scene) -> tuple[list[Block], list[str]]:
 
     try:
         with np.errstate(all="ignore"):  # blocks that are not finite are refused by name
-            return structures.build_with_notes(scene.structure, scene.material.density, scene.folder)
+            if not scene.structures:
+                return structures.make(scene.structure, scene.material.density, scene.folder)
+            from structures import site
+
+            return site.build(scene.structures, scene.material.density, scene.folder)
     except InputError as error:
         raise scene.at_fault(error) from None
 

@@ -31,7 +31,7 @@ def digests(case: Case) -> dict[str, str]:
     """
     scene, loading, assembly = case.scene, case.loading, case.assembly
     found: dict[str, str] = {}
-    for name in _paths([scene.structure, *scene.loads]):
+    for name in _paths([scene.structure, *scene.structures, *scene.loads]):
         data = _read(scene.folder / name)
         found[name] = hashlib.sha256(data).hexdigest()
         if name.lower().endswith(".vtm"):

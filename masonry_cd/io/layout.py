@@ -14,7 +14,7 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /shocks/{name, start, end, frame} (S,)   of a sequence: times [s], and the frame at the end of the rest after each shock
     /shocks/{opening, sliding, rotation, contact_area_loss, first_opening_time} (S, J)   the peaks of the joints up to there
     /closing (L,)   bytes of what summary.json holds of a run that has ended, beside the damage (JSON)
-    /blocks/*   the blocks as they were built: a report needs no scene
+    /blocks/*   the blocks as they were built: a report needs no scene; /blocks/structure only where a scene has several
     /segments/*   checksums, see segments.py
     attributes: scene (the text of the scene file), title, versions (JSON), run (a name that no other run has), format (of this layout),
         inputs (JSON: SHA-256 of each file that the scene reads), constant (SHA-256 of all that does not grow)

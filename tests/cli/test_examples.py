@@ -16,6 +16,7 @@ from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
+from reports.deformed import Pose, solids_of
 
 GRAVITY = 9.81
 
@@ -115,6 +116,24 @@ def test_the_three_naves_stand_at_rest(tmp_path):
     assert 500 <= summary["blocks"] <= 800
     assert summary["displacement_max"] < 1e-6
     assert summary["joints_opened"] == summary["joints_slid"] == 0
+
+
+def test_the_two_piers_pound_on_one_another_and_every_joule_is_booked(tmp_path):
+    summary = run("two_piers.toml", tmp_path, "run.duration=1.4", "run.until_still=false", "report.html=false")
+    assert summary["energy"]["balance_error"] < 1e-9
+    assert summary["planar"]
+    gaps = []
+    with Results.open(tmp_path / "result.h5") as results:
+        solids = solids_of(results.blocks)
+        sides = [np.flatnonzero([b.structure == name and not b.fixed for b in results.blocks]) for name in ("low", "tall")]
+        low, tall = (np.isin(solids.vertex_block, side) & (solids.vertices[:, 2] < 4.001) for side in sides)
+        for frame in range(results.frames):
+            x = Pose.of(results, solids, frame).moved(solids, solids.vertices, solids.vertex_block)[:, 0]
+            courses = [(solids.vertices[:, 2] > h - 0.01) & (solids.vertices[:, 2] < h + 0.51) for h in np.arange(0.0, 4.0, 0.5)]
+            gaps.append(min(x[tall & course].min() - x[low & course].max() for course in courses))
+    assert gaps[0] == pytest.approx(0.04)
+    struck = next(frame for frame, gap in enumerate(gaps) if gap < 1e-3)
+    assert max(gaps[struck:]) > 2e-3  # they part again
 
 
 def test_the_three_shocks_follow_one_another_at_their_sizes(tmp_path):
