@@ -18,11 +18,13 @@ from masonry_cd.extensions import Extensions
 
 if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs no more
     from masonry_cd.model.blocks import Block
+    from structures.ties import Bar
 
 Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]]]"
 
 FOUNDATIONS = "foundations"  # key of structures/layout/foundations.py
 NOISE = "noise"  # key of the table of structures/noise.py
+TIES = "ties"  # key of the tables of structures/ties.py
 
 KINDS: Extensions[Build] = Extensions("structures.kinds", "build")
 
@@ -31,7 +33,8 @@ class Made(NamedTuple):
     """What the tables of a scene make."""
 
     blocks: list[Block]
-    notes: list[str]  # on what was changed in making them: curved faces made flat, gaps closed, noise
+    notes: list[str]  # on what was changed in making them: curved faces made flat, gaps closed, noise; and on ties
+    ties: Sequence[Bar] = ()
 
 
 def build(table: Mapping[str, Any], density: float | None, folder: Path) -> list[Block]:
@@ -49,7 +52,7 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     """Build the blocks of a structure and check them.
 
     Args:
-        table: the scene's [structure] table, with ``kind``, and ``most_blocks``, ``foundations`` and ``noise`` where they are given.
+        table: the scene's [structure] table, with ``kind``, and the keys of every kind (:mod:`structures.tables`) where they are given.
         density: of the material [kg/m3]; the entries of a block file may state their own, and where all of them do there may be none.
         folder: where the scene file lies; the path of a block file is relative to it.
 
@@ -66,7 +69,7 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     if kind not in KINDS:
         hint = suggest(kind, KINDS)
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
-    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FOUNDATIONS, NOISE)}
+    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FOUNDATIONS, NOISE, TIES)}
     with size.limited(table.get(size.KEY, size.MOST)):
         made = KINDS[kind](rest, math.nan if density is None else density, folder)
     blocks, notes = made if isinstance(made, tuple) else (made, [])
@@ -74,12 +77,18 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
         from structures.layout.foundations import in_pieces
 
         blocks = in_pieces(blocks, table[FOUNDATIONS])
-    if NOISE not in table:
-        return Made(blocks, notes)
-    from structures import noise
+    bars: list[Bar] = []
+    if TIES in table:
+        from structures.ties import ties_of
 
-    blocks, more = noise.with_noise(blocks, table[NOISE])
-    return Made(blocks, [*notes, *more])
+        bars, more = ties_of(blocks, table[TIES])
+        notes = [*notes, *more]
+    if NOISE in table:
+        from structures import noise
+
+        blocks, more = noise.with_noise(blocks, table[NOISE])
+        notes = [*notes, *more]
+    return Made(blocks, notes, bars)
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:

@@ -35,6 +35,7 @@ from structures.geometry.checks import Unsound, check
 from structures.geometry.convex import halves
 from structures.geometry.prism import box
 from structures.schema import Table
+from structures.ties import Bar
 
 KEYS = ("name", "at", "rotate")
 LEVEL = 1e-9  # of a size: closer than this is one height, and structures that overlap by less touch
@@ -96,6 +97,12 @@ class Place:
         name, group = f"{self.name}.{own.name}", f"{self.name}.{own.group}"
         return replace(own, name=name, group=group, structure=self.name, vertices=self.points(own.vertices), parts=parts)
 
+    def bar(self, own: Bar, number: int) -> Bar:
+        """A tie of the structure in the world, of the structure with a number among all."""
+        first, second = (f"{self.name}.{block}" for block in own.blocks)
+        keys = {**own.keys, "name": f"{self.name}.{own.keys['name']}"}
+        return Bar(_of_one(own.where, number), (first, second), self.points(own.points), keys)
+
 
 def build(tables: Sequence[Mapping[str, Any]], density: float | None, folder: Path) -> Made:
     """Build the structures of a scene, see :func:`structures.make`.
@@ -111,8 +118,9 @@ def build(tables: Sequence[Mapping[str, Any]], density: float | None, folder: Pa
     placed = [[place.block(block) for block in one.blocks] for place, one in zip(places, made, strict=True)]
     blocks = [block for one in on_one_ground(placed) for block in one]
     check(blocks)
+    bars = [place.bar(bar, i) for i, (place, one) in enumerate(zip(places, made, strict=True)) for bar in one.ties]
     notes = [f"{place.name}: {note}" for place, one in zip(places, made, strict=True) for note in one.notes]
-    return Made(blocks, notes)
+    return Made(blocks, notes, bars)
 
 
 def _place_of(table: Mapping[str, Any], number: int) -> Place:

@@ -98,7 +98,7 @@ def prepare(scene: Scene) -> Case:
     from structures.standing import standing
 
     begin = time.perf_counter()
-    blocks, notes = build_structure(scene)
+    blocks, notes, bars = make_structures(scene)
     try:
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
@@ -107,7 +107,9 @@ def prepare(scene: Scene) -> Case:
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         run = scene.run
         longest = run.longest_step if run.adaptive else None
-        loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest)
+        loading = loads.build(
+            scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, [(b.where, b.load()) for b in bars]
+        )
     except InputError as error:
         raise scene.at_fault(error) from None
     if loading.support_velocity.any() and not assembly.fixed.any():

@@ -88,7 +88,7 @@ def test_every_kind_is_in_it_with_all_of_its_keys(schema):
     for kind, found in own.items():
         model = table_of(kind)
         assert model is not None
-        assert found == set(model.model_fields) | {"kind", "most_blocks", "foundations", "noise"}
+        assert found == set(model.model_fields) | {"kind", "most_blocks", "foundations", "noise", "ties"}
     shaking = {kind["properties"]["kind"]["const"]: set(kind["properties"]) for kind in tables["loads"]["items"]["oneOf"]}
     assert shaking == {kind: set(load.table.model_fields) for kind, load in LOADS.items()}
     assert set(tables["run"]["properties"]) == set(Run.model_fields)
