@@ -97,6 +97,15 @@ class Bar(NamedTuple):
         return {"kind": "tie", "blocks": list(self.blocks), "points": self.points.tolist(), **self.keys}
 
 
+def lines_of(bars: Sequence[Bar]) -> list[np.ndarray]:
+    """A line (2, 3) for each tie [m], between the means of what its bars hold on to."""
+    found = []
+    for name in dict.fromkeys(bar.keys["name"] for bar in bars):
+        mine = [bar for bar in bars if bar.keys["name"] == name]
+        found.append(np.average([bar.points for bar in mine], axis=0, weights=[bar.keys["area"] for bar in mine]))
+    return found
+
+
 class _Anchor(NamedTuple):
     """A block that an end holds on to."""
 

@@ -10,6 +10,7 @@ from reports.damage import joint_damage
 from reports.damage.definitions import Thresholds
 from reports.damage.end_state import end_state
 from reports.settings import Report
+from reports.ties import write_ties
 
 
 def thresholds_of(settings: Report) -> Thresholds:
@@ -18,11 +19,12 @@ def thresholds_of(settings: Report) -> Thresholds:
 
 
 def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:
-    """Write joints.csv and return the numbers of damage for the summary, those after each shock of a sequence among them."""
+    """Write joints.csv, and ties.csv where there are ties; return the numbers of damage for the summary, also those after each shock."""
     thresholds = thresholds_of(settings)
     table = joint_damage.joint_damage(results, thresholds)
     end = end_state(results, thresholds)
     joint_damage.write_joints_csv(table, folder / "joints.csv", end.provisional)
+    write_ties(results, folder)
     fallen = joint_damage.collapsed_blocks(results, thresholds)
     return (
         joint_damage.summary(table)

@@ -29,6 +29,7 @@ from reports.deformed import Pose, Solids, frame_index, solids_of
 from reports.drawing.figure import Layout, Sheet, in_metres, layout, nice
 from reports.drawing.render import SAMPLES, Canvas, Layer, Lines, Surface, View, Window, view_named
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, block_layers, rgb, structure_window
+from reports.drawing.tie_lines import ties_at
 from reports.maps.bands import Bands, band_corners, dashed, face_plates, joint_bands
 from reports.maps.crack_key import (
     FALLEN,
@@ -168,8 +169,10 @@ def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas)
     if framed.style.thrust:
         thrust, force = _thrust_layer(results, frame, subject)
         layers.append(thrust)
+    ties = ties_at(results, subject.solids, subject.pose, framed.factor)
+    layers += ties.layers(framed.view, float((subject.drawn @ framed.view.towards).max()) + 0.02 * framed.window.height)
     sheet = Sheet(framed.plan)
-    sheet.model(canvas.draw(layers, framed.window))
+    sheet.model(ties.labelled(canvas.draw(layers, framed.window), framed.view, framed.window))
     sheet.head(results.title or "Crack map", _facts(subject))
     key = Key(
         marks=subject.marks,
@@ -182,6 +185,7 @@ def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas)
         force=force,
         pixel=framed.pixel,
         view=framed.view,
+        ties=len(ties.ends),
     )
     draw_signs(sheet, key)
     return sheet, key

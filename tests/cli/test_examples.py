@@ -136,6 +136,23 @@ def test_the_two_piers_pound_on_one_another_and_every_joule_is_booked(tmp_path):
     assert max(gaps[struck:]) > 2e-3  # they part again
 
 
+def test_the_tied_arch_stands_while_its_tie_yields_and_falls_without_it(tmp_path):
+    plain = ("run.until_still=false", "report.html=false", "report.damage=false")
+    summary = run("arch_tied.toml", tmp_path / "tied", *plain)
+    (tie,) = summary["ties"]
+    assert tie["yielded"]
+    assert tie["tension_max"] == pytest.approx(9e3)
+    assert summary["collapsed_blocks"] == 0
+    loose = run("arch_tied.toml", tmp_path / "loose", *plain, "structure.ties=[]", "loads[0].amplitude=0", "run.duration=1.5")
+    assert loose["collapsed_blocks"] > 5
+
+
+def test_the_ties_of_the_church_bear_their_tension_at_rest(tmp_path):
+    summary = run("church_tied.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0", "report.damage=false")
+    assert [tie["name"] for tie in summary["ties"]] == ["nave.1", "nave.2", "nave.3"]
+    assert all(tie["tension_end"] == pytest.approx(10e3, rel=0.02) and not tie["yielded"] for tie in summary["ties"])
+
+
 def test_the_three_shocks_follow_one_another_at_their_sizes(tmp_path):
     summary = run("church_three_shocks.toml", tmp_path, "run.duration=0.05", "report.damage=false")
     (sequence,) = summary["loads"]["tables"][:1]
