@@ -23,6 +23,7 @@ if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs 
 Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]]]"
 
 FOUNDATIONS = "foundations"  # key of structures/layout/foundations.py
+GROUND = "ground"  # key of structures/layout/ground.py
 NOISE = "noise"  # key of the table of structures/noise.py
 TIES = "ties"  # key of the tables of structures/ties.py
 
@@ -69,10 +70,14 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     if kind not in KINDS:
         hint = suggest(kind, KINDS)
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
-    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FOUNDATIONS, NOISE, TIES)}
+    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FOUNDATIONS, GROUND, NOISE, TIES)}
     with size.limited(table.get(size.KEY, size.MOST)):
         made = KINDS[kind](rest, math.nan if density is None else density, folder)
     blocks, notes = made if isinstance(made, tuple) else (made, [])
+    if GROUND in table:
+        from structures.layout.ground import with_ground
+
+        blocks = with_ground(blocks, table[GROUND])
     if FOUNDATIONS in table:
         from structures.layout.foundations import in_pieces
 

@@ -24,6 +24,9 @@ class CommonTable(Table):
     foundations: Literal["whole", "corners", "parts"] | FoundationsTable = Field(
         "whole", description="in pieces, which may settle by themselves: corners, parts, or strips { x = 4 }"
     )
+    ground: bool | float = Field(
+        False, description="a fixed slab under a structure that has none, for what falls: true, or the height of its top [m]"
+    )
     ties: tuple[dict[str, Any], ...] = Field(
         (), strict=False, json_schema_extra=rows(TieRowTable), description="rods and beams that tie parts together, [[structure.ties]] each"
     )
