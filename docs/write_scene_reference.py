@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.app.scene_schema import scene_schema
+from masonry_cd.table_schema import table_schema
+from structures.site import PlaceTable
 
 PAGE = Path(__file__).with_name("scene_reference.md")
 HEAD = """# Every key of a scene
@@ -18,21 +20,29 @@ HEAD = """# Every key of a scene
 Written from the JSON schema of the scene file by `python docs/write_scene_reference.py`. Units are SI. *Needed* keys have no default; those
 without either may be left out.
 """
+SITE = """Several structures side by side, in place of `[structure]`: each has the keys of its kind, as above, and those below. Blocks and
+groups are named `NAME.block` and `NAME.group`; pairs of groups in `[material]` may be patterns, as `"*arch-*base"`. Structures that touch
+pound on one another as any blocks do. Where the grounds of two of them overlap, an upright plane in the middle between the two parts them,
+and damage has a row for each structure.
+"""
 SIGNS = {"minimum": "at least", "exclusiveMinimum": "above", "maximum": "at most", "exclusiveMaximum": "below"}
 
 
 def page() -> str:
     """The text of the page."""
     tables = scene_schema()["properties"]
-    parts = [HEAD, *_section("[structure]", tables["structure"]), *_section("[material]", tables["material"])]
+    parts = [HEAD, *_section("[structure]", tables["structure"]), *_section("[[structures]]", table_schema(PlaceTable), SITE)]
+    parts += _section("[material]", tables["material"])
     parts += [*_section("[[loads]]", tables["loads"]["items"]), *_section("[run]", tables["run"]), *_section("[report]", tables["report"])]
     parts += [*_section("[limit]", tables["limit"])]
     return "\n".join(parts)
 
 
-def _section(name: str, schema: dict[str, Any]) -> Iterator[str]:
+def _section(name: str, schema: dict[str, Any], about: str = "") -> Iterator[str]:
     """The headings and tables of a table of the scene, one for each of its kinds."""
     yield f"## {name}\n"
+    if about:
+        yield about
     for kind in schema.get("oneOf", []):
         about = kind["properties"]["kind"]
         yield f'### kind = "{about["const"]}"\n\n{about["description"]}.\n'

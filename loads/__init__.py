@@ -70,8 +70,9 @@ def build(
     folder: Path,
     assembly: Assembly | None = None,
     longest: float | None = None,
+    ties: Sequence[tuple[str, Mapping[str, Any]]] = (),
 ) -> Loading:
-    """Sum all [[loads]] tables.
+    """Sum all [[loads]] tables, and the ties of the structure.
 
     Args:
         tables: as read from the scene file.
@@ -81,6 +82,7 @@ def build(
         folder: the scene file's folder, to which paths are relative.
         assembly: the blocks; without them no load may name one.
         longest: the longest step where it adapts [s].
+        ties: tables of kind "tie", with what the structure calls them; nothing is said of each of them.
 
     Raises:
         InputError: an unknown kind, a bad key, or a bad record file.
@@ -91,6 +93,7 @@ def build(
     parts = [KINDS[table.kind].part(table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
     if not falls:
         parts.append(KINDS["gravity"].part(GravityTable(), grid, "gravity"))
+    tied = [KINDS["tie"].part(parse_load(table, where), grid, where) for where, table in ties]
     acceleration = np.zeros((grid.steps + 1, 3))
     for part in parts:
         if part.acceleration is not None:
@@ -113,7 +116,9 @@ def build(
     pauses = sorted((pause for part in parts for pause in part.pauses), key=lambda pause: pause.first)
     quiet = tuple(pause for pause in pauses if _nothing_changes(pause, velocity, acceleration))
     lines += [f'rest after "{pause.after}": not ended early, since other loads act in it' for pause in pauses if pause not in quiet]
-    return Loading(velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, collect(parts, grid), warnings)
+    return Loading(
+        velocity, acceleration, tuple(lines), summary, support_of, tuple(shocks), quiet, collect([*parts, *tied], grid), warnings
+    )
 
 
 def parse_load(table: Mapping[str, Any], where: str) -> LoadTable:

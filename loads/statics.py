@@ -94,9 +94,14 @@ class StaticLoads:
 
 
 def static_loads(
-    tables: Sequence[Mapping[str, Any]], limit: LimitTable, gravity: Sequence[float], folder: Path, assembly: Assembly
+    tables: Sequence[Mapping[str, Any]],
+    limit: LimitTable,
+    gravity: Sequence[float],
+    folder: Path,
+    assembly: Assembly,
+    made: Sequence[tuple[str, Mapping[str, Any]]] = (),
 ) -> StaticLoads:
-    """The loads of a scene's tables ``[[loads]]`` and ``[limit]``.
+    """The loads of a scene's tables ``[[loads]]`` and ``[limit]``, and the ties ``made`` by its structure, as :func:`loads.build` takes them.
 
     Raises:
         InputError: no pattern, several, one that needs gravity where there is none, or a bad table.
@@ -117,7 +122,8 @@ def static_loads(
     if direction is not None:
         live = nothing.copy()
         live[free, :3] = math.hypot(*down) * assembly.mass[free, None] * np.array(direction.vector)
-    ties = [part.forces[0] for part in parts.values() if isinstance(part.forces[0], Tie)]
+    bars = [loads.KINDS["tie"].part(loads.parse_load(table, where), grid, where) for where, table in made]
+    ties = [part.forces[0] for part in (*parts.values(), *bars) if isinstance(part.forces[0], Tie)]
     used = (PointTable, TieTable, PushTable, TiltTable) if support is None else (PointTable, TieTable)
     left = [f"loads[{i}] ({t.kind})" for i, t in enumerate(asked) if not isinstance(t, used) and i != at and t.kind != "gravity"]
     notes = (f"{', '.join(left)}: left out, a limit analysis is static",) if left else ()
@@ -176,11 +182,11 @@ def _wrench(force: PointLoad, assembly: Assembly) -> np.ndarray:
 
 
 def _bars(ties: Sequence[Tie], assembly: Assembly) -> Bars:
-    """The ties; how much they bear is not limited."""
+    """The ties, each with the force at which it yields."""
     if not ties:
         return Bars.none()
     blocks = np.array([tie.blocks for tie in ties])
-    return Bars(blocks, assembly.centre[blocks] + np.array([tie.arms for tie in ties]), np.full(len(ties), np.inf))
+    return Bars(blocks, assembly.centre[blocks] + np.array([tie.arms for tie in ties]), np.array([tie.limit for tie in ties]))
 
 
 def limit_table(table: Mapping[str, Any]) -> LimitTable:

@@ -1,4 +1,5 @@
-"""Structures: from the [structure] table of a scene to checked blocks.
+"""Structures: from the [structure] table of a scene to checked blocks. Several of them, [[structures]], are put side by side by
+:mod:`structures.site`.
 
 Each kind is a module of :mod:`structures.kinds` with a function ``build(table, density, folder)``, goes by the module's name, and is
 imported when it is asked for. It returns the blocks, or, where it has changed something in making them, the blocks and lines on that.
@@ -11,36 +12,50 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from masonry_cd.extensions import Extensions
 
 if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs no more
     from masonry_cd.model.blocks import Block
+    from structures.ties import Bar
 
 Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]]]"
 
 FOUNDATIONS = "foundations"  # key of structures/layout/foundations.py
+GROUND = "ground"  # key of structures/layout/ground.py
 NOISE = "noise"  # key of the table of structures/noise.py
+TIES = "ties"  # key of the tables of structures/ties.py
 
 KINDS: Extensions[Build] = Extensions("structures.kinds", "build")
 
 
+class Made(NamedTuple):
+    """What the tables of a scene make."""
+
+    blocks: list[Block]
+    notes: list[str]  # on what was changed in making them: curved faces made flat, gaps closed, noise; and on ties
+    ties: Sequence[Bar] = ()
+
+
 def build(table: Mapping[str, Any], density: float | None, folder: Path) -> list[Block]:
-    """The blocks of a structure, see :func:`build_with_notes`."""
-    return build_with_notes(table, density, folder)[0]
+    """The blocks of a structure, see :func:`make`."""
+    return make(table, density, folder).blocks
 
 
 def build_with_notes(table: Mapping[str, Any], density: float | None, folder: Path) -> tuple[list[Block], list[str]]:
+    """The blocks of a structure, and lines on what was changed in making them, see :func:`make`."""
+    made = make(table, density, folder)
+    return made.blocks, made.notes
+
+
+def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     """Build the blocks of a structure and check them.
 
     Args:
-        table: the scene's [structure] table, with ``kind``, and ``most_blocks``, ``foundations`` and ``noise`` where they are given.
+        table: the scene's [structure] table, with ``kind``, and the keys of every kind (:mod:`structures.tables`) where they are given.
         density: of the material [kg/m3]; the entries of a block file may state their own, and where all of them do there may be none.
         folder: where the scene file lies; the path of a block file is relative to it.
-
-    Returns:
-        the blocks, and lines on what was changed in making them: curved faces made flat, gaps closed, noise.
 
     Raises:
         InputError: an unknown kind, a key of that kind that is wrong, or blocks that are unsound.
@@ -55,20 +70,30 @@ def build_with_notes(table: Mapping[str, Any], density: float | None, folder: Pa
     if kind not in KINDS:
         hint = suggest(kind, KINDS)
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
-    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FOUNDATIONS, NOISE)}
+    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FOUNDATIONS, GROUND, NOISE, TIES)}
     with size.limited(table.get(size.KEY, size.MOST)):
         made = KINDS[kind](rest, math.nan if density is None else density, folder)
     blocks, notes = made if isinstance(made, tuple) else (made, [])
+    if GROUND in table:
+        from structures.layout.ground import with_ground
+
+        blocks = with_ground(blocks, table[GROUND])
     if FOUNDATIONS in table:
         from structures.layout.foundations import in_pieces
 
         blocks = in_pieces(blocks, table[FOUNDATIONS])
-    if NOISE not in table:
-        return blocks, notes
-    from structures import noise
+    bars: list[Bar] = []
+    if TIES in table:
+        from structures.ties import ties_of
 
-    blocks, more = noise.with_noise(blocks, table[NOISE])
-    return blocks, [*notes, *more]
+        bars, more = ties_of(blocks, table[TIES])
+        notes = [*notes, *more]
+    if NOISE in table:
+        from structures import noise
+
+        blocks, more = noise.with_noise(blocks, table[NOISE])
+        notes = [*notes, *more]
+    return Made(blocks, notes, bars)
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:

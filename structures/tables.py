@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, Field
 
+from masonry_cd.table_schema import rows
 from structures.layout.foundations import FoundationsTable
 from structures.noise import NoiseTable
 from structures.schema import Table
 from structures.size import MOST
+from structures.ties import TieRowTable
 
 
 class CommonTable(Table):
@@ -21,6 +23,12 @@ class CommonTable(Table):
     )
     foundations: Literal["whole", "corners", "parts"] | FoundationsTable = Field(
         "whole", description="in pieces, which may settle by themselves: corners, parts, or strips { x = 4 }"
+    )
+    ground: bool | float = Field(
+        False, description="a fixed slab under a structure that has none, for what falls: true, or the height of its top [m]"
+    )
+    ties: tuple[dict[str, Any], ...] = Field(
+        (), strict=False, json_schema_extra=rows(TieRowTable), description="rods and beams that tie parts together, [[structure.ties]] each"
     )
     noise: NoiseTable | None = Field(None, description="seeded noise on all corners, { size = 1e-6, seed = 0 } [m]")
 

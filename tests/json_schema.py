@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import re
 from typing import Any
 
 Schema = dict[str, Any]
@@ -11,7 +12,7 @@ BOUNDS = {"minimum": operator.ge, "maximum": operator.le, "exclusiveMinimum": op
 TEXTS = {"$schema", "title", "description", "default"}
 KNOWN = TEXTS | {
     *BOUNDS, "type", "const", "enum", "anyOf", "oneOf", "if", "else", "properties",
-    "required", "additionalProperties", "minProperties", "items", "minItems", "maxItems", "minLength", "maxLength",
+    "required", "additionalProperties", "minProperties", "items", "minItems", "maxItems", "minLength", "maxLength", "pattern",
 }  # fmt: skip
 
 
@@ -33,6 +34,8 @@ def _of_itself(value: Any, schema: Schema, where: str) -> list[str]:
         found.append(f"{where}: not {schema['const']}")
     if "enum" in schema and value not in schema["enum"]:
         found.append(f"{where}: none of {schema['enum']}")
+    if isinstance(value, str) and not re.search(schema.get("pattern", ""), value):
+        found.append(f"{where}: not of the pattern {schema['pattern']}")
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         found += [f"{where}: {word} {schema[word]}" for word, keeps in BOUNDS.items() if word in schema and not keeps(value, schema[word])]
     sizes = {dict: ("minProperties", ""), list: ("minItems", "maxItems"), str: ("minLength", "maxLength")}

@@ -1,17 +1,8 @@
 r"""Forces on single blocks: point loads, and ties as unilateral bars.
 
-A **point load** keeps its direction and acts at a point that moves with its block.
-
-A **tie** is a bar between a point of one block and a point of another, that pulls and never pushes. With the length L of the line between
-the points, its length L_0 at the start, stiffness k = E A / L_0, tension N_0 at the start, and damping c = 2 xi sqrt(k m_e):
-
-    N = max(0, N_0 + k (L - L_0) + c L'),        on each end along the line.
-
-m_e is the mass that the bar feels at its ends, d its direction:  1 / m_e = sum over the free ends of d . (1/m + [r]^T I^-1 [r]) d.
-
-**In the step.** The forces are taken at the middle positions q_m with the velocities of the step's beginning, and enter the free velocity,
-v_free = v + h M^-1 (f + wrench). For theta = 1/2 that is the leapfrog scheme, which keeps the energy of an elastic bar bounded as
-long as w h < 2 with w = sqrt(k / m_e), and less where it is damped; a run with w h (1 + xi) > 1 is refused, with the dt that would do.
+A **point load** keeps its direction and acts at a point that moves with its block. A **tie** is a bar between a point of one block and a
+point of another, that pulls and never pushes, and yields where it is told to; its law, and how it acts in the step, are in
+:mod:`loads.bars`. A run with w h (1 + xi) > 1, where w = sqrt(k / m_e) and xi is the damping ratio, is refused, with the dt that would do.
 
 Ties that share a block stiffen one another. With g_i the row that maps the velocities of the blocks to L_i', w^2 is the largest
 eigenvalue of sqrt(k_i k_j) g_i M^-1 g_j^T over all ties, and the same limit holds.
@@ -21,13 +12,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
+from loads.bars import Forces, PointLoad, Tie
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.errors import InputError
@@ -110,6 +100,10 @@ class TieTable(LoadTable):
     """Young's modulus, by default that of steel [Pa]."""
     tension: NotNegative = 0.0
     """At the start [N]."""
+    yield_force: Positive | None = None
+    """At which it yields: beyond, it stretches for good and pulls no more than this; it never yields when not given [N]."""
+    name: str | None = None
+    """For reports; the names of its blocks when not given."""
     damping: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.02
     """Share of the critical damping."""
 
@@ -117,116 +111,14 @@ class TieTable(LoadTable):
     def _one_section(self) -> Self:
         if (self.diameter is None) == (self.area is None):
             raise ValueError("give exactly one of diameter and area")
+        if self.yield_force is not None and self.tension >= self.yield_force:
+            raise ValueError(f"the tension at the start, {self.tension:g} N, must be below yield_force, {self.yield_force:g} N")
         return self
 
     @property
     def section(self) -> float:
         """A [m2]."""
         return self.area if self.area is not None else 0.25 * np.pi * (self.diameter or 0.0) ** 2
-
-
-@dataclass(frozen=True, eq=False)
-class PointLoad:
-    """A force on one block."""
-
-    block: int
-    arm: np.ndarray  # (3,) from the centre of mass, body frame [m]
-    force: np.ndarray  # (3,) [N]
-    factor: np.ndarray  # (N + 1,)
-
-
-@dataclass(frozen=True, eq=False)
-class Tie:
-    """A bar between two blocks."""
-
-    blocks: tuple[int, int]
-    arms: np.ndarray  # (2, 3) from the centres of mass, body frames [m]
-    length: float  # L_0 [m]
-    section: float  # A [m2]
-    stiffness: float  # k [N/m]
-    tension: float  # N_0 [N]
-    damping: float  # c [N s/m]
-
-
-@dataclass(frozen=True, eq=False)
-class Forces:
-    """All forces on single blocks: P point loads and T ties."""
-
-    points: tuple[PointLoad, ...]
-    ties: tuple[Tie, ...]
-
-    def wrench(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: int, ticks: int = 1) -> np.ndarray:
-        """Force [N] and moment about the centre of mass [N m] on every block, (B, 6), in the world frame.
-
-        Args:
-            position: (B, 3) centres of mass [m].
-            rotation: (B, 3, 3) body to world.
-            velocity: (B, 6) linear and angular [m/s, rad/s].
-            step: k of the loads.
-            ticks: n; point loads are the mean of those at t_k .. t_k+n-1.
-        """
-        out = np.zeros((len(position), 6))
-        for load in self.points:
-            force = load.factor[step : step + ticks].mean() * load.force
-            out[load.block] += np.concatenate([force, np.cross(np.sum(rotation[load.block] * load.arm, axis=1), force)])
-        if self.ties:
-            tension, along, arms = self._pull(position, rotation, velocity)
-            force = tension[:, None] * along
-            for end, pull in enumerate((force, -force)):
-                np.add.at(out, self._ends[:, end], np.concatenate([pull, np.cross(arms[:, end], pull)], axis=1))
-        return out
-
-    def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
-        """Largest acceleration [m/s2] by which point loads at t_k .. t_k+n-1 differ from their mean; masses (B,) of free blocks [kg]."""
-        largest = 0.0
-        for load in self.points:
-            factor = load.factor[step : step + ticks]
-            largest = max(largest, float(np.abs(factor - factor.mean()).max()) * math.hypot(*load.force) / float(mass[load.block]))
-        return largest
-
-    def extended(self, steps: int) -> Forces:
-        """The forces, with point loads that keep their last value for so many more steps."""
-        return Forces(tuple(replace(load, factor=np.pad(load.factor, (0, steps), mode="edge")) for load in self.points), self.ties)
-
-    def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-        """N of each tie, (T,) [N]."""
-        return self._pull(position, rotation, velocity)[0] if self.ties else np.zeros(0)
-
-    def _pull(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """N (T,) [N], unit vectors from the first end to the second (T, 3), and the arms in the world (T, 2, 3)."""
-        ends, rest, bars = self._ends, self._arms, self._bars
-        arms = np.sum(rotation[ends] * rest[..., None, :], axis=-1)
-        places = position[ends] + arms
-        line = places[:, 1] - places[:, 0]
-        length = np.sqrt(np.sum(line * line, axis=1))
-        along = line / length[:, None]
-        speed = velocity[ends, :3] + np.cross(velocity[ends, 3:], arms)
-        stretch = bars["tension"] + bars["stiffness"] * (length - bars["length"])
-        force = stretch + bars["damping"] * np.sum(along * (speed[:, 1] - speed[:, 0]), axis=1)
-        return np.where(stretch > 0.0, np.maximum(force, 0.0), 0.0), along, arms
-
-    @cached_property
-    def _ends(self) -> np.ndarray:
-        """(T, 2) blocks."""
-        return np.array([tie.blocks for tie in self.ties])
-
-    @cached_property
-    def _arms(self) -> np.ndarray:
-        """(T, 2, 3) in the body frames [m]."""
-        return np.array([tie.arms for tie in self.ties])
-
-    @cached_property
-    def _bars(self) -> dict[str, np.ndarray]:
-        """Numbers of the bars, (T,) each."""
-        return {name: np.array([getattr(tie, name) for tie in self.ties]) for name in ("length", "stiffness", "tension", "damping")}
-
-    def leaves_plane(self, axis: int, at: float, centre: np.ndarray) -> bool:
-        """True when a force or a point of attack lies outside the plane where coordinate ``axis`` equals ``at`` (centres (B, 3) [m])."""
-        arms = [(load.block, load.arm) for load in self.points]
-        arms += [(block, arm) for tie in self.ties for block, arm in zip(tie.blocks, tie.arms, strict=True)]
-        size = 1e-9 * max(1.0, float(np.abs(centre).max()))
-        off = any(abs(centre[block, axis] + arm[axis] - at) > size for block, arm in arms)
-        return off or any(load.force[axis] != 0.0 for load in self.points)
 
 
 def point(table: PointTable, grid: RunGrid, where: str) -> Part:
@@ -276,10 +168,13 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
     omega = float(np.sqrt(stiffness / felt_mass(assembly, ends, points)))
     _check_phase(omega, table.damping, grid, f"{where}:", "for its", "between these blocks")
     damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
-    bar = Tie(ends, points - centres, length, table.section, stiffness, table.tension, damping)
+    limit = math.inf if table.yield_force is None else table.yield_force
+    bar = Tie(ends, points - centres, length, table.section, stiffness, table.tension, damping, limit, table.name or "")
+    yields = "" if table.yield_force is None else f", yields at {limit:g} N"
+    about = f"{length:.4g} m, {stiffness:.4g} N/m, {table.tension:g} N{yields}"
     return Part(
         forces=(bar,),
-        lines=(f'{where} tie from "{table.blocks[0]}" to "{table.blocks[1]}": {length:.4g} m, {stiffness:.4g} N/m, {table.tension:g} N',),
+        lines=(f'{where} tie from "{table.blocks[0]}" to "{table.blocks[1]}": {about}',),
         summary={
             "kind": "tie",
             "blocks": list(table.blocks),
@@ -287,6 +182,7 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
             "section": table.section,
             "stiffness": stiffness,
             "tension": table.tension,
+            "yield_force": table.yield_force,
         },
     )
 
@@ -362,6 +258,8 @@ def _blocks(grid: RunGrid, where: str) -> Assembly:
 
 def _one_block(name: str, assembly: Assembly, where: str) -> int:
     """The index of the one block of a name or pattern."""
+    if name in assembly.names:
+        return assembly.names.index(name)
     found = np.flatnonzero(select([name], assembly, where))
     if len(found) > 1:
         some = ", ".join(assembly.names[b] for b in found[:4])

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -30,6 +31,8 @@ from masonry_cd.solvers import cores
 
 if TYPE_CHECKING:
     from loads import Loading
+    from structures import Made
+    from structures.ties import Bar
 
 TOLD = 1e-8  # share of the smallest width: inexact joints as built are reported from there on; less is rounding
 CORNERS = 4.0  # contacts of a joint
@@ -61,6 +64,7 @@ class Structure:
 
     blocks: list[Block]
     notes: tuple[str, ...]  # on what was changed in making them
+    bars: Sequence[Bar]  # ties
     assembly: Assembly
 
     @cached_property
@@ -87,20 +91,30 @@ def structure_of(scene: Scene) -> Structure:
     Raises:
         InputError: with file and line of the scene where a key is at fault.
     """
-    blocks, notes = build_structure(scene)
+    blocks, notes, bars = make_structures(scene)
     try:
-        return Structure(blocks, tuple(notes), Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints))
+        return Structure(blocks, tuple(notes), bars, Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints))
     except InputError as error:
         raise scene.at_fault(error) from None
 
 
 def build_blocks(scene: Scene) -> list[Block]:
-    """The blocks of a scene's structure, see :func:`build_structure`."""
+    """The blocks of a scene's structures, see :func:`make_structures`."""
     return build_structure(scene)[0]
 
 
 def build_structure(scene: Scene) -> tuple[list[Block], list[str]]:
-    """The blocks of a scene's structure, and lines on what was changed in making them.
+    """The blocks of a scene's structures, and lines on what was changed in making them.
+
+    Raises:
+        InputError: with file and line of the scene where a key is at fault.
+    """
+    made = make_structures(scene)
+    return made.blocks, made.notes
+
+
+def make_structures(scene: Scene) -> Made:
+    """What the structures of a scene make.
 
     Raises:
         InputError: with file and line of the scene where a key is at fault.
@@ -109,7 +123,11 @@ def build_structure(scene: Scene) -> tuple[list[Block], list[str]]:
 
     try:
         with np.errstate(all="ignore"):  # blocks that are not finite are refused by name
-            return structures.build_with_notes(scene.structure, scene.material.density, scene.folder)
+            if not scene.structures:
+                return structures.make(scene.structure, scene.material.density, scene.folder)
+            from structures import site
+
+            return site.build(scene.structures, scene.material.density, scene.folder)
     except InputError as error:
         raise scene.at_fault(error) from None
 
@@ -137,7 +155,8 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
             outputs.check(scene.report, structure.blocks, scene.run.steps * scene.run.dt, scene.run.frame_every * scene.run.dt)
         assembly, run = structure.assembly, scene.run
         longest = run.longest_step if run.adaptive else None
-        loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest)
+        ties = [(bar.where, bar.load()) for bar in structure.bars]
+        loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, ties)
     except InputError as error:
         raise scene.at_fault(error) from None
     if loading.support_velocity.any() and not assembly.fixed.any():

@@ -30,7 +30,7 @@ def digests(case: Case) -> dict[str, str]:
         InputError: a file that cannot be read any more.
     """
     scene, loading, assembly = case.scene, case.loading, case.assembly
-    found = file_digests([scene.structure, *scene.loads], scene.folder)
+    found = file_digests([scene.structure, *scene.structures, *scene.loads], scene.folder)
     solids = assembly.shapes.solids
     found[BLOCKS] = _sum((assembly.centre, assembly.mass, assembly.inertia, assembly.fixed, solids.vertices, solids.loops))
     found[LOADS] = _sum((loading.support_velocity, loading.acceleration))

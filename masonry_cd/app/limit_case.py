@@ -61,15 +61,15 @@ def limit_case(path: Path | str, changes: Sequence[str] = ()) -> LimitCase:
         InputError: anything wrong with the scene, or a limit analysis without an answer.
     """
     from loads.statics import limit_table, static_loads
-    from masonry_cd.app.case import build_structure
+    from masonry_cd.app.case import make_structures
 
     begin = time.perf_counter()
     scene = read_scene(path, changes)
-    blocks, notes = build_structure(scene)
+    blocks, notes, bars = make_structures(scene)
     try:
         asked = limit_table(scene.limit)
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
-        loads = static_loads(scene.loads, asked, scene.run.gravity, scene.folder, assembly)
+        loads = static_loads(scene.loads, asked, scene.run.gravity, scene.folder, assembly, [(bar.where, bar.load()) for bar in bars])
         joints = find_joints(assembly)
         analysis = _analyse(assembly, joints, loads, asked, scene.run.seed)
     except InputError as error:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.io.results import Results
+from masonry_cd.io.tie_bars import TieBar
 from masonry_cd.quantities import force, length
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ NOT_THE_LEAST = (
 
 def outcome(case: Case, results: Results) -> dict[str, Any]:
     """For the summary; a scene without such loads gets none of it."""
-    return _load_factor(case, results) | _ties(case, results)
+    return _load_factor(case, results) | _ties(results)
 
 
 def _load_factor(case: Case, results: Results) -> dict[str, Any]:
@@ -49,27 +50,19 @@ def _load_factor(case: Case, results: Results) -> dict[str, Any]:
     return {"load_factor": found}
 
 
-def _ties(case: Case, results: Results) -> dict[str, Any]:
+def tie_bars(case: Case) -> list[TieBar]:
+    """The bars of a case's ties, for its results."""
+    forces, centre = case.loading.forces, case.assembly.centre
+    ties = () if forces is None else forces.ties
+    return [TieBar(tie.name, tie.blocks, centre[list(tie.blocks)] + tie.arms, tie.section, tie.limit) for tie in ties]
+
+
+def _ties(results: Results) -> dict[str, Any]:
     """What each tie had to bear."""
-    forces = case.loading.forces
-    if forces is None or not forces.ties:
-        return {}
-    tension, time = results.per_step("ties/tension"), results.per_step("step_time")
-    if not len(tension):
-        return {}
-    rows = []
-    for i, tie in enumerate(forces.ties):
-        worst = int(np.argmax(tension[:, i]))
-        rows.append(
-            {
-                "blocks": [case.assembly.names[block] for block in tie.blocks],
-                "tension_max": float(tension[worst, i]),
-                "tension_max_time": float(time[worst]),
-                "stress_max": float(tension[worst, i]) / tie.section,
-                "tension_end": float(tension[-1, i]),
-            }
-        )
-    return {"ties": rows}
+    from reports.ties import histories
+
+    found = [tie.row() for tie in histories(results)]
+    return {"ties": found} if found else {}
 
 
 def outcome_lines(summary: dict[str, Any]) -> list[str]:
@@ -104,4 +97,7 @@ def _factor_line(factor: dict[str, Any]) -> str:
 
 def _tie_line(tie: dict[str, Any]) -> str:
     most = f"{force(tie['tension_max'])} ({tie['stress_max'] / 1e6:.3g} MPa) at {tie['tension_max_time']:.3g} s"
-    return f'tie "{tie["blocks"][0]}" to "{tie["blocks"][1]}": at most {most}, {force(tie["tension_end"])} at the end'
+    first, second = tie["blocks"]
+    named = f'tie "{first}" to "{second}"' if tie["name"] == f"{first} to {second}" else f'tie "{tie["name"]}" ("{first}" to "{second}")'
+    yields = f", yielded from {tie['yield_time']:.3g} s on" if tie["yielded"] else ""
+    return f"{named}: at most {most}{yields}, {force(tie['tension_end'])} at the end"

@@ -16,7 +16,7 @@ from masonry_cd.app.disc_space import check_disc_space, result_bytes
 from masonry_cd.app.dump import FILES, Dump
 from masonry_cd.app.explain import left_out
 from masonry_cd.app.inputs import digests
-from masonry_cd.app.load_factor import outcome
+from masonry_cd.app.load_factor import outcome, tie_bars
 from masonry_cd.app.progress import Interrupt, Progress, TimedOut
 from masonry_cd.app.resume import choose
 from masonry_cd.app.run_loop import run as run_steps
@@ -39,7 +39,7 @@ from reports.extra import EXTRA
 RESULTS = "result.h5"
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
-    "damage_shocks.csv", "crack_map.png", "crack_map.svg", "crack_map.pdf", "crack_map.gif", "report.html", "report.pdf",
+    "damage_shocks.csv", "ties.csv", "crack_map.png", "crack_map.svg", "crack_map.pdf", "crack_map.gif", "report.html", "report.pdf",
 )  # fmt: skip
 
 
@@ -207,6 +207,6 @@ def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
     """The writer of a new result file, or of one that is gone on with."""
     if not resume:
         place = os.path.relpath(case.scene.path, file.parent)
-        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case), place)
+        return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case), place, tie_bars(case))
     numbers = checkpoint.load(saved)[1]
     return ResultWriter.resumed(file, numbers["rows"], numbers["mark"], sums=False)

@@ -2,7 +2,7 @@
 
     format = 1                        # optional: of these keys, should they ever change
     title = "Arch under a sine"       # optional
-    [structure]  kind = "arch" ...    # checked by the room structures
+    [structure]  kind = "arch" ...    # checked by the room structures; or several of them, [[structures]], side by side
     [material]   density, friction
     [[loads]]    kind = "sinusoidal"  # checked by the room loads
     [run]        dt, duration ...
@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from masonry_cd.app.scene_text import dump_toml, is_within, override, parse_toml, place_of, read_text
 from masonry_cd.dynamics.settings import Run
@@ -41,8 +41,10 @@ class SceneTables(Table):
     """Of the keys of this file."""
     title: str | None = None
     """Of pictures and closing lines; the name of the file when not given."""
-    structure: dict[str, Any]
+    structure: dict[str, Any] | None = None
     """What stands."""
+    structures: list[dict[str, Any]] = Field(default_factory=list)
+    """Or several structures side by side, [[structures]] each: the keys of [structure], and name, at, rotate."""
     material: dict[str, Any]
     """What it is made of."""
     loads: list[dict[str, Any]] = Field(default_factory=list)
@@ -75,11 +77,11 @@ class SceneTables(Table):
             raise ValueError("should be a table of its own")
         return value
 
-    @field_validator("loads", mode="before")
+    @field_validator("loads", "structures", mode="before")
     @classmethod
-    def _is_list_of_tables(cls, value: object) -> object:
+    def _is_list_of_tables(cls, value: object, info: ValidationInfo) -> object:
         if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
-            raise ValueError("every load is a table of its own, headed [[loads]]")
+            raise ValueError(f"every {(info.field_name or '').removesuffix('s')} is a table of its own, headed [[{info.field_name}]]")
         return value
 
 
@@ -110,10 +112,10 @@ def _brief(change: str) -> str:
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene file whose own tables are checked; ``structure`` and ``loads`` are checked by their rooms."""
+    """A scene file whose own tables are checked; ``structure``, ``structures`` and ``loads`` are checked by their rooms."""
 
     title: str
-    structure: dict[str, Any]
+    structure: dict[str, Any]  # empty where there are several
     material: Material
     loads: tuple[dict[str, Any], ...]
     run: Run
@@ -122,6 +124,7 @@ class Scene:
     path: Path
     origin: Origin  # of its keys, for messages
     limit: dict[str, Any] = field(default_factory=dict)  # checked by the room loads
+    structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
 
     @property
     def folder(self) -> Path:
@@ -190,11 +193,11 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
     """
     try:
         top = parse_table(SceneTables, tables, "")
-        if "density" not in top.material and top.structure.get("kind") != "file":
-            raise InputError("material.density: missing")  # only blocks of a file may bring their own
+        _check_structures(top)
         return Scene(
             title=top.title or path.stem,
-            structure=top.structure,
+            structure=top.structure or {},
+            structures=tuple(top.structures),
             material=parse_table(Material, top.material, "material"),
             loads=tuple(top.loads),
             run=parse_table(Run, top.run, "run"),
@@ -206,3 +209,18 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
         )
     except InputError as error:
         raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None
+
+
+def _check_structures(top: SceneTables) -> None:
+    """Refuse a scene of no structure, one that gives them in two ways, and one without a density that it needs.
+
+    Raises:
+        InputError: names the key.
+    """
+    if top.structure is None and not top.structures:
+        raise InputError("structure: missing")
+    if top.structure is not None and top.structures:
+        raise InputError("structures: there is a [structure] as well; where there are several, each is headed [[structures]]")
+    every = top.structures or [top.structure or {}]
+    if "density" not in top.material and any(table.get("kind") != "file" for table in every):
+        raise InputError("material.density: missing")  # only blocks of a file may bring their own

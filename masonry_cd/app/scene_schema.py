@@ -30,6 +30,7 @@ def scene_schema() -> Schema:
     top = table_schema(SceneTables)
     keys = top["properties"]
     keys["structure"] |= {"oneOf": [structure_schema(kind) for kind in STRUCTURES]}
+    keys["structures"]["items"] = {"type": "object", "oneOf": [placed_schema(kind) for kind in STRUCTURES]}
     keys["loads"]["items"] = {"type": "object", "required": ["kind"], "oneOf": [load_schema(kind) for kind in LOADS]}
     keys["material"] |= table_schema(Material)
     keys["run"] |= table_schema(Run)
@@ -39,9 +40,11 @@ def scene_schema() -> Schema:
         if keys[table].get(REFUSED) is True:
             del keys[table][REFUSED]
     keys["structure"]["required"] = ["kind"]
-    of_file = {"properties": {"structure": {"properties": {"kind": {"const": "file"}}}}}
+    file = {"properties": {"kind": {"const": "file"}}}
+    of_file = {"properties": {"structure": file, "structures": {"items": file}}}
     density = {"properties": {"material": {"required": ["density"]}}}  # only blocks of a file may bring their own
-    return {"$schema": DRAFT, "title": TITLE, **top, "if": of_file, "else": density}
+    one = [{"required": ["structure"]}, {"required": ["structures"]}]
+    return {"$schema": DRAFT, "title": TITLE, **top, "oneOf": one, "if": of_file, "else": density}
 
 
 def report_schema() -> Schema:
@@ -67,6 +70,16 @@ def structure_schema(kind: str) -> Schema:
     about: Schema = {"const": kind, "description": _first_sentence(f"structures.kinds.{kind}")}
     own["properties"] = {"kind": about} | own["properties"] | table_schema(CommonTable)["properties"]
     own["required"] = ["kind", *own.get("required", [])]
+    return own
+
+
+def placed_schema(kind: str) -> Schema:
+    """The schema of ``[[structures]]`` for a kind: that of ``[structure]``, with its place."""
+    from structures.site import PlaceTable
+
+    own, place = structure_schema(kind), table_schema(PlaceTable)
+    own["properties"] = {**place["properties"], **own["properties"]}
+    own["required"] = [*place["required"], *own["required"]]
     return own
 
 

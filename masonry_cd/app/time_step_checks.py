@@ -114,11 +114,14 @@ def dominant_frequency(support_velocity: np.ndarray, step: float) -> float:
 
 
 def fastest(assembly: Assembly, results: Results) -> tuple[float, int, float] | None:
-    """Largest speed of a free block relative to the first support over the frames [m/s], the block, and when [s]; None without one."""
+    """Largest speed of a free block over the frames [m/s], the block, and when [s]; None without one.
+
+    Relative to the support that moves least: one that settles, or is shaken late, is no measure of the others.
+    """
     free = np.flatnonzero(~assembly.fixed)
     if not len(free) or not results.frames:
         return None
-    support = int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1
+    support = results.support
     velocity, best = results.velocity, (-1.0, 0, 0.0)
     chunk = max(1, CHUNK_BYTES // (48 * assembly.count))
     for first in range(0, results.frames, chunk):

@@ -47,13 +47,13 @@ def build(
 
         asked = read_scene(scene, [*(set_ or ()), *_repairs(repair)])
         import structures
-        from masonry_cd.app.case import build_structure
+        from masonry_cd.app.case import make_structures
         from structures import summary
         from structures.files import blockfile, meshfile
         from structures.geometry.checks import Unsound
 
         try:
-            blocks, notes = build_structure(asked)
+            blocks, notes, ties = make_structures(asked)
         except Unsound as fault:
             if picture:
                 _draw_problem(fault, output)
@@ -67,9 +67,10 @@ def build(
             (blockfile if path.suffix == ".json" else meshfile).write(path, blocks)
         if picture:
             from reports.drawing.structure_picture import structure_picture
+            from structures.ties import lines_of
 
             written.append(output / "structure.png")
-            structure_picture(blocks, written[-1], asked.title)
+            structure_picture(blocks, written[-1], asked.title, ties=lines_of(ties))
         typer.echo(f"written: {', '.join(map(str, written))}")
 
 

@@ -10,17 +10,28 @@ import numpy as np
 class BlockForces(Protocol):
     """Forces that depend on where the blocks are and how they move; B blocks, T ties. World frame."""
 
-    def wrench(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: int, ticks: int = 1) -> np.ndarray:
+    def wrench(
+        self,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        velocity: np.ndarray,
+        step: int,
+        ticks: int = 1,
+        yielded: np.ndarray | None = None,
+    ) -> np.ndarray:
         """Force [N] and moment about the centre of mass [N m] on every block, (B, 6), mean over some steps of the loads from one on.
 
-        Positions (B, 3) [m], rotations (B, 3, 3) body to world, velocities (B, 6) [m/s, rad/s].
+        Positions (B, 3) [m], rotations (B, 3, 3) body to world, velocities (B, 6) [m/s, rad/s], lasting stretch of the ties (T,) [m].
         """
 
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
         """Largest acceleration [m/s2] by which forces given in time differ from their mean over some steps; masses (B,) [kg]."""
 
-    def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, yielded: np.ndarray | None = None) -> np.ndarray:
         """Tension of each tie, (T,) [N]."""
+
+    def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
+        """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before."""
 
     def leaves_plane(self, axis: int, at: float, centre: np.ndarray) -> bool:
         """True when a force moves blocks out of the plane where coordinate ``axis`` equals ``at``; centres (B, 3) at the start [m]."""

@@ -46,6 +46,7 @@ class Prediction(NamedTuple):
     angular_momentum: np.ndarray  # (B, 3) with what forces and the carried impulse add [kg m2/s]
     pull: float  # largest acceleration of a block by gravity and forces [m/s2]
     tensions: np.ndarray  # (T,) of the ties [N]
+    yielded: np.ndarray  # (T,) by how much they have stretched for good [m]
     force_impulse: np.ndarray | None = None  # (F, n) generalised impulse of the forces on single blocks
     carried_impulse: np.ndarray | None = None  # (F, n) of the last step, as far as it is taken
 
@@ -57,7 +58,7 @@ def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:
     rotation, inverse_mass, v_free = np.empty((len(momentum), 3, 3)), np.empty((bodies, n, n)), np.empty((bodies, n))
     at_q_m = Moved(state.position, state.orientation, rotation, inverse_mass, v_free)
     move_freely(blocks, state.velocity, momentum, loads.acceleration, h, system.settings.theta, at_q_m)
-    free = Prediction(loads, state, rotation, inverse_mass, v_free, momentum, system.gravity, last.tensions)
+    free = Prediction(loads, state, rotation, inverse_mass, v_free, momentum, system.gravity, last.tensions, last.yielded)
     return _with_carried_impulse(system, _with_forces(system, free), last.carried_impulse)
 
 
@@ -67,11 +68,12 @@ def _with_forces(system: System, free: Prediction) -> Prediction:
     if forces is None:
         return free
     now = (free.state.position, free.rotation, free.state.velocity)
-    wrench = forces.wrench(*now, free.loads.number, free.loads.ticks)[system.free]
+    yielded = forces.yields(*now[:2], free.yielded)
+    wrench = forces.wrench(*now, free.loads.number, free.loads.ticks, yielded)[system.free]
     pull = system.gravity + float((np.linalg.norm(wrench[:, :3], axis=1) / system.assembly.mass[system.free]).max())
     impulse = system.constants.step * wrench[:, system.blocks.columns]
     pushed = _pushed(system, free, impulse, np.einsum("bij,bj->bi", free.inverse_mass, impulse))
-    return pushed._replace(pull=pull, tensions=forces.tensions(*now), force_impulse=impulse)
+    return pushed._replace(pull=pull, tensions=forces.tensions(*now, yielded), yielded=yielded, force_impulse=impulse)
 
 
 def _with_carried_impulse(system: System, free: Prediction, carried: np.ndarray | None) -> Prediction:

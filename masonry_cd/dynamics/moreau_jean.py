@@ -307,7 +307,7 @@ class Stepper:
         """
         m = other.motion
         energy = at_start(self.system, m.state, m.angular_momentum)
-        self.motion = m._replace(impulse=share * m.impulse, tensions=self.tensions, energy=energy)
+        self.motion = m._replace(impulse=share * m.impulse, tensions=self.tensions, yielded=self.motion.yielded, energy=energy)
         self.detector, self.last = other.detector, other.last
         self.solution = Solution(share * other.solution.impulse, None, 0)
 
@@ -335,6 +335,7 @@ class Stepper:
             "angular_momentum": m.angular_momentum,
             "v": m.v,
             "impulse": m.impulse,
+            "yielded": m.yielded,
             "steps": np.array([m.steps, self.load_step, m.ticks, m.span]),
         }
         own["energy"] = np.array([m.energy.begun, *(m.energy.totals[name] for name in ENERGIES)])
@@ -364,6 +365,7 @@ class Stepper:
         steps, load_step, ticks, span = stored.whole("steps", 4, high=len(loads.acceleration)).tolist()
         if not (steps <= ticks <= load_step and span in self.settings.spans):
             stored.refuse("steps", "out of range")
+        stored.real("yielded", len(self.tensions))
         stored.real("energy", 1 + len(ENERGIES), finite=False)
         joints = stored.part("joints")
         remembered = 1 if system.laws is None else max(1, contacts)
@@ -385,6 +387,7 @@ class Stepper:
             carried_impulse=arrays.get("carried_impulse"),
             joints=JointMemory(**part("joints", arrays)),
             tensions=self.tensions,
+            yielded=arrays["yielded"],
             energy=EnergyBalance(dict(zip(ENERGIES, energies, strict=True)), begun),
             steps=steps,
             ticks=ticks,

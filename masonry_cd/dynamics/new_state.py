@@ -63,7 +63,7 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray,
     joints, springs = carried_over(system, last, made, v, impulse)
     motion = last._replace(
         state=state, angular_momentum=momentum, v=v, impulse=every, carried_impulse=carried, joints=joints,
-        tensions=predicted.tensions, steps=last.steps + 1, ticks=last.ticks + ticks,
+        tensions=predicted.tensions, yielded=predicted.yielded, steps=last.steps + 1, ticks=last.ticks + ticks,
     )  # fmt: skip
     return Update(motion, kinetic, deepest, lifted, springs)
 

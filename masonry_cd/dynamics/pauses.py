@@ -24,6 +24,7 @@ from masonry_cd.model.state import State, rotation_matrices
 DROP = 0.5  # of a block's height
 TILT = 45.0  # [degrees]
 STILL = 1e-3  # speed below which a block counts as still at the end of a run [m/s]
+ALIKE = 1e-6  # share of the largest motion of a support by which others may differ and count as moving alike
 HOLD = 0.5  # for which all blocks have to be still [s]
 
 
@@ -122,8 +123,19 @@ class Pauses:
 
 
 def fallen(assembly: Assembly, height: np.ndarray, state: State) -> np.ndarray:
-    """(B,) True where a block of some height (B,) [m] has dropped or is turned, relative to the base, by more than DROP or TILT say."""
+    """(B,) True where a block of some height (B,) [m] has dropped or is turned, relative to the base, by more than DROP or TILT say.
+
+    The base is the support that has moved least, the first of equals, so that one which settles takes no block with it.
+    """
     moved = state.position[:, 2] - assembly.centre[:, 2]
-    base = float(moved[np.argmax(assembly.fixed)]) if assembly.fixed.any() else 0.0
+    base = float(moved[_staying(assembly, state)]) if assembly.fixed.any() else 0.0
     turn = 0.5 * (np.trace(rotation_matrices(state.orientation), axis1=1, axis2=2) - 1.0)  # cosine
     return np.asarray((base - moved > DROP * height) | (turn < math.cos(math.radians(TILT))))
+
+
+def _staying(assembly: Assembly, state: State) -> int:
+    """The support that has moved least, the first of those that have moved alike."""
+    fixed = np.flatnonzero(assembly.fixed)
+    shift = state.position[fixed] - assembly.centre[fixed]
+    far = np.sqrt((shift * shift).sum(axis=1))
+    return int(fixed[np.argmax(far <= far.min() + ALIKE * far.max())])

@@ -14,6 +14,7 @@ from masonry_cd.model.state import State, rotation_matrices
 def motion_at_start(system: System, state: State) -> Motion:
     """What the first step begins with: no impulses, and the momenta and tensions of a state."""
     rotation, forces = rotation_matrices(state.orientation), system.loads.forces
+    tensions = np.zeros(0) if forces is None else forces.tensions(state.position, rotation, state.velocity)
     momentum: np.ndarray = angular_momenta(system.blocks, rotation, state.velocity)
     return Motion(
         state=state,
@@ -22,7 +23,8 @@ def motion_at_start(system: System, state: State) -> Motion:
         impulse=np.zeros((1, system.rows)),
         carried_impulse=None,
         joints=JointMemory.empty(0),
-        tensions=np.zeros(0) if forces is None else forces.tensions(state.position, rotation, state.velocity),
+        tensions=tensions,
+        yielded=np.zeros(len(tensions)),
         energy=at_start(system, state, momentum),
         steps=0,
         ticks=0,

@@ -15,6 +15,8 @@ def write_blocks(group: h5py.Group, blocks: tuple[Block, ...]) -> None:
     text = h5py.string_dtype()
     group.create_dataset("name", data=[b.name for b in blocks], dtype=text)
     group.create_dataset("group", data=[b.group for b in blocks], dtype=text)
+    if any(b.structure for b in blocks):
+        group.create_dataset("structure", data=[b.structure for b in blocks], dtype=text)
     group["fixed"] = np.array([b.fixed for b in blocks])
     group["density"] = np.array([b.density for b in blocks])
     group["vertex_start"] = np.cumsum([0, *(len(b.vertices) for b in blocks)])
@@ -27,9 +29,10 @@ def write_blocks(group: h5py.Group, blocks: tuple[Block, ...]) -> None:
 def read_blocks(group: h5py.Group) -> Iterator[Block]:
     """Read back what :func:`write_blocks` wrote."""
     names, groups = group["name"].asstr()[...], group["group"].asstr()[...]
+    structures = group["structure"].asstr()[...] if "structure" in group else [""] * len(names)
     arrays = {name: group[name][...] for name in ("fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")}
     for i, name in enumerate(names):
         vertices = arrays["vertices"][arrays["vertex_start"][i] : arrays["vertex_start"][i + 1]]
         loops = range(arrays["face_start"][i], arrays["face_start"][i + 1])
         faces = tuple(tuple(arrays["loops"][arrays["loop_start"][f] : arrays["loop_start"][f + 1]].tolist()) for f in loops)
-        yield Block(name, vertices, faces, float(arrays["density"][i]), groups[i], bool(arrays["fixed"][i]))
+        yield Block(name, vertices, faces, float(arrays["density"][i]), groups[i], bool(arrays["fixed"][i]), structure=structures[i])

@@ -10,15 +10,15 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
     /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]
     /step_time (N,) [s]   /load_step (N,), the step of the loads that was applied
-    /ties/tension (N, T) [N]   in the order of the scene's tables; absent without ties
+    /ties/tension (N, T) [N]   of each bar, in the order of the attribute ties; absent without ties
     /shocks/{name, start, end, frame} (S,)   of a sequence: times [s], and the frame at the end of the rest after each shock
     /shocks/{opening, sliding, rotation, contact_area_loss, first_opening_time} (S, J)   the peaks of the joints up to there
     /closing (L,)   bytes of what summary.json holds of a run that has ended, beside the damage (JSON)
-    /blocks/*   the blocks as they were built: a report needs no scene
+    /blocks/*   the blocks as they were built: a report needs no scene; /blocks/structure only where a scene has several
     /segments/*   checksums, see segments.py
     attributes: scene (the text of the scene file), scene_file (where it lies, seen from this file's folder), title, versions (JSON), run (a
-        name that no other run has), format (of this layout), inputs (JSON: SHA-256 of each file that the scene reads), constant (SHA-256
-        of all that does not grow, but for scene_file)
+        name that no other run has), format (of this layout), ties (JSON, see tie_bars.py), inputs (JSON: SHA-256 of each file that the scene
+        reads), constant (SHA-256 of all that does not grow, but for scene_file)
 
 A file without the attribute ``format`` is of a version of the program before there were checksums; it still reads.
 """
@@ -34,5 +34,7 @@ BONDED = "bonded"  # a history that only runs with cohesive joints have
 JOINT_PEAKS = ("opening", "sliding", "rotation", "contact_area_loss", "first_opening_time")
 JOINT_CONSTANTS = tuple(Joints.__dataclass_fields__)
 BLOCK_ARRAYS = ("name", "group", "fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")
+OPTIONAL_ARRAYS = ("blocks/structure",)  # where a scene has several
+OPTIONAL_ATTRIBUTES = ("ties",)  # where there are ties, see tie_bars.py
 ATTRIBUTES = ("scene", "title", "versions", "run", "inputs")
 CLOSING = "closing"

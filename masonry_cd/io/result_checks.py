@@ -35,6 +35,8 @@ def check_constants(file: h5py.File, path: Path) -> None:
     blocks = {name: _read(file, path, f"blocks/{name}", BLOCKS.get(name, REAL)) for name in BLOCK_ARRAYS}
     joints = {name: _read(file, path, f"joints/{name}", JOINTS.get(name, REAL)) for name in JOINT_CONSTANTS}
     count, pairs = len(blocks["name"]), len(joints["area"])
+    if "blocks/structure" in file:
+        _shape(path, "blocks/structure", _read(file, path, "blocks/structure", TEXT), (count,))
     corners, faces = len(blocks["vertices"]), len(blocks["loop_start"]) - 1
     for name in ("group", "fixed", "density"):
         _shape(path, f"blocks/{name}", blocks[name], (count,))

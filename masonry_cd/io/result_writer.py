@@ -14,7 +14,7 @@ import os
 import platform
 import shutil
 import uuid
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
@@ -24,10 +24,13 @@ import numpy as np
 
 from masonry_cd.atomic import part_of
 from masonry_cd.errors import InputError
+from masonry_cd.io import tie_bars
 from masonry_cd.io.block_arrays import write_blocks
 from masonry_cd.io.layout import CLOSING, FORMAT, JOINT_CONSTANTS, JOINT_PEAKS
 from masonry_cd.io.results import Results
 from masonry_cd.io.segments import Sealer, append, checksum_of_constants, growing, in_pieces
+from masonry_cd.io.tie_bars import ATTRIBUTE as TIES
+from masonry_cd.io.tie_bars import TieBar
 from masonry_cd.jit import compiled_for
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
@@ -52,10 +55,13 @@ class ResultWriter:
         title: str = "",
         inputs: Mapping[str, str] | None = None,
         scene_file: str = "",
+        ties: Sequence[TieBar] = (),
     ) -> None:
         self._begin(Path(path))
         about = {"versions": json.dumps(versions()), "inputs": json.dumps(dict(inputs or {})), "run": uuid.uuid4().hex}
         self._file.attrs.update(scene=scene, title=title, scene_file=scene_file, format=FORMAT, **about)
+        if ties:
+            self._file.attrs[TIES] = tie_bars.as_text(ties)
         write_blocks(self._file.create_group("blocks"), assembly.blocks)
         group = self._file.create_group("joints")
         for name in JOINT_CONSTANTS:

@@ -23,6 +23,7 @@ from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
 from masonry_cd.io.layout import CLOSING, FORMAT, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS
 from masonry_cd.io.result_checks import check_constants, check_growing, rows_that_read
 from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks
+from masonry_cd.io.tie_bars import TieBar, read_bars
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.joints import Joints
 
@@ -154,6 +155,11 @@ class Results:
     def blocks(self) -> tuple[Block, ...]:
         """The blocks as they were built."""
         return tuple(read_blocks(self.file["blocks"]))
+
+    @cached_property
+    def ties(self) -> tuple[TieBar, ...]:
+        """The bars of all ties, in the order of ``ties/tension``; none in a file without ties, or of an older version."""
+        return read_bars(self.file, len(self.blocks))
 
     @cached_property
     def joints(self) -> Joints:

@@ -26,7 +26,7 @@ import h5py
 import numpy as np
 
 from masonry_cd.io.hdf5_file import READ_ERRORS
-from masonry_cd.io.layout import ATTRIBUTES, BLOCK_ARRAYS, JOINT_CONSTANTS, JOINT_PEAKS
+from masonry_cd.io.layout import ATTRIBUTES, BLOCK_ARRAYS, JOINT_CONSTANTS, JOINT_PEAKS, OPTIONAL_ARRAYS, OPTIONAL_ATTRIBUTES
 
 GROUP = "segments"
 NAME_BYTES = 64  # of a dataset
@@ -199,9 +199,10 @@ def checksum_of_peaks(file: h5py.File) -> int:
 def checksum_of_constants(file: h5py.File) -> str:
     """SHA-256 of the attributes and of all that is written once."""
     digest = hashlib.sha256()
-    for name in ATTRIBUTES:
+    for name in (*ATTRIBUTES, *(name for name in OPTIONAL_ATTRIBUTES if name in file.attrs)):
         digest.update(f"{name} {_text(file.attrs.get(name, ''))}\0".encode())
     names = [*(f"blocks/{name}" for name in BLOCK_ARRAYS), *(f"joints/{name}" for name in JOINT_CONSTANTS)]
+    names += [name for name in OPTIONAL_ARRAYS if name in file]
     for name in names:
         array = file[name][...]
         digest.update(f"{name} {array.shape} ".encode())

@@ -31,6 +31,7 @@ class Block:
         group: the name by which friction and reports address it (``base``, ``arch``, ``pier`` ...).
         fixed: True for a support, which moves as prescribed.
         parts: convex parts that fill the block; empty when the block itself is convex.
+        structure: the one that it belongs to where a scene has several, else empty.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Block:
     group: str = "block"
     fixed: bool = False
     parts: tuple[Polyhedron, ...] = ()
+    structure: str = ""
 
     @property
     def convex_parts(self) -> tuple[Polyhedron, ...]:

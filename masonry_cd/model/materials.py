@@ -1,12 +1,14 @@
 """The material: density, coefficients of friction and joint laws by pair of groups of blocks, in a scene's table and as arrays.
 
-A scene gives one value for all joints, or values by pair of groups, ``arch-base``, with ``default`` for the rest.
+A scene gives one value for all joints, or values by pair of groups, ``arch-base``, with ``default`` for the rest. Either group of a pair
+may be a pattern, ``*arch-*base``; a pair by name holds before one by patterns.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from typing import Annotated, Any, TypeVar
 
 import numpy as np
@@ -17,6 +19,7 @@ from masonry_cd.fields import Number, Table, is_number
 from masonry_cd.table_schema import one_or_by_name
 
 Value = TypeVar("Value")
+ANY = "*"  # in a pattern for groups: anything
 LIGHTEST, HEAVIEST = 30, 30000  # density [kg/m3]: from insulation to more than any metal
 ROUGHEST = 20  # coefficient of friction: beyond, an angle was meant
 _COEFFICIENT = {"type": "number", "minimum": 0, "maximum": ROUGHEST}
@@ -175,20 +178,26 @@ def _apex(law: JointLaw, mu: float, pair: str) -> float:
 
 
 def _by_pair(pairs: Mapping[str, Value], groups: Sequence[str], key: str) -> list[tuple[int, int, Value]]:
-    """Entries (i, j, value) of a symmetric table: those of the default first, so that those of pairs replace them."""
+    """Entries (i, j, value) of a symmetric table: the default, patterns, pairs by name, so that each replaces those before it."""
     count = range(len(groups))
     out = [(i, j, pairs["default"]) for i in count for j in count] if "default" in pairs else []
-    for pair, value in pairs.items():
-        if pair != "default":
-            i, j = (groups.index(group) for group in _split_pair(pair, groups, key))
-            out += [(i, j, value), (j, i, value)]
+    for pair in sorted((pair for pair in pairs if pair != "default"), key=lambda pair: ANY not in pair):
+        first, second = _split_pair(pair, groups, key)
+        for i in first:
+            for j in second:
+                out += [(i, j, pairs[pair]), (j, i, pairs[pair])]
     return out
 
 
-def _split_pair(pair: str, groups: Sequence[str], key: str) -> tuple[str, str]:
-    """Split ``"a-b"`` where the names themselves may hold a dash."""
+def _members(word: str, groups: Sequence[str]) -> list[int]:
+    """The groups that a name, or a pattern with ``*``, stands for."""
+    return [i for i, group in enumerate(groups) if (fnmatchcase(group, word) if ANY in word else group == word)]
+
+
+def _split_pair(pair: str, groups: Sequence[str], key: str) -> tuple[list[int], list[int]]:
+    """The groups of ``"a-b"``, where the names themselves may hold a dash, and may be patterns with ``*``."""
     for i, letter in enumerate(pair):
-        if letter == "-" and pair[:i] in groups and pair[i + 1 :] in groups:
-            return pair[:i], pair[i + 1 :]
-    unknown = next((word for word in pair.split("-") if word not in groups), pair)
+        if letter == "-" and (first := _members(pair[:i], groups)) and (second := _members(pair[i + 1 :], groups)):
+            return first, second
+    unknown = next((word for word in pair.split("-") if not _members(word, groups)), pair)
     raise InputError(f'{key}.{pair}: "{unknown}" is no group of blocks{suggest(unknown, groups)}; groups: {", ".join(groups)}')

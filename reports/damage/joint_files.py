@@ -11,6 +11,7 @@ from reports.damage.definitions import Thresholds
 from reports.damage.end_state import EndState, end_state
 from reports.damage.joint_damage import JointDamage
 from reports.settings import Report
+from reports.ties import write_ties
 
 
 def thresholds_of(settings: Report) -> Thresholds:
@@ -19,11 +20,12 @@ def thresholds_of(settings: Report) -> Thresholds:
 
 
 def write_joint_damage(results: Results, folder: Path, settings: Report) -> dict[str, Any]:
-    """Write joints.csv and return the numbers of damage for the summary, see :func:`damage_numbers`."""
+    """Write joints.csv, and ties.csv where there are ties; return the numbers of damage for the summary, see :func:`damage_numbers`."""
     thresholds = thresholds_of(settings)
     table = joint_damage.joint_damage(results, thresholds)
     end = end_state(results, thresholds)
     joint_damage.write_joints_csv(table, folder / "joints.csv", end.provisional)
+    write_ties(results, folder)
     return damage_numbers(results, table, end, thresholds)
 
 

@@ -2,7 +2,7 @@ r"""Macro-elements, the parts of a structure: the groups of its blocks (piers, a
 
 A part is a group with at least one free block; a group of supports alone is none. A joint between two parts belongs to both, and a
 joint between a part and a support to the part: sums over the parts therefore exceed the number of the structure, which has a
-row of its own and counts each joint once.
+row of its own and counts each joint once. Where a scene has several structures, each has such a row, which follows those of the parts.
 
 **Levels and drift.** The height of the free blocks at rest is cut into equal levels. The displacement u_k of a part at a level is the
 horizontal mean over its standing blocks whose centre lies there at rest, weighted by volume, relative to the base [m], and z_k the mean
@@ -38,17 +38,22 @@ MERGED = 0.5  # levels whose blocks lie closer than this share of a level's heig
 
 @dataclass(frozen=True, eq=False)
 class MacroElements:
-    """P parts and, as row P, the structure as a whole."""
+    """P rows: parts, then structures where there are several; and, as row P, all that stands."""
 
     names: tuple[str, ...]  # P + 1, the last is WHOLE
     blocks: np.ndarray  # (P + 1, B) bool: free blocks of each
     joints: np.ndarray  # (P + 1, J) bool: joints of each
     volume: np.ndarray  # (B,) [m3]
+    parts: int  # rows that are parts
 
     @property
     def count(self) -> int:
         """Number of rows, P + 1."""
         return len(self.names)
+
+    def parts_of(self, row: int) -> list[int]:
+        """The parts that a row holds: itself, or those of a structure."""
+        return [row] if row < self.parts else [p for p in range(self.parts) if (self.blocks[p] <= self.blocks[row]).all()]
 
 
 def macro_elements_of(blocks: Sequence[Block], joints: Joints) -> MacroElements:
@@ -63,12 +68,16 @@ def macro_elements_of(blocks: Sequence[Block], joints: Joints) -> MacroElements:
     of_block = np.array([groups.index(block.group) if block.group in groups else -1 for block in blocks], dtype=np.int64)
     free = np.array([not block.fixed for block in blocks])
     member = (of_block == np.arange(len(groups))[:, None]) & free
-    owns = member[:, joints.block_a] | member[:, joints.block_b]
+    several = [name for name in dict.fromkeys(block.structure for block in blocks if not block.fixed) if name]
+    standing = [np.array([block.structure == name for block in blocks]) & free for name in several]
+    rows = np.concatenate([member, np.array(standing, dtype=bool).reshape(-1, len(blocks))])
+    owns = rows[:, joints.block_a] | rows[:, joints.block_b]
     return MacroElements(
-        names=(*groups, WHOLE),
-        blocks=np.concatenate([member, free[None]]),
+        names=(*groups, *several, WHOLE),
+        blocks=np.concatenate([rows, free[None]]),
         joints=np.concatenate([owns, np.ones((1, joints.count), dtype=bool)]),
         volume=np.array([mass_properties(block.vertices, block.faces).volume for block in blocks]),
+        parts=len(groups),
     )
 
 

@@ -95,7 +95,7 @@ def pieces_of(solids: Solids, joints: Joints, parts: MacroElements, rules: Rules
     """The pieces of all parts that are walls, or compact and slender, by their shape at rest."""
     found = []
     count = len(solids.centre)
-    for p in range(parts.count - 1):
+    for p in range(parts.parts):
         inside = parts.blocks[p][joints.block_a] & parts.blocks[p][joints.block_b]
         links = coo_array((np.ones(int(inside.sum())), (joints.block_a[inside], joints.block_b[inside])), shape=(count, count))
         label = connected_components(links, directed=False)[1]
@@ -111,7 +111,7 @@ def pieces_of(solids: Solids, joints: Joints, parts: MacroElements, rules: Rules
 def mechanisms(
     snapshot: DamageSnapshot, joints: Joints, parts: MacroElements, pieces: tuple[Piece, ...], rules: Rules
 ) -> tuple[Mechanism, ...]:
-    """The mechanism of each part and, last, of the structure: the gravest of its parts'."""
+    """The mechanism of each part and, after these, of each structure and of all: the gravest of their parts'."""
     weights = _joint_weights(snapshot, joints)
     turn, towards = np.zeros(parts.count), [""] * parts.count
     held: list[set[str]] = [set() for _ in range(parts.count)]
@@ -124,10 +124,11 @@ def mechanisms(
             held[piece.part].add(OVERTURNING if piece.axis is None else OUT_OF_PLANE)
     out = []
     for p in range(parts.count):
-        if p == parts.count - 1:
-            whole = int(np.argmax(turn))
-            turn[p], towards[p] = turn[whole], towards[whole]
-            held[p] = set().union(*held)
+        if p >= parts.parts:
+            own = parts.parts_of(p)
+            gravest = own[int(np.argmax(turn[own]))]
+            turn[p], towards[p] = turn[gravest], towards[gravest]
+            held[p] = set().union(*(held[part] for part in own))
         score = {name: float(weights[name][parts.joints[p]].sum()) for name in weights}
         held[p] |= {name for name, value in score.items() if value > 0}
         if (snapshot.down & parts.blocks[p]).any():

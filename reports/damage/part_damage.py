@@ -271,7 +271,7 @@ def _hinge_rows(view: _View, watch: _Watch, table: JointDamage, snapshot: Damage
     sides = side_names(watch.place[ever] - view.joints.centres()[ever])
     rows = []
     for j, side in zip(ever, sides, strict=True):
-        owners = [name for name, own in zip(view.parts.names[:-1], view.parts.joints, strict=False) if own[j]]
+        owners = [name for name, own in zip(view.parts.names[: view.parts.parts], view.parts.joints, strict=False) if own[j]]
         rows.append(
             {
                 "joint": int(j),

@@ -15,6 +15,7 @@ from masonry_cd.model.blocks import Block
 from reports.deformed import Solids
 from reports.drawing.figure import Box, Paint, Sheet, in_metres, layout
 from reports.drawing.render import Lines, Surface, View, Window, render, view_named
+from reports.drawing.tie_lines import PULLING, ties_as_built
 
 # light enough for black edges, apart in hue and in grey; supports are always the grey one
 SUPPORT = "#a9adb0"
@@ -23,8 +24,8 @@ EDGE = "#4a4640"
 MOTTLE = 0.025  # blocks of one colour differ by this share, as stones do
 
 
-def structure_picture(blocks: Sequence[Block], path: Path, title: str, view: str = "auto") -> None:
-    """Draw the blocks by group, with a key and a scale bar, into a PNG.
+def structure_picture(blocks: Sequence[Block], path: Path, title: str, view: str = "auto", ties: Sequence[np.ndarray] = ()) -> None:
+    """Draw the blocks by group, and ties by their ends (2, 3) each [m], with a key and a scale bar, into a PNG.
 
     Args:
         blocks: of the structure.
@@ -51,11 +52,12 @@ def structure_sheet(blocks: Sequence[Block], title: str, view: str = "auto") -> 
     window = window.fitted(plan.pixels)
     families = families_of(blocks)
     layers = block_layers(solids, solids.vertices, _block_colours(len(blocks), families), looking, window)
+    layers += ties_as_built(ties).layers(looking, float((solids.vertices @ looking.towards).max()) + 0.02 * window.height)
     sheet = Sheet(plan)
     sheet.model(render(layers, looking, window, plan.pixels))
     extent = " × ".join(in_metres(v) for v in np.ptp(solids.vertices[~solids.fixed[solids.vertex_block]], axis=0))
     sheet.head(title, f"{len(blocks)} blocks · {extent} (x, y, z) without supports · {looking.name} view")
-    _keys(sheet, families, window)
+    _keys(sheet, families, window, len(ties))
     return sheet
 
 
@@ -110,6 +112,12 @@ def box_swatch(axes: Any, place: Box, colour: str) -> None:
     axes.add_patch(Rectangle(place[:2], *place[2:], facecolor=colour, edgecolor=EDGE, linewidth=1.0))
 
 
+def tie_swatch(axes: Any, place: Box) -> None:
+    """A piece of a tie in a key."""
+    left, bottom, width, height = place
+    axes.plot([left, left + width], [bottom + height / 2] * 2, color=PULLING, linewidth=2.5)
+
+
 @dataclass(frozen=True, eq=False)
 class Family:
     """Blocks that one colour stands for: a group, or numbered groups (pier1, pier2 ...) taken together."""
@@ -148,9 +156,10 @@ def _block_colours(count: int, families: Sequence[Family]) -> np.ndarray:
     return out
 
 
-def _keys(sheet: Sheet, families: Sequence[Family], window: Window) -> None:
-    """The families in columns, and the scale bar."""
+def _keys(sheet: Sheet, families: Sequence[Family], window: Window, ties: int) -> None:
+    """The families in columns, the ties, and the scale bar."""
     rows: list[tuple[Paint, str]] = [(partial(box_swatch, colour=family.colour), family.text) for family in families]
+    rows += [(tie_swatch, f"ties ({ties})")] if ties else []
     boxes = sheet.plan.keys(3 if sheet.plan.beside else 5)
     per_column = int((boxes[0][3] - 6) // 32)
     room = (len(boxes) - 1) * per_column

@@ -13,7 +13,8 @@ from masonry_cd.quantities import force
 from reports.damage.macro_elements import DamageSnapshot
 from reports.drawing.figure import FAINT, INK, Box, Paint, Sheet, classes
 from reports.drawing.render import View
-from reports.drawing.structure_picture import box_swatch, rgb
+from reports.drawing.structure_picture import box_swatch, rgb, tie_swatch
+from reports.drawing.tie_lines import LABELLED
 from reports.maps.thrust import COLOUR as THRUST
 
 TRIAD = 80.0  # width of the axes beside the scale bar [pixels]
@@ -75,6 +76,7 @@ class Key:
         force: of the widest ribbon [N], None where the forces are not drawn.
         pixel: size of a pixel [m].
         view: from where.
+        ties: number of ties.
     """
 
     marks: Marks
@@ -87,6 +89,7 @@ class Key:
     force: float | None
     pixel: float
     view: View
+    ties: int = 0
 
 
 def draw_scales(sheet: Sheet, key: Key) -> None:
@@ -118,6 +121,8 @@ def draw_signs(sheet: Sheet, key: Key) -> None:
         rows.append((partial(box_swatch, colour=FALLEN), f"fallen block ({key.down}){hidden}"))
     if key.moved or not key.alone:
         rows.append((partial(box_swatch, colour=SHADOW), "shape at rest"))
+    if key.ties:
+        rows.append((tie_swatch, "tie, with its tension" if key.ties <= LABELLED else "tie"))
     sheet.swatches(sheet.axes(*boxes[2]), rows, 0, boxes[2][3] - 4, pitch=29.0)
     if key.force is not None:
         bar = sheet.axes(*boxes[3])

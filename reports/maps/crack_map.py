@@ -24,6 +24,7 @@ from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import frame_index, solids_of
 from reports.drawing.figure import Sheet, in_metres
 from reports.drawing.render import SAMPLES, Canvas, Surface
+from reports.drawing.tie_lines import ties_at
 from reports.maps.crack_key import Key, Marks, draw_scales, draw_signs
 from reports.maps.cut import clipped
 from reports.maps.framing import Framing, MapStyle, framing
@@ -64,12 +65,14 @@ def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas)
     if framed.style.thrust:
         thrust, force = thrust_layer(results, frame, subject)
         layers.append(thrust)
+    ties = ties_at(results, subject.solids, subject.pose, framed.factor)
+    layers += ties.layers(framed.view, float((subject.drawn @ framed.view.towards).max()) + 0.02 * framed.window.height)
     sheet = Sheet(framed.plan)
-    sheet.model(canvas.draw(layers, framed.window))
-    return sheet, draw_around(sheet, subject, results.title, force)
+    sheet.model(ties.labelled(canvas.draw(layers, framed.window), framed.view, framed.window))
+    return sheet, draw_around(sheet, subject, results.title, force, len(ties.ends))
 
 
-def draw_around(sheet: Sheet, subject: Subject, title: str, force: float | None) -> Key:
+def draw_around(sheet: Sheet, subject: Subject, title: str, force: float | None, ties: int = 0) -> Key:
     """Draw the head and the signs of a sheet; return what its key says. ``force`` is that of the widest ribbon [N]."""
     framed = subject.framed
     sheet.head(title or "Crack map", _facts(subject))
@@ -84,6 +87,7 @@ def draw_around(sheet: Sheet, subject: Subject, title: str, force: float | None)
         force=force,
         pixel=framed.pixel,
         view=framed.view,
+        ties=ties,
     )
     draw_signs(sheet, key)
     return key

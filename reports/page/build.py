@@ -29,6 +29,7 @@ from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLO
 from reports.maps.framing import COLLAPSE, MOST, SEEN
 from reports.page import downloads, findings, limits, motion, series, title_block, trust, words
 from reports.page.pack import packed, packed_length
+from reports.ties import tie_lines
 
 LIMIT = 13_500_000  # of the packed data [bytes]: with names and scripts the page stays below 15 MB
 FRAMES = 600  # sent at most
@@ -191,6 +192,7 @@ def _still(results: Results, solids: Solids, table: JointDamage, thresholds: Thr
         "polygon": (joints.polygon - origin).astype(np.float32),
         "state": np.array([STATES.index(word) for word in table.state], np.uint8),
     }
+    arrays |= tie_lines(results, origin)
     arrays |= {f"damage/{name}": getattr(table, name).astype(np.float32) for name in COLUMNS}
     top = int(np.argmax(np.where(free, solids.centre[:, 2] - 1e-9 * np.linalg.norm(solids.centre - origin, axis=1), -np.inf)))
     sizes = solids.sizes[free].min(axis=1)

@@ -15,7 +15,7 @@ class Viewer {
     this.faces = this.program(FACES);
     this.lines = this.program(EDGES);
     this.bands = this.program(BANDS);
-    this.meshes = { faces: this.faceMesh(data), lines: this.lineMesh(data), bands: this.bandMesh(data) };
+    this.meshes = { faces: this.faceMesh(data), lines: this.lineMesh(data), bands: this.bandMesh(data), ties: this.tieMesh(data) };
     this.pose = new Float32Array(4 * ACROSS * Math.ceil((TEXELS * this.blocks) / ACROSS));
     this.paint = new Uint8Array(4 * ACROSS * Math.ceil(this.blocks / ACROSS));
     this.marks = new Uint8Array(4 * ACROSS * Math.max(1, Math.ceil((2 * this.joints) / ACROSS)));
@@ -96,6 +96,12 @@ class Viewer {
     const point = new Float32Array(3 * edges.length), block = new Uint32Array(edges.length);
     edges.forEach((v, i) => { point.set(vertices.subarray(3 * v, 3 * v + 3), 3 * i); block[i] = owner[v]; });
     this.lineCount = edges.length;
+    return this.mesh(this.lines, { point: [point, 3], block: [block, 1] });
+  }
+
+  /* A line for each tie; its ends move with the blocks that hold them. */
+  tieMesh({ tie_point: point = new Float32Array(0), tie_block: block = new Uint32Array(0) }) {
+    this.tieEnds = block.length;
     return this.mesh(this.lines, { point: [point, 3], block: [block, 1] });
   }
 
@@ -194,6 +200,20 @@ class Viewer {
     gl.disable(gl.BLEND);
   }
 
+  /* Ties show through the walls that hide them; lines of WebGL are a pixel wide, so they are drawn side by side. */
+  drawTies(camera, factor) {
+    const gl = this.gl, places = this.use(this.lines, camera, factor, 2e-5), { width, height } = this.canvas;
+    gl.uniform4fv(places.ink, [0.416, 0.106, 0.478, 1]);
+    gl.bindVertexArray(this.meshes.ties);
+    gl.disable(gl.DEPTH_TEST);
+    for (const [x, y] of [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]]) {
+      gl.viewport(x, y, width, height);
+      gl.drawArrays(gl.LINES, 0, this.tieEnds);
+    }
+    gl.viewport(0, 0, width, height);
+    gl.enable(gl.DEPTH_TEST);
+  }
+
   draw(camera, { factor, edges, rest, chosen }) {
     const gl = this.gl;
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
@@ -204,6 +224,7 @@ class Viewer {
     if (edges) this.drawLines(camera, factor, [0.29, 0.275, 0.25, Math.max(0.12, Math.min(0.9, this.smallest / pixel / 12))]);
     if (this.sides) this.drawBands(camera, factor, [0, 1, 2], width);
     if (rest) this.drawLines(camera, 0, [0.35, 0.45, 0.62, 0.55]);
+    if (this.tieEnds) this.drawTies(camera, factor);
     if (chosen >= 0) {
       gl.disable(gl.DEPTH_TEST); /* it shows through whatever hides it */
       this.drawBands(camera, factor, [3], Math.max(width, 3 * pixel), chosen);

@@ -183,11 +183,12 @@ def tiles(context: PageContext) -> str:
 def settings(context: PageContext) -> str:
     """The scene's tables, the loads with what they amount to, and the versions, as lists of terms."""
     tables = context.tables
-    boxes = [_box(title, tables[key]) for key, title in TABLES.items() if isinstance(tables.get(key), Mapping)]
+    stands = [_box(f"Structure {table.get('name', k + 1)}", table) for k, table in enumerate(tables.get("structures", []))]
+    boxes = stands + [_box(title, tables[key]) for key, title in TABLES.items() if isinstance(tables.get(key), Mapping)]
     amounts = context.summary.get("loads", {}).get("tables", [])
     for k, load in enumerate(tables.get("loads", [])):
         after = amounts[k].get("after", {}) if k < len(amounts) else {}
-        boxes.insert(2 + k, _box(f"Load {k + 1}", load, _peaks(after)))
+        boxes.insert(1 + (len(stands) or 1) + k, _box(f"Load {k + 1}", load, _peaks(after)))
     boxes.append(_box("Versions", context.results.versions))
     return "".join(boxes)
 

@@ -88,7 +88,7 @@ def test_every_kind_is_in_it_with_all_of_its_keys(schema):
     for kind, found in own.items():
         model = table_of(kind)
         assert model is not None
-        assert found == set(model.model_fields) | {"kind", "most_blocks", "foundations", "noise"}
+        assert found == set(model.model_fields) | {"kind", "most_blocks", "foundations", "ground", "noise", "ties"}
     shaking = {kind["properties"]["kind"]["const"]: set(kind["properties"]) for kind in tables["loads"]["items"]["oneOf"]}
     assert shaking == {kind: set(load.table.model_fields) for kind, load in LOADS.items()}
     assert set(tables["run"]["properties"]) == set(Run.model_fields)
@@ -110,6 +110,8 @@ def test_the_examples_fit(schema, path):
         ("structure", "openings", []),  # of a wall
         ("structure", "foundations", "corner"),
         ("structure", "noise", {"seed": 1}),
+        ("structure", "ground", "yes"),
+        ("structure", "ties", [{"along": "x"}]),
         ("material", "friction", 35.0),
         ("material", "density", 2.2),
         ("material", "joints", {"cohesion": -1.0}),
@@ -151,6 +153,8 @@ def test_a_load_that_the_reader_refuses_does_not_fit(schema, change, tmp_path):
         ("structure", "abutment", False),
         ("structure", "foundations", {"x": [-2.2, 2.2]}),
         ("structure", "noise", {"size": 1e-6}),
+        ("structure", "ground", -3.0),
+        ("structure", "ties", [{"along": "x", "height": 0.2, "diameter": 0.02}]),
         ("material", "friction", {"default": 0.6, "arch-base": 0.9}),
         ("material", "joints", {"normal_stiffness": 1e9}),
         ("material", "joints", {"default": {"normal_stiffness": 1e9, "cohesion": 1e5}}),

@@ -11,7 +11,7 @@ from models import box as cuboid
 from models import ground, stepper, still
 from typer.testing import CliRunner
 
-from masonry_cd.app.time_step_checks import after_run, before_run, dominant_frequency
+from masonry_cd.app.time_step_checks import after_run, before_run, dominant_frequency, fastest
 from masonry_cd.cli.app import app
 from masonry_cd.dynamics.moreau_jean import RunStopped
 from masonry_cd.io.results import Results
@@ -107,3 +107,15 @@ def test_a_run_that_breaks_down_names_step_block_and_contact():
     ) as stopped:
         machine.step()
     assert stopped.match('"high"')
+
+
+def test_speeds_are_relative_to_a_support_that_stays(tmp_path):
+    """Of two supports the first sinks at 2 m/s; the stone on the other stands still, whatever the first does."""
+    sinks, stays = box("sinks", (-3, 0, -1), (-2, 1, 0), fixed=True), box("stays", (0, 0, -1), (1, 1, 0), fixed=True)
+    blocks = [sinks, stays, box("stone", (0, 0, 0), (1, 1, 1))]
+    states = [at_rest(blocks), shifted(at_rest(blocks), 0, (0, 0, -0.2))]
+    for state in states:
+        state.velocity[0, 2] = -2.0
+    path = write_run(tmp_path / "r.h5", blocks, states)
+    with Results.open(path) as results:
+        assert fastest(Assembly.from_blocks(blocks, 0.5), results) == (0.0, 2, 0.0)

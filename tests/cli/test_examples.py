@@ -18,6 +18,7 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
 from masonry_cd.studies.study.study_case import plan_of
 from masonry_cd.studies.study.task import Task, run_task
+from reports.deformed import Pose, solids_of
 
 GRAVITY = 9.81
 
@@ -117,6 +118,41 @@ def test_the_three_naves_stand_at_rest(tmp_path):
     assert 500 <= summary["blocks"] <= 800
     assert summary["displacement_max"] < 1e-6
     assert summary["joints_opened"] == summary["joints_slid"] == 0
+
+
+def test_the_two_piers_pound_on_one_another_and_every_joule_is_booked(tmp_path):
+    summary = run("two_piers.toml", tmp_path, "run.duration=1.4", "run.until_still=false", "report.html=false")
+    assert summary["energy"]["balance_error"] < 1e-9
+    assert summary["planar"]
+    gaps = []
+    with Results.open(tmp_path / "result.h5") as results:
+        solids = solids_of(results.blocks)
+        sides = [np.flatnonzero([b.structure == name and not b.fixed for b in results.blocks]) for name in ("low", "tall")]
+        low, tall = (np.isin(solids.vertex_block, side) & (solids.vertices[:, 2] < 4.001) for side in sides)
+        for frame in range(results.frames):
+            x = Pose.of(results, solids, frame).moved(solids, solids.vertices, solids.vertex_block)[:, 0]
+            courses = [(solids.vertices[:, 2] > h - 0.01) & (solids.vertices[:, 2] < h + 0.51) for h in np.arange(0.0, 4.0, 0.5)]
+            gaps.append(min(x[tall & course].min() - x[low & course].max() for course in courses))
+    assert gaps[0] == pytest.approx(0.04)
+    struck = next(frame for frame, gap in enumerate(gaps) if gap < 1e-3)
+    assert max(gaps[struck:]) > 2e-3  # they part again
+
+
+def test_the_tied_arch_stands_while_its_tie_yields_and_falls_without_it(tmp_path):
+    plain = ("run.until_still=false", "report.html=false", "report.damage=false")
+    summary = run("arch_tied.toml", tmp_path / "tied", *plain)
+    (tie,) = summary["ties"]
+    assert tie["yielded"]
+    assert tie["tension_max"] == pytest.approx(9e3)
+    assert summary["collapsed_blocks"] == 0
+    loose = run("arch_tied.toml", tmp_path / "loose", *plain, "structure.ties=[]", "loads[0].amplitude=0", "run.duration=1.5")
+    assert loose["collapsed_blocks"] > 5
+
+
+def test_the_ties_of_the_church_bear_their_tension_at_rest(tmp_path):
+    summary = run("church_tied.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0", "report.damage=false")
+    assert [tie["name"] for tie in summary["ties"]] == ["nave.1", "nave.2", "nave.3"]
+    assert all(tie["tension_end"] == pytest.approx(10e3, rel=0.02) and not tie["yielded"] for tie in summary["ties"])
 
 
 def test_the_three_shocks_follow_one_another_at_their_sizes(tmp_path):

@@ -15,12 +15,13 @@ from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_checks import restless
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.pauses import Pauses
+from masonry_cd.dynamics.pauses import Pauses, fallen
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.state import State
 from reports.damage.definitions import Thresholds
 from reports.damage.joint_damage import joint_damage, shock_rows
 from reports.damage.part_damage import Settings, part_damage
@@ -114,6 +115,18 @@ def test_a_sequence_resumes_to_the_same_bits(tmp_path: Path) -> None:
     with ResultWriter.resumed(tmp_path / "run.h5", checkpoint.load(saved)[1]["rows"]) as writer:
         run_loop.run(machine, joints, writer, STEPS, 7, None, saved, resume=True, pauses=rests)
     assert contents(tmp_path / "run.h5") == contents(tmp_path / "unbroken.h5")
+
+
+def test_a_block_falls_relative_to_a_support_that_stays() -> None:
+    """Of two supports the first sinks by 1 m with the block on it; a block of 0.2 m beside the other has dropped by 0.15 m."""
+    supports = [box("sinks", (-2.0, 0, -1), (-1, 1, 0), fixed=True), box("stays", (0, 0, -1), (1, 1, 0), fixed=True)]
+    assembly = Assembly.from_blocks([*supports, box("a", (-2.0, 0, 0), (-1, 1, 0.2)), box("b", (1.0, 0, 0), (2, 1, 0.2))], MU)
+    height, state = np.array([1.0, 1.0, 0.2, 0.2]), State.at_rest(assembly)
+    state.position[0, 2] -= 1.0
+    state.position[3, 2] -= 0.15
+    assert fallen(assembly, height, state).tolist() == [True, False, False, True]
+    state.position[2, 2] -= 1.0
+    assert fallen(assembly, height, state).tolist() == [True, False, True, True]
 
 
 def test_what_has_fallen_may_roll_while_the_rest_is_still() -> None:

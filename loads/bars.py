@@ -1,0 +1,155 @@
+r"""Point loads and bars between blocks, as the step asks for their forces.
+
+A **tie** is a bar between a point of one block and a point of another, that pulls and never pushes. With the length L of the line between
+the points, its length L_0 at the start, stiffness k = E A / L_0, tension N_0 at the start, damping c = 2 xi sqrt(k m_e), and the stretch e
+that is left where it has yielded,
+
+    S = N_0 + k (L - L_0 - e),        N = max(0, S + c L') where S > 0, and 0 elsewhere,        on each end along the line.
+
+Where S would exceed N_y, the force at which it yields, e grows until S = N_y, and N is N_y at the most: elastic, perfectly plastic, slack
+under compression. m_e is the mass that the bar feels at its ends, d its direction:
+
+    1 / m_e = sum over the free ends of d . (1/m + [r]^T I^-1 [r]) d.
+
+**In the step.** The forces are taken at the middle positions q_m with the velocities of the step's beginning, and enter the free velocity,
+v_free = v + h M^-1 (f + wrench). For theta = 1/2 that is the leapfrog scheme, which keeps the energy of an elastic bar bounded as
+long as w h < 2 with w = sqrt(k / m_e), and less where it is damped.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class PointLoad:
+    """A force on one block."""
+
+    block: int
+    arm: np.ndarray  # (3,) from the centre of mass, body frame [m]
+    force: np.ndarray  # (3,) [N]
+    factor: np.ndarray  # (N + 1,)
+
+
+@dataclass(frozen=True, eq=False)
+class Tie:
+    """A bar between two blocks."""
+
+    blocks: tuple[int, int]
+    arms: np.ndarray  # (2, 3) from the centres of mass, body frames [m]
+    length: float  # L_0 [m]
+    section: float  # A [m2]
+    stiffness: float  # k [N/m]
+    tension: float  # N_0 [N]
+    damping: float  # c [N s/m]
+    limit: float = math.inf  # N_y [N]
+    name: str = ""  # for reports; bars of one name are one tie, spread over the blocks that its plates cover
+
+
+@dataclass(frozen=True, eq=False)
+class Forces:
+    """All forces on single blocks: P point loads and T ties."""
+
+    points: tuple[PointLoad, ...]
+    ties: tuple[Tie, ...]
+
+    def wrench(
+        self,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        velocity: np.ndarray,
+        step: int,
+        ticks: int = 1,
+        yielded: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Force [N] and moment about the centre of mass [N m] on every block, (B, 6), in the world frame.
+
+        Args:
+            position: (B, 3) centres of mass [m].
+            rotation: (B, 3, 3) body to world.
+            velocity: (B, 6) linear and angular [m/s, rad/s].
+            step: k of the loads.
+            ticks: n; point loads are the mean of those at t_k .. t_k+n-1.
+            yielded: (T,) by how much each tie has stretched for good [m]; None: by nothing.
+        """
+        out = np.zeros((len(position), 6))
+        for load in self.points:
+            force = load.factor[step : step + ticks].mean() * load.force
+            out[load.block] += np.concatenate([force, np.cross(np.sum(rotation[load.block] * load.arm, axis=1), force)])
+        if self.ties:
+            tension, along, arms = self._pull(position, rotation, velocity, yielded)
+            force = tension[:, None] * along
+            for end, pull in enumerate((force, -force)):
+                np.add.at(out, self._ends[:, end], np.concatenate([pull, np.cross(arms[:, end], pull)], axis=1))
+        return out
+
+    def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
+        """Largest acceleration [m/s2] by which point loads at t_k .. t_k+n-1 differ from their mean; masses (B,) of free blocks [kg]."""
+        largest = 0.0
+        for load in self.points:
+            factor = load.factor[step : step + ticks]
+            largest = max(largest, float(np.abs(factor - factor.mean()).max()) * math.hypot(*load.force) / float(mass[load.block]))
+        return largest
+
+    def extended(self, steps: int) -> Forces:
+        """The forces, with point loads that keep their last value for so many more steps."""
+        return Forces(tuple(replace(load, factor=np.pad(load.factor, (0, steps), mode="edge")) for load in self.points), self.ties)
+
+    def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, yielded: np.ndarray | None = None) -> np.ndarray:
+        """N of each tie, (T,) [N]."""
+        return self._pull(position, rotation, velocity, yielded)[0] if self.ties else np.zeros(0)
+
+    def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
+        """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before."""
+        if not self.ties:
+            return yielded
+        bars = self._bars
+        stretch = bars["tension"] + bars["stiffness"] * (self._lines(position, rotation)[1] - bars["length"] - yielded)
+        return np.asarray(yielded + np.maximum(0.0, stretch - bars["limit"]) / bars["stiffness"])
+
+    def _lines(self, position: np.ndarray, rotation: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """From the first end of each tie to the second (T, 3), its length (T,) [m], and the arms in the world (T, 2, 3)."""
+        arms = np.sum(rotation[self._ends] * self._arms[..., None, :], axis=-1)
+        places = position[self._ends] + arms
+        line = places[:, 1] - places[:, 0]
+        return line, np.sqrt(np.sum(line * line, axis=1)), arms
+
+    def _pull(
+        self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, yielded: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """N (T,) [N], unit vectors from the first end to the second (T, 3), and the arms in the world (T, 2, 3)."""
+        ends, bars = self._ends, self._bars
+        line, length, arms = self._lines(position, rotation)
+        along = line / length[:, None]
+        speed = velocity[ends, :3] + np.cross(velocity[ends, 3:], arms)
+        stretch = bars["tension"] + bars["stiffness"] * (length - bars["length"] - (0.0 if yielded is None else yielded))
+        force = stretch + bars["damping"] * np.sum(along * (speed[:, 1] - speed[:, 0]), axis=1)
+        return np.where(stretch > 0.0, np.clip(force, 0.0, bars["limit"]), 0.0), along, arms
+
+    @cached_property
+    def _ends(self) -> np.ndarray:
+        """(T, 2) blocks."""
+        return np.array([tie.blocks for tie in self.ties])
+
+    @cached_property
+    def _arms(self) -> np.ndarray:
+        """(T, 2, 3) in the body frames [m]."""
+        return np.array([tie.arms for tie in self.ties])
+
+    @cached_property
+    def _bars(self) -> dict[str, np.ndarray]:
+        """Numbers of the bars, (T,) each."""
+        names = ("length", "stiffness", "tension", "damping", "limit")
+        return {name: np.array([getattr(tie, name) for tie in self.ties]) for name in names}
+
+    def leaves_plane(self, axis: int, at: float, centre: np.ndarray) -> bool:
+        """True when a force or a point of attack lies outside the plane where coordinate ``axis`` equals ``at`` (centres (B, 3) [m])."""
+        arms = [(load.block, load.arm) for load in self.points]
+        arms += [(block, arm) for tie in self.ties for block, arm in zip(tie.blocks, tie.arms, strict=True)]
+        size = 1e-9 * max(1.0, float(np.abs(centre).max()))
+        off = any(abs(centre[block, axis] + arm[axis] - at) > size for block, arm in arms)
+        return off or any(load.force[axis] != 0.0 for load in self.points)

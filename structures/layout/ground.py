@@ -1,0 +1,46 @@
+"""A ground for what has none of its own: a fixed slab under the whole structure, on which what falls comes to lie.
+
+Walls, towers and churches stand on one. Plain abutments of arches and vaults, the piers of a cross vault, and blocks of a file hang in the
+air, and what falls between them falls for ever.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from masonry_cd.fields import is_number
+from masonry_cd.model.blocks import Block
+from structures.layout.wall_plan import ground
+
+KEY = "ground"
+DEPTH = 0.1  # of the slab, as a share of the height above it
+MARGIN = 0.5  # around the structure, likewise
+
+
+def with_ground(blocks: Sequence[Block], asked: object) -> list[Block]:
+    """The blocks of a structure with a ground below.
+
+    Args:
+        blocks: sound ones.
+        asked: the value of ``structure.ground``: true, at the lowest corner; or the height of its top [m]; false for none.
+
+    Raises:
+        InputError: no such value, a structure that has a ground already, or a top above the lowest corner.
+    """
+    if asked is False:
+        return list(blocks)
+    if asked is not True and not is_number(asked):
+        raise InputError(f"structure.{KEY}: should be true, false or the height of its top [m], got {asked!r}")
+    if any(block.name == KEY for block in blocks):
+        raise InputError(f'structure.{KEY}: the structure has a block "{KEY}" already')
+    points = np.concatenate([block.vertices for block in blocks])
+    low, high = float(points[:, 2].min()), float(points[:, 2].max())
+    top = low if asked is True else float(asked)  # type: ignore[arg-type]
+    if top > low:
+        raise InputError(f"structure.{KEY}: its top must be at most the lowest corner, {low:.6g} m, got {top:g}")
+    slab = ground(blocks, MARGIN * (high - top), DEPTH * (high - top), blocks[0].density)
+    vertices = slab.vertices + [0.0, 0.0, top - low]
+    return [*blocks, Block(KEY, vertices, slab.faces, slab.density, slab.group, fixed=True)]

@@ -1,0 +1,106 @@
+"""reports.ties: what ties had to bear, in tables, pictures and on the page, drawn from the result file alone."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from PIL import Image
+from places import EXAMPLES
+
+from masonry_cd.app.case import make_structures, prepare
+from masonry_cd.app.run_case import run_case
+from masonry_cd.app.scene import read_scene
+from masonry_cd.app.summary import closing_lines
+from masonry_cd.errors import InputError
+from masonry_cd.io.results import Results
+from reports.drawing.structure_picture import structure_picture
+from reports.drawing.tie_lines import PULLING
+from reports.maps.crack_map import crack_map
+from reports.ties import histories, tie_lines
+from structures.ties import lines_of
+
+COLOUR = tuple(int(PULLING[i : i + 2], 16) for i in (1, 3, 5))
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The tied arch up to where its tie has yielded, and its summary as written."""
+    folder = tmp_path_factory.mktemp("ties")
+    changes = ["run.duration=0.08", "run.until_still=false", "report.html=false", "report.crack_map=false", "structure.ties[0].plate=0.5"]
+    run_case(prepare(read_scene(EXAMPLES / "arch_tied.toml", changes)), folder)
+    return folder
+
+
+def purple(path: Path) -> np.ndarray:
+    """Where a picture has the colour of ties, (N, 2) row and column."""
+    pixels = np.asarray(Image.open(path).convert("RGB")).astype(int)
+    return np.argwhere(np.abs(pixels - COLOUR).max(axis=2) <= 2)
+
+
+def test_bars_of_one_name_are_one_tie_whose_tension_is_their_sum(run):
+    with Results.open(run / "result.h5") as results:
+        (tie,) = histories(results)
+        tension = results.per_step("ties/tension")
+        assert len(tie.bars) == tension.shape[1] == 4  # two blocks under either plate
+        assert tie.total == pytest.approx(tension.sum(axis=1))
+        assert tie.area == pytest.approx(np.pi * 1e-4)
+        assert tie.at(0.01) == tie.total[np.searchsorted(tie.time, 0.01 * (1 + 1e-9)) - 1]
+        row = tie.row()
+    assert row["tension_max"] == pytest.approx(9e3)
+    assert row["yielded"]
+    assert tie.total[np.searchsorted(tie.time, row["yield_time"])] > 8e3
+    summary = json.loads((run / "summary.json").read_text())
+    assert summary["ties"] == [row]
+    (line,) = (line for line in closing_lines(summary) if line.startswith("tie "))
+    assert line.startswith('tie "springings" ("buttress1.')
+    assert f", yielded from {row['yield_time']:.3g} s on" in line
+
+
+def test_the_table_has_a_row_for_each_tie(run):
+    with open(run / "ties.csv") as file:
+        (row,) = csv.DictReader(file)
+    assert (row["tie"], row["bars"], row["yielded"]) == ("springings", "4", "true")
+    assert float(row["yield_force"]) == pytest.approx(9e3)
+    assert float(row["stress_max"]) == pytest.approx(float(row["tension_max"]) / (np.pi * 1e-4))
+
+
+def test_the_crack_map_shows_the_tie_where_it_is(run, tmp_path):
+    with Results.open(run / "result.h5") as results:
+        crack_map(results, tmp_path / "map.png")
+    rows = purple(tmp_path / "map.png")
+    widest = np.bincount(rows[:, 0]).argmax()
+    columns = rows[rows[:, 0] == widest, 1]
+    assert np.ptp(columns) > 800  # from face to face of the picture's structure
+    assert np.ptp(rows[:, 0][rows[:, 1] == int(columns.mean())]) < 60  # a level line, and letters above it
+
+
+def test_the_picture_of_a_structure_shows_its_ties(tmp_path):
+    made = make_structures(read_scene(EXAMPLES / "arch_tied.toml"))
+    structure_picture(made.blocks, tmp_path / "with.png", "tied", ties=lines_of(made.ties))
+    structure_picture(made.blocks, tmp_path / "without.png", "loose")
+    assert len(purple(tmp_path / "with.png")) > 2000
+    assert not len(purple(tmp_path / "without.png"))
+
+
+def test_the_page_has_a_line_for_each_tie(run):
+    with Results.open(run / "result.h5") as results:
+        arrays = tie_lines(results, np.array([1.0, 0.0, 0.0]))
+        held = [results.blocks[b].name for b in arrays["tie_block"]]
+    assert arrays["tie_point"].shape == (2, 3)
+    assert arrays["tie_point"][:, 0] == pytest.approx([-3.6, 1.6], abs=0.05)  # as built, from the origin
+    assert [name.split(".")[0] for name in held] == ["buttress1", "buttress2"]
+
+
+def test_ties_that_are_damaged_in_the_file_are_named(run, tmp_path):
+    for text in ("no json", "[{}]", '[{"name": "a", "blocks": [0, 999], "points": [[0,0,0],[1,0,0]], "section": 1, "limit": null}]'):
+        path = tmp_path / "r.h5"
+        path.write_bytes((run / "result.h5").read_bytes())
+        with h5py.File(path, "a") as file:
+            file.attrs["ties"] = text
+        with pytest.raises(InputError, match="damaged: its blocks, its joints or its scene are not those that were written"):
+            Results.open(path)  # the checksum
