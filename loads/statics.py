@@ -101,7 +101,7 @@ def static_loads(
     assembly: Assembly,
     made: Sequence[tuple[str, Mapping[str, Any]]] = (),
 ) -> StaticLoads:
-    """The loads of a scene's tables ``[[loads]]`` and ``[limit]``, and the ties ``made`` by its structure, as :func:`loads.build` takes them.
+    """The loads of a scene's tables ``[[loads]]`` and ``[limit]``, and the ties ``made`` by its structure (see :func:`loads.build`).
 
     Raises:
         InputError: no pattern, several, one that needs gravity where there is none, or a bad table.

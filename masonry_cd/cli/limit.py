@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, free_folder
+from masonry_cd.app.folders import free_folder
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported
 
 
 def limit(

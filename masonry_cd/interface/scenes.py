@@ -114,11 +114,12 @@ class Scene:
         Raises:
             InputError: blocks that are unsound, or keys of the structure that are wrong.
         """
-        from masonry_cd.app.case import build_structure
+        from masonry_cd.app.case import make_structures
         from masonry_cd.interface.structure import Structure
+        from structures.ties import lines_of
 
-        blocks, notes = build_structure(self._checked)
-        return Structure(blocks, tuple(notes))
+        blocks, notes, bars = make_structures(self._checked)
+        return Structure(blocks, tuple(notes), lines_of(bars))
 
     def picture(self, view: str = "auto") -> Image:
         """The structure by groups of blocks, as an image that a notebook shows.

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 class Structure(Sequence[Block]):
     """Blocks in the order of the results: ``structure["drum1"].vertices``, ``structure[0].faces``, ``len(structure)``."""
 
-    def __init__(self, blocks: Sequence[Block], notes: tuple[str, ...] = ()) -> None:
-        self.blocks, self.notes = tuple(blocks), notes
-        """The blocks; and lines on what was changed in making them."""
+    def __init__(self, blocks: Sequence[Block], notes: tuple[str, ...] = (), ties: Sequence[np.ndarray] = ()) -> None:
+        self.blocks, self.notes, self.ties = tuple(blocks), notes, tuple(ties)
+        """The blocks; lines on what was changed in making them; ties by their ends (2, 3) each [m]."""
 
     @cached_property
     def names(self) -> list[str]:
@@ -62,7 +62,7 @@ class Structure(Sequence[Block]):
 
         from reports.drawing.structure_picture import structure_sheet
 
-        return images.fromarray(structure_sheet(self.blocks, title, view).pixels())
+        return images.fromarray(structure_sheet(self.blocks, title, view, self.ties).pixels())
 
     @overload
     def __getitem__(self, key: int | str) -> Block: ...

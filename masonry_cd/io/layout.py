@@ -17,8 +17,8 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /blocks/*   the blocks as they were built: a report needs no scene; /blocks/structure only where a scene has several
     /segments/*   checksums, see segments.py
     attributes: scene (the text of the scene file), scene_file (where it lies, seen from this file's folder), title, versions (JSON), run (a
-        name that no other run has), format (of this layout), ties (JSON, see tie_bars.py), inputs (JSON: SHA-256 of each file that the scene
-        reads), constant (SHA-256 of all that does not grow, but for scene_file)
+        name that no other run has), format (of this layout), ties (JSON, see tie_bars.py), inputs (JSON: SHA-256 of each file that the
+        scene reads), constant (SHA-256 of all that does not grow, but for scene_file)
 
 A file without the attribute ``format`` is of a version of the program before there were checksums; it still reads.
 """

@@ -36,10 +36,10 @@ def structure_picture(blocks: Sequence[Block], path: Path, title: str, view: str
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
     """
-    structure_sheet(blocks, title, view).save(path)
+    structure_sheet(blocks, title, view, ties).save(path)
 
 
-def structure_sheet(blocks: Sequence[Block], title: str, view: str = "auto") -> Sheet:
+def structure_sheet(blocks: Sequence[Block], title: str, view: str = "auto", ties: Sequence[np.ndarray] = ()) -> Sheet:
     """The sheet that :func:`structure_picture` writes.
 
     Raises:

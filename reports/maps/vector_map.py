@@ -21,6 +21,7 @@ from masonry_cd.model.polygon import next_in_loop
 from reports.drawing.figure import Sheet
 from reports.drawing.render import AMBIENT, LIGHTS, Surface, View
 from reports.drawing.structure_picture import EDGE, MOTTLE
+from reports.drawing.tie_lines import PULLING, SLACK, ties_at
 from reports.maps.bands import Bands, dashes, face_plates, joint_bands
 from reports.maps.crack_key import PARTED, draw_scales
 from reports.maps.crack_map import draw_around, subject_of, thrust_layer
@@ -77,9 +78,12 @@ def vector_maps(results: Results, folder: Path, style: MapStyle, frame: int = -1
     subject = subject_of(results, frame, framed)
     painting, force = _painted(results, frame, subject)
     sheet = Sheet(framed.plan)
-    key = draw_around(sheet, subject, results.title, force)
+    ties = ties_at(results, subject.solids, subject.pose, framed.factor)
+    key = draw_around(sheet, subject, results.title, force, len(ties.ends))
     draw_scales(sheet, key)
-    _place(sheet, painting, subject)
+    axes = _place(sheet, painting, subject)
+    for (start, end), text, tension in zip(ties.ends, ties.texts, ties.tension, strict=True):
+        _draw_tie(axes, framed.view.plane(np.stack([start, end])), text, tension > 0.0)
     paths = [folder / name for name in NAMES]
     with matplotlib.rc_context(FIXED_TEXTS):
         for path in paths:
@@ -211,8 +215,15 @@ def _add_cut(painting: _Painting, subject: Subject, cut: Cut, last: float) -> No
     painting.add(lines, lines.colours / 255.0, np.full(len(lines.loop_start) - 1, last + 2.0))
 
 
-def _place(sheet: Sheet, painting: _Painting, subject: Subject) -> None:
-    """Put the polygons into the model's area of the sheet."""
+def _draw_tie(axes: Any, ends: np.ndarray, text: str, pulls: bool) -> None:
+    """Draw a tie by its ends (2, 2) in the plane of the picture [m], with its label beside its middle."""
+    colour = PULLING if pulls else SLACK
+    axes.plot(*ends.T, color=colour, linewidth=1.6, solid_capstyle="butt")
+    axes.annotate(text, ends.mean(axis=0), (0, 5), textcoords="offset points", color=colour, fontsize=6, ha="center")
+
+
+def _place(sheet: Sheet, painting: _Painting, subject: Subject) -> Any:
+    """Put the polygons into the model's area of the sheet; return its axes."""
     from matplotlib.collections import PolyCollection
 
     window, axes = subject.framed.window, sheet.axes(*sheet.plan.model)
@@ -224,3 +235,4 @@ def _place(sheet: Sheet, painting: _Painting, subject: Subject) -> None:
     widths = [OUTLINE if painting.outlined[k] else 0.15 for k in order]
     polygons = [painting.polygons[k] for k in order]
     axes.add_collection(PolyCollection(polygons, facecolors=colours, edgecolors=edges, linewidths=widths, joinstyle="round"))
+    return axes

@@ -158,6 +158,6 @@ def ties(context: PageContext) -> str:
 
 
 _TIES = (
-    '<p class="note">Ties are elastic, and pull only. Compare the stress with the strength of the bar, and the tension with what its '
-    "anchors and the masonry about them bear: neither is checked here.</p>"
+    '<p class="note">Ties are elastic up to their yield force, and pull only. Compare the stress with the strength of the bar, and the '
+    "tension with what its anchors and the masonry about them bear: neither is checked here.</p>"
 )
