@@ -42,8 +42,8 @@ kernels compiled before. Other programs shared the machine.
 
 
 def examples() -> list[str]:
-    """Names of all examples."""
-    return sorted(path.stem for path in EXAMPLES.glob("*.toml"))
+    """Names of all examples that are scenes, not studies."""
+    return sorted(path.stem for path in EXAMPLES.glob("*.toml") if "design" not in tomllib.loads(path.read_text()))
 
 
 def page(measured: dict[str, Any]) -> str:
