@@ -29,7 +29,8 @@ from reports.settings import Report
 from structures import KINDS as STRUCTURES
 from structures.tables import table_of
 
-SCENES = sorted([*EXAMPLES.glob("*.toml"), ROOT / "docs" / "accuracy.toml"])
+STUDIES = [EXAMPLES / "study_arch.toml"]
+SCENES = sorted({*EXAMPLES.glob("*.toml"), ROOT / "docs" / "accuracy.toml"} - set(STUDIES))
 ARCH: dict[str, Any] = {
     "structure": {"kind": "arch", "span": 4.0, "thickness": 0.4},
     "material": {"density": 2200.0, "friction": 0.6},
