@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import pytest
 from places import EXAMPLES, ROOT
 
 import masonry_cd as mc
+from masonry_cd import jit
 from masonry_cd.app.scene import read_scene
 
 ARCH = EXAMPLES / "arch.toml"
@@ -50,6 +52,17 @@ def test_every_name_is_there_and_no_other() -> None:
     assert set(mc.__all__) <= set(dir(mc))
     with pytest.raises(AttributeError, match="no attribute 'scenario'"):
         _ = mc.scenario  # type: ignore[attr-defined]
+
+
+def test_type_checkers_read_the_same_names() -> None:
+    stub = ast.parse((ROOT / "masonry_cd" / "__init__.pyi").read_text(encoding="utf-8"))
+    named = {item.asname: f"{node.module}:{item.name}" for node in stub.body if isinstance(node, ast.ImportFrom) for item in node.names}
+    assert named == mc.NAMES
+
+
+def test_kernels_are_not_stamped_by_the_interface() -> None:
+    assert mc.Run is not None  # all of it is loaded
+    assert set(jit._imports.__wrapped__("masonry_cd")) <= {"masonry_cd"}  # its docstring names itself
 
 
 def test_a_file_and_its_changes_are_those_of_the_command_line() -> None:

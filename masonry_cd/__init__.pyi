@@ -1,0 +1,33 @@
+from masonry_cd.errors import InputError as InputError
+from masonry_cd.interface.comparison import Comparison as Comparison
+from masonry_cd.interface.comparison import compare as compare
+from masonry_cd.interface.modal import modal as modal
+from masonry_cd.interface.results import Run as Run
+from masonry_cd.interface.results import open_run as open
+from masonry_cd.interface.running import RunWarning as RunWarning
+from masonry_cd.interface.running import resume as resume
+from masonry_cd.interface.running import run as run
+from masonry_cd.interface.scenes import Scene as Scene
+from masonry_cd.interface.scenes import scene as scene
+from masonry_cd.interface.structure import Structure as Structure
+from masonry_cd.model.blocks import Block as Block
+from structures.geometry.prism import box as box
+
+__version__: str
+NAMES: dict[str, str]
+__all__ = [
+    "Block",
+    "Comparison",
+    "InputError",
+    "Run",
+    "RunWarning",
+    "Scene",
+    "Structure",
+    "box",
+    "compare",
+    "modal",
+    "open",
+    "resume",
+    "run",
+    "scene",
+]
