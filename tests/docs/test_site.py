@@ -11,7 +11,6 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from places import EXAMPLES
 from test_docs import DOCS, loaded
 
 CONFIG = DOCS / "site" / "mkdocs.yml"
