@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from conftest import cuboid
+from block_files import cuboid
 
 from masonry_cd.studies.study.task import Outcome, Task
 
