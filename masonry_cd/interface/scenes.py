@@ -158,7 +158,7 @@ class Scene:
 
     def _named(self) -> set[str]:
         """Names of the files that the scene reads."""
-        return paths_of([self._checked.structure, *self._checked.loads])
+        return paths_of([self._checked.structure, *self._checked.structures, *self._checked.loads])
 
     def _own(self) -> list[str]:
         """Names of the files that hold its arrays."""
@@ -168,7 +168,8 @@ class Scene:
         return self.text
 
     def __repr__(self) -> str:
-        kind, run = self._checked.structure.get("kind", "?"), self._checked.run
+        tables, run = self._checked.structures or (self._checked.structure,), self._checked.run
+        kind = " + ".join(str(table.get("kind", "?")) for table in tables)
         loads = ", ".join(str(load.get("kind", "?")) for load in self._checked.loads) or "gravity"
         return f'<Scene "{self.title}": {kind}, {loads}, {run.duration:g} s>'
 

@@ -15,6 +15,7 @@ from masonry_cd.studies.study.space import Asked, Space
 from masonry_cd.studies.study.study_file import Study
 
 MOST_TRIED = 20  # values of a list for which structures are built
+BUILT = ("structure.", "structures[")  # beginnings of keys for which blocks are built
 RUN_SCENE = Path("scene.toml")  # what messages call the scene of a run
 
 
@@ -67,7 +68,7 @@ def check_first(plan: Plan) -> None:
 def _tried(space: Space) -> Iterator[tuple[str, Any, str]]:
     """Keys with the values to try, and what to call these."""
     for key, values in space.varied.lists.items():
-        for value in values[:MOST_TRIED] if key.startswith("structure.") else values:
+        for value in values[:MOST_TRIED] if key.startswith(BUILT) else values:
             yield key, value, ""
     for key, distribution in space.varied.random.items():
         for value in distribution.extremes():
@@ -88,7 +89,7 @@ def _try(tables: dict[str, Any], key: str) -> None:
     scene = scene_of_run(tables)
     for i, table in enumerate(scene.loads):
         loads.parse_load(table, f"loads[{i}]")
-    if key.startswith("structure."):
+    if key.startswith(BUILT):
         model = table_of(str(scene.structure.get("kind")))
         common = {"kind", KEY, *CommonTable.model_fields}
         if model is not None:

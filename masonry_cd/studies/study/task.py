@@ -79,7 +79,7 @@ def _made(task: Task, folder: Path) -> tuple[dict[str, Any], dict[str, Any] | No
 
     begin = time.perf_counter()
     scene = scene_of_run(dict(task.tables))
-    made_of = json.dumps([task.tables["structure"], task.tables["material"]], sort_keys=True, default=str)
+    made_of = json.dumps([task.tables.get(name) for name in ("structure", "structures", "material")], sort_keys=True, default=str)
     case = prepare(scene, _structure(hashlib.sha256(made_of.encode()).hexdigest(), _Given(scene)))
     set_up = time.perf_counter() - begin
     summary = run_case(case, folder, limit=task.timeout)
