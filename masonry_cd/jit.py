@@ -139,7 +139,7 @@ def _stamp(module: str) -> str:
         name = left.pop()
         if name not in found:
             found.add(name)
-            left.extend(_imports(name))
+            left.extend(imports_of(name))
     digest = hashlib.sha256()
     for name in sorted(found):
         digest.update(name.encode() + b"\0" + _source(name) + b"\0")
@@ -154,7 +154,7 @@ def _source(module: str) -> bytes:
 
 
 @cache
-def _imports(module: str) -> tuple[str, ...]:
+def imports_of(module: str) -> tuple[str, ...]:
     """The loaded modules that a module imports: those of its own package, and others that hold kernels."""
     names = dict.fromkeys(_named(_source(module).decode(errors="replace")))
     top = module.partition(".")[0]

@@ -36,7 +36,7 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     parts = FENCE.split(text)  # code is left as it is
     for i in range(0, len(parts), 2):
         formulas = re.sub(r"\$`([^`]+)`\$", r"$\1$", parts[i])
-        parts[i] = LINK.sub(lambda found: _link(found, page.file.src_uri, place), formulas)
+        parts[i] = LINK.sub(lambda found: link_on_site(found, page.file.src_uri, place), formulas)
     return "".join(parts)
 
 
@@ -60,7 +60,7 @@ def mathml(formula: str, display: str) -> str:
     return made.replace('<mo stretchy="false">&#x0007C;</mo>', '<mo stretchy="false" lspace="0" rspace="0">|</mo>')
 
 
-def _link(found: re.Match[str], page: str, place: str) -> str:
+def link_on_site(found: re.Match[str], page: str, place: str) -> str:
     """A link with its address in the site; of a file that the site does not have, its words alone."""
     picture, words, target, anchor = found[1], found[2], found[3], found[4] or ""
     if "://" in target or not target:

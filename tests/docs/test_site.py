@@ -123,7 +123,7 @@ def test_links_lead_to_where_the_site_has_its_files() -> None:
     hooks = loaded(DOCS / "site" / "hooks.py", "site_hooks")
 
     def moved(link: str, place: str) -> str:
-        return hooks.LINK.sub(lambda found: hooks._link(found, place.removeprefix("docs/"), place), link)
+        return hooks.LINK.sub(lambda found: hooks.link_on_site(found, place.removeprefix("docs/"), place), link)
 
     assert moved("[a](../CONTRIBUTING.md#tests)", "docs/validation.md") == "[a](contributing.md#tests)"
     assert moved("[a](../../README.md)", "docs/howto/church.md") == "[a](../index.md)"

@@ -62,7 +62,7 @@ def test_type_checkers_read_the_same_names() -> None:
 
 def test_kernels_are_not_stamped_by_the_interface() -> None:
     assert mc.Run is not None  # all of it is loaded
-    assert set(jit._imports.__wrapped__("masonry_cd")) <= {"masonry_cd"}  # its docstring names itself
+    assert set(jit.imports_of.__wrapped__("masonry_cd")) <= {"masonry_cd"}  # its docstring names itself
 
 
 def test_a_file_and_its_changes_are_those_of_the_command_line() -> None:
@@ -113,7 +113,8 @@ def test_nothing_and_numpy_become_what_toml_knows(tables: dict[str, Any]) -> Non
         (lambda: mc.scene(ARCH, run={"dt": "fast"}), "--set run.dt=\"fast\": run.dt: input should be a valid number, got 'fast'"),
         (lambda: mc.scene(ARCH, runs={"dt": 1}), '--set runs={ dt = 1 }: runs: unknown key (did you mean "run"?)'),
         (lambda: mc.scene(ARCH, "run.dt"), "--set run.dt: write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3"),
-        (lambda: mc.scene({}), "scene: structure: missing"),
+        (lambda: mc.scene({}), "scene: material: missing"),
+        (lambda: mc.scene(material={"density": 1}, run={"dt": 1, "duration": 1}), "scene: structure: missing"),
         (
             lambda: mc.scene(structure={"kind": "arch"}, material={"friction": 1}, run={"dt": 1, "duration": 1}),
             "scene: material.density: missing",
