@@ -1,6 +1,7 @@
 r"""Limit analysis against the dynamics: the factor of a push that each kind of structure bears, by both, and what the cone programme costs.
 
-    python -m benchmarks.limit                       all kinds, push along x and across
+    python -m benchmarks.limit                       all kinds, push along x and across; "large church" when it is named
+    python -m benchmarks.limit --walls               dry walls of Ferris & Tin-Loi: associated, least found, published
     python -m benchmarks.limit dome arch --share 0.005
     python -m benchmarks.limit --sizes 3.0 2.0 1.3   churches by the length of their blocks: seconds, iterations, gap
 
@@ -23,6 +24,8 @@ from typing import Any
 import numpy as np
 
 import structures
+from benchmarks import dry_walls
+from benchmarks.sitting import head
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
@@ -36,6 +39,14 @@ FRICTION, DENSITY = 0.6, 2000.0
 SECONDS = 1.5  # that a push is held
 MOVED = 0.01
 STEP = 5e-3  # [s]
+
+
+def church(length: float) -> dict[str, Any]:
+    """A church with aisles and a tower, of blocks of a length; 2.6 m makes 710."""
+    table = {"kind": "church", "block_length": length, "course_height": 0.5 * length, "aisles": True, "length": 26.0, "height": 11.0}
+    return table | {"thickness": 1.1, "windows": 3, "tower_height": 22.0}
+
+
 TABLES: dict[str, dict[str, Any]] = {
     "arch": {"kind": "arch", "span": 4.0, "thickness": 0.6, "width": 1.0, "voussoirs": 21},
     "aqueduct": {"kind": "aqueduct", "spans": 2, "clear_span": 4.0, "pier_width": 1.6, "ring_thickness": 0.5, "width": 2.0},
@@ -46,16 +57,18 @@ TABLES: dict[str, dict[str, Any]] = {
     "cross vault": {"kind": "vault", "form": "cross", "span": 4.0, "thickness": 0.5, "voussoirs": 9},
     "dome": {"kind": "dome", "span": 5.0, "thickness": 0.6, "sides": 8, "rows": 5, "oculus": 1.0},
     "church": {"kind": "church", "block_length": 3.0, "course_height": 1.5},
+    "large church": church(2.6),
 }
+USUAL = [name for name in TABLES if name != "large church"]  # which takes as long as all others
 WAYS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0)}
 
 
-def push(assembly: Assembly, direction: Sequence[float]) -> Loads:
-    """Gravity, and lambda times the weight along a direction."""
+def push(assembly: Assembly, direction: Sequence[float] = WAYS["x"], bars: Bars | None = None) -> Loads:
+    """Gravity, and lambda times the weight along a direction, on the free blocks; and ties."""
     weight = np.where(assembly.fixed, 0.0, GRAVITY * assembly.mass)
     dead, live = np.zeros((assembly.count, 6)), np.zeros((assembly.count, 6))
-    dead[:, 2], live[:, :3] = -weight, weight[:, None] * np.asarray(direction)
-    return Loads(dead, live, Bars.none())
+    dead[:, 2], live[:, :3] = -weight, weight[:, None] * np.asarray(direction) / np.linalg.norm(direction)
+    return Loads(dead, live, bars or Bars.none())
 
 
 def moves(assembly: Assembly, direction: Sequence[float], factor: float) -> bool:
@@ -99,14 +112,22 @@ def row(name: str, way: str, share: float) -> str:
     return f"| {name} | {way} | {assembly.count} | {least} | {factor:.4f} | {low:.4f} to {high:.4f} | {kind} |"
 
 
-def size_row(length: float) -> str:
-    """A church with blocks of a length: what the cone programmes take."""
-    table = {"kind": "church", "block_length": length, "course_height": 0.5 * length, "aisles": True, "length": 26.0, "height": 11.0}
-    blocks, _ = structures.build_with_notes(table | {"thickness": 1.1, "windows": 3, "tower_height": 22.0}, DENSITY, Path())
+def wall_row(number: int, share: float) -> str:
+    """A dry wall of Ferris & Tin-Loi: both factors, three starts, and the dynamics."""
+    assembly = Assembly.from_blocks(dry_walls.dry_wall(number), dry_walls.FRICTION)
+    found = analyse(assembly, find_joints(assembly), push(assembly), Options(starts=3))
+    least = f"{found.least.optimum.factor:.4f}" if found.least else ""
+    low, high = bracket(assembly, WAYS["x"], found.associated.factor, share)
+    return f"| {number} | {found.associated.factor:.5f} | {least} | {dry_walls.LEAST.get(number, '')} | {low:.3f} to {high:.3f} |"
+
+
+def size_row(length: float, sides: int) -> str:
+    """A church with blocks of a length: what the cone programmes take, or pyramids with so many sides."""
+    blocks, _ = structures.build_with_notes(church(length), DENSITY, Path())
     assembly = Assembly.from_blocks(blocks, FRICTION)
     joints = find_joints(assembly)
     begin = time.perf_counter()
-    found: Analysis = analyse(assembly, joints, push(assembly, WAYS["y"]), Options(starts=0))
+    found: Analysis = analyse(assembly, joints, push(assembly, WAYS["y"]), Options(sides, starts=0))
     whole = time.perf_counter() - begin
     answer, made = found.associated, found.associated.certificate
     worst = max(made.equilibrium, made.friction, made.flow)
@@ -121,19 +142,25 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(TABLES)}; all when none is named")
     parser.add_argument("--share", type=float, default=0.01, help="width of the bracket of the dynamics, as a share of the factor")
     parser.add_argument("--sizes", type=float, nargs="+", metavar="LENGTH", help="of the blocks of churches [m]: what the solver takes")
+    parser.add_argument("--sides", type=int, default=0, help="of pyramids in the place of cones, with --sizes")
+    parser.add_argument("--walls", action="store_true", help="the dry walls of Ferris & Tin-Loi, three starts each")
     asked = parser.parse_args(arguments)
     unknown = [kind for kind in asked.kinds if kind not in TABLES]
     if unknown or not math.isfinite(asked.share) or asked.share <= 0.0:
         parser.error(f"no such kind: {', '.join(unknown)}" if unknown else "--share is above 0")
-    if asked.sizes:
-        print("| block length [m] | blocks | points | factor | iterations | seconds | with the check at rest | gap | residual |")
-        print("|---|---|---|---|---|---|---|---|---|")
-        for length in asked.sizes:
-            print(size_row(length), flush=True)
+    if asked.walls:
+        print(head("wall", "associated", "least found", "published", "dynamics stands, moves"))
+        for number in dry_walls.ROWS:
+            print(wall_row(number, asked.share), flush=True)
         return
-    print("| structure | push | blocks | least found | associated | dynamics stands, moves | associated mechanism |")
-    print("|---|---|---|---|---|---|---|")
-    for kind in asked.kinds or TABLES:
+    if asked.sizes:
+        heads = ("blocks", "points", "factor", "iterations", "seconds", "with the check at rest", "gap", "residual")
+        print(head("block length [m]", *heads))
+        for length in asked.sizes:
+            print(size_row(length, asked.sides), flush=True)
+        return
+    print(head("structure", "push", "blocks", "least found", "associated", "dynamics stands, moves", "associated mechanism"))
+    for kind in asked.kinds or USUAL:
         for way in WAYS:
             print(row(kind, way, asked.share), flush=True)
 

@@ -73,7 +73,7 @@ def stepper(made: BenchScene, steps: int, solver: str = "auto", tolerance: float
     if solver not in SOLVERS:
         raise ValueError(f'no solver "{solver}"; this version has {", ".join(SOLVERS)}')
     run = Run.model_validate(
-        {"dt": made.dt, "duration": made.dt * steps, "theta": made.theta, "solver": solver, "tolerance": tolerance} | settings
+        {"dt": made.dt, "duration": made.dt * steps, "theta": made.theta, "solver": solver, "tolerance": tolerance, "threads": 1} | settings
     )
     velocity = np.zeros((steps + 1, 1, 3))
     velocity[:, 0, :] = made.base_velocity(steps)[:, None] * made.direction

@@ -83,7 +83,7 @@ def profile(path: Path, changes: Sequence[str] = ()) -> Profile:
     Raises:
         InputError: anything wrong with the scene.
     """
-    machine = stepper_of_file(path, changes)
+    machine = stepper_of_file(path, ["run.threads=1", *changes])
     out = Profile(path.name, machine.assembly.count, machine.settings.tolerance, bandwidth=_bandwidth())
     with _watched(out):
         for _ in range(machine.settings.steps):

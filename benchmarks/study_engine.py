@@ -20,10 +20,10 @@ import numpy as np
 
 from masonry_cd.studies.study.clusters import Where, connected
 from masonry_cd.studies.study.engine import Engine
-from masonry_cd.studies.study.folder import JOINTS, ROWS, StudyFolder
+from masonry_cd.studies.study.folder import JOINTS, StudyFolder
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.space import Asked
-from masonry_cd.studies.study.task import Outcome, Task
+from masonry_cd.studies.study.task import ROWS, Outcome, Task
 
 JOINTS_OF_RUN = 30
 SCENE = {"title": "stands in for a scene", "run": {"dt": 1e-3, "duration": 10.0}, "loads": [{"kind": "record", "path": "x" * 200}] * 3}

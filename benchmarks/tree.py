@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOMS = ("masonry_cd", "structures", "loads", "reports")
 MOST_LINES, MOST_ARGUMENTS = 400, 10  # of a file and of a kernel, as the design asks for
-KERNEL = re.compile(r"@(?:entry|kernel|njit|numba\.njit)\b")
+KERNEL = re.compile(r"@(?:entry|kernel|borrower|njit|numba\.njit)\b")
 PUBLIC = "replace|fields|asdict|make|repr_html_|repr_png_"  # names of any NamedTuple, and of what notebooks show
 PRIVATE = re.compile(rf"_(?!(?:{PUBLIC})$)[a-z]\w*")
 

@@ -69,12 +69,12 @@ def record_picture(
         raise InputError(f"{path}: the picture cannot be written ({' '.join(str(failure).split())[:100]})") from None
 
 
-def file_picture(file: Path, picture: Path, dt: float = 1e-3, **keys: Any) -> Processed:
-    """Draw a record file, read and processed as a ``[[loads]]`` table of kind "record" with these keys would have it.
+def file_picture(file: Path, picture: Path | None, dt: float = 1e-3, **keys: Any) -> Processed:
+    """Read a record file and draw it, processed as a ``[[loads]]`` table of kind "record" with these keys would have it.
 
     Args:
         file: the record.
-        picture: where to draw it.
+        picture: where to draw it; nowhere when not given.
         dt: time step of the run, for ``resample = "run"`` [s].
         keys: units, column, window, taper, resample, band, correction ..., see ``loads.signal.accelerogram``.
 
@@ -86,6 +86,8 @@ def file_picture(file: Path, picture: Path, dt: float = 1e-3, **keys: Any) -> Pr
     """
     table = parse_table(Accelerogram, {"path": file.name, **keys}, "record")
     processed = process(table, file.parent, dt, "record")
+    if picture is None:
+        return processed
     column = f" [{processed.column}]" if processed.column else ""
     done = [f"{table.correction} correction" if table.correction != "none" else "not corrected"]
     done += [f"{table.band[0]:g} to {table.band[1]:g} Hz"] if table.band else []

@@ -22,18 +22,32 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 import loads
+from loads.code_check.table import CheckTable
 from loads.kinds.forces import PointLoad, PointTable, Tie, TieTable
 from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.tilt import PushTable, TiltTable
 from loads.motion import Direction, DirectionKey, LoadTable, RunGrid, parse_direction
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.fields import Count, Table
-from masonry_cd.limit.problem import Bars, Loads
+from masonry_cd.limit.problem import Arms, Bars, Loads
 from masonry_cd.model.blocks import Assembly
 
 NO_STEP = 1e-12  # of a grid that has none [s]: no tie is too stiff for it
 PULSE = 100.0  # steps that stand for the pulse of a settlement
 LEVEL = 1e-9
+
+
+class CurveTable(Table):
+    """The table ``[limit.curve]``: the mechanism followed at finite displacements, and the factor that is left."""
+
+    control: Annotated[str, Field(min_length=1)] | None = None
+    """Block whose centre of mass is followed along the load; the one that moves fastest when not given."""
+    steps: Annotated[Count, Field(ge=10, le=400)] = 40
+    """From start to end, about."""
+    displacement: Annotated[float, Field(gt=0.0)] | None = None
+    """Of the control block, at which to stop [m]; where the factor vanishes when not given."""
+    dynamics: bool = False
+    """Judge five points of the curve by rigid-block dynamics: released from rest there, which factor drives the structure on?"""
 
 
 class LimitTable(Table):
@@ -50,12 +64,18 @@ class LimitTable(Table):
     starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
     """Of the search for the least factor of sliding without dilation; 3 in a plane and none in space when not given, where each start
     solves some twenty cone programmes."""
+    check: CheckTable | None = None
+    """By the kinematic approach of a code, of the mechanism that a push or a tilt sets in motion."""
+    curve: CurveTable | None = None
+    """The capacity curve: the mechanism at finite displacements."""
 
     @field_validator("live", mode="before")
     @classmethod
     def _list(cls, value: object) -> object:
         if not isinstance(value, (list, tuple)):
             raise ValueError("should be a list of numbers of [[loads]], e.g. [0]")
+        if len(set(map(str, value))) < len(value):
+            raise ValueError("should name each of the [[loads]] once")
         return tuple(value)
 
     @model_validator(mode="after")
@@ -80,6 +100,7 @@ class StaticLoads:
     live: np.ndarray  # (B, 6)
     bars: Bars
     support_velocity: np.ndarray | None
+    arms: Arms  # where the point loads act
     notes: tuple[str, ...]
 
     @property
@@ -90,7 +111,7 @@ class StaticLoads:
     def at(self, cosine: float = 1.0) -> Loads:
         """The loads of a limit analysis; those of a tilt at the cosine of its angle."""
         turned = cosine if self.kind == "tilt" else 1.0
-        return Loads(turned * self.gravity + self.constant, turned * self.live, self.bars, self.support_velocity)
+        return Loads(turned * self.gravity + self.constant, turned * self.live, self.bars, self.support_velocity, self.arms)
 
 
 def static_loads(
@@ -128,7 +149,8 @@ def static_loads(
     left = [f"loads[{i}] ({t.kind})" for i, t in enumerate(asked) if not isinstance(t, used) and i != at and t.kind != "gravity"]
     notes = (f"{', '.join(left)}: left out, a limit analysis is static",) if left else ()
     vector = None if direction is None else direction.vector
-    return StaticLoads(kind, words, vector, weight, constant, live, _bars(ties, assembly), support, notes)
+    arms = _arms(points, limit.live)
+    return StaticLoads(kind, words, vector, weight, constant, live, _bars(ties, assembly), support, arms, notes)
 
 
 def _pattern(
@@ -179,6 +201,15 @@ def _wrench(force: PointLoad, assembly: Assembly) -> np.ndarray:
     out = np.zeros((assembly.count, 6))
     out[force.block] = np.concatenate([force.force, np.cross(force.arm, force.force)])
     return out
+
+
+def _arms(points: Mapping[int, PointLoad], live: Sequence[int]) -> Arms:
+    """Where point loads by number act, those that are ``live`` and the others."""
+    forces = np.array([load.force for load in points.values()]).reshape(-1, 3)
+    lives = np.isin(np.array(list(points), dtype=np.int64), np.array(live, dtype=np.int64))[:, None]
+    block = np.array([load.block for load in points.values()], dtype=np.int64)
+    arm = np.array([load.arm for load in points.values()]).reshape(-1, 3)
+    return Arms(block, arm, np.where(lives, 0.0, forces), np.where(lives, forces, 0.0))
 
 
 def _bars(ties: Sequence[Tie], assembly: Assembly) -> Bars:

@@ -21,17 +21,22 @@ NAMES = {
     "Block": "masonry_cd.model.blocks:Block",
     "Comparison": "masonry_cd.interface.comparison:Comparison",
     "InputError": "masonry_cd.errors:InputError",
+    "LimitAnalysis": "masonry_cd.interface.limit:LimitAnalysis",
     "Run": "masonry_cd.interface.results:Run",
     "RunWarning": "masonry_cd.interface.running:RunWarning",
     "Scene": "masonry_cd.interface.scenes:Scene",
     "Structure": "masonry_cd.interface.structure:Structure",
+    "Study": "masonry_cd.interface.studies:Study",
     "box": "structures.geometry.prism:box",
     "compare": "masonry_cd.interface.comparison:compare",
+    "limit_analysis": "masonry_cd.interface.limit:limit_analysis",
     "modal": "masonry_cd.interface.modal:modal",
     "open": "masonry_cd.interface.results:open_run",
+    "open_study": "masonry_cd.interface.studies:open_study",
     "resume": "masonry_cd.interface.running:resume",
     "run": "masonry_cd.interface.running:run",
     "scene": "masonry_cd.interface.scenes:scene",
+    "study": "masonry_cd.interface.studies:study",
 }
 
 __all__ = [*NAMES]

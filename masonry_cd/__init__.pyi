@@ -1,6 +1,8 @@
 from masonry_cd.errors import InputError as InputError
 from masonry_cd.interface.comparison import Comparison as Comparison
 from masonry_cd.interface.comparison import compare as compare
+from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis
+from masonry_cd.interface.limit import limit_analysis as limit_analysis
 from masonry_cd.interface.modal import modal as modal
 from masonry_cd.interface.results import Run as Run
 from masonry_cd.interface.results import open_run as open
@@ -10,6 +12,9 @@ from masonry_cd.interface.running import run as run
 from masonry_cd.interface.scenes import Scene as Scene
 from masonry_cd.interface.scenes import scene as scene
 from masonry_cd.interface.structure import Structure as Structure
+from masonry_cd.interface.studies import Study as Study
+from masonry_cd.interface.studies import open_study as open_study
+from masonry_cd.interface.studies import study as study
 from masonry_cd.model.blocks import Block as Block
 from structures.geometry.prism import box as box
 
@@ -19,15 +24,20 @@ __all__ = [
     "Block",
     "Comparison",
     "InputError",
+    "LimitAnalysis",
     "Run",
     "RunWarning",
     "Scene",
     "Structure",
+    "Study",
     "box",
     "compare",
+    "limit_analysis",
     "modal",
     "open",
+    "open_study",
     "resume",
     "run",
     "scene",
+    "study",
 ]

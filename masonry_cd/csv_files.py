@@ -33,6 +33,11 @@ def write_csv(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]
         part.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="")
 
 
+def unguarded(cell: str) -> str:
+    """A text as it was before :func:`write_csv` guarded it."""
+    return cell[1:] if cell.startswith("'") and FORMULA.match(cell) else cell
+
+
 def _field(value: object) -> str:
     """A cell, guarded and quoted where it has to be."""
     text = str(value)

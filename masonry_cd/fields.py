@@ -31,6 +31,16 @@ def is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
+def check_tension(tension: float, yield_force: float | None) -> None:
+    """Refuse a tie that is drawn at the start by what it yields at, or more [N].
+
+    Raises:
+        ValueError: for the validator of a table.
+    """
+    if yield_force is not None and tension >= yield_force:
+        raise ValueError(f"the tension at the start, {tension:g} N, must be below yield_force, {yield_force:g} N")
+
+
 def _three_numbers(value: object) -> object:
     """Say what is expected of a vector before pydantic speaks of tuples."""
     if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 3:

@@ -106,6 +106,12 @@ def tie_lines(results: Results, origin: np.ndarray) -> dict[str, np.ndarray]:
     return {"tie_point": points.astype(np.float32), "tie_block": np.array([bar.blocks for bar in strongest], np.uint32).ravel()}
 
 
+def tie_tensions(results: Results, times: np.ndarray) -> dict[str, np.ndarray]:
+    """For the page: the tension of each tie at some times (F,) [s], (T, F) [N]."""
+    ties = histories(results)
+    return {"tie_tension": np.array([[tie.at(float(time)) for time in times] for tie in ties], np.float32)} if ties else {}
+
+
 def write_ties(results: Results, folder: Path) -> list[dict[str, Any]]:
     """Write ties.csv, and return its rows; nothing is written without ties."""
     rows = [tie.row() for tie in histories(results)]

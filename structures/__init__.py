@@ -22,6 +22,7 @@ if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs 
 
 Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]]]"
 
+FLOORS = "floors"  # key of the tables of structures/floors.py
 FOUNDATIONS = "foundations"  # key of structures/layout/foundations.py
 GROUND = "ground"  # key of structures/layout/ground.py
 NOISE = "noise"  # key of the table of structures/noise.py
@@ -34,7 +35,7 @@ class Made(NamedTuple):
     """What the tables of a scene make."""
 
     blocks: list[Block]
-    notes: list[str]  # on what was changed in making them: curved faces made flat, gaps closed, noise; and on ties
+    notes: list[str]  # on what was changed in making them: curved faces made flat, gaps closed, noise; and on floors and ties
     ties: Sequence[Bar] = ()
 
 
@@ -70,7 +71,7 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     if kind not in KINDS:
         hint = suggest(kind, KINDS)
         raise InputError(f'structure.kind: unknown kind "{kind}"{hint}; one of {kinds}')
-    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FOUNDATIONS, GROUND, NOISE, TIES)}
+    rest = {key: value for key, value in table.items() if key not in ("kind", size.KEY, FLOORS, FOUNDATIONS, GROUND, NOISE, TIES)}
     with size.limited(table.get(size.KEY, size.MOST)):
         made = KINDS[kind](rest, math.nan if density is None else density, folder)
     blocks, notes = made if isinstance(made, tuple) else (made, [])
@@ -83,11 +84,16 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
 
         blocks = in_pieces(blocks, table[FOUNDATIONS])
     bars: list[Bar] = []
+    if FLOORS in table:
+        from structures.floors import with_floors
+
+        blocks, bars, more = with_floors(blocks, table[FLOORS])
+        notes = [*notes, *more]
     if TIES in table:
         from structures.ties import ties_of
 
-        bars, more = ties_of(blocks, table[TIES])
-        notes = [*notes, *more]
+        own, more = ties_of(blocks, table[TIES])
+        bars, notes = [*bars, *own], [*notes, *more]
     if NOISE in table:
         from structures import noise
 

@@ -8,6 +8,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, Field
 
 from masonry_cd.table_schema import rows
+from structures.floors import FloorTable
 from structures.layout.foundations import FoundationsTable
 from structures.noise import NoiseTable
 from structures.schema import Table
@@ -26,6 +27,9 @@ class CommonTable(Table):
     )
     ground: bool | float = Field(
         False, description="a fixed slab under a structure that has none, for what falls: true, or the height of its top [m]"
+    )
+    floors: tuple[dict[str, Any], ...] = Field(
+        (), strict=False, json_schema_extra=rows(FloorTable), description="rigid floors on seats in walls, [[structure.floors]] each"
     )
     ties: tuple[dict[str, Any], ...] = Field(
         (), strict=False, json_schema_extra=rows(TieRowTable), description="rods and beams that tie parts together, [[structure.ties]] each"

@@ -28,6 +28,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from masonry_cd.errors import InputError, parse_table, suggest
+from masonry_cd.fields import check_tension
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.polygon import loop_planes
 from structures.schema import Length, Place, Table
@@ -72,8 +73,7 @@ class TieRowTable(Table):
             raise ValueError("give exactly one of diameter, area and section")
         if sum(value is not None for value in (self.at, self.number, self.spacing)) > 1:
             raise ValueError("give one of at, number and spacing")
-        if self.yield_force is not None and self.tension >= self.yield_force:
-            raise ValueError(f"the tension at the start, {self.tension:g} N, must be below yield_force, {self.yield_force:g} N")
+        check_tension(self.tension, self.yield_force)
         return self
 
     @property
@@ -106,7 +106,7 @@ def lines_of(bars: Sequence[Bar]) -> list[np.ndarray]:
     return found
 
 
-class _Anchor(NamedTuple):
+class Anchor(NamedTuple):
     """A block that an end holds on to."""
 
     block: int
@@ -122,7 +122,7 @@ def ties_of(blocks: Sequence[Block], tables: object) -> tuple[list[Bar], list[st
     """
     if not isinstance(tables, (list, tuple)) or not all(isinstance(table, Mapping) for table in tables):
         raise InputError(f"structure.{KEY}: every tie is a table of its own, headed [[structure.{KEY}]]")
-    solids, bars, notes = _Solids.of(blocks), list[Bar](), list[str]()
+    solids, bars, notes = Solids.of(blocks), list[Bar](), list[str]()
     for i, table in enumerate(tables):
         where = f"structure.{KEY}[{i}]"
         keys = parse_table(TieRowTable, table, where)
@@ -135,7 +135,7 @@ def ties_of(blocks: Sequence[Block], tables: object) -> tuple[list[Bar], list[st
 
 
 @dataclass(frozen=True, eq=False)
-class _Solids:
+class Solids:
     """The convex parts of all blocks, for lines through them."""
 
     blocks: Sequence[Block]
@@ -145,7 +145,7 @@ class _Solids:
     planes: list[tuple[np.ndarray, np.ndarray]]  # outward normals (F, 3) and offsets (F,) of each
 
     @classmethod
-    def of(cls, blocks: Sequence[Block]) -> _Solids:
+    def of(cls, blocks: Sequence[Block]) -> Solids:
         parts = [(i, part) for i, block in enumerate(blocks) for part in block.convex_parts]
         planes = [loop_planes([part.vertices[list(face)] for face in part.faces]) for _, part in parts]
         low, high = (np.array([edge(part.vertices, axis=0) for _, part in parts]) for edge in (np.min, np.max))
@@ -169,21 +169,21 @@ class _Solids:
         return found
 
     def members(self, name: str | None, where: str) -> np.ndarray:
-        """(B,) the blocks of a name, a group or a pattern; all without one."""
+        """(B,) the blocks of a name, a group or a pattern; all without one. ``where`` is the key that names them."""
         if name is None:
             return np.ones(len(self.blocks), dtype=bool)
         found = np.array([fnmatchcase(block.name, name) or fnmatchcase(block.group, name) for block in self.blocks])
         if not found.any():
             groups = list(dict.fromkeys(block.group for block in self.blocks))
-            raise InputError(f'{where}.parts: "{name}" is no group or block{suggest(name, groups)}; groups: {", ".join(groups)}')
+            raise InputError(f'{where}: "{name}" is no group or block{suggest(name, groups)}; groups: {", ".join(groups)}')
         return found
 
 
-def _row(solids: _Solids, keys: TieRowTable, where: str, name: str) -> Iterator[Bar]:
+def _row(solids: Solids, keys: TieRowTable, where: str, name: str) -> Iterator[Bar]:
     """The bars of a table."""
     axis = AXES[keys.along]
     names = keys.parts or (None,)
-    sides = [solids.members(part, where) for part in (names[0], names[-1])]
+    sides = [solids.members(part, f"{where}.parts") for part in (names[0], names[-1])]
     if len(names) == 2:  # the first of the two lies on the lower side
         middle = [np.mean([solids.blocks[b].vertices[:, axis].mean() for b in np.flatnonzero(side).tolist()]) for side in sides]
         sides = sides if middle[0] <= middle[1] else sides[::-1]
@@ -191,25 +191,30 @@ def _row(solids: _Solids, keys: TieRowTable, where: str, name: str) -> Iterator[
     for k, place in enumerate(places):
         through = np.empty(3)
         through[axis], through[1 - axis], through[2] = 0.0, place, keys.height
-        ends = [_anchors(solids, keys, axis, through, side, sign, where) for side, sign in zip(sides, (-1, 1), strict=True)]
+        ends = [anchors_at(solids, keys, axis, through, side, sign, where) for side, sign in zip(sides, (-1, 1), strict=True)]
         if {anchor.block for anchor in ends[0]} & {anchor.block for anchor in ends[1]}:
             both = solids.blocks[ends[0][0].block].name
             raise InputError(f'{where}: {_line(keys, place)} has both ends in block "{both}"; a tie needs two')
         for a, b in product(*ends):
-            share = a.share * b.share
-            shared = {
-                "name": name if len(places) == 1 else f"{name}.{k + 1}",
-                "area": share * keys.size,
-                "modulus": keys.modulus or MODULI[keys.material],
-                "tension": share * keys.tension,
-                "damping": keys.damping,
-            }
-            limit = {} if keys.yield_force is None else {"yield_force": share * keys.yield_force}
-            held = (solids.blocks[a.block].name, solids.blocks[b.block].name)
-            yield Bar(where, held, np.array([a.point, b.point]), shared | limit)
+            yield bar_between(solids, keys, a, b, where, name if len(places) == 1 else f"{name}.{k + 1}")
 
 
-def _places(solids: _Solids, keys: TieRowTable, axis: int, allowed: np.ndarray, where: str) -> list[float]:
+def bar_between(solids: Solids, keys: TieRowTable, a: Anchor, b: Anchor, where: str, name: str) -> Bar:
+    """The bar of a tie between two of its anchors, with its share of the section and of the forces."""
+    share = a.share * b.share
+    shared = {
+        "name": name,
+        "area": share * keys.size,
+        "modulus": keys.modulus or MODULI[keys.material],
+        "tension": share * keys.tension,
+        "damping": keys.damping,
+    }
+    limit = {} if keys.yield_force is None else {"yield_force": share * keys.yield_force}
+    held = (solids.blocks[a.block].name, solids.blocks[b.block].name)
+    return Bar(where, held, np.array([a.point, b.point]), shared | limit)
+
+
+def _places(solids: Solids, keys: TieRowTable, axis: int, allowed: np.ndarray, where: str) -> list[float]:
     """Where the ties of a table lie along the other axis [m]."""
     if keys.at is not None:
         return list(keys.at)
@@ -225,10 +230,14 @@ def _places(solids: _Solids, keys: TieRowTable, axis: int, allowed: np.ndarray, 
     return [0.5 * (low + high) + (k - 0.5 * (count - 1)) * apart for k in range(count)]
 
 
-def _anchors(
-    solids: _Solids, keys: TieRowTable, axis: int, through: np.ndarray, allowed: np.ndarray, sign: int, where: str
-) -> list[_Anchor]:
-    """The blocks that an end holds on to: the lower end of a line for sign -1, the upper for +1."""
+def anchors_at(
+    solids: Solids, keys: TieRowTable, axis: int, through: np.ndarray, allowed: np.ndarray, sign: int, where: str
+) -> list[Anchor]:
+    """The blocks that an end holds on to: the lower end of a line for sign -1, the upper for +1.
+
+    Raises:
+        InputError: the line, or all of its plate, meets no block.
+    """
     found = _outermost(solids, axis, through, allowed, sign, keys.anchor)
     if found is None:
         of_parts = f" of {', '.join(keys.parts)}" if keys.parts else ""
@@ -238,7 +247,7 @@ def _anchors(
     if keys.plate is None:
         point = through.copy()
         point[axis] = found[0]
-        return [_Anchor(found[1], point, 1.0)]
+        return [Anchor(found[1], point, 1.0)]
     steps = ((np.arange(GRID) + 0.5) / GRID - 0.5) * keys.plate
     under: dict[int, list[np.ndarray]] = {}
     for across, up in product(steps, steps):
@@ -249,11 +258,13 @@ def _anchors(
         if there is not None and abs(there[0] - found[0]) <= FLUSH * keys.plate:
             point[axis] = there[0]
             under.setdefault(there[1], []).append(point)
+    if not under:
+        raise InputError(f"{where}.plate: {keys.plate:g} m is so wide that next to nothing of it lies on the wall")
     count = sum(len(points) for points in under.values())
-    return [_Anchor(block, np.mean(points, axis=0), len(points) / count) for block, points in under.items()]
+    return [Anchor(block, np.mean(points, axis=0), len(points) / count) for block, points in under.items()]
 
 
-def _outermost(solids: _Solids, axis: int, through: np.ndarray, allowed: np.ndarray, sign: int, anchor: str) -> tuple[float, int] | None:
+def _outermost(solids: Solids, axis: int, through: np.ndarray, allowed: np.ndarray, sign: int, anchor: str) -> tuple[float, int] | None:
     """Where along the axis an end of a line lies [m], and its block; None where the line meets none."""
     lower = through.copy()
     lower[[1 - axis, 2]] -= NUDGE

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-from models import GRAVITY
-
+from benchmarks.limit import push as push_loads
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.limit.analysis import Analysis, Options, analyse
-from masonry_cd.limit.problem import Bars, Loads
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.materials import JointLaw
@@ -19,15 +16,6 @@ def joined(blocks: Sequence[Block], friction: float, laws: Mapping[str, JointLaw
     """An assembly and its joints."""
     assembly = Assembly.from_blocks(blocks, friction, laws)
     return assembly, find_joints(assembly)
-
-
-def push_loads(assembly: Assembly, direction: Sequence[float] = (1.0, 0.0, 0.0), bars: Bars | None = None) -> Loads:
-    """Gravity, and lambda times the weight along a direction, on the free blocks."""
-    dead, live = np.zeros((assembly.count, 6)), np.zeros((assembly.count, 6))
-    weight = np.where(assembly.fixed, 0.0, GRAVITY * assembly.mass)
-    dead[:, 2] = -weight
-    live[:, :3] = weight[:, None] * np.asarray(direction) / np.linalg.norm(direction)
-    return Loads(dead, live, bars or Bars.none())
 
 
 def pushed(

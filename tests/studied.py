@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import signal
+import subprocess
+import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -60,6 +65,10 @@ levels = [1.0, 2.0, 4.0]
 [limit_states]
 slid = {quantity = "max_sliding", above = 1e-3}
 """
+LONG = {"[limit_states]": '"run.dt" = [1e-3, 8e-4, 5e-4]\n[limit_states]'}  # some seconds of runs
+PATIENCE = 120.0  # [s] for another process to get so far
+HANGING = 0.6  # amplitude of a load: scenes that hang, see hanging_worker.py
+HANGS = "be"  # names of tasks that hang
 SAMPLES, STEP = 100, 0.01
 NAMES = {"quake_a": ("NS", "EW", "UD"), "quake_b": ("H1", "H2", "UD"), "far_c": ("NS", "EW", "UD")}
 
@@ -106,9 +115,36 @@ def write_records(folder: Path, names: dict[str, tuple[str, ...]] = NAMES) -> No
 
 def rows_without_seconds(folder: Path) -> list[str]:
     """The lines of runs.csv without what differs from time to time."""
-    lines = (folder / "runs.csv").read_text().splitlines()
-    place = lines[0].split(",").index("seconds")
-    return [",".join(cell for i, cell in enumerate(line.split(",")) if i != place) for line in lines]
+    with (folder / "runs.csv").open(newline="") as file:
+        lines = list(csv.reader(file))
+    place = lines[0].index("seconds")
+    return [",".join(cell for i, cell in enumerate(line) if i != place) for line in lines]
+
+
+def row_names(folder: Path) -> dict[str, int]:
+    """The rows that are there, by name, with the instant at which each was written."""
+    return {file.stem: file.stat().st_mtime_ns for file in (folder / "rows").glob("*.json")}
+
+
+def started(path: Path, *options: str) -> subprocess.Popen[str]:
+    """The command in a process group of its own."""
+    command = [sys.executable, "-m", "masonry_cd", "study", str(path), "-o", str(path.parent / "out"), *options]
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, env=dict(os.environ)
+    )
+
+
+def wait_until(holds: Callable[[], bool]) -> None:
+    """Wait for another process."""
+    end = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < end, "it did not come so far"
+        time.sleep(0.02)
+
+
+def address_in(file: Path) -> str:
+    """The address of the scheduler that has written a file on itself."""
+    return str(json.loads(file.read_text())["address"])
 
 
 # --- tasks that stand in for runs ---------------------------------------------------------------------------------------------------
@@ -126,6 +162,13 @@ def dies_once(task: Task) -> Outcome:
     if task.name == "b" and not mark.exists():
         mark.touch()
         os.kill(os.getpid(), signal.SIGKILL)
+    return Outcome(task.name, _row())
+
+
+def waits_for_ever(task: Task) -> Outcome:
+    """Two of the runs never return; other threads of their worker go on, as they do beside the kernels."""
+    if task.name in HANGS:
+        Event().wait()
     return Outcome(task.name, _row())
 
 

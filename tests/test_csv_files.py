@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_run import at_rest, box, write_run
 
-from masonry_cd.csv_files import write_csv
+from masonry_cd.csv_files import unguarded, write_csv
 from masonry_cd.io.results import Results
 from reports.damage.definitions import Thresholds
 from reports.damage.joint_damage import joint_damage, write_joints_csv
@@ -55,6 +55,7 @@ def test_cells(tmp_path: Path, cell: object, written: str) -> None:
     write_csv(tmp_path / "t.csv", ("a", "b"), [(cell, 1)])
     assert (tmp_path / "t.csv").read_bytes() == f"a,b\n{written},1\n".encode()
     assert without_guard(read_back(tmp_path / "t.csv")[1][0]) == str(cell)
+    assert unguarded(read_back(tmp_path / "t.csv")[1][0]) == str(cell)
 
 
 @given(name=st.text(st.characters(codec="utf-8", exclude_characters="\0\r"), max_size=12) | st.sampled_from(["'", "''=", "'-", EVIL]))
@@ -63,6 +64,7 @@ def test_any_text_comes_back(name: str, tmp_path_factory: pytest.TempPathFactory
     write_csv(path, ("a", "b"), [(name, "x")])
     (_, (cell, other)) = read_back(path)
     assert (without_guard(cell), other) == (name, "x")
+    assert unguarded(cell) == name
     assert not cell.startswith(("=", "@", "\t"))
 
 

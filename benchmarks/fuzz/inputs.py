@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.fuzz import texts
+from benchmarks.fuzz import study_texts, texts
 
 BYTES, LINES, TOKENS, TOML, JSON, NPZ, HDF5, SET = "bytes", "lines", "tokens", "toml", "json", "npz", "hdf5", "set"
 
@@ -39,6 +39,7 @@ class Subject:
 
 
 RUN = ("run", "scene.toml", "-o", "OUT", "-q")
+STUDY = ("study", "study.toml", "-o", "OUT", "--plan")
 BUILD = ("build", "scene.toml", "-o", "OUT", "--no-picture")
 SCENE_CHANGES = (TOML, TOML, TOML, TOKENS, LINES, BYTES)
 TEXT_CHANGES = (TOKENS, TOKENS, LINES, BYTES)
@@ -47,7 +48,7 @@ TEXT_CHANGES = (TOKENS, TOKENS, LINES, BYTES)
 def subjects(nursery: Path) -> list[Subject]:
     """All of them; what has to be made by the program or by a library is made in a folder."""
     blocks = {"blocks.json": texts.blocks()}
-    found = [*_scenes(blocks), *_structures(), *_records(blocks), *_measured(blocks), _set_texts(blocks)]
+    found = [*_scenes(blocks), *_structures(), *_studies(blocks), *_records(blocks), *_measured(blocks), _set_texts(blocks)]
     found.append(
         Subject("block file JSON", RUN, "blocks.json", {"scene.toml": texts.scene().encode(), **blocks}, (JSON, JSON, TOKENS, BYTES), 8)
     )
@@ -63,6 +64,13 @@ def _scenes(blocks: dict[str, bytes]) -> Iterator[Subject]:
 def _structures() -> Iterator[Subject]:
     for name, text in texts.STRUCTURES.items():
         yield Subject(f"scene, {name}", BUILD, "scene.toml", {"scene.toml": text.encode()}, SCENE_CHANGES, 2)
+
+
+def _studies(blocks: dict[str, bytes]) -> Iterator[Subject]:
+    """Study files, checked and planned."""
+    files = {"scene.toml": texts.scene(loads=texts.SINE).encode(), **blocks, **study_texts.motions()}
+    for name, text in study_texts.STUDIES.items():
+        yield Subject(f"study, {name}", STUDY, "study.toml", {"study.toml": text.encode(), **files}, SCENE_CHANGES, 3)
 
 
 def _set_texts(blocks: dict[str, bytes]) -> Subject:

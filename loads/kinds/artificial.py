@@ -20,14 +20,15 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from loads.kinds.record import sample
-from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step, strict
+from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step
 from loads.signal.baseline import ORDERS, History, correct, integrate
-from loads.signal.code_spectrum import CodeSpectrum, ec8, ntc
+from loads.signal.code_spectrum import CodeSpectrum
 from loads.signal.intensity import in_words, intensity
 from loads.signal.response import Oscillators, response_spectrum
+from loads.signal.site_spectrum import Positive, SiteSpectrum
 from loads.supports import ShakingTable
 from masonry_cd import libm
 from masonry_cd.errors import InputError
@@ -44,8 +45,6 @@ SHORTEST, LONGEST = 0.03, 3.0  # [s] matched at least, so that no period outside
 FADE = 0.5  # [s] at both ends
 LONGEST_MOTION = 600.0  # [s]: drawing 100 s takes 8 s
 
-Positive = Annotated[float, Field(gt=0.0)]
-
 
 def _range(value: object) -> tuple[float, float] | None:
     """Two periods, the first below the second."""
@@ -58,25 +57,13 @@ def _range(value: object) -> tuple[float, float] | None:
     return float(numbers[0]), float(numbers[1])
 
 
-class SpectrumMatch(BaseModel):
+class SpectrumMatch(SiteSpectrum):
     """The keys that say which accelerogram is drawn."""
-
-    model_config = strict
 
     spectrum: Literal["EC8", "NTC"]
     """Of Eurocode 8 or of the Italian code NTC."""
     ag: Positive
     """Peak ground acceleration on rock [m/s2]."""
-    ground: Literal["A", "B", "C", "D", "E"] = "A"
-    """Ground type."""
-    type: Literal[1, 2] | None = None
-    """Of the spectrum, EC8 only; 1 when not given."""
-    f0: Positive | None = None
-    """Largest amplification at the site, NTC only."""
-    tc_star: Span | None = None
-    """Where the constant velocity of the spectrum begins at the site, NTC only [s]."""
-    topography: Literal["T1", "T2", "T3", "T4"] | None = None
-    """Category of the site, NTC only; T1 when not given."""
     vertical: bool = False
     """Match the vertical spectrum."""
     period: Span | None = None
@@ -96,16 +83,6 @@ class SpectrumMatch(BaseModel):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        of_ntc = {"f0": self.f0, "tc_star": self.tc_star, "topography": self.topography}
-        if self.spectrum == "EC8":
-            stray = next((key for key, value in of_ntc.items() if value is not None), None)
-        else:
-            stray = None if self.type is None else "type"
-            missing = next((key for key in ("f0", "tc_star") if of_ntc[key] is None), None)
-            if missing is not None:
-                raise ValueError(f"{missing}: missing, the spectrum of NTC needs it")
-        if stray is not None:
-            raise ValueError(f"{stray}: does not apply to a spectrum of {self.spectrum}")
         if self.period is not None and self.periods is not None:
             raise ValueError("give period or periods, not both")
         if self.period is not None and not 0.1 <= self.period <= 2.0:
@@ -124,11 +101,7 @@ class SpectrumMatch(BaseModel):
     @property
     def target(self) -> CodeSpectrum:
         """The spectrum of the code."""
-        if self.spectrum == "EC8":
-            return ec8(self.ag, self.ground, self.type or 1, self.vertical)
-        assert self.f0 is not None
-        assert self.tc_star is not None
-        return ntc(self.ag, self.f0, self.tc_star, self.ground, self.topography or "T1", self.vertical)
+        return self.spectrum_of_site(self.vertical)
 
 
 class ArtificialTable(SpectrumMatch, ShakingTable):

@@ -21,7 +21,7 @@ from loads.bars import Forces, PointLoad, Tie
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.errors import InputError
-from masonry_cd.fields import Instant, is_number
+from masonry_cd.fields import Instant, check_tension, is_number
 from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
 
@@ -111,8 +111,7 @@ class TieTable(LoadTable):
     def _one_section(self) -> Self:
         if (self.diameter is None) == (self.area is None):
             raise ValueError("give exactly one of diameter and area")
-        if self.yield_force is not None and self.tension >= self.yield_force:
-            raise ValueError(f"the tension at the start, {self.tension:g} N, must be below yield_force, {self.yield_force:g} N")
+        check_tension(self.tension, self.yield_force)
         return self
 
     @property

@@ -11,6 +11,11 @@ Both have one shape, with eta = sqrt(10 / (5 + 100 xi)) >= 0.55 for the damping 
     EC8, vertical:  a = avg,         s = 1,       P = 3.0;     avg = 0.90 ag (type 1) or 0.45 ag (type 2)
     NTC, level:     a = ag SS ST,    s = 1,       P = F0;      T_C = CC TC*, T_B = T_C / 3, T_D = 4 ag/g + 1.6
     NTC, vertical:  a = ag ST,       s = FV / F0, P = FV;      FV = 1.35 F0 sqrt(ag/g); SS = 1
+
+The displacement of an oscillator is S (T / 2 pi)^2 up to T_E, and from there on comes down to that of the ground at T_F (EN 1998-1,
+annex A, type 1; NTC 2018, 3.2.3.2.3):
+
+    S_D(T) = 0.025 a T_C T_D (P eta + (1 - P eta) (T - T_E) / (T_F - T_E)),     T_E <= T <= T_F
 """
 
 from __future__ import annotations
@@ -44,6 +49,7 @@ NTC_AMPLIFICATION = {  # SS = low <= base - slope F0 ag/g <= high (table 3.2.IV)
 NTC_PERIOD = {"A": (1.0, 0.0), "B": (1.1, -0.20), "C": (1.05, -0.33), "D": (1.25, -0.50), "E": (1.15, -0.40)}  # CC = factor TC*^power
 NTC_TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}  # ST (table 3.2.V)
 VERTICAL_PERIODS = (0.05, 0.15, 1.0)  # T_B, T_C, T_D of both codes
+LONG_PERIODS = {"A": (4.5, 10.0), "B": (5.0, 10.0), "C": (6.0, 10.0), "D": (6.0, 10.0), "E": (6.0, 10.0)}  # T_E, T_F of both codes
 
 
 @dataclass(frozen=True)
@@ -54,14 +60,31 @@ class CodeSpectrum:
     start: float  # s
     plateau: float  # P
     corners: tuple[float, float, float]  # T_B, T_C, T_D [s]
+    long: tuple[float, float] | None = None  # T_E, T_F [s]; None where a code has none
 
     def at(self, period: np.ndarray, damping: float = 0.05) -> np.ndarray:
         """Pseudo-acceleration at periods (n,) of zero or more [m/s2]."""
         t, (b, c, d) = np.asarray(period, dtype=float), self.corners
-        top = self.plateau * max(0.55, np.sqrt(10.0 / (5.0 + 100.0 * damping)))
+        top = self.plateau * damping_factor(damping)
         rise = self.start + (top - self.start) * np.minimum(t, b) / b
         fall = np.minimum(1.0, c / np.maximum(t, c)) * np.minimum(1.0, d / np.maximum(t, d))
         return np.asarray(self.size * rise * fall)
+
+    def displacement(self, period: np.ndarray, damping: float = 0.05) -> np.ndarray:
+        """Displacement at periods (n,) of zero or more, relative to the ground [m]."""
+        t = np.asarray(period, dtype=float)
+        short = self.at(t, damping) * (t / (2.0 * np.pi)) ** 2
+        if self.long is None:
+            return np.asarray(short)
+        top, (begin, end) = self.plateau * damping_factor(damping), self.long
+        share = np.clip((t - begin) / (end - begin), 0.0, 1.0)
+        falling = 0.025 * self.size * self.corners[1] * self.corners[2] * (top + (1.0 - top) * share)
+        return np.where(t > begin, falling, short)
+
+
+def damping_factor(damping: float) -> float:
+    """eta of a damping ratio: what it makes of a spectrum for 5 %."""
+    return float(max(0.55, np.sqrt(10.0 / (5.0 + 100.0 * damping))))
 
 
 def ec8(ag: float, ground: str = "A", type_: int = 1, vertical: bool = False) -> CodeSpectrum:
@@ -69,7 +92,7 @@ def ec8(ag: float, ground: str = "A", type_: int = 1, vertical: bool = False) ->
     if vertical:
         return CodeSpectrum(EC8_VERTICAL[type_] * ag, 1.0, 3.0, VERTICAL_PERIODS)
     soil, *corners = EC8_LEVEL[type_, ground]
-    return CodeSpectrum(soil * ag, 1.0, 2.5, (corners[0], corners[1], corners[2]))
+    return CodeSpectrum(soil * ag, 1.0, 2.5, (corners[0], corners[1], corners[2]), LONG_PERIODS[ground] if type_ == 1 else None)
 
 
 def ntc(ag: float, f0: float, tc_star: float, ground: str = "A", topography: str = "T1", vertical: bool = False) -> CodeSpectrum:
@@ -82,4 +105,4 @@ def ntc(ag: float, f0: float, tc_star: float, ground: str = "A", topography: str
     soil = float(np.clip(base - slope * f0 * share, low, high))
     factor, power = NTC_PERIOD[ground]
     tc = factor * tc_star**power * tc_star
-    return CodeSpectrum(ag * soil * hill, 1.0, f0, (tc / 3.0, tc, 4.0 * share + 1.6))
+    return CodeSpectrum(ag * soil * hill, 1.0, f0, (tc / 3.0, tc, 4.0 * share + 1.6), LONG_PERIODS[ground])

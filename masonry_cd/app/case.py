@@ -160,7 +160,8 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     except InputError as error:
         raise scene.at_fault(error) from None
     if loading.support_velocity.any() and not assembly.fixed.any():
-        raise InputError(f"{scene.origin.path}: loads: the base is shaken, but no block of the structure is fixed")
+        remedy = '; structure.fixed = ["NAME*"] names the supports' if scene.structure.get("kind") == "file" else ""
+        raise InputError(f"{scene.origin.path}: loads: the base is shaken, but no block of the structure is fixed{remedy}")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
     for_good = "one to three minutes on two cores and is kept for later runs"
@@ -225,10 +226,11 @@ def _until_still(scene: Scene, loading: Loading, still: float) -> Loading:
     return with_rest(loading, settings.most_steps - settings.steps, still, max(1, math.ceil(HOLD / settings.dt)))
 
 
-def _beyond_machine(threads: int) -> list[str]:
+def _beyond_machine(threads: int | None) -> list[str]:
     """A line where a scene asks for more threads than there are cores; threads change no result, so it runs all the same."""
     there = cores()
-    return [f"run.threads: {threads} asked for, {there} used, as many as there are cores for this run"] if threads > there else []
+    beyond = threads is not None and threads > there
+    return [f"run.threads: {threads} asked for, {there} used, as many as there are cores for this run"] if beyond else []
 
 
 def _is_planar(assembly: Assembly, loading: Loading, settings: Run) -> bool:

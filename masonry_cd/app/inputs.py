@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,14 +37,14 @@ def digests(case: Case) -> dict[str, str]:
     return found
 
 
-def file_digests(tables: Iterable[Mapping[str, Any]], folder: Path) -> dict[str, str]:
+def file_digests(tables: Sequence[Mapping[str, Any]], folder: Path) -> dict[str, str]:
     """SHA-256 of the files that tables of a scene name, by these names, which are relative to a folder.
 
     Raises:
         InputError: a file that cannot be read.
     """
     found: dict[str, str] = {}
-    for name in _paths(tables):
+    for name in paths_of(tables):
         data = _read(folder / name)
         found[name] = hashlib.sha256(data).hexdigest()
         if name.lower().endswith(".vtm"):
@@ -64,16 +64,17 @@ def require_same(now: Mapping[str, str], then: Mapping[str, str], file: Path) ->
             raise InputError(f"{file}: {name}: not what it was when the run began; resume with what it was, or --force starts anew")
 
 
-def _paths(tables: Iterable[Mapping[str, Any]]) -> Iterator[str]:
-    """The values of all keys ``path``, tables within tables included."""
-    for table in tables:
-        for key, value in table.items():
-            if key == "path" and isinstance(value, str):
-                yield value
-            elif isinstance(value, Mapping):
-                yield from _paths([value])
-            elif isinstance(value, list):
-                yield from _paths(item for item in value if isinstance(item, Mapping))
+def paths_of(value: Any) -> Iterator[str]:
+    """The values of all keys ``path`` in a table or a list of tables, those of tables within tables included."""
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            if key == "path" and isinstance(item, str):
+                yield item
+            else:
+                yield from paths_of(item)
+    elif isinstance(value, list | tuple):
+        for item in value:
+            yield from paths_of(item)
 
 
 def _read(path: Path) -> bytes:

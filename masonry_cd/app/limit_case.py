@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.app.limit_check import check_mechanism, suits
+from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, follow, write_curve
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.contact.find_joints import built_gap, find_joints, loose_contacts
 from masonry_cd.errors import InputError
@@ -22,9 +25,11 @@ from masonry_cd.model.joints import Joints
 from masonry_cd.quantities import force, in_words
 
 if TYPE_CHECKING:
+    from loads.code_check.steps import CodeCheck
     from loads.statics import LimitTable, StaticLoads
 
-OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "mechanism.png", "thrust.png")
+OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "check.json", "check.csv", "mechanism.png", "thrust.png", "limit.html")
+EVERY = (*OUTPUTS, *CURVE_OUTPUTS)  # that a folder of an analysis may hold
 TURNS = 30  # most rounds in which the angle of a tilt is found
 SAME_TILT = 1e-9  # change of lambda at which it is
 STARTS = 3  # of the search for the least factor in a plane
@@ -41,37 +46,59 @@ class LimitCase:
     joints: Joints
     loads: StaticLoads
     analysis: Analysis
+    check: CodeCheck | None
     notes: tuple[str, ...]
     seconds: float
+    curve: FollowedCurve | None = None
 
-    @property
+    @cached_property
     def collapse(self) -> Collapse:
         """What moves, and the forces then."""
         return self.analysis.collapse(self.joints.count)
 
 
-def limit_case(path: Path | str, changes: Sequence[str] = ()) -> LimitCase:
+def limit_case(path: Path | str, changes: Sequence[str] = (), curve: bool = False) -> LimitCase:
+    """Analyse a scene file, changed by some ``key=value``; ``curve`` as of :func:`case_of`.
+
+    Raises:
+        InputError: see :func:`case_of`.
+    """
+    return case_of(read_scene(path, changes), curve)
+
+
+def case_of(scene: Scene, curve: bool = False) -> LimitCase:
     """Analyse a scene.
 
     Args:
-        path: the scene file.
-        changes: ``key=value`` that change it.
+        scene: what is analysed.
+        curve: follow the mechanism, also where the scene has no table ``[limit.curve]``.
 
     Raises:
         InputError: anything wrong with the scene, or a limit analysis without an answer.
     """
-    from loads.statics import limit_table, static_loads
+    from loads.statics import CurveTable, limit_table, static_loads
     from masonry_cd.app.case import make_structures
 
     begin = time.perf_counter()
-    scene = read_scene(path, changes)
     blocks, notes, bars = make_structures(scene)
     try:
         asked = limit_table(scene.limit)
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         loads = static_loads(scene.loads, asked, scene.run.gravity, scene.folder, assembly, [(bar.where, bar.load()) for bar in bars])
+        if asked.check is not None:
+            suits(loads, scene.run.gravity)
         joints = find_joints(assembly)
-        analysis = _analyse(assembly, joints, loads, asked, scene.run.seed)
+        options = _options(assembly, loads, asked, scene.run.seed)
+        analysis = _analyse(assembly, joints, loads, options)
+        table = asked.curve or (CurveTable() if curve else None)
+        followed = None if table is None else follow(table, assembly, joints, loads, options, scene.run.gravity)
+        check = None
+        if asked.check is not None and analysis.stands and not analysis.bears_nothing:
+            known = None if followed is None else followed.curve
+            check = check_mechanism(asked.check, analysis, (assembly, joints), loads, scene.run.gravity, scene.folder, options, known)
+        elif asked.check is not None:
+            notes.append("limit.check: no check: there is no load factor at which a mechanism would start")
+        notes += analysis.remarks
     except InputError as error:
         raise scene.at_fault(error) from None
     loose = loose_contacts(assembly)
@@ -82,22 +109,27 @@ def limit_case(path: Path | str, changes: Sequence[str] = ()) -> LimitCase:
         notes.append(f"joints as built have gaps or overlaps of up to {gap:.2g} m, which count as none")
     if assembly.laws.apex.any():
         notes.append("bond counts as plastic: it is brittle, and what it adds to the factor is an upper bound")
-    return LimitCase(scene, assembly, joints, loads, analysis, (*notes, *loads.notes), time.perf_counter() - begin)
+    return LimitCase(scene, assembly, joints, loads, analysis, check, (*notes, *loads.notes), time.perf_counter() - begin, followed)
 
 
-def _analyse(assembly: Assembly, joints: Joints, loads: StaticLoads, asked: LimitTable, seed: int) -> Analysis:
+def _analyse(assembly: Assembly, joints: Joints, loads: StaticLoads, options: Options) -> Analysis:
     """The limit analysis; of a tilt beside loads that do not turn with it, at the angle that belongs to its own factor."""
-    usual = STARTS if plane_of(assembly, loads.at()) is not None else 0
-    options = Options(asked.sides, usual if asked.starts is None else asked.starts, seed)
     if loads.kind != "tilt" or (loads.only_gravity and not assembly.laws.apex.any()):
         return analyse(assembly, joints, loads.at(), options)
     factor, last = 0.0, math.inf
     for _ in range(TURNS):
-        found = analyse(assembly, joints, loads.at(1.0 / math.sqrt(1.0 + factor**2)), options)
+        turned = loads.at(1.0 / math.sqrt(1.0 + factor**2))
+        found = analyse(assembly, joints, turned, replace(options, starts=0))  # the search is for the last angle
         factor, last = found.associated.factor, factor
         if not found.stands or abs(factor - last) <= SAME_TILT * (1.0 + abs(factor)):
-            return found
+            return analyse(assembly, joints, turned, options) if found.stands and options.starts else found
     raise InputError(f"limit.tilt: the angle of collapse is not found in {TURNS} rounds; push gives the factor of a body force")
+
+
+def _options(assembly: Assembly, loads: StaticLoads, asked: LimitTable, seed: int) -> Options:
+    """How to solve; in space, where each start is expensive, without a search unless it is asked for."""
+    usual = STARTS if plane_of(assembly, loads.at()) is not None else 0
+    return Options(asked.sides, usual if asked.starts is None else asked.starts, seed)
 
 
 def summary(case: LimitCase) -> dict[str, Any]:
@@ -115,9 +147,12 @@ def summary(case: LimitCase) -> dict[str, Any]:
         "pattern": {"kind": case.loads.kind, "words": case.loads.words, "direction": case.loads.direction},
         "stands": analysis.stands,
         "dead_load_borne": analysis.standing,
+        "bears_nothing": analysis.stands and analysis.bears_nothing,
         "associated": None,
         "least": None,
+        "starts": analysis.starts,
         "mechanism": _mechanism(case),
+        "check": None if case.check is None else case.check.numbers(),
         "certificate": asdict(answer.certificate) if analysis.stands else None,
         "solver": {"method": answer.optimum.method, "iterations": answer.optimum.iterations, "seconds": answer.seconds},
         "seconds": case.seconds,
@@ -149,43 +184,58 @@ def _mechanism(case: LimitCase) -> dict[str, Any]:
 
 
 def lines(case: LimitCase) -> list[str]:
-    """The analysis in words."""
+    """The analysis in words: what was found, the check by a code, and what to know of both."""
+    how = _how_lines(case) if case.analysis.stands else ()
+    return [*found_lines(case), *how, *(case.check.lines() if case.check else ()), *case.notes]
+
+
+def found_lines(case: LimitCase) -> list[str]:
+    """What was found; the first line says of what."""
     analysis, answer, least = case.analysis, case.analysis.associated, case.analysis.least
     space = "in a plane" if analysis.problem.axis is not None else "in space"
     out = [f"{case.assembly.count} blocks, {case.joints.count} joints, {analysis.problem.points.count} contact points, {space}"]
     if not analysis.stands:
         borne = f", it bears {100.0 * analysis.standing:.3g} % of them" if analysis.standing > 1e-6 else ""
         out.append(f"does not stand under its dead loads{borne}: {_who(case)} give way")
-        return [*out, *case.notes]
+        return out
     out.append("stands under its dead loads")
     if analysis.problem.moves_support:
         out.append(f"{case.loads.words}: the supports that move still bear {force(-answer.factor * analysis.problem.weight)} against it")
+    elif analysis.bears_nothing:
+        return [*out, f"{case.loads.words}: no load factor: the structure bears no such load, the least of it sets it in motion"]
     else:
         angle = f", an angle of {math.degrees(math.atan(answer.factor)):.4g} degrees" if case.loads.kind == "tilt" else ""
         out.append(f"{case.loads.words}: load factor {answer.factor:.5g}{angle} (associated: sliding opens joints; an upper value)")
     if least is not None:
-        sure = f"{least.agreeing} of {least.starts} starts came to it, none to less; no proof that it is the least"
+        open_end = least.starts - len(least.found)
+        ended = f", {open_end} to no end" if open_end else ""
+        sure = f"{least.agreeing} of {least.starts} starts came to it, none to less{ended}; no proof that it is the least"
         out.append(f"sliding without dilation: {least.optimum.factor:.5g} is the least found; {sure}")
         apart = answer.factor - least.optimum.factor > SAME * abs(answer.factor)
         between = f"Coulomb's law allows {least.optimum.factor:.5g} to {answer.factor:.5g} at least; a run finds one of its values"
         out.append(between if apart else "both agree: how joints slide makes no difference here")
     elif not analysis.problem.moves_support:
-        out.append(_no_least(case))
-    moves = case.collapse.mechanism
-    out.append(f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]))
+        out.append(_no_least(analysis.starts))
+    return out
+
+
+def _how_lines(case: LimitCase) -> list[str]:
+    """The mechanism and the certificate, a line each."""
+    moves, answer = case.collapse.mechanism, case.analysis.associated
     made = answer.certificate
-    out.append(
+    return [
+        f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]),
         f"certificate: static {made.static:.8g}, kinematic {made.kinematic:.8g}, gap {made.gap:.1e}; residuals: "
         f"equilibrium {made.equilibrium:.1e}, friction {made.friction:.1e}, flow {made.flow:.1e}; "
-        f"{answer.optimum.method}, {in_words(answer.seconds)}"
-    )
-    return [*out, *case.notes]
+        f"{answer.optimum.method}, {in_words(answer.seconds)}",
+        *([] if case.curve is None else curve_lines(case.curve, case.assembly.names)),
+    ]
 
 
-def _no_least(case: LimitCase) -> str:
-    """Why there is no least factor."""
+def _no_least(starts: int) -> str:
+    """Why there is no least factor after so many starts."""
     off = "not searched for; limit.starts = 2 does, at some twenty times the cost of each"
-    sought = "no start came to an end" if case.scene.limit.get("starts") else off
+    sought = f"of {starts} starts none came to an end" if starts else off
     return f"sliding without dilation may give way at less: {sought}"
 
 
@@ -198,31 +248,52 @@ def _who(case: LimitCase) -> str:
 
 
 def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "auto") -> list[Path]:
-    """Write limit.json, the tables and the pictures into a folder, which is made if need be.
+    """Write limit.json, the tables, the pictures and the page into a folder, which is made if need be.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL for the pictures; the tables are written by then.
     """
     from masonry_cd.app.summary import write_json
+    from reports.limit.check_files import write_check
+    from reports.limit.page import LimitPage, write_limit_page
     from reports.limit.tables import write_tables
 
     folder.mkdir(parents=True, exist_ok=True)
-    for name in OUTPUTS:
+    for name in EVERY:
         (folder / name).unlink(missing_ok=True)
-    write_json(summary(case), folder / "limit.json")
+    facts = summary(case)
+    write_json(facts, folder / "limit.json")
     collapse = case.collapse
     written = [folder / "limit.json", *write_tables(collapse, case.assembly, case.joints, folder)]
-    if pictures:
-        from reports.limit.picture import mechanism_picture, thrust_picture
+    if case.check is not None:
+        write_json(case.check.numbers(), folder / "check.json")
+        write_check(case.check.numbers(), folder / "check.csv")
+        written += [folder / "check.json", folder / "check.csv"]
+    drawn = draw(case, folder, view) if pictures else []
+    if case.curve is not None:
+        found = write_curve(case.curve, case.assembly, folder, case.scene.title, case.loads.words, pictures, view)
+        drawn += [path for path in found if path.suffix == ".png"]
+        written += [path for path in found if path.suffix != ".png"]
+    of_curve = [] if case.curve is None else curve_lines(case.curve, case.assembly.names)
+    page = LimitPage(facts, [*found_lines(case), *of_curve], case.scene.text, case.scene.report.model_dump(exclude_unset=True))
+    write_limit_page(page, drawn, folder / "limit.html")
+    return [*written, *drawn, folder / "limit.html"]
 
-        drawn = (collapse, case.assembly.blocks, case.joints)
-        facts = _facts(case)
-        mechanism_picture(*drawn, folder / "mechanism.png", f"{case.scene.title}: mechanism", facts, view)
-        written.append(folder / "mechanism.png")
-        if case.analysis.stands:
-            thrust_picture(*drawn, folder / "thrust.png", f"{case.scene.title}: forces at collapse", facts, view)
-            written.append(folder / "thrust.png")
-    return written
+
+def draw(case: LimitCase, folder: Path, view: str = "auto") -> list[Path]:
+    """Draw the mechanism, and the forces of a structure that stands, into a folder.
+
+    Raises:
+        InputError: an unknown view, no off-screen OpenGL.
+    """
+    from reports.limit.picture import mechanism_picture, thrust_picture
+
+    what, facts = (case.collapse, case.assembly.blocks, case.joints), _facts(case)
+    mechanism_picture(*what, folder / "mechanism.png", f"{case.scene.title}: mechanism", facts, view)
+    if not case.analysis.stands:
+        return [folder / "mechanism.png"]
+    thrust_picture(*what, folder / "thrust.png", f"{case.scene.title}: forces at collapse", facts, view)
+    return [folder / "mechanism.png", folder / "thrust.png"]
 
 
 def _facts(case: LimitCase) -> str:
@@ -232,5 +303,7 @@ def _facts(case: LimitCase) -> str:
         return "does not stand under its dead loads"
     if analysis.problem.moves_support:
         return f"{case.loads.words}: the supports still bear {force(-analysis.associated.factor * analysis.problem.weight)}"
+    if analysis.bears_nothing:
+        return f"{case.loads.words}: no load factor, the least of this load sets it in motion"
     least = f" · least found without dilation {analysis.least.optimum.factor:.4g}, drawn" if analysis.least else ""
     return f"{case.loads.words} · load factor {analysis.associated.factor:.4g} (associated){least}"

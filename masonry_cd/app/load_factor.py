@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.tie_bars import TieBar
 from masonry_cd.quantities import force, length
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from masonry_cd.app.case import Case
 
 MOVED = 0.01
+FEW = 100  # blocks up to which a run in a plane is judged by limit analysis as well
+ALIKE = 1e-4  # share by which both ends may differ and agree
+STARTS = 3  # of its search for the least factor
 NOT_THE_LEAST = (
     "rigid joints that slide allow several load factors: this run found one, not the least; masonry-cd limit SCENE gives the bracket"
 )
@@ -47,7 +51,35 @@ def _load_factor(case: Case, results: Results) -> dict[str, Any]:
         time = float(results.time[beyond[0]])
         step = int(np.searchsorted(results.per_step("step_time"), time))  # that ended there: frames are at the ends of steps
         found |= {"given_way": float(factor[step]), "given_way_time": time}
-    return {"load_factor": found}
+    bracket = limit_bracket(case) if rigid else None
+    return {"load_factor": found | ({} if bracket is None else {"limit_analysis": bracket})}
+
+
+def limit_bracket(case: Case) -> dict[str, float] | None:
+    """The least factor found and the associated one, by limit analysis, where that takes seconds: of few blocks in a plane, under one
+    push or tilt that limit analysis takes as it is; None elsewhere."""
+    from loads.statics import limit_table, static_loads
+    from masonry_cd.limit.analysis import Options, analyse
+    from masonry_cd.limit.problem import plane_of
+
+    scene, assembly, forces = case.scene, case.assembly, case.loading.forces
+    own = sum(table.get("kind") == "tie" for table in scene.loads)
+    if assembly.count > FEW or not assembly.fixed.any() or (forces is not None and len(forces.ties) != own):
+        return None
+    patterns = [table for table in scene.loads if table.get("kind") in ("push", "tilt", "settlement", "spreading")]
+    if len(patterns) != 1 or patterns[0]["kind"] not in ("push", "tilt"):
+        return None
+    loads = static_loads(scene.loads, limit_table({}), scene.run.gravity, scene.folder, assembly)
+    if plane_of(assembly, loads.at()) is None or (loads.kind == "tilt" and not (loads.only_gravity and not assembly.laws.apex.any())):
+        return None
+    try:
+        found = analyse(assembly, case.joints, loads.at(), Options(starts=STARTS, seed=scene.run.seed))
+    except InputError:  # the run stands for itself: it needs no factor of limit analysis
+        return None
+    if not found.stands:
+        return None
+    upper = found.associated.factor
+    return {"least_found": upper if found.least is None else found.least.optimum.factor, "associated": upper}
 
 
 def tie_bars(case: Case) -> list[TieBar]:
@@ -71,6 +103,7 @@ def outcome_lines(summary: dict[str, Any]) -> list[str]:
     if "load_factor" in summary:
         lines.append(_factor_line(summary["load_factor"]))
         lines += [NOT_THE_LEAST] if summary["load_factor"].get("rigid") else []
+        lines += _bracket_line(summary["load_factor"])
     return lines + [_tie_line(tie) for tie in summary.get("ties", ())]
 
 
@@ -93,6 +126,17 @@ def _factor_line(factor: dict[str, Any]) -> str:
     if factor["given_way"] is None:
         return f"load factor: {factor['end']:.4g} at the end, before {moved}"
     return f"load factor: {factor['given_way']:.4g} when {moved}, at {factor['given_way_time']:.4g} s; {factor['end']:.4g} at the end"
+
+
+def _bracket_line(factor: dict[str, Any]) -> list[str]:
+    """What limit analysis says beside a run, where it was asked."""
+    bracket = factor.get("limit_analysis")
+    if not bracket:
+        return []
+    least, upper = bracket["least_found"], bracket["associated"]
+    if upper - least <= ALIKE * abs(upper):
+        return [f"limit analysis: {upper:.4g}; how joints slide makes no difference here"]
+    return [f"limit analysis: {least:.4g}, the least found without dilation, to {upper:.4g} (associated)"]
 
 
 def _tie_line(tie: dict[str, Any]) -> str:

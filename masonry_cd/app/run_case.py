@@ -28,6 +28,7 @@ from masonry_cd.atomic import part_of
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.pauses import Pauses
+from masonry_cd.dynamics.start import drawn_velocities
 from masonry_cd.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.lock import locked
@@ -81,6 +82,8 @@ def run_case(
     if not resume:
         dumped.check(1, case.steps)
         _settle(stepper, scene)
+        if settings.first_velocities is not None:
+            stepper.kick(drawn_velocities(stepper.system, settings.first_velocities))
     with locked(folder), Interrupt() as interrupt:
         mended = ""
         if resume:

@@ -13,6 +13,15 @@ from typing import Any
 
 from masonry_cd.errors import InputError
 
+SLIPS = (  # common ones in the value of a key, and their remedies
+    (r"[+-]?\d+,\d", "a number has a decimal point: 0.25"),
+    (r"[+-]?\.\d|[+-]?\d+\.(?:\D|$)", "a number has digits on both sides of its point: 0.5"),
+    (r"[+-]?[\d.]+(?:e[+-]?\d+)?\s*[A-Za-z%]", "numbers stand without a unit; all are in SI units"),
+    (r"(?:True|TRUE|yes|on|False|FALSE|no|off)\b", "yes and no are written true and false"),
+    (r'"[^"]*\\', "a path is written with /, or in single quotes"),
+    (r"(?!true|false)[A-Za-z_]", 'a text stands in quotes: "x"'),
+)
+
 
 def read_text(path: Path) -> str:
     """The text of a file, or one line on why there is none."""
@@ -35,7 +44,14 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as failure:
         message = re.match(r"(.*?) \(at (?:line (\d+), column \d+|end of document)\)", str(failure))
         what, line = (message.group(1), message.group(2)) if message else (str(failure), None)
-        raise InputError(f"{path}:{line or text.count(chr(10)) + 1}: not valid TOML: {what[0].lower()}{what[1:]}") from None
+        hint = _hint(text.splitlines()[int(line) - 1]) if line and not what.startswith("Cannot") else ""
+        raise InputError(f"{path}:{line or text.count(chr(10)) + 1}: not valid TOML: {what[0].lower()}{what[1:]}{hint}") from None
+
+
+def _hint(line: str) -> str:
+    """What a line that is no TOML was probably meant to be, in words; empty where that is not plain to see."""
+    _, _, value = line.partition("=")
+    return next((f" ({remedy})" for pattern, remedy in SLIPS if re.match(pattern, value.strip())), "")
 
 
 def _load_toml(text: str, where: str) -> dict[str, Any]:

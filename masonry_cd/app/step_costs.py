@@ -1,9 +1,12 @@
 r"""How long the rest of a run will take: what a step costs follows the shaking, so the intensity of the loads still to come counts.
 
-The steps of the loads fall into classes by how strongly the base shakes about them: with a(t) the largest acceleration of a support and
-e(t) the maximum of a over the MEMORY before t, since blocks go on rocking for a while,
+The steps of the loads fall into classes by how strongly the base works about them: with a(t) the largest acceleration of a support, d(t)
+the largest difference of their velocities, by which they move apart, and e(t) the maximum of either over the MEMORY before t, since blocks
+go on rocking for a while,
 
-    rest   e < 2 % of the peak,     weak   e < 25 %,     strong   the others.
+    rest   e < 2 % of its peak,     weak   e < 25 %,     strong   the others,
+
+of the two the stronger. A footing that sinks at an even speed shakes nothing, and yet its structure is on the move.
 
 What a step of each class costs is measured as the run goes, late steps counting more than early ones. A class that has not come yet is
 taken from the one next to it by the USUAL ratios.
@@ -20,7 +23,7 @@ LATE = 0.1  # share of the run over which what a step cost is forgotten
 
 
 def shaking_classes(support_velocity: np.ndarray, dt: float) -> np.ndarray:
-    """The class of each step of the loads (N,): 0 rest, 1 weak, 2 strong; all at rest where the base does not move.
+    """The class of each step of the loads (N,): 0 rest, 1 weak, 2 strong; all at rest where no support moves.
 
     Args:
         support_velocity: (N + 1, S, 3) at the steps [m/s].
@@ -28,13 +31,15 @@ def shaking_classes(support_velocity: np.ndarray, dt: float) -> np.ndarray:
     """
     from scipy.ndimage import maximum_filter1d
 
-    change = np.abs(np.diff(support_velocity, axis=0)).max(axis=(1, 2), initial=0.0)
-    peak = float(change.max(initial=0.0))
-    if not peak > 0.0:
-        return np.zeros(len(change), dtype=np.int8)
-    width = max(1, min(len(change), round(MEMORY / dt)))
-    envelope = maximum_filter1d(change, width, origin=(width - 1) // 2, mode="constant")
-    return np.searchsorted(BOUNDS, envelope / peak, side="right").astype(np.int8)
+    steps = len(support_velocity) - 1
+    width = max(1, min(steps, round(MEMORY / dt)))
+    found = np.zeros(steps, dtype=np.int8)
+    for strength in (np.abs(np.diff(support_velocity, axis=0)), np.ptp(support_velocity[1:], axis=1, keepdims=True)):
+        largest = strength.max(axis=(1, 2), initial=0.0)
+        if largest.any():
+            envelope = maximum_filter1d(largest, width, origin=(width - 1) // 2, mode="constant")
+            found = np.maximum(found, np.searchsorted(BOUNDS, envelope / largest.max(), side="right").astype(np.int8))
+    return found
 
 
 class StepCosts:

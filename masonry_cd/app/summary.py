@@ -17,7 +17,7 @@ from masonry_cd.atomic import replacing
 from masonry_cd.dynamics.adaptive import error_tolerance
 from masonry_cd.io.summary_file import FORMAT
 from masonry_cd.quantities import in_words, length
-from masonry_cd.solvers import cores
+from masonry_cd.solvers import threads_that_pay
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
@@ -49,7 +49,7 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
         "planar": report.planar,
         "solver": {
             "name": settings.solver,
-            "threads": min(settings.threads, cores()),
+            "threads": threads_that_pay(settings.threads, report.contacts_max, 2 if report.planar else 3),
             "tolerance": settings.tolerance,
             "seed": settings.seed,
             "iterations_mean": report.iterations_mean,
@@ -109,6 +109,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if told else ""
     deep = f", of {s['penetration_where']}" if s.get("penetration_where") else ""
     bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
+    on = f" on {solver['threads']} threads" if solver["threads"] > 1 else ""
     return [
         f"{s['title']}: {steps_in_words(s)} in {in_words(s['stepping_seconds'])}, "
         f"{length(per_step, 's')} per step; {in_words(s['wall_seconds'])} in all",
@@ -120,7 +121,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         *bonds,
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
         f"largest penetration {length(s['penetration_max'])}{deep}",
-        f"solver {solver['name']}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
+        f"solver {solver['name']}{on}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
         f"energy: balance closed to {_balance(energy)}{lift}",
     ]

@@ -15,6 +15,7 @@ def limit(
     output: Output,
     set_: Changes = None,
     picture: Annotated[bool, typer.Option(help="Draw mechanism.png and thrust.png.")] = True,
+    curve: Annotated[bool, typer.Option("--curve", help="Follow the mechanism: capacity.csv, .json and .png.")] = False,
     view: Annotated[str, typer.Option(metavar="NAME", help="auto, front, back, side, top or isometric.")] = "auto",
     force: Force = False,
 ) -> None:
@@ -22,19 +23,25 @@ def limit(
 
     What is multiplied is the scene's load of kind push, tilt, settlement or spreading, or what its table [limit] names: push = "x",
     tilt = "x", or live = [0] for point loads. In a plane the least factor without dilation is searched for as well.
-    DIR gets limit.json, blocks.csv, joints.csv, mechanism.png and thrust.png.
+    DIR gets limit.json, blocks.csv, joints.csv, mechanism.png, thrust.png and limit.html, a page with all of it; with a table [limit.check]
+    also check.json and check.csv, the check of the mechanism by a code; with --curve, or a table [limit.curve], the capacity curve: the
+    factor that the moved structure still bears, over the displacement of a block, until none is left.
 
     \b
     Examples:
       masonry-cd limit arch.toml -o out/limit --set 'limit.push="x"'
       masonry-cd limit church.toml -o out/across --set 'limit.tilt="y"' --no-picture
       masonry-cd limit wall.toml -o out/wall --set limit.starts=20
+      masonry-cd limit arch.toml -o out/arch --curve --set limit.curve.dynamics=true
     """
     with errors_reported():
-        from masonry_cd.app.limit_case import OUTPUTS, limit_case, lines, write
+        from masonry_cd.app.limit_case import EVERY, limit_case, lines, write
+        from reports.drawing.render import view_named
 
-        free_folder(output, OUTPUTS, force)
-        case = limit_case(scene, set_ or ())
+        free_folder(output, EVERY, force)
+        if picture and view != "auto":
+            view_named(view)  # refused before anything is computed
+        case = limit_case(scene, set_ or (), curve)
         typer.echo("\n".join(lines(case)))
         written = write(case, output, picture, view)
         typer.echo(f"written: {', '.join(map(str, written))}")

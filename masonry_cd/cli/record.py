@@ -1,4 +1,4 @@
-"""``masonry-cd record``: a picture of a record and of its correction."""
+"""``masonry-cd record``: the numbers of a record, and a picture of it and its correction."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from masonry_cd.cli.shared import errors_reported, warn
 
 def record(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Record of accelerations.", show_default=False)],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="PNG", help="Picture to draw.", show_default=False)],
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="PNG", help="Picture to draw; none by default.")] = None,
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help='A key of [[loads]] kind = "record": units=g, window=[5,17].')
     ] = None,
@@ -23,12 +23,13 @@ def record(
         ),
     ] = None,
 ) -> None:
-    """Draw a record: acceleration, velocity, displacement and response spectrum, before and after its correction; and print its numbers.
+    """Print the numbers of a record, and draw it: acceleration, velocity, displacement and spectrum, before and after its correction.
 
     Measures are PGA, PGV, PGD, Arias, CAV, D5-95, Sa(T, damping), AvgSA(from, to, count, damping), Housner(damping), FIV3(T, alpha, beta).
 
     \b
     Examples:
+      masonry-cd record elcentro.AT2
       masonry-cd record elcentro.AT2 -o elcentro.png
       masonry-cd record aqv.csv -o aqv.png --set column=ns_m_s2 --set window=[5.0,17.0]
       masonry-cd record elcentro.AT2 -o elcentro.png --measure "Sa(0.5)" --measure "AvgSA(0.1,1.0)"
@@ -49,5 +50,6 @@ def record(
         correction = str(keys.get("correction", Accelerogram.model_fields["correction"].default))
         typer.echo("\n".join(describe_both(file.name, processed, correction)))
         typer.echo(f"{file.name}   {in_words(measures, {'x': processed.after})}")
-        typer.echo(f"written: {output}")
+        if output is not None:
+            typer.echo(f"written: {output}")
         warn(doubts(processed, correction, file.name))

@@ -10,7 +10,9 @@ from typing import Annotated, Any
 import typer
 
 from masonry_cd.app.progress import Interrupted
-from masonry_cd.cli.shared import Force, Output, Quiet, errors_reported, exclude
+from masonry_cd.cli.shared import Force, Output, Quiet, errors_reported, exclude, warn
+
+REASONS = 5  # named at the end; the others are counted
 
 
 def study(
@@ -59,14 +61,14 @@ def study(
         if report:
             _write_report(output, quiet)
             return
-        options = Options(Where(scheduler, slurm, workers or run.workers, run.memory), retry, force, resume, quiet)
+        options = Options(Where(scheduler, slurm, workers or run.workers, run.memory, run.timeout + run.grace), retry, force, resume, quiet)
         go_on = f"masonry-cd: go on with: {shlex.join(['masonry-cd', *(word for word in sys.argv[1:] if word != '--force')])}"
         try:
             found = study_case(made, output, options, lambda line: None if quiet else typer.echo(line, err=True))
         except Interrupted:
             typer.echo(go_on, err=True)
             raise
-        _tell_end(found, output, quiet)
+        tell_end(found, output, quiet)
         if not found["stopped"]:
             _write_report(output, quiet)
     if found["stopped"]:
@@ -74,14 +76,17 @@ def study(
         raise typer.Exit(1)
 
 
-def _tell_end(found: dict[str, Any], output: Path, quiet: bool) -> None:
+def tell_end(found: dict[str, Any], output: Path, quiet: bool) -> None:
     """What the study has come to."""
     no_data = found["failed"] + found["timeout"]
     if not quiet:
         typer.echo(f"{found['done']} of {found['runs']} runs done, {found['failed']} failed, {found['timeout']} ran out of time")
         typer.echo(f"results: {output / 'runs.csv'}, {output / 'runs.parquet'}")
-    for reason, count in sorted(found["reasons"].items(), key=lambda item: -item[1])[:5]:
-        typer.echo(f"masonry-cd: warning: {count} of {no_data} runs without data: {reason}", err=True)
+    often = sorted(found["reasons"].items(), key=lambda item: -item[1])
+    warn(f"{count} of {no_data} runs without data: {reason}" for reason, count in often[:REASONS])
+    if others := often[REASONS:]:
+        total = sum(count for _, count in others)
+        warn([f"{total} of {no_data} runs without data, for {len(others)} other reasons: see {output / 'runs.csv'}"])
 
 
 def _write_report(output: Path, quiet: bool) -> None:
@@ -91,5 +96,4 @@ def _write_report(output: Path, quiet: bool) -> None:
     summary = write_study(output)
     if not quiet:
         typer.echo("\n".join([*summary["lines"], f"page: {output / 'study.html'}"]))
-    for line in summary["warnings"]:
-        typer.echo(f"masonry-cd: warning: {line}", err=True)
+    warn(summary["warnings"])

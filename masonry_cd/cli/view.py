@@ -1,4 +1,4 @@
-"""``masonry-cd view``: the page of a run in the browser."""
+"""``masonry-cd view``: the page of a run or a study in the browser."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import typer
 
 from masonry_cd.cli.shared import Folder, errors_reported
 
+STUDY_PAGE = "study.html"  # as reports.study.page calls it, which takes long to import
+
 
 def view(folder: Folder) -> None:
-    """Open the page of a run, report.html, in the browser.
+    """Open the page of a run, report.html, or that of a study, study.html, in the browser.
 
     Where there is no display it is said where the page lies.
 
@@ -32,21 +34,26 @@ def view(folder: Folder) -> None:
 
 
 def page_of(folder: Path) -> Path:
-    """The page of a run.
+    """The page of a run or of a study.
 
     Raises:
-        InputError: no such folder, no run in it, or no page, with the command that makes one.
+        InputError: no such folder, nothing of ours in it, or no page, with the command that makes one.
     """
     from masonry_cd.errors import InputError
     from reports.outputs import PAGE
 
     if not folder.is_dir():
         raise InputError(f"{folder}: is a file; a folder of a run is needed" if folder.exists() else f"{folder}: no such folder")
-    page = folder / PAGE
+    of_study = (folder / "study.json").is_file()
+    page = folder / (STUDY_PAGE if of_study else PAGE)
     if not page.is_file():
-        made = (folder / "result.h5").is_file()
-        remedy = f"masonry-cd report {folder} --html makes it" if made else "nor a result.h5 to make it from"
-        raise InputError(f"{folder}: holds no {PAGE}; {remedy}")
+        if of_study:
+            remedy = f"masonry-cd study STUDY -o {folder} --report makes it of the runs that are there"
+        elif (folder / "result.h5").is_file():
+            remedy = f"masonry-cd report {folder} --html makes it"
+        else:
+            remedy = "nor a result.h5 to make it from"
+        raise InputError(f"{folder}: holds no {page.name}; {remedy}")
     return page
 
 

@@ -40,6 +40,12 @@ def joint_parts(assembly: Assembly) -> np.ndarray:
     return pairs[contacts.pair[[piece[0] for piece in pieces]]].reshape(-1, 2)
 
 
+def touching_points(assembly: Assembly) -> tuple[ContactSet, np.ndarray]:
+    """The contacts at rest (C), also along lines and in points, and the two parts (C, 2) of each."""
+    contacts, _, pairs = _touching(assembly)
+    return contacts, pairs[contacts.pair]
+
+
 def loose_contacts(assembly: Assembly) -> int:
     """Pairs of parts that touch along a line or in a point: no joint, though a run has contacts there."""
     contacts, pieces, _ = _touching(assembly)

@@ -49,7 +49,7 @@ from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_e
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State, rotation_matrices
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.solvers import SOLVERS, Options, threads_that_pay
 
 __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
 
@@ -122,7 +122,8 @@ def _shifted(impulse: np.ndarray, normal: np.ndarray) -> np.ndarray:
 def _solve_cones(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None) -> Solved:
     """Find the impulses of contacts whose cones begin at zero, impacts apart from forces."""
     s, problem, start = system.settings, made.problem, made.start
-    options = Options(s.tolerance, s.max_iterations, s.seed + number - 1, system.threads, s.accepted)
+    threads = threads_that_pay(s.threads, problem.contacts, problem.dimension)
+    options = Options(s.tolerance, s.max_iterations, s.seed + number - 1, threads, s.accepted)
     impact = _impact(system, made)
     islands.link(problem, start.impulse, s.tolerance)
     if impact is None:

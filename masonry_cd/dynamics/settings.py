@@ -22,6 +22,15 @@ _STEP: dict[str, Any] = {"anyOf": [{"type": "number", "exclusiveMinimum": 0, "ma
 ADAPTIVE_KEYS = ("dt_min", "dt_max", "dt_tolerance")
 
 
+class FirstVelocities(Table):
+    """Velocities that the blocks begin with, drawn at random: tiny ones show how far a chaotic run spreads."""
+
+    size: Annotated[Number, Field(gt=0, le=1)]
+    """Largest in each direction [m/s]; in a scene that moves in its plane, in the two of that plane."""
+    seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0
+    """Of the draw."""
+
+
 class Run(Table):
     """The table ``[run]``: time, solver and output."""
 
@@ -51,8 +60,8 @@ class Run(Table):
     """Iterations of each island after which a step counts as missed; the solver's own limit when not given."""
     seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0
     """Of the order in which contacts are swept."""
-    threads: Annotated[Count, Field(ge=1, le=10_000)] = 1
-    """Cores to use."""
+    threads: Annotated[Count, Field(ge=1, le=10_000)] | None = None
+    """Cores to use; as many as pay for the size of the scene when not given. It changes no bit."""
     frames_per_second: Annotated[Number, Field(gt=0)] = 50.0
     """Frames written per second of the simulated time [1/s]."""
     checkpoint_every: Annotated[Number, Field(ge=0)] = 10.0
@@ -63,6 +72,8 @@ class Run(Table):
     """Solve by itself what touches the rest only through supports, and let it sleep while it rests; the answer is the same."""
     settle: Flag = True
     """Let elastic joints take up the weight before the run begins; else it comes upon them at once, and they swing."""
+    first_velocities: FirstVelocities | None = None
+    """Velocities that the blocks begin with, drawn at random, {size, seed}; at rest when not given."""
     gravity: Vector = (0.0, 0.0, -9.81)
     """Acceleration of gravity, a vector [m/s2]."""
 

@@ -1,4 +1,4 @@
-"""The motion that a run begins with."""
+"""The motion that a run begins with, and the velocities that its blocks may be given before."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import numpy as np
 from masonry_cd.dynamics.energy import at_start
 from masonry_cd.dynamics.free_motion import angular_momenta
 from masonry_cd.dynamics.joint_law import JointMemory
+from masonry_cd.dynamics.settings import FirstVelocities
 from masonry_cd.dynamics.system import Motion, System
 from masonry_cd.model.state import State, rotation_matrices
 
@@ -30,3 +31,15 @@ def motion_at_start(system: System, state: State) -> Motion:
         ticks=0,
         span=1,
     )
+
+
+def drawn_velocities(system: System, asked: FirstVelocities) -> np.ndarray:
+    """Velocities (B, 6) of the blocks [m/s, rad/s]: each component of the linear ones even between -size and size, the angular ones zero.
+
+    A scene that moves in its plane gets none across it, so that it stays there. Other components are those that it would have in space.
+    """
+    out = np.zeros((system.assembly.count, 6))
+    out[:, :3] = asked.size * np.random.Generator(np.random.PCG64(asked.seed)).uniform(-1.0, 1.0, (len(out), 3))
+    if system.plane is not None:
+        out[:, system.plane.axis] = 0.0
+    return out

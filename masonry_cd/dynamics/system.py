@@ -16,7 +16,6 @@ from masonry_cd.dynamics.settings import Run
 from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.state import State
-from masonry_cd.solvers.options import cores
 
 TOUCHING = 1e-8  # gaps up to this share of the smallest width count as closed, or those of the joints as built
 SLACK = 1.5  # times the latter: a joint that slips or turns a little stays closed
@@ -72,7 +71,6 @@ class System:
     stretch: float  # by which an intact joint can open at the most [m]
     support: int  # the first support; -1: none
     rows: int  # of a contact, m: 3 in space (normal, two tangents), 2 in a plane
-    threads: int  # for the solver
 
     @classmethod
     def of(cls, assembly: Assembly, settings: Run, loads: Loads, plane: Plane | None) -> System:
@@ -106,7 +104,6 @@ class System:
             stretch=assembly.laws.stretch,
             support=int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1,
             rows=3 if plane is None else 2,
-            threads=min(settings.threads, cores()),
         )
 
     def with_step(self, step: float) -> System:

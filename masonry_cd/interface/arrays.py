@@ -31,7 +31,7 @@ def hold_arrays(tables: Mapping[str, Any]) -> bool:
     structure, loads = tables.get("structure"), tables.get("loads")
     own_blocks = _is_list(structure) or (isinstance(structure, Mapping) and BLOCKS in structure)
     own_motion = _is_list(loads) and any(isinstance(load, Mapping) and any(key in load for key in MOTION) for load in loads)
-    return own_blocks or own_motion
+    return own_blocks or own_motion or bool(_among_several(tables))
 
 
 def into_files(tables: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -46,6 +46,8 @@ def into_files(tables: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """
     out = dict(tables)
     structure, loads = tables.get("structure"), tables.get("loads")
+    for i in _among_several(tables):
+        raise InputError(f"structures[{i}].{BLOCKS}: blocks as arrays are those of one structure; here path names a block file")
     if _is_list(structure):
         structure = {BLOCKS: structure}
     if isinstance(structure, Mapping) and BLOCKS in structure:
@@ -58,6 +60,12 @@ def into_files(tables: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 def _is_list(value: object) -> TypeGuard[Sequence[Any]]:
     """Whether a value is a list of any kind."""
     return isinstance(value, Sequence) and not isinstance(value, str | bytes)
+
+
+def _among_several(tables: Mapping[str, Any]) -> list[int]:
+    """Places of those [[structures]] whose blocks are arrays, which is refused."""
+    several = tables.get("structures")
+    return [i for i, table in enumerate(several) if isinstance(table, Mapping) and BLOCKS in table] if _is_list(several) else []
 
 
 def _structure(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from masonry_cd.app.inputs import paths_of
 from masonry_cd.app.scene import Scene as CheckedScene
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.scene_text import dump_toml, override, parse_toml, read_text
@@ -26,7 +27,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.interface.arrays import BLOCK_FILE, hold_arrays, into_files
 from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.interface.values import changes as changes_of
-from masonry_cd.interface.values import paths_of, plain, with_absolute_paths
+from masonry_cd.interface.values import plain, with_absolute_paths
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -156,9 +157,14 @@ class Scene:
         """The scene as a run in a folder takes it; one made in Python is written there, over what is there where that is asked for."""
         return self._checked if self._files is None else replace(self._checked, path=self.write(folder / FILE, force=force))
 
+    def portable(self) -> tuple[dict[str, Any], dict[str, bytes]]:
+        """Its tables with full paths, and the files that hold its arrays, by the names that the tables give them."""
+        own = {name: (self._checked.folder / name).read_bytes() for name in self._own()}
+        return with_absolute_paths(self.tables, self._checked.folder, frozenset(own)), own
+
     def _named(self) -> set[str]:
         """Names of the files that the scene reads."""
-        return paths_of([self._checked.structure, *self._checked.structures, *self._checked.loads])
+        return set(paths_of([self._checked.structure, *self._checked.structures, *self._checked.loads]))
 
     def _own(self) -> list[str]:
         """Names of the files that hold its arrays."""
@@ -231,7 +237,7 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene | None = No
 def scene_of(results: Results) -> Scene:
     """The scene that made a run: of its file where that was a file of the user's, else made in Python as it was then."""
     origin = origin_of(results)
-    named = paths_of(parse_toml(results.scene, origin.path))
+    named = set(paths_of(parse_toml(results.scene, origin.path)))
     if origin.path.absolute() != results.path.absolute().with_name(FILE) or not all(
         Path(name).is_absolute() or OWN_FILES.fullmatch(name) for name in named
     ):
@@ -267,5 +273,4 @@ def _made(source: Mapping[str, Any], changes: tuple[str, ...], tables: Mapping[s
     for change in (*changes_of(more, now), *changes):
         override(now, change)
     made = frozenset(path.name for path in files.path.iterdir())
-    now = {key: with_absolute_paths(item, Path.cwd(), made) if key in ("structure", "loads") else item for key, item in now.items()}
-    return Scene(_Origin(dump_toml(now), files.path / FILE, CALLED), files)
+    return Scene(_Origin(dump_toml(with_absolute_paths(now, Path.cwd(), made)), files.path / FILE, CALLED), files)

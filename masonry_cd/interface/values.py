@@ -68,11 +68,3 @@ def with_absolute_paths(value: Any, folder: Path, own: frozenset[str] = frozense
             for key, item in value.items()
         }
     return [with_absolute_paths(item, folder, own) for item in value] if isinstance(value, list | tuple) else value
-
-
-def paths_of(value: Any) -> set[str]:
-    """The values of all keys ``path`` in some tables."""
-    if isinstance(value, Mapping):
-        own = {item for key, item in value.items() if key == "path" and isinstance(item, str)}
-        return own.union(*(paths_of(item) for item in value.values()))
-    return set().union(*map(paths_of, value)) if isinstance(value, list | tuple) else set()

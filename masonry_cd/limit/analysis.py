@@ -20,7 +20,9 @@ from masonry_cd.model.joints import Joints
 
 CAP = 1e4  # largest factor looked for, with the live loads scaled to the dead ones
 STANDS = 1e-5  # a structure stands that bears its dead loads but for this share
+NOTHING = 1e-6  # share of the dead loads below which live ones count as none; the cone programmes end at 1e-8
 NO_FORCE = 1e-6  # share of the mean weight of a block below which a joint bears nothing
+RESTS = "whether it stands"
 NO_WORK = "limit: the load does no work on any mechanism: no factor of it sets the structure in motion"
 
 
@@ -68,6 +70,15 @@ class Collapse:
 
 
 @dataclass(frozen=True, eq=False)
+class Governing:
+    """A factor with its forces and its mechanism."""
+
+    factor: float
+    optimum: Optimum
+    mechanism: Mechanism
+
+
+@dataclass(frozen=True, eq=False)
 class Analysis:
     """A limit analysis: whether the structure stands, what it bears, how it gives way."""
 
@@ -76,26 +87,43 @@ class Analysis:
     associated: Answer  # of the dead loads where it does not stand
     least: LeastFound | None  # without dilation
     least_mechanism: Mechanism | None
+    starts: int  # of the search for it that were made
+    remarks: tuple[str, ...]  # which programmes ended before their tolerance
 
     @property
     def stands(self) -> bool:
         """Whether it bears its dead loads."""
         return self.standing >= 1.0 - STANDS
 
+    @property
+    def bears_nothing(self) -> bool:
+        """Whether the least of the live loads sets it in motion: what is borne of them is nothing beside the dead ones."""
+        borne = abs(self.associated.factor) * float(np.linalg.norm(self.problem.live))
+        return not self.problem.moves_support and borne <= NOTHING * float(np.linalg.norm(self.problem.dead))
+
+    @property
+    def governing(self) -> Governing:
+        """What belongs to the least factor found, or else to the associated one."""
+        if self.least is not None and self.least_mechanism is not None:
+            return Governing(self.least.optimum.factor, self.least.optimum, self.least_mechanism)
+        return Governing(self.associated.factor, self.associated.optimum, self.associated.mechanism)
+
     def collapse(self, joints: int) -> Collapse:
         """The mechanism of the least factor found, or else the associated one, with its forces; of a structure of so many joints."""
-        best, moves = self.associated.optimum, self.associated.mechanism
-        if self.least is not None and self.least_mechanism is not None:
-            best, moves = self.least.optimum, self.least_mechanism
-        joint, points, weight = self.problem.points.joint, self.problem.points, self.problem.weight
-        normal = weight * best.force[:, 0]
-        total = np.bincount(joint, normal, minlength=joints)
-        world = np.einsum("pd,pdi->pi", weight * best.force[:, 1:], points.frame[:, 1:])
-        shear = np.stack([np.bincount(joint, part, minlength=joints) for part in world.T], axis=1)
-        sums = np.stack([np.bincount(joint, normal * part, minlength=joints) for part in points.point.T], axis=1)
-        bears = np.abs(total) > NO_FORCE * weight
-        place = np.where(bears[:, None], sums / np.where(bears, total, 1.0)[:, None], np.nan)
-        return Collapse(moves, total, np.linalg.norm(shear, axis=1), place, weight * best.bars)
+        return collapse_of(self.problem, self.governing.optimum, self.governing.mechanism, joints)
+
+
+def collapse_of(problem: LimitProblem, best: Optimum, moves: Mechanism, joints: int) -> Collapse:
+    """A mechanism with the forces found for it; of a structure of so many joints."""
+    joint, points, weight = problem.points.joint, problem.points, problem.weight
+    normal = weight * best.force[:, 0]
+    total = np.bincount(joint, normal, minlength=joints)
+    world = np.einsum("pd,pdi->pi", weight * best.force[:, 1:], points.frame[:, 1:])
+    shear = np.stack([np.bincount(joint, part, minlength=joints) for part in world.T], axis=1)
+    sums = np.stack([np.bincount(joint, normal * part, minlength=joints) for part in points.point.T], axis=1)
+    bears = np.abs(total) > NO_FORCE * weight
+    place = np.where(bears[:, None], sums / np.where(bears, total, 1.0)[:, None], np.nan)
+    return Collapse(moves, total, np.linalg.norm(shear, axis=1), place, weight * best.bars)
 
 
 def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options | None = None) -> Analysis:
@@ -110,25 +138,50 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     if alone.factor < 1.0 - STANDS:
         nothing = replace(problem, live=problem.dead, dead=np.zeros_like(problem.dead))
         fall = _answer(nothing, assembly, joints, alone, 1.0, time.perf_counter() - begin)
-        return Analysis(problem, alone.factor, fall, None, None)
+        return Analysis(problem, alone.factor, fall, None, None, 0, _remarks({RESTS: alone}))
     if loads.support_velocity is not None:
         problem = limit_problem(assembly, joints, loads)
+    begin = time.perf_counter()
+    try:
+        best, cap = largest_factor(problem, options)
+    except Unbounded as failure:
+        raise InputError(f"limit: no answer: {failure}") from None
+    answer = _answer(problem, assembly, joints, best, cap, time.perf_counter() - begin)
+    least, starts = None, 0 if problem.moves_support else options.starts
+    if starts:
+        search = least_factor_in_space if problem.axis is None else least_factor
+        least = search(problem, best, starts, options.seed)
+    moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
+    programmes = {RESTS: alone, "the load factor, whose certificate says how far it holds": best}
+    if least is not None:
+        programmes["the least factor"] = least.optimum
+    return Analysis(problem, min(alone.factor, 1.0), answer, least, moves, starts, _remarks(programmes))
+
+
+def largest_factor(problem: LimitProblem, options: Options) -> tuple[Optimum, float]:
+    """The best forces and velocities of a problem, and the largest factor that was looked for.
+
+    Raises:
+        InputError: live loads that do no work on any mechanism.
+        Unbounded: no forces bear the dead loads with any factor.
+    """
     size = float(np.linalg.norm(problem.live))
     if size == 0.0:
         raise InputError(NO_WORK)
     scale = max(float(np.linalg.norm(problem.dead)), 1e-300) / size
-    begin = time.perf_counter()
-    scaled = _solve(problem, problem.dead, scale * problem.live, CAP, options)
-    best = replace(scaled, factor=scale * scaled.factor, velocity=scale * scaled.velocity)
+    scaled = _by_solver(problem, problem.dead, scale * problem.live, CAP, options)
     if scaled.factor > 0.99 * CAP:
         raise InputError(NO_WORK)
-    answer = _answer(problem, assembly, joints, best, scale * CAP, time.perf_counter() - begin)
-    least = None
-    if options.starts and not problem.moves_support:
-        search = least_factor_in_space if problem.axis is None else least_factor
-        least = search(problem, best, options.starts, options.seed)
-    moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
-    return Analysis(problem, min(alone.factor, 1.0), answer, least, moves)
+    return replace(scaled, factor=scale * scaled.factor, velocity=scale * scaled.velocity), scale * CAP
+
+
+def _remarks(programmes: dict[str, Optimum]) -> tuple[str, ...]:
+    """A line for each of the named programmes whose solver ended before its tolerance."""
+    return tuple(
+        f"{name}: the solver ended before its tolerance ({best.stopped} after {best.iterations} iterations)"
+        for name, best in programmes.items()
+        if best.stopped
+    )
 
 
 def at_rest(assembly: Assembly, joints: Joints, loads: Loads, options: Options | None = None) -> tuple[LimitProblem, Optimum]:
@@ -144,13 +197,18 @@ def at_rest(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
 
 
 def _solve(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, options: Options) -> Optimum:
-    """By the solver that fits."""
+    """By the solver that fits; what has no answer is an error of the input."""
     try:
-        if problem.axis is not None or options.sides:
-            return solve_linear(problem, dead, live, cap, options.sides or 8)
-        return solve_conic(problem, dead, live, cap)
+        return _by_solver(problem, dead, live, cap, options)
     except Unbounded as failure:
         raise InputError(f"limit: no answer: {failure}") from None
+
+
+def _by_solver(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, options: Options) -> Optimum:
+    """Exact in a plane and with pyramids, by cones in space."""
+    if problem.axis is not None or options.sides:
+        return solve_linear(problem, dead, live, cap, options.sides or 8)
+    return solve_conic(problem, dead, live, cap)
 
 
 def _answer(problem: LimitProblem, assembly: Assembly, joints: Joints, best: Optimum, cap: float, seconds: float) -> Answer:

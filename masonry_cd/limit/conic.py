@@ -136,5 +136,5 @@ def solve_programme(problem: LimitProblem, programme: ConeProgramme) -> Optimum:
     force[programme.upright, 0] = z[1 : 1 + len(programme.upright)]
     force[:, 0] -= problem.apex
     bars = z[1 + programme.lines - len(problem.strength) : 1 + programme.lines]
-    name = f"Clarabel ({answer.status})"
-    return Optimum(-programme.sense * float(z[0]), force, bars, x[: problem.unknowns], int(answer.iterations), name)
+    name, stopped = f"Clarabel ({answer.status})", "" if str(answer.status) == "Solved" else str(answer.status)
+    return Optimum(-programme.sense * float(z[0]), force, bars, x[: problem.unknowns], int(answer.iterations), name, stopped)

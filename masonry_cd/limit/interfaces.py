@@ -86,9 +86,11 @@ def area_shares(corners: np.ndarray) -> np.ndarray:
 
 
 def _ends(corners: np.ndarray, normal: np.ndarray, area: float, axis: int) -> tuple[np.ndarray, np.ndarray]:
-    """The two ends of a joint in the plane (2, 3) and their shares of its area (2,)."""
+    """The two ends of a joint in the plane (2, 3) and their shares of its area (2,); where blocks touch along a line, its place."""
     along = np.cross(normal, np.eye(3)[axis])
     way = corners @ along
+    if np.ptp(way) <= SAME * np.linalg.norm(np.ptp(corners, axis=0)):
+        return corners.mean(axis=0)[None], np.array([area])
     ends = []
     for side in (way.min(), way.max()):
         near = np.abs(way - side) <= SAME * max(float(np.ptp(way)), 1e-300)

@@ -3,7 +3,7 @@ r"""The mechanism of a limit analysis: how blocks move, and what that does to ea
 Velocities are over the largest one of any corner of a free block. In a joint, u_n and u_t are those of its corners; it
 
     slides     where | u_t | of the corner that opens least is above STILL
-    hinges     where the corners open by amounts that differ by more than STILL
+    hinges     where the corners open by amounts that differ by more than STILL, or blocks turn that touch along a line only
     opens      where all corners open by more than STILL beyond what associated sliding lifts them, mu | u_t |.
 """
 
@@ -64,12 +64,14 @@ def mechanism(problem: LimitProblem, assembly: Assembly, joints: Joints, unknown
     turning = velocity[joints.block_b, 3:] - velocity[joints.block_a, 3:]
     mu = np.zeros(joints.count)
     mu[joint] = problem.mu
-    hinges, slides = most - least > STILL, sliding > STILL
+    spin = np.linalg.norm(turning, axis=1)
+    lines = (joints.area == 0.0) & (problem.length * spin > STILL)  # joints of one edge or corner, in moved structures
+    hinges, slides = (most - least > STILL) | lines, sliding > STILL
     opens = least > STILL + 1.001 * mu * sliding
     state = np.where(opens, 4, np.where(hinges & slides, 3, np.where(slides, 2, np.where(hinges, 1, 0))))
     return Mechanism(
         velocity=velocity, speed=speed, opening=np.maximum(most, 0.0), least_opening=np.maximum(least, 0.0), sliding=sliding,
-        rotation=np.linalg.norm(turning, axis=1), hinge=np.stack(place, axis=1) / np.maximum(weight, 1)[:, None], state=state,
+        rotation=spin, hinge=np.stack(place, axis=1) / np.maximum(weight, 1)[:, None], state=state,
     )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ agreement of starts: the normal forces of the associated problem first, then ran
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -37,6 +38,8 @@ PENALTY = 1e4  # M, over w_1 . v = 1
 EXACT = 1e-7  # g of a pair that counts, as a share of the power of the loads
 ALIKE = 2e-3  # factors that differ by no more than this share of the least agree
 
+Pair = tuple[Optimum, float]  # forces and velocities, and g over the power of the loads
+
 
 @dataclass(frozen=True, eq=False)
 class LeastFound:
@@ -45,8 +48,13 @@ class LeastFound:
     optimum: Optimum
     gap: float  # g over the power of the loads
     starts: int
-    agreeing: int  # starts that came to it
     found: tuple[float, ...]  # the factor of each start that came to an end
+
+    @property
+    def agreeing(self) -> int:
+        """Starts that came to it."""
+        best = self.optimum.factor
+        return sum(factor <= best + ALIKE * abs(best) for factor in self.found)
 
 
 def least_factor(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> LeastFound | None:
@@ -58,24 +66,38 @@ def least_factor(problem: LimitProblem, associated: Optimum, starts: int, seed: 
         starts: how many.
         seed: of the random ones.
     """
-    search, random = _Search(problem), np.random.default_rng(seed)
-    ends: list[tuple[float, Optimum, float]] = []
+    programmes = _Search(problem)
+
+    def search(normal: np.ndarray, blend: float) -> Pair | None:
+        velocity = programmes.sequence(normal, blend)
+        return None if velocity is None else programmes.descend(velocity)
+
+    return least_of_starts(search, associated.force[:, 0] + problem.apex, starts, seed)
+
+
+def least_of_starts(search: Callable[[np.ndarray, float], Pair | None], first: np.ndarray, starts: int, seed: int) -> LeastFound | None:
+    """The least pair of a search from several normal forces, None where no start came to an end.
+
+    Args:
+        search: a pair from normal forces r'_n (P,) and a blend b of the sequence, None where it comes to no end.
+        first: (P,) normal forces of the first start, whose blend is a half.
+        starts: how many.
+        seed: of the normal forces and blends of the others, which are random.
+    """
+    random = np.random.default_rng(seed)
+    ends: list[Pair] = []
     for start in range(starts):
-        normal = associated.force[:, 0] + problem.apex
-        blend = 0.5
+        normal, blend = first, 0.5
         if start:
-            normal = normal * random.random(len(normal)) + random.exponential(float(normal.mean()), len(normal))
+            normal = first * random.random(len(first)) + random.exponential(float(first.mean()), len(first))
             blend = 0.3 + 0.4 * float(random.random())
-        velocity = search.sequence(normal, blend)
-        end = None if velocity is None else search.descend(velocity)
+        end = search(normal, blend)
         if end is not None:
-            ends.append((end[0].factor, *end))
+            ends.append(end)
     if not ends:
         return None
-    _, best, gap = min(ends, key=lambda end: end[0])
-    found = tuple(end[0] for end in ends)
-    agreeing = sum(factor <= best.factor + ALIKE * abs(best.factor) for factor in found)
-    return LeastFound(best, gap, starts, agreeing, found)
+    best, gap = min(ends, key=lambda end: end[0].factor)
+    return LeastFound(best, gap, starts, tuple(optimum.factor for optimum, _ in ends))
 
 
 class _Search:
@@ -113,9 +135,9 @@ class _Search:
             normal, last = blend * normal + (1.0 - blend) * answer.x[:count], factor
         return velocity
 
-    def descend(self, velocity: np.ndarray) -> tuple[Optimum, float] | None:
+    def descend(self, velocity: np.ndarray) -> Pair | None:
         """Move 2 from a mechanism: the exact pair of least factor on the way and its gap, None where there is none."""
-        best: tuple[Optimum, float] | None = None
+        best: Pair | None = None
         for _ in range(ROUNDS):
             forces = self._forces(velocity)
             if forces is None:
@@ -131,7 +153,7 @@ class _Search:
             velocity = renewed
         return best
 
-    def _forces(self, velocity: np.ndarray) -> tuple[Optimum, float] | None:
+    def _forces(self, velocity: np.ndarray) -> Pair | None:
         """The forces of least lambda + M g for a mechanism, and g over the power of the loads."""
         problem, count = self.problem, self.points
         velocity = velocity / float(problem.live @ velocity)

@@ -11,10 +11,12 @@ so g is small and not zero; it is reported.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from masonry_cd.limit.conic import cone_programme, priced, solve_conic, solve_programme
-from masonry_cd.limit.nonassociated import ALIKE, LeastFound
+from masonry_cd.limit.nonassociated import LeastFound, Pair, least_of_starts
 from masonry_cd.limit.problem import LimitProblem
 from masonry_cd.limit.solution import Optimum, Unbounded
 
@@ -28,26 +30,15 @@ MOST = 10.0  # times the associated factor: the largest that is looked for
 
 def least_factor_in_space(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> LeastFound | None:
     """The least factor that the starts come to, None where none ends in a pair with a small g; arguments as of ``least_factor``."""
-    random = np.random.default_rng(seed)
     cap = MOST * max(abs(associated.factor), 1e-3)
-    ends: list[tuple[float, Optimum, float]] = []
-    for start in range(starts):
-        normal = np.maximum(associated.force[:, 0] + problem.apex, 0.0)
-        blend = 0.5
-        if start:
-            normal = normal * random.random(len(normal)) + random.exponential(float(normal.mean()), len(normal))
-            blend = 0.3 + 0.4 * float(random.random())
+
+    def search(normal: np.ndarray, blend: float) -> Pair | None:
         try:
-            end = _descend(problem, _sequence(problem, normal, blend, cap), cap)
+            return _descend(problem, _sequence(problem, normal, blend, cap), cap)
         except Unbounded:
-            continue
-        if end is not None:
-            ends.append((end[0].factor, *end))
-    if not ends:
-        return None
-    _, best, gap = min(ends, key=lambda end: end[0])
-    found = tuple(end[0] for end in ends)
-    return LeastFound(best, gap, starts, sum(factor <= best.factor + ALIKE * abs(best.factor) for factor in found), found)
+            return None
+
+    return least_of_starts(search, np.maximum(associated.force[:, 0] + problem.apex, 0.0), starts, seed)
 
 
 def _sequence(problem: LimitProblem, normal: np.ndarray, blend: float, cap: float) -> np.ndarray:
@@ -62,9 +53,9 @@ def _sequence(problem: LimitProblem, normal: np.ndarray, blend: float, cap: floa
     return found.velocity / float(problem.live @ found.velocity)
 
 
-def _descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> tuple[Optimum, float] | None:
+def _descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair | None:
     """By turns the forces of least lambda + M g for a mechanism, and the mechanism of least g for these forces: the least pair so found."""
-    best: tuple[Optimum, float] | None = None
+    best: Pair | None = None
     for _ in range(ROUNDS):
         pair = _forces(problem, velocity, cap)
         if pair[1] <= NEARLY:
@@ -77,7 +68,7 @@ def _descend(problem: LimitProblem, velocity: np.ndarray, cap: float) -> tuple[O
     return best
 
 
-def _forces(problem: LimitProblem, velocity: np.ndarray, cap: float) -> tuple[Optimum, float]:
+def _forces(problem: LimitProblem, velocity: np.ndarray, cap: float) -> Pair:
     """The forces of least lambda + M g for a mechanism, and g over the power of the loads."""
     moved = (problem.jacobian @ velocity).reshape(-1, 3)
     size = np.linalg.norm(moved[:, 1:], axis=1)
@@ -88,5 +79,5 @@ def _forces(problem: LimitProblem, velocity: np.ndarray, cap: float) -> tuple[Op
     lifted = found.force + np.stack([problem.apex, 0.0 * problem.apex, 0.0 * problem.apex], axis=1)
     least = float(np.maximum(moved[:, 0], 0.0) @ np.maximum(problem.apex - problem.tension, 0.0))
     power = abs(float(problem.dead @ velocity)) + abs(found.factor) + 1e-300
-    pair = Optimum(found.factor, found.force, found.bars, velocity, found.iterations, "sequence of cone programmes (Clarabel)")
+    pair = replace(found, velocity=velocity, method="sequence of cone programmes (Clarabel)")
     return pair, abs(float(np.sum(prices * lifted)) - least) / power

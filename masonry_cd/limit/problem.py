@@ -20,7 +20,7 @@ supports for V. With w_1 = 1 there, -lambda is what the supports still bear of i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, hstack
@@ -46,6 +46,16 @@ class Bars:
 
 
 @dataclass(frozen=True, eq=False)
+class Arms:
+    """Where the N point loads act whose moments turn with their blocks."""
+
+    block: np.ndarray  # (N,)
+    arm: np.ndarray  # (N, 3) from the centre of mass as built [m]
+    dead: np.ndarray  # (N, 3) their part of the dead loads [N]
+    live: np.ndarray  # (N, 3) and of the live ones
+
+
+@dataclass(frozen=True, eq=False)
 class Loads:
     """What acts on the B blocks: forces [N] and moments about the centres of mass [N m], or supports that move."""
 
@@ -53,6 +63,20 @@ class Loads:
     live: np.ndarray  # (B, 6), multiplied by the factor
     bars: Bars
     support_velocity: np.ndarray | None = None  # (B, 3) of the supports; then there are no live forces
+    arms: Arms | None = None  # of the point loads among them; without it, moments stay what they are when blocks turn
+
+    def moved(self, centre: np.ndarray, position: np.ndarray, rotation: np.ndarray) -> Loads:
+        """The same loads on blocks that have moved from ``centre`` (B, 3) to ``position`` and turned by ``rotation`` (B, 3, 3)."""
+        bars = self.bars
+        local = bars.points - centre[bars.blocks]
+        bars = Bars(bars.blocks, position[bars.blocks] + np.einsum("teij,tej->tei", rotation[bars.blocks], local), bars.strength)
+        if self.arms is None:
+            return replace(self, bars=bars)
+        arms, dead, live = self.arms, self.dead.copy(), self.live.copy()
+        turned = np.einsum("nij,nj->ni", rotation[arms.block], arms.arm)
+        for forces, part in ((dead, arms.dead), (live, arms.live)):
+            np.add.at(forces[:, 3:], arms.block, np.cross(turned - arms.arm, part))
+        return replace(self, dead=dead, live=live, bars=bars, arms=replace(arms, arm=turned))
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +132,11 @@ class LimitProblem:
 def limit_problem(assembly: Assembly, joints: Joints, loads: Loads) -> LimitProblem:
     """Set up a limit analysis; it is planar where the structure and its loads are."""
     axis = plane_of(assembly, loads)
-    points = interfaces(assembly, joints, axis)
+    return problem_at(assembly, interfaces(assembly, joints, axis), loads, axis)
+
+
+def problem_at(assembly: Assembly, points: Interfaces, loads: Loads, axis: int | None) -> LimitProblem:
+    """Set up a limit analysis of forces at given points; ``axis`` is the normal of the plane, None in space."""
     free = np.flatnonzero(~assembly.fixed)
     weight = max(float(np.linalg.norm(loads.dead[free, :3], axis=1).mean()), 1e-300)
     length = float(assembly.volume[free].mean()) ** (1.0 / 3.0)

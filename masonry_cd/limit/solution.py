@@ -21,3 +21,4 @@ class Optimum:
     velocity: np.ndarray  # (unknowns,) v
     iterations: int
     method: str
+    stopped: str = ""  # the solver's word where it ended before its tolerance

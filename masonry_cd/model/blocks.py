@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -149,3 +149,28 @@ class Assembly:
             laws=joint_table(joints or {}, groups, coefficients),
             shapes=Shapes.of(blocks, centre),
         )
+
+    def placed(self, position: np.ndarray, rotation: np.ndarray) -> Assembly:
+        """The assembly with its blocks moved, as if built there: body frames are parallel to the world axes again.
+
+        Args:
+            position: (B, 3) centres of mass [m].
+            rotation: (B, 3, 3) by which each block is turned from where it is here.
+        """
+        solids, part_block = self.shapes.solids, self.shapes.part_block
+        of_vertex = np.repeat(part_block, np.diff(solids.vertex_start))
+        of_face = part_block[solids.owner_of_face()]
+        turned = solids._replace(
+            vertices=np.einsum("vij,vj->vi", rotation[of_vertex], solids.vertices),
+            normals=np.einsum("fij,fj->fi", rotation[of_face], solids.normals),
+        )
+        moved = []
+        for b, block in enumerate(self.blocks):
+            corners = [
+                (part - self.centre[b]) @ rotation[b].T + position[b] for part in (block.vertices, *(p.vertices for p in block.parts))
+            ]
+            parts = tuple(Polyhedron(own, part.faces) for own, part in zip(corners[1:], block.parts, strict=True))
+            moved.append(replace(block, vertices=corners[0], parts=parts))
+        inertia = np.einsum("bij,bjk,blk->bil", rotation, self.inertia, rotation)
+        shapes = self.shapes._replace(solids=turned)
+        return replace(self, blocks=tuple(moved), centre=np.array(position, dtype=float), inertia=inertia, shapes=shapes)

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from masonry_cd.extensions import Extensions
-from masonry_cd.solvers.options import Options, cores
+from masonry_cd.solvers.options import Options, cores, threads_that_pay
 
 if TYPE_CHECKING:
     from masonry_cd.friction.problem import Problem, Solution
@@ -20,4 +20,4 @@ Solver: TypeAlias = "Callable[[Problem, Options, Solution | None], Solution]"
 SOLVERS: Extensions[Solver] = Extensions("masonry_cd.solvers", "solve")
 
 
-__all__ = ["SOLVERS", "Options", "Solver", "cores"]
+__all__ = ["SOLVERS", "Options", "Solver", "cores", "threads_that_pay"]

@@ -25,7 +25,7 @@ def eliminate_subtree(work, q, coming, relaxation, p, new, line):
     clear_ghosts(symbolic, q, momentum)
     add_ghosts(symbolic, q, momentum)
     ahead = panels_of(symbolic, coming, len(problem.n)) if coming >= 0 else (0, 0)
-    change = meet_contacts(problem, work.partition, q, work.factor.rho, v, p, new, momentum, panels, ahead, relaxation)
+    change = meet_contacts(work, q, relaxation, p, new, ahead)
     copy_flat(momentum[first:last], x[first:last])
     clear_ghosts(symbolic, q, x)
     add_ghosts(symbolic, q, x)
@@ -56,12 +56,14 @@ def panels_of(symbolic, q, n):
 
 
 @borrower(fastmath={"contract"})
-def meet_contacts(problem, partition, q, rho, v, p, new, momentum, panels, ahead, relaxation):
+def meet_contacts(work, q, relaxation, p, new, ahead):
     """p+ = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, new = p + relaxation (p+ - p), momentum += H^T (2 p+ - p), for subtree q.
 
     There is more to calculate than to fetch, so the panels between the two entries ``ahead``, which the next backward substitution needs,
     are fetched on the way. Returns the squared scaled change of p.
     """
+    problem, partition, rho, panels = work.problem, work.partition, work.factor.rho, work.factor.panels
+    v, momentum = work.iterates.v, work.iterates.momentum
     jacobian, offset, mu, compliance, d = problem.jacobian, problem.offset, problem.mu, problem.compliance, problem.d
     m, n, index, target = len(problem.m), len(problem.n), problem.places, partition.target
     line, end = ahead

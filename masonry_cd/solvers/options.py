@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 MOST_ITERATIONS = 10**9  # kernels count in 64 bits, and tens of them per iteration
 LARGEST_SEED = 2**63 - 1
+THREAD_WORTH = {3: 3_500, 2: 10_500}  # contacts in space and in a plane that keep a thread busy (benchmarks.threads)
 
 
 @dataclass(frozen=True)
@@ -33,3 +34,15 @@ class Options:
 def cores() -> int:
     """Cores that this process may use: more threads than these would only wait for one another."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def threads_that_pay(asked: int | None, contacts: int, dimension: int) -> int:
+    """Threads for so many contacts of dimension 2 or 3: as many as asked for, and no more than there are cores.
+
+    Unasked, it is one for each THREAD_WORTH of the contacts, within OMP_NUM_THREADS, by which clusters share out their cores.
+    """
+    if asked is not None:
+        return min(asked, cores())
+    allowed = os.environ.get("OMP_NUM_THREADS", "")
+    most = min(cores(), int(allowed)) if allowed.isdecimal() else cores()
+    return max(1, min(contacts // THREAD_WORTH[dimension], most))

@@ -37,11 +37,9 @@ TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6)
 LEAST = 4  # members: with three even samples that lie wholly apart have a chance of one in ten
 SHOWN = 0.05  # a chance below this shows a bias ...
 MATTERS = 0.02  # ... that is larger than this share of the finest median
-LEAST_LENGTH, LEAST_DRIFT = (
-    1e-5,
-    1e-5,
-)  # [m], a tenth of the smallest crack that counts; and its like of a drift: biases below do not matter
-ASKED = (*NOTHING_DRAWN, "report.damage=true", "run.until_still=false")  # grades, and runs of one length
+LEAST_LENGTH = 1e-5  # [m], a tenth of the smallest crack that counts: biases below do not matter
+LEAST_DRIFT = 1e-5  # its like of a drift
+ASKED = (*NOTHING_DRAWN, "report.damage=true", "run.until_still=false", "run.threads=1")  # grades, runs of one length, a process each
 MEASURES = ("opening_max", "sliding_max", "displacement_max", "drift")
 
 Say = Callable[[str], None]

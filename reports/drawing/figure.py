@@ -6,6 +6,7 @@ tall ones beside them.
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -23,6 +24,8 @@ MARGIN = 40
 TITLE = 118  # height of title and facts
 STRIP = 220  # height of the keys below, with their margins
 COLUMN = 430  # width of the keys beside
+TRIAD = 80.0  # width of the axes beside a scale bar
+SEEN = 0.05  # share of its length that an axis must show in a picture to be drawn
 INK = "#23272b"
 FAINT = "#5f666d"
 # Okabe & Ito (2008): told apart by colour-blind readers
@@ -179,6 +182,8 @@ class Sheet:
         """The axes x, y, z as a view shows them, from a place in pixels."""
         for name, colour, right, up in zip("xyz", ("#b2382c", "#2f7d3b", "#2b5fa8"), view.right, view.up, strict=True):
             x, y = size * float(right), size * float(up)
+            if math.hypot(x, y) < SEEN * size:  # it points at the reader
+                continue
             axes.plot([place[0], place[0] + x], [place[1], place[1] + y], color=colour, linewidth=2.0)
             axes.text(place[0] + 1.45 * x, place[1] + 1.45 * y, name, fontsize=12, color=colour, ha="center", va="center")
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from masonry_cd.model.blocks import Block
 from reports.deformed import Solids
-from reports.drawing.figure import Box, Paint, Sheet, in_metres, layout
+from reports.drawing.figure import TRIAD, Box, Paint, Sheet, in_metres, layout
 from reports.drawing.render import Lines, Surface, View, Window, render, view_named
 from reports.drawing.tie_lines import PULLING, ties_as_built
 
@@ -57,7 +57,7 @@ def structure_sheet(blocks: Sequence[Block], title: str, view: str = "auto", tie
     sheet.model(render(layers, looking, window, plan.pixels))
     extent = " × ".join(in_metres(v) for v in np.ptp(solids.vertices[~solids.fixed[solids.vertex_block]], axis=0))
     sheet.head(title, f"{len(blocks)} blocks · {extent} (x, y, z) without supports · {looking.name} view")
-    _keys(sheet, families, window, len(ties))
+    _keys(sheet, families, window, len(ties), looking)
     return sheet
 
 
@@ -92,11 +92,15 @@ def rgb(colour: str) -> np.ndarray:
     return np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255.0
 
 
+def mottle(count: int) -> np.ndarray:
+    """(B,) factors on the colours of blocks, by which stones are told apart."""
+    return 1.0 + MOTTLE * (2.0 * ((np.arange(count) * 0.6180339887498949) % 1.0) - 1.0)  # golden ratio: neighbours differ
+
+
 def block_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, view: View, window: Window) -> list[Surface | Lines]:
     """The faces of all blocks, shaded in colours (B, 3) 0..1, and their edges, drawn thin just before them."""
     count = len(colours)
-    stone = 1.0 + MOTTLE * (2.0 * ((np.arange(count) * 0.6180339887498949) % 1.0) - 1.0)  # golden ratio: neighbours differ
-    shade = np.clip(255.0 * colours * stone[:, None], 0, 255).astype(np.uint8)
+    shade = np.clip(255.0 * colours * mottle(count)[:, None], 0, 255).astype(np.uint8)
     lift = 5e-4 * window.height * view.towards
     thin = 1.2 if count < 2000 else 0.7
     return [
@@ -156,8 +160,8 @@ def _block_colours(count: int, families: Sequence[Family]) -> np.ndarray:
     return out
 
 
-def _keys(sheet: Sheet, families: Sequence[Family], window: Window, ties: int) -> None:
-    """The families in columns, the ties, and the scale bar."""
+def _keys(sheet: Sheet, families: Sequence[Family], window: Window, ties: int, view: View) -> None:
+    """The families in columns, the ties, and the scale bar with the directions of the axes."""
     rows: list[tuple[Paint, str]] = [(partial(box_swatch, colour=family.colour), family.text) for family in families]
     rows += [(tie_swatch, f"ties ({ties})")] if ties else []
     boxes = sheet.plan.keys(3 if sheet.plan.beside else 5)
@@ -167,5 +171,6 @@ def _keys(sheet: Sheet, families: Sequence[Family], window: Window, ties: int) -
         rows = [*rows[: room - 1], (no_swatch, f"and {len(rows) - room + 1} more")]
     for k in range(len(boxes) - 1):
         sheet.swatches(sheet.axes(*boxes[k]), rows[k * per_column : (k + 1) * per_column], 0, boxes[k][3] - 6)
-    axes, top = sheet.axes(*boxes[-1]), boxes[-1][3]
-    sheet.scale_bar(axes, window.width / sheet.plan.pixels[0], 10, top - 44, boxes[-1][2] - 60)
+    axes, (wide, top) = sheet.axes(*boxes[-1]), boxes[-1][2:]
+    sheet.scale_bar(axes, window.width / sheet.plan.pixels[0], 10, top - 44, wide - 60 - TRIAD)
+    sheet.triad(axes, view, (wide - 0.5 * TRIAD, top - 58))

@@ -40,7 +40,7 @@ def mechanism_picture(
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
     """
     solids, moves = Solids.from_blocks(blocks), collapse.mechanism
-    looking = view_named(auto_view(solids) if view == "auto" else view)
+    looking = view_of_motion(solids, collapse.mechanism, view)
     free = ~solids.fixed[solids.vertex_block]
     reach = AMPLITUDE * float(np.ptp(solids.vertices[free], axis=0).max())
     moved = moved_points(moves, solids.centre, solids.vertices, solids.vertex_block, reach)
@@ -73,7 +73,7 @@ def thrust_picture(
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
     """
     solids = Solids.from_blocks(blocks)
-    looking = view_named(auto_view(solids) if view == "auto" else view)
+    looking = view_of_motion(solids, collapse.mechanism, view)
     window = structure_window(solids, looking)
     plan = layout(window.width / window.height)
     window = window.fitted(plan.pixels)
@@ -86,7 +86,7 @@ def thrust_picture(
     layers: list[Layer] = [
         Lines(solids.vertices, solids.edges(), REST, 1.0),
         Surface(ribbons.points + ahead, ribbons.loops, ribbons.loop_start, ribbons.colours, lit=False),
-        _dots(place[crossed] + ahead, INK, looking, 0.5 * DOT * pixel),
+        dots(place[crossed] + ahead, INK, looking, 0.5 * DOT * pixel),
         Surface(solids.vertices, solids.loops, solids.loop_start, shade, opacity=GLASS),
     ]
     sheet = Sheet(plan)
@@ -97,6 +97,16 @@ def thrust_picture(
     rows.append((partial(_dot_swatch, colour=INK), "resultant in a joint"))
     _key(sheet, rows, "forces at collapse: where they are not unique, one of many sets", looking, window)
     sheet.save(path)
+
+
+def view_of_motion(solids: Solids, moves: Mechanism, view: str) -> View:
+    """The view asked for; by itself as of the structure, but not along the axis in which it moves."""
+    if view != "auto":
+        return view_named(view)
+    usual = view_named(auto_view(solids))
+    speed = np.abs(moves.velocity[:, :3]).max(axis=0, initial=0.0)
+    along = not usual.is_oblique and abs(usual.towards[int(np.argmax(speed))]) > 0.5
+    return view_named("isometric") if along else usual
 
 
 def moved_points(moves: Mechanism, centre: np.ndarray, points: np.ndarray, block: np.ndarray, reach: float) -> np.ndarray:
@@ -126,7 +136,7 @@ def _joint_layers(moves: Mechanism, joints: Joints, solids: Solids, reach: float
     lifted = (3.0 * DOT * pixel + depth) * view.towards
     places = _between(moves, joints, solids, moves.hinge[which], which, reach) + lifted
     for name in ("hinge", "hinge and slide"):
-        layers.append(_dots(places[moves.state[which] == STATES.index(name)], COLOURS[name], view, DOT * pixel))
+        layers.append(dots(places[moves.state[which] == STATES.index(name)], COLOURS[name], view, DOT * pixel))
     return layers
 
 
@@ -136,7 +146,7 @@ def _between(moves: Mechanism, joints: Joints, solids: Solids, points: np.ndarra
     return 0.5 * (first + second)
 
 
-def _dots(places: np.ndarray, colour: str, view: View, radius: float) -> Surface:
+def dots(places: np.ndarray, colour: str, view: View, radius: float) -> Surface:
     """Discs at places (n, 3) that face the viewer."""
     turn = 2.0 * math.pi * np.arange(SIDES) / SIDES
     rim = radius * (np.cos(turn)[:, None] * view.right + np.sin(turn)[:, None] * view.up)
@@ -162,7 +172,8 @@ def _key(sheet: Sheet, rows: Sequence[tuple[Paint, str]], note: str, view: View,
     sheet.swatches(axes, rows, 0, boxes[0][3] - 6)
     axes, top, width = sheet.axes(*boxes[1]), boxes[1][3], boxes[1][2]
     sheet.scale_bar(axes, window.width / sheet.plan.pixels[0], 10, top - 44, width - 60)
-    for k, line in enumerate(textwrap.wrap(note, 38 if sheet.plan.beside else 80)):
+    columns = (38 if sheet.plan.beside else 80) - (10 if view.is_oblique else 0)  # the triad stands beside it
+    for k, line in enumerate(textwrap.wrap(note, columns)):
         axes.text(0, top - 100 - 24 * k, line, fontsize=12, color=INK, va="center")
     if view.is_oblique:
         sheet.triad(axes, view, (width - 60, top - 110))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -21,23 +22,35 @@ JOINTS = (
 
 def write_tables(collapse: Collapse, assembly: Assembly, joints: Joints, folder: Path) -> list[Path]:
     """Write both tables; velocities are over the largest one of any corner."""
-    moves = collapse.mechanism
     blocks, table = folder / "blocks.csv", folder / "joints.csv"
-    rows = []
-    for b, name in enumerate(assembly.names):
-        numbers = [moves.speed[b], *moves.velocity[b]]
-        rows.append([name, assembly.groups[assembly.group_of[b]], bool(moves.moving[b]), *map(_short, numbers)])
-    write_csv(blocks, BLOCKS, rows)
-    lines = []
+    write_csv(blocks, BLOCKS, (map(_text, row) for row in block_rows(collapse, assembly)))
+    write_csv(table, JOINTS, (map(_text, row) for row in joint_rows(collapse, assembly, joints)))
+    return [blocks, table]
+
+
+def block_rows(collapse: Collapse, assembly: Assembly) -> list[list[Any]]:
+    """The cells of ``BLOCKS`` for every block."""
+    moves = collapse.mechanism
+    groups = [assembly.groups[group] for group in assembly.group_of]
+    return [
+        [name, groups[b], bool(moves.moving[b]), float(moves.speed[b]), *moves.velocity[b].tolist()]
+        for b, name in enumerate(assembly.names)
+    ]
+
+
+def joint_rows(collapse: Collapse, assembly: Assembly, joints: Joints) -> list[list[Any]]:
+    """The cells of ``JOINTS`` for every joint; what is no number is nan."""
+    moves, rows = collapse.mechanism, []
     for j in range(joints.count):
         names = [assembly.names[joints.block_a[j]], assembly.names[joints.block_b[j]]]
         rates = [moves.opening[j], moves.least_opening[j], moves.sliding[j], moves.rotation[j], *moves.hinge[j]]
         forces = [collapse.normal_force[j], collapse.shear_force[j], *collapse.force_point[j]]
-        lines.append([j, *names, _short(joints.area[j]), STATES[moves.state[j]], *map(_short, rates), *map(_short, forces)])
-    write_csv(table, JOINTS, lines)
-    return [blocks, table]
+        rows.append([j, *names, float(joints.area[j]), STATES[moves.state[j]], *map(float, rates), *map(float, forces)])
+    return rows
 
 
-def _short(value: float) -> str:
-    """Six digits; what is no number stays empty."""
-    return f"{value:.6g}" if np.isfinite(value) else ""
+def _text(cell: object) -> str:
+    """Numbers with six digits; what is no number stays empty."""
+    if isinstance(cell, float):
+        return f"{cell:.6g}" if np.isfinite(cell) else ""
+    return str(cell)

@@ -11,13 +11,12 @@ import numpy as np
 
 from masonry_cd.quantities import force
 from reports.damage.macro_elements import DamageSnapshot
-from reports.drawing.figure import FAINT, INK, Box, Paint, Sheet, classes
+from reports.drawing.figure import FAINT, INK, TRIAD, Box, Paint, Sheet, classes
 from reports.drawing.render import View
-from reports.drawing.structure_picture import box_swatch, rgb, tie_swatch
+from reports.drawing.structure_picture import box_swatch, no_swatch, rgb, tie_swatch
 from reports.drawing.tie_lines import LABELLED
 from reports.maps.thrust import COLOUR as THRUST
 
-TRIAD = 80.0  # width of the axes beside the scale bar [pixels]
 STONE, FALLEN, PARTED, SHADOW = "#efe8da", "#c4a491", "#2b2b2b", "#e6e9ec"
 OPENING_COLOURS, SLIDING_COLOURS = ("YlGnBu", 0.4, 1.0), ("OrRd", 0.4, 1.0)  # colour map and the part of it in use
 
@@ -97,12 +96,16 @@ def draw_scales(sheet: Sheet, key: Key) -> None:
     boxes = sheet.plan.keys(4)
     for box, scale, name, dash in zip(boxes[:2], key.scales, ("opening", "sliding"), (False, True), strict=True):
         draw_scale(sheet.axes(*box), box, scale, f"{key.when} {name} [mm]", dash)
-    bar = sheet.axes(*boxes[3])
-    width, height = boxes[3][2:]
-    room = TRIAD if key.view.is_oblique else 0.0
-    sheet.scale_bar(bar, key.pixel, 10, height - 44, width - 60 - room)
-    if key.view.is_oblique:
-        sheet.triad(bar, key.view, (width - 0.5 * TRIAD, height - 58))
+    draw_scale_bar(sheet, boxes[3], key.view, key.pixel)
+
+
+def draw_scale_bar(sheet: Sheet, box: Box, view: View, pixel: float) -> None:
+    """The scale bar, for a size of a pixel [m]; beside it the directions of the axes, where the view is oblique."""
+    axes, (width, height) = sheet.axes(*box), box[2:]
+    room = TRIAD if view.is_oblique else 0.0
+    sheet.scale_bar(axes, pixel, 10, height - 44, width - 60 - room)
+    if view.is_oblique:
+        sheet.triad(axes, view, (width - 0.5 * TRIAD, height - 58))
 
 
 def draw_signs(sheet: Sheet, key: Key) -> None:
@@ -128,15 +131,11 @@ def draw_signs(sheet: Sheet, key: Key) -> None:
         bar = sheet.axes(*boxes[3])
         thrust = np.array(THRUST) / 255.0
         width = f"normal force, widest {force(key.force)}"
-        rows = [(partial(band_sign, first=thrust, second=thrust), width), (no_sign, THRUST_NOTE)]
+        rows = [(partial(band_sign, first=thrust, second=thrust), width), (no_swatch, THRUST_NOTE)]
         sheet.swatches(bar, rows, 10, boxes[3][3] - 84, pitch=29.0)
 
 
 THRUST_NOTE = "through where it acts in each joint"
-
-
-def no_sign(axes: Any, place: Box) -> None:
-    """A row of text only."""
 
 
 def draw_scale(axes: Any, box: Box, scale: ColourClasses, name: str, dash: bool = False) -> None:

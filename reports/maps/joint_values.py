@@ -14,11 +14,11 @@ import numpy as np
 
 from masonry_cd.io.results import Results
 from reports.damage.macro_elements import DamageSnapshot
-from reports.deformed import Solids, solids_of
+from reports.deformed import solids_of
 from reports.drawing.figure import Sheet, layout
 from reports.drawing.render import Canvas
-from reports.drawing.structure_picture import structure_window
-from reports.maps.crack_key import TRIAD, ColourClasses, Marks, band_sign, draw_scale, no_sign
+from reports.drawing.structure_picture import no_swatch, structure_window
+from reports.maps.crack_key import ColourClasses, Marks, band_sign, draw_scale, draw_scale_bar
 from reports.maps.framing import Framing, MapStyle, view_and_cut
 from reports.maps.layers import Subject, block_layers_of, coloured_bands
 
@@ -78,7 +78,7 @@ def at_rest(results: Results, style: MapStyle) -> Subject:
     Raises:
         InputError: no such view or plane.
     """
-    solids: Solids = solids_of(results.blocks)
+    solids = solids_of(results.blocks)
     view, cut = view_and_cut(solids, style)
     rest = structure_window(solids, view)
     plan = layout(rest.width / rest.height)
@@ -98,10 +98,5 @@ def _keys(sheet: Sheet, one: JointValues, framed: Framing) -> None:
         draw_scale(sheet.axes(*wide), wide, one.scale, one.name)
     middle = one.scale.colours[len(one.scale.colours) // 2] / 255.0
     signs = [(partial(band_sign, first=middle, second=middle), f"joints coloured: {int(one.drawn.sum())} of {len(one.values)}")]
-    sheet.swatches(sheet.axes(*boxes[2]), [*signs, *((no_sign, row) for row in one.rows)], 0, boxes[2][3] - 4, pitch=29.0)
-    bar = sheet.axes(*boxes[3])
-    width, height = boxes[3][2:]
-    room = TRIAD if framed.view.is_oblique else 0.0
-    sheet.scale_bar(bar, framed.pixel, 10, height - 44, width - 60 - room)
-    if framed.view.is_oblique:
-        sheet.triad(bar, framed.view, (width - 0.5 * TRIAD, height - 58))
+    sheet.swatches(sheet.axes(*boxes[2]), [*signs, *((no_swatch, row) for row in one.rows)], 0, boxes[2][3] - 4, pitch=29.0)
+    draw_scale_bar(sheet, boxes[3], framed.view, framed.pixel)

@@ -57,13 +57,18 @@ def shadow(subject: Subject) -> Surface:
     solids, framed = subject.solids, subject.framed
     towards = framed.view.towards
     behind = float((solids.vertices @ towards).max() - (subject.drawn @ towards).min()) + 0.01 * framed.window.height
-    free = ~solids.fixed[solids.face_block]
-    sides = np.diff(solids.loop_start)
-    colours = np.tile((255 * rgb(SHADOW)).astype(np.uint8), (int(free.sum()), 1))
-    loops = solids.loops[np.repeat(free, sides)]
-    whole = Surface(solids.vertices, loops, np.cumsum([0, *sides[free]]), colours, lit=False)
-    left = clipped(whole, framed.cut) if framed.cut is not None else whole
+    colours = np.tile((255 * rgb(SHADOW)).astype(np.uint8), (len(solids.face_block), 1))
+    faces = Surface(solids.vertices, solids.loops, solids.loop_start, colours, lit=False)
+    free = some_polygons(faces, ~solids.fixed[solids.face_block])
+    left = clipped(free, framed.cut) if framed.cut is not None else free
     return Surface(left.points - behind * towards, left.loops, left.loop_start, left.colours, lit=False)
+
+
+def some_polygons(surface: Surface, chosen: np.ndarray) -> Surface:
+    """The polygons chosen (F,) of a surface."""
+    sides = np.diff(surface.loop_start)
+    loops = surface.loops[np.repeat(chosen, sides)]
+    return Surface(surface.points, loops, np.cumsum([0, *sides[chosen]]), surface.colours[chosen], surface.lit)
 
 
 def block_colours(subject: Subject) -> np.ndarray:

@@ -27,10 +27,8 @@ def painting_order(solids: Solids, points: np.ndarray, normals: np.ndarray, view
         view: from where.
     """
     count = len(solids.centre)
-    order = np.argsort(solids.vertex_block, kind="stable")
-    bounds = np.searchsorted(solids.vertex_block[order], np.arange(count + 1))
-    corners = [points[order[bounds[b] : bounds[b + 1]]] for b in range(count)]
-    faces = [np.flatnonzero(solids.face_block == b) for b in range(count)]
+    corners = [points[rows] for rows in rows_by_block(solids.vertex_block, count)]
+    faces = rows_by_block(solids.face_block, count)
     foot = np.einsum("fi,fi->f", normals, points[solids.loops[solids.loop_start[:-1]]])  # of each face's plane
     depth = np.array([float((corner @ view.towards).mean()) for corner in corners])
     nearer: list[list[int]] = [[] for _ in range(count)]  # blocks that are painted after this one
@@ -45,6 +43,12 @@ def painting_order(solids: Solids, points: np.ndarray, normals: np.ndarray, view
         nearer[far].append(near)
         waits[near] += 1
     return in_order(nearer, waits, depth)
+
+
+def rows_by_block(block: np.ndarray, count: int) -> list[np.ndarray]:
+    """For each of ``count`` blocks the rows, in order, at which ``block`` (N,) names it."""
+    order = np.argsort(block, kind="stable")
+    return np.split(order, np.searchsorted(block[order], np.arange(1, count)))
 
 
 def overlapping(corners: list[np.ndarray], view: View) -> np.ndarray:

@@ -18,9 +18,10 @@ from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.geometry import area_vectors
 from masonry_cd.model.polygon import next_in_loop
+from reports.deformed import frame_index
 from reports.drawing.figure import Sheet
 from reports.drawing.render import AMBIENT, LIGHTS, Surface, View
-from reports.drawing.structure_picture import EDGE, MOTTLE
+from reports.drawing.structure_picture import EDGE, mottle, rgb
 from reports.drawing.tie_lines import PULLING, SLACK, ties_at
 from reports.maps.bands import Bands, dashes, face_plates, joint_bands
 from reports.maps.crack_key import PARTED, draw_scales
@@ -34,10 +35,11 @@ from reports.maps.layers import (
     band_width,
     block_colours,
     shadow,
+    some_polygons,
     standing_faces,
     trace_bands,
 )
-from reports.maps.painter import EDGE_ON, painting_order
+from reports.maps.painter import EDGE_ON, painting_order, rows_by_block
 
 NAMES = ("crack_map.svg", "crack_map.pdf")
 OUTLINE = 0.55  # width of the edges of blocks [points]
@@ -69,11 +71,11 @@ def vector_maps(results: Results, folder: Path, style: MapStyle, frame: int = -1
     """Draw the crack map of a frame into ``crack_map.svg`` and ``crack_map.pdf``; return the files.
 
     Raises:
-        InputError: no such view or plane, or a folder that cannot be written into.
+        InputError: no such frame, view or plane, or a folder that cannot be written into.
     """
     import matplotlib
 
-    frame = frame % results.frames
+    frame = frame_index(results, frame)
     framed = framing(results, [frame], style)
     subject = subject_of(results, frame, framed)
     painting, force = _painted(results, frame, subject)
@@ -123,25 +125,17 @@ def _kept(surface: Surface, cut: Cut | None) -> tuple[Surface, np.ndarray]:
     return left, left.colours
 
 
-def _some(surface: Surface, chosen: np.ndarray) -> Surface:
-    """The polygons chosen (F,) of a surface."""
-    sides = np.diff(surface.loop_start)
-    loops = surface.loops[np.repeat(chosen, sides)]
-    return Surface(surface.points, loops, np.cumsum([0, *sides[chosen]]), surface.colours[chosen], surface.lit)
-
-
 def _add_faces(painting: _Painting, subject: Subject, normals: np.ndarray, rank: np.ndarray) -> None:
     """The faces of the blocks that look at the viewer, shaded as in the picture; edges with them."""
     solids, view = subject.solids, subject.framed.view
-    stone = 1.0 + MOTTLE * (2.0 * ((np.arange(len(rank)) * 0.6180339887498949) % 1.0) - 1.0)
-    colours = np.clip(block_colours(subject) * stone[:, None], 0.0, 1.0)[solids.face_block]
+    colours = np.clip(block_colours(subject) * mottle(len(rank))[:, None], 0.0, 1.0)[solids.face_block]
     seen = normals @ view.towards > 1e-6
     light = np.full(len(normals), AMBIENT)
     for (right, up, towards), strength in LIGHTS:
         direction = right * view.right + up * view.up + towards * view.towards
         light += strength * np.maximum(normals @ (direction / np.linalg.norm(direction)), 0.0)
     faces = Surface(subject.drawn, solids.loops, solids.loop_start, colours)
-    left, which = _kept(_some(faces, seen), subject.framed.cut)
+    left, which = _kept(some_polygons(faces, seen), subject.framed.cut)
     face = np.flatnonzero(seen)[which]
     painting.add(left, np.clip(colours[face] * light[face, None], 0.0, 1.0), rank[solids.face_block[face]], outlined=True)
 
@@ -151,7 +145,7 @@ def _add_joints(painting: _Painting, subject: Subject, rank: np.ndarray) -> None
     joints, solids, framed, width = subject.joints, subject.solids, subject.framed, band_width(subject)
     marked, standing = subject.marks.opened | subject.marks.slid, standing_faces(subject)
     after = np.maximum(rank[joints.block_a], rank[joints.block_b]) + 0.5
-    dark = np.tile(np.array([int(PARTED[i : i + 2], 16) for i in (1, 3, 5)], np.uint8), (joints.count, 1))
+    dark = np.tile((255 * rgb(PARTED)).astype(np.uint8), (joints.count, 1))
     hidden_a, hidden_b = hidden_sides(subject)
     corner_joint = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
     pieces = []
@@ -178,7 +172,7 @@ def hidden_sides(subject: Subject) -> tuple[np.ndarray, np.ndarray]:
     joint = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
     middle = (joints.polygon + joints.polygon[next_in_loop(joints.polygon_start)]) / 2.0
     outward = middle - joints.centres()[joint]
-    faces = [np.flatnonzero(solids.face_block == b) for b in range(len(solids.centre))]
+    faces = rows_by_block(solids.face_block, len(solids.centre))
     foot = np.einsum("fi,fi->f", solids.face_normals, solids.vertices[solids.loops[solids.loop_start[:-1]]])
     out = []
     for block, sign in ((joints.block_a, -1.0), (joints.block_b, 1.0)):

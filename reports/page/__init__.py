@@ -4,6 +4,7 @@
     motion.py    how blocks and joints move over the frames, in whole numbers
     series.py    plots over time: base motion, energy, solver error, cost
     words.py     the case in words and numbers, as HTML
+    document.py  what stands around the body of every page: head, style, script
     build.py     all of it into page.html
 
 The browser's part is in page.html, style.css and the scripts beside them; it uses WebGL 2 and ``DecompressionStream`` (browsers since

@@ -6,7 +6,6 @@ The file stays below ``LIMIT``: where all frames would not fit, fewer of them ar
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -14,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.damage import joint_damage
@@ -28,8 +26,9 @@ from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
 from reports.maps.framing import COLLAPSE, MOST, SEEN
 from reports.page import downloads, findings, limits, motion, series, title_block, trust, words
+from reports.page.document import filled, write_document
 from reports.page.pack import packed, packed_length
-from reports.ties import tie_lines
+from reports.ties import tie_lines, tie_tensions
 
 LIMIT = 13_500_000  # of the packed data [bytes]: with names and scripts the page stays below 15 MB
 FRAMES = 600  # sent at most
@@ -92,12 +91,8 @@ def write_page(
     facts |= {"view": asked} if asked != "auto" else {}
     facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
     facts["factor"] = scale if scale is not None else _amplification(solids, context.displacement_max, bool(context.fallen))
-    page = _filled(context, facts, text, [*tables])
-    try:
-        with replacing(path) as part:
-            part.write_text(page, encoding="utf-8")
-    except OSError as failure:
-        raise InputError(f"{path}: cannot be written, {failure.strerror}") from None
+    script = "\n".join((files("reports.page") / name).read_text(encoding="utf-8") for name in SCRIPTS)
+    write_document(path, _title(context), _body(context, facts, text, [*tables]), title_block.running(context), script)
 
 
 def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
@@ -141,7 +136,7 @@ def _data(
         moved = moved.only(motion.frames_shown(len(moved.frames), count))
     down, apart = motion.read_losses(results, solids, moved, classes[0])
     flags = {"fallen": motion.bits(down), "separated": motion.bits(apart)}
-    contents, text = packed(arrays | units | flags, histories)
+    contents, text = packed(arrays | units | flags | tie_tensions(results, moved.time), histories)
     facts |= {"contents": contents, "frames": len(moved.frames), "frames_written": results.frames, "scales": scales}
     return facts | _seen(solids, moved), text
 
@@ -233,12 +228,14 @@ def _histories(
     return histories, units, scales
 
 
-def _filled(context: words.PageContext, facts: Mapping[str, Any], text: str, tables: list[str]) -> str:
+def _title(context: words.PageContext) -> str:
+    return context.results.title or "Report of a run"
+
+
+def _body(context: words.PageContext, facts: Mapping[str, Any], text: str, tables: list[str]) -> str:
     """The template with everything in its place."""
-    here = files("reports.page")
-    title = context.results.title or "Report of a run"
     values = {
-        "title": words.escaped(title),
+        "title": words.escaped(_title(context)),
         "block": title_block.title_block(context),
         "lead": words.lead(context),
         "outcome": words.outcome(context),
@@ -253,10 +250,7 @@ def _filled(context: words.PageContext, facts: Mapping[str, Any], text: str, tab
         "tables": downloads.downloads(tables),
         "settings": words.settings(context),
         "scene": words.escaped(context.results.scene or "The result keeps no scene."),
-        "style": (here / "style.css").read_text(encoding="utf-8") + title_block.running(context),
-        "script": "\n".join((here / name).read_text(encoding="utf-8") for name in SCRIPTS),
         "facts": json.dumps(facts, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c").replace("/", "\\/"),
         "data": text,
     }
-    template = (here / "page.html").read_text(encoding="utf-8")
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: values[found.group(1)], template)
+    return filled((files("reports.page") / "page.html").read_text(encoding="utf-8"), values)

@@ -87,14 +87,25 @@ def _load_factor(context: PageContext) -> str:
     if found["given_way"] is None:
         return (
             f"<p>The structure still stood at the load factor <b>{_factor(found['end'], tilted)}</b>, with which the run ended: "
-            f"no block had moved by more than {in_metres(found['limit'])}. Its capacity is this or more.</p>"
+            f"no block had moved by more than {in_metres(found['limit'])}. Its capacity is this or more.</p>" + _not_the_least(found)
         )
     return (
         f"<p>The structure gave way at the load factor <b>{_factor(found['given_way'], tilted)}</b>, at "
         f"{number(found['given_way_time'], 's')}, when {moved}; at the end it was {number(found['end'])}. The load factor is the "
         "horizontal body force as a share of the weight. The load grew while the structure began to move, so the capacity found lies a "
-        "little above that of a load which waits; a slower one comes closer.</p>"
+        "little above that of a load which waits; a slower one comes closer.</p>" + _not_the_least(found)
     )
+
+
+def _not_the_least(found: Mapping[str, Any]) -> str:
+    """That rigid joints are not the conservative end, and the bracket of limit analysis where there is one."""
+    if not found.get("rigid"):
+        return ""
+    bracket, where = found.get("limit_analysis"), "the command <code>masonry-cd limit</code> gives the bracket"
+    if bracket:
+        least, upper = (number(float(f"{bracket[key]:.3g}")) for key in ("least_found", "associated"))
+        where = f"limit analysis has {least}, the least found without dilation, to {upper}, the associated value"
+    return f"<p>Rigid joints that slide allow several load factors. This run found one, not the least: {where}.</p>"
 
 
 def _factor(value: float, tilted: bool) -> str:
@@ -149,12 +160,13 @@ def ties(context: PageContext) -> str:
                 number(float(f"{tie['stress_max'] / 1e6:.3g}")),
                 number(float(f"{tie['tension_max_time']:.3g}")),
                 force(tie["tension_end"]),
+                "–" if tie.get("yield_time") is None else number(float(f"{tie['yield_time']:.3g}")),
             ]
         )
     if not rows:
         return ""
-    columns = ("tie", "largest tension", "stress then [MPa]", "at [s]", "tension at the end")
-    return section("ties", "Ties", table(columns, rows, range(1, 5)) + _TIES)
+    columns = ("tie", "largest tension", "stress then [MPa]", "at [s]", "tension at the end", "yielded from [s]")
+    return section("ties", "Ties", table(columns, rows, range(1, 6)) + _TIES)
 
 
 _TIES = (

@@ -60,8 +60,14 @@ def not_modelled(context: PageContext) -> list[str]:
         lines.append("The vertical component of the motion: the base moves along " + " and ".join(moving) + " only.")
     elif "z" in moving and len(moving) == 1:
         lines.append("The horizontal components of the motion: the base moves along z only.")
-    if "tie" not in kinds:
+    if "tie" not in kinds and not context.results.ties:  # these are of [[loads]] and of the structure
         lines.append("Ties and anchors: none is in the model.")
+    stands = [context.tables.get("structure", {}), *context.tables.get("structures", [])]
+    if any(table.get("floors") for table in stands):
+        lines.append(
+            "Bending, shear and stretching of the floors in the model: each is one rigid slab, a diaphragm that holds its walls together "
+            "more than joists and boards would."
+        )
     lines.append(
         "Floors, roofs, backfill, plaster, neighbours and whatever else is not among the blocks, with its mass and its stiffness; "
         "live loads, water, temperature and decay."

@@ -3,7 +3,7 @@
 const by = (id) => document.getElementById(id);
 
 /* What the reader has chosen; everything on the page follows from it. */
-const state = { time: 0, playing: false, speed: 1, factor: 1, jointsBy: "both", jointsWhen: "most", blocksBy: "stone", edges: true, rest: false, chosen: [], component: "x", joint: -1 };
+const state = { time: 0, playing: false, speed: 1, factor: 1, jointsBy: "both", jointsWhen: "most", blocksBy: "stone", edges: true, rest: false, tension: true, chosen: [], component: "x", joint: -1 };
 let facts, data, motion, camera, viewer, charts, table;
 let dirty = true, shownFrame = -1, lastTick = 0;
 
@@ -38,15 +38,44 @@ function paintJoints(frame) {
   }
 }
 
+/* Where a point of a block, given as it lies at rest, is drawn now. */
+function drawnPlace(point, block) {
+  const at = 4 * TEXELS * block, [w, ...q] = viewer.pose.subarray(at + 4, at + 8);
+  const arm = point.map((v, k) => v - viewer.pose[at + 8 + k]);
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const turn = cross(q, cross(q, arm).map((v, k) => v + w * arm[k])).map((v) => 2 * v);
+  return point.map((v, k) => v + state.factor * (turn[k] + viewer.pose[at + k]));
+}
+
 /* The place of a joint's middle as it is drawn now. */
 function jointPlace(joint) {
   const middle = [0, 0, 0], first = data.polygon_start[joint], last = data.polygon_start[joint + 1];
   for (let i = first; i < last; i++) for (let k = 0; k < 3; k++) middle[k] += data.polygon[3 * i + k] / (last - first);
-  const block = data.joint_a[joint], at = 4 * TEXELS * block, [w, ...q] = viewer.pose.subarray(at + 4, at + 8);
-  const arm = middle.map((v, k) => v - viewer.pose[at + 8 + k]);
-  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-  const turn = cross(q, cross(q, arm).map((v, k) => v + w * arm[k])).map((v) => 2 * v);
-  return middle.map((v, k) => v + state.factor * (turn[k] + viewer.pose[at + k]));
+  return drawnPlace(middle, data.joint_a[joint]);
+}
+
+/* The middle of a tie as it is drawn now. */
+function tiePlace(tie) {
+  const ends = [0, 1].map((side) => drawnPlace([...data.tie_point.subarray(6 * tie + 3 * side, 6 * tie + 3 * side + 3)], data.tie_block[2 * tie + side]));
+  return ends[0].map((v, k) => (v + ends[1][k]) / 2);
+}
+
+/* The tension of each tie at a frame beside it, of those that pull; where there is no room for all, of those that pull most. */
+function labelTies(frame) {
+  const wide = by("stage").clientWidth, high = by("stage").clientHeight, shown = [], ties = data.tie_tension ? data.tie_tension.length / motion.frames : 0;
+  const pull = (tie) => data.tie_tension[tie * motion.frames + frame];
+  const order = state.tension ? [...Array(ties).keys()].filter((tie) => pull(tie) > 0).sort((a, b) => pull(b) - pull(a) || a - b) : [];
+  for (const tie of order) {
+    const [x, y] = camera.project(tiePlace(tie)), place = [(wide * (1 + x)) / 2, (high * (1 - y)) / 2];
+    if (shown.every((other) => Math.abs(other.place[0] - place[0]) > 64 || Math.abs(other.place[1] - place[1]) > 18)) shown.push({ tie, place });
+  }
+  by("tensions").replaceChildren(...shown.map(({ tie, place }) => {
+    const label = document.createElement("span");
+    label.textContent = pull(tie) < 1e3 ? `${short(pull(tie), 3)} N` : `${short(pull(tie) / 1e3, 3)} kN`;
+    label.style.left = `${(100 * place[0]) / wide}%`;
+    label.style.top = `${(100 * place[1]) / high}%`;
+    return label;
+  }));
 }
 
 function draw(now) {
@@ -73,6 +102,7 @@ function render() {
   viewer.send("pose");
   viewer.draw(camera, { factor: state.factor, edges: state.edges, rest: state.rest, chosen: state.joint });
   overlay();
+  labelTies(frame);
 }
 
 /* What lies over the model: the time, the factor, the axes, the scale bar and the pin of the chosen joint. */
@@ -244,7 +274,8 @@ function watchControls() {
     by(id).value = state[key];
     by(id).addEventListener("change", (event) => { state[key] = event.target.value; legend(); changed(true); });
   }
-  for (const id of ["edges", "rest"]) { by(id).checked = state[id]; by(id).addEventListener("change", (event) => { state[id] = event.target.checked; changed(); }); }
+  by("with-ties").hidden = !data.tie_tension;
+  for (const id of ["edges", "rest", "tension"]) { by(id).checked = state[id]; by(id).addEventListener("change", (event) => { state[id] = event.target.checked; changed(); }); }
   by("component").addEventListener("change", (event) => { state.component = event.target.value; showChosen(); });
   by("find-block").addEventListener("submit", (event) => {
     event.preventDefault();

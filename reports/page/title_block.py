@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from datetime import date
+from typing import Any
 
 from reports.page.words import PageContext, escaped
 
@@ -13,17 +15,31 @@ PRINT = 12  # letters of a checksum that are printed
 
 def title_block(context: PageContext) -> str:
     """Rows of a table of terms: what ``[report]`` gives, the date, the program, and what tells this run from others."""
-    given = context.report
+    return rows_of(context.report, program(context), context.results.scene)
+
+
+def rows_of(given: Mapping[str, Any], made_by: str, scene: str) -> str:
+    """Those rows.
+
+    Args:
+        given: the table ``[report]``.
+        made_by: the program.
+        scene: its text; empty where there is none.
+    """
     rows = [(name, escaped(given[key])) for key, name in KEYS.items() if given.get(key)]
-    rows += [("Date", escaped(report_date(context))), ("Program", escaped(program(context)))]
-    if context.results.scene:
-        rows.append(("Scene", f"SHA-256 {checksum(context.results.scene)} …"))
+    rows += [("Date", escaped(_date(given))), ("Program", escaped(made_by))]
+    if scene:
+        rows.append(("Scene", f"SHA-256 {checksum(scene)} …"))
     return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in rows)
 
 
 def report_date(context: PageContext) -> str:
     """The date of the report: as given, or today."""
-    return str(context.report.get("date") or date.today().isoformat())
+    return _date(context.report)
+
+
+def _date(given: Mapping[str, Any]) -> str:
+    return str(given.get("date") or date.today().isoformat())
 
 
 def program(context: PageContext) -> str:

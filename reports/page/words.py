@@ -9,6 +9,7 @@ import html
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -40,7 +41,7 @@ class PageContext:
     provisional: str = ""  # why residual values are not the last, in words
     thresholds: Thresholds = field(default_factory=Thresholds)
 
-    @property
+    @cached_property
     def tables(self) -> dict[str, Any]:
         """The tables of the scene; empty where the result keeps none."""
         return tomllib.loads(self.results.scene) if self.results.scene else {}
@@ -160,7 +161,7 @@ def notices(context: PageContext) -> str:
 
 
 def tiles(context: PageContext) -> str:
-    """The headline numbers."""
+    """The headline numbers, as a list."""
     joints, seconds = context.results.joints.count, context.summary.get("stepping_seconds")
     grade = [("grade of the structure", context.parts.parts[-1]["grade"])] if context.parts is not None else []
     rows = [
@@ -177,7 +178,9 @@ def tiles(context: PageContext) -> str:
     ]
     if seconds and context.summary.get("steps"):
         rows.append(("per step", number(float(f"{1e3 * seconds / context.summary['steps']:.3g}"), "ms")))
-    return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in rows)
+    across = -(-len(rows) // 2)  # two rows at most where the page is wide, as even as can be
+    boxes = "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in rows)
+    return f'<dl class="tiles" style="--across: {across}">{boxes}</dl>'
 
 
 def settings(context: PageContext) -> str:

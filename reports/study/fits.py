@@ -203,11 +203,12 @@ def _ida(study: Study, measure: str, intensity: np.ndarray) -> Fits:
     keys = [
         (int(study.clusters[k]) if study.motion[k] < 0 and not varied else study.text("motion")[k], *(v[k] for v in varied)) for k in rows
     ]
-    fits, every = [], tuple(curves_of(rows, keys, intensity[rows]))
+    fits, every, whole = [], tuple(curves_of(rows, keys, intensity[rows])), Sample.of(study, rows, intensity[rows])
     for limit in study.limit_states:
         values = study.numbers(limit.column)
-        sample = Sample.of(study, rows, intensity[rows]).known(limit)
-        curves = curves_of(sample.rows, [key for k, key in zip(rows, keys, strict=True) if k in set(sample.rows)], sample.intensity)
+        sample = whole.known(limit)
+        kept = np.isin(rows, sample.rows).tolist()
+        curves = curves_of(sample.rows, [key for key, there in zip(keys, kept, strict=True) if there], sample.intensity)
         found = capacities(curves, limit, np.where(study.collapsed & np.isnan(values), np.inf, values), study.collapsed)
         first = np.array([curve.rows[0] for curve in curves])
         own = Sample.of(study, first, found.intensity)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.csv_files import unguarded
 from masonry_cd.errors import InputError
 from reports.study.limits import LimitState, read_limit_states
 
@@ -174,4 +175,4 @@ def _column(name: str, cells: list[str]) -> np.ndarray | list[str]:
             return np.array([float(cell) if cell else math.nan for cell in cells], dtype=float)
         except ValueError:
             pass
-    return [cell[1:] if cell.startswith("'") else cell for cell in cells]
+    return [unguarded(cell) for cell in cells]

@@ -105,8 +105,13 @@ def fit_capacities(found: Capacities, weights: np.ndarray) -> Lognormal:
 
 def capacity_quantiles(found: Capacities) -> list[float]:
     """The 16, 50 and 84 % quantiles of the capacities as they are, inf where too many records never exceed the limit state."""
-    ordered = np.sort(np.where(found.above, np.inf, found.intensity))
-    return [float(ordered[max(0, int(np.ceil(q * len(ordered))) - 1)]) if len(ordered) else np.nan for q in QUANTILES]
+    return quantiles(np.where(found.above, np.inf, found.intensity), QUANTILES)
+
+
+def quantiles(values: np.ndarray, shares: Sequence[float]) -> list[float]:
+    """Order statistics at shares of values (N,), infinite ones included; nan where there are no values."""
+    ordered = np.sort(values)
+    return [float(ordered[max(0, int(np.ceil(q * len(ordered))) - 1)]) if len(ordered) else np.nan for q in shares]
 
 
 def demand_quantiles(curves: Sequence[Curve], values: np.ndarray, collapsed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

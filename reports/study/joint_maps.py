@@ -8,6 +8,7 @@ joints are counted, by the digest ``shape`` of each; where the geometry varies, 
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,6 +33,7 @@ MOST_CELLS = 100_000_000  # runs times joints that are held for the median, 0.4 
 LEVELS = 3  # that have maps of their own, at most
 LARGEST = 0.05  # where the last class of the median opening begins [m]
 TABLE = "joint_probabilities.csv"
+REFERENCE = "reference/result.h5"
 KEYS = ("opening", "sliding", "lost", "shape")
 
 
@@ -97,6 +99,74 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     return found
 
 
+@dataclass(frozen=True, eq=False)
+class JointStudy:
+    """What a study knows of the joints.
+
+    Attributes:
+        study: whose runs they are.
+        runs: what they did.
+        thresholds: from which on a joint counts as opened, or slid.
+        pairs: of each joint its two blocks.
+    """
+
+    study: Study
+    runs: JointRuns
+    thresholds: Thresholds
+    pairs: list[tuple[str, str]]
+
+    @property
+    def table(self) -> dict[str, np.ndarray | list[str]]:
+        """The columns of joint_probabilities.csv, (J,) each."""
+        runs = self.runs
+        return {
+            "block_a": [a for a, _ in self.pairs],
+            "block_b": [b for _, b in self.pairs],
+            "runs": np.full(len(self.pairs), len(runs.rows)),
+            "opened": runs.opened(self.thresholds).mean(axis=0),
+            "slid": runs.slid.mean(axis=0),
+            "lost": runs.lost.mean(axis=0),
+            "median_opening": _median(runs.opening),
+        }
+
+    @property
+    def style(self) -> MapStyle:
+        """Of the maps."""
+        thresholds = self.thresholds
+        return MapStyle(thresholds=thresholds, largest=max(LARGEST, 10.0 * max(thresholds.opened, thresholds.slid)))
+
+    def maps(self, every_level: bool = False) -> dict[str, JointValues]:
+        """The maps that show anything, by the names of their files; those of single levels of a few, evenly spread, or of every one."""
+        most = self.study.count if every_level else LEVELS
+        return {one.path.name: one for one in _maps(self.study, self.runs, self.style, most)}
+
+    def draw(self, maps: Iterable[JointValues]) -> list[Path]:
+        """Draw some of them; return their paths.
+
+        Raises:
+            InputError: no off-screen OpenGL, or a path that cannot be written.
+        """
+        with Results.open(self.study.folder / REFERENCE) as results:
+            return draw_joint_values(results, maps, self.style)
+
+
+def joint_study(study: Study) -> JointStudy | None:
+    """The joints of a study; None where it has no runs with joints.
+
+    Raises:
+        InputError: a broken file.
+    """
+    reference = study.folder / REFERENCE
+    if not reference.exists() or not (study.folder / "joints").is_dir():
+        return None
+    with Results.open(reference) as results:
+        thresholds = thresholds_of(report_of(results.scene)) if results.scene else Thresholds()
+        joints, names = results.joints, [block.name for block in results.blocks]
+        pairs = [(names[a], names[b]) for a, b in zip(joints.block_a, joints.block_b, strict=True)]
+    runs = read_joint_runs(study, len(pairs), thresholds)
+    return None if runs is None or not pairs else JointStudy(study, runs, thresholds, pairs)
+
+
 def draw_joint_maps(study: Study) -> tuple[list[Path], list[str], list[str]]:
     """Draw the maps that the runs allow, and write their table.
 
@@ -106,25 +176,16 @@ def draw_joint_maps(study: Study) -> tuple[list[Path], list[str], list[str]]:
     Raises:
         InputError: a broken file; no off-screen OpenGL.
     """
-    reference = study.folder / "reference" / "result.h5"
-    if not reference.exists() or not (study.folder / "joints").is_dir():
+    found = joint_study(study)
+    if found is None:
         return [], [], []
-    with Results.open(reference) as results:
-        thresholds = thresholds_of(report_of(results.scene)) if results.scene else Thresholds()
-        runs = read_joint_runs(study, results.joints.count, thresholds)
-        if runs is None or not results.joints.count:
-            return [], [], []
-        style = MapStyle(thresholds=thresholds, largest=max(LARGEST, 10.0 * max(thresholds.opened, thresholds.slid)))
-        maps = _maps(study, runs, style)
-        written = draw_joint_values(results, maps, style)
-        joints, names = results.joints, [block.name for block in results.blocks]
-        pairs = [(names[a], names[b]) for a, b in zip(joints.block_a, joints.block_b, strict=True)]
-    _write_table(study.folder / TABLE, runs, thresholds, pairs)
-    return [*written, study.folder / TABLE], _lines(runs, thresholds, pairs), _warnings(study, runs)
+    written = found.draw(found.maps().values())
+    _write_table(study.folder / TABLE, found.table)
+    return [*written, study.folder / TABLE], _lines(found.runs, found.thresholds, found.pairs), _warnings(study, found.runs)
 
 
-def _maps(study: Study, runs: JointRuns, style: MapStyle) -> list[JointValues]:
-    """Those that show anything: opened, slid, lost, the median opening, and opened level by level."""
+def _maps(study: Study, runs: JointRuns, style: MapStyle, most: int) -> list[JointValues]:
+    """Those that show anything: opened, slid, lost, the median opening, and opened level by level, of so many levels at most."""
     thresholds, count = style.thresholds, len(runs.rows)
     title, share = str(study.asked["title"]), ColourClasses(SHARES, SHARE_COLOURS, 100.0)
     opened = runs.opened(thresholds)
@@ -143,7 +204,7 @@ def _maps(study: Study, runs: JointRuns, style: MapStyle) -> list[JointValues]:
     words = f"{title}: median of the largest opening"
     out.append(JointValues(study.folder / "median_opening.png", words, facts, median, scale, "median of the largest opening [mm]"))
     level, name = study.numbers("level")[runs.rows], str(study.asked["measure"] or "level")
-    for one in _levels(level) if study.asked["design"] != "ida" else ():
+    for one in _levels(level, most) if study.asked["design"] != "ida" else ():
         here = level == one
         facts = f"opened by {length(thresholds.opened)} or more, or lost · {int(here.sum())} runs at {name} {with_unit(one, name)}, at rest"
         path = study.folder / f"probability_opened_at_{one:g}.png"
@@ -157,25 +218,19 @@ def _median(opening: np.ndarray) -> np.ndarray:
     return np.asarray(np.sort(opening, axis=0)[(len(opening) - 1) // 2], dtype=float)
 
 
-def _levels(level: np.ndarray) -> list[float]:
+def _levels(level: np.ndarray, most: int) -> list[float]:
     """Levels with maps of their own, evenly spread over those that there are."""
     found = np.unique(level[np.isfinite(level)])
     if len(found) < 2:
         return []
-    places = np.unique(np.round(np.linspace(0, len(found) - 1, min(LEVELS, len(found)))).astype(int))
+    places = np.unique(np.round(np.linspace(0, len(found) - 1, min(most, len(found)))).astype(int))
     return [float(value) for value in found[places]]
 
 
-def _write_table(path: Path, runs: JointRuns, thresholds: Thresholds, pairs: list[tuple[str, str]]) -> None:
+def _write_table(path: Path, table: Mapping[str, np.ndarray | list[str]]) -> None:
     """A row per joint."""
-    opened, slid, lost = (hits.mean(axis=0) for hits in (runs.opened(thresholds), runs.slid, runs.lost))
-    median = _median(runs.opening)
-    header = ("joint", "block_a", "block_b", "runs", "opened", "slid", "lost", "median_opening")
-    rows = (
-        (j, *pairs[j], len(runs.rows), f"{opened[j]:.6g}", f"{slid[j]:.6g}", f"{lost[j]:.6g}", f"{median[j]:.6g}")
-        for j in range(len(pairs))
-    )
-    write_csv(path, header, rows)
+    columns = [[f"{value:.6g}" if isinstance(value, float) else value for value in column] for column in table.values()]
+    write_csv(path, ("joint", *table), ((j, *cells) for j, cells in enumerate(zip(*columns, strict=True))))
 
 
 def _lines(runs: JointRuns, thresholds: Thresholds, pairs: list[tuple[str, str]]) -> list[str]:

@@ -86,13 +86,13 @@ def _write_tables(study: Study, fits: Fits, rows: Sequence[Correlation], out: Wr
         out.tables.append(folder / "sensitivity.csv")
 
 
-def _draw(study: Study, fits: Fits, rows: Sequence[Correlation], out: Written) -> None:
-    """The diagrams."""
+def diagrams(study: Study, fits: Fits, rows: Sequence[Correlation]) -> dict[str, Callable[[Path], None]]:
+    """The diagrams that a study's design and its runs allow: of each its file's name, and what draws it there."""
     title, quantities = str(study.asked["title"]), quantities_of(study)
     levels = study.numbers("level")[study.done]
     in_stripes = study.asked["design"] != "ida" and len(np.unique(levels[np.isfinite(levels)])) > 1
     drawn = any(fit.runs for fit in fits.fits)
-    asked: list[tuple[str, bool, Callable[[Path], None]]] = [
+    known: list[tuple[str, bool, Callable[[Path], None]]] = [
         ("fragility.png", drawn, lambda path: fragility_picture([fit for fit in fits.fits if fit.runs], f"{title}: fragility", path)),
         ("ida.png", bool(fits.curves and quantities), lambda path: ida_picture(study, fits.curves, path)),
         ("cloud.png", bool(fits.clouds), lambda path: cloud_picture(study, fits.clouds, path)),
@@ -100,10 +100,14 @@ def _draw(study: Study, fits: Fits, rows: Sequence[Correlation], out: Written) -
         ("spread.png", not drawn and not in_stripes and bool(quantities), lambda path: spread_picture(study, path)),
         ("tornado.png", bool(rows), lambda path: tornado_picture(rows, title, path)),
     ]
-    for name, wanted, draw in asked:
-        if wanted:
-            draw(study.folder / name)
-            out.pictures.append(study.folder / name)
+    return {name: draw for name, allowed, draw in known if allowed}
+
+
+def _draw(study: Study, fits: Fits, rows: Sequence[Correlation], out: Written) -> None:
+    """The diagrams."""
+    for name, draw in diagrams(study, fits, rows).items():
+        draw(study.folder / name)
+        out.pictures.append(study.folder / name)
 
 
 def _draw_maps(study: Study, out: Written) -> None:

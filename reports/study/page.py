@@ -5,17 +5,14 @@ A run whose page is kept (runs/ID/report.html) is linked from its row.
 
 from __future__ import annotations
 
-import base64
-import html
 import math
 import re
-import struct
 from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
+from reports.page.document import filled, header, plain_style, write_document
+from reports.page.document import pictures as in_page
 from reports.page.words import escaped
 from reports.study import words
 from reports.study.fits import Fit
@@ -37,7 +34,6 @@ RESULTS = (
     "steps_missed",
     "error_max",
 )
-WIDE = 2.0  # width over height from which on a picture has a row to itself
 CAPTIONS = {
     "fragility.png": "The probability that a limit state is exceeded, given the intensity. Points are what was counted, lines what was "
     "fitted; inside its band a line could as well lie with other records of the same kind. Where a curve leaves the points, trust those.",
@@ -63,64 +59,30 @@ def write_page(study: Study, fits: Sequence[Fit], pictures: Sequence[Path], line
     Raises:
         InputError: it cannot be written.
     """
-    here, base = files("reports.study"), files("reports.page")
-    style = (base / "style.css").read_text(encoding="utf-8") + (here / "study.css").read_text(encoding="utf-8")
+    here = files("reports.study")
+    shown = {path: CAPTIONS.get(path.name, "How often each joint opened at this level.") for path in pictures}
     values = {
-        "title": escaped(study.asked["title"]),
-        "lead": escaped(lines[0]),
-        "said": _list(lines[1:]),
-        "notices": "".join(f'<p class="notice">{escaped(line)}</p>' for line in warnings),
-        "tiles": _tiles(study),
-        "pictures": _pictures(pictures),
+        "header": header(study.asked["title"], lines, warnings, _counts(study)),
+        "pictures": in_page(shown),
         "fits": _fits(fits),
         "runs": _runs(study),
         "settings": _settings(study),
-        "style": style,
-        "script": (here / "study.js").read_text(encoding="utf-8"),
     }
-    template = (here / "study.html").read_text(encoding="utf-8")
-    page = re.sub(r"\{\{(\w+)\}\}", lambda found: values[found.group(1)], template)
-    path = study.folder / PAGE
-    try:
-        with replacing(path) as part:
-            part.write_text(page, encoding="utf-8")
-    except OSError as failure:
-        raise InputError(f"{path}: cannot be written, {failure.strerror}") from None
+    style = plain_style() + (here / "study.css").read_text(encoding="utf-8")
+    script = (here / "study.js").read_text(encoding="utf-8")
+    body = filled((here / "study.html").read_text(encoding="utf-8"), values)
+    write_document(study.folder / PAGE, study.asked["title"], body, style, script)
 
 
-def _list(lines: Sequence[str]) -> str:
-    return f'<ul class="said">{"".join(f"<li>{escaped(line)}</li>" for line in lines)}</ul>' if lines else ""
-
-
-def _tiles(study: Study) -> str:
-    """The counts, large."""
+def _counts(study: Study) -> list[tuple[str, object]]:
+    """The counts."""
     found = words.counts(study)
-    tiles = [
+    return [
         ("runs done", found["done"]),
         ("records", len(study.motions)),
         ("failed or timed out", (found["failed"] or 0) + (found["timeout"] or 0)),
+        ("runs in which blocks fell", int((study.collapsed & study.done).sum())),
     ]
-    tiles.append(("runs in which blocks fell", int((study.collapsed & study.done).sum())))
-    return "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in tiles)
-
-
-def _pictures(pictures: Sequence[Path]) -> str:
-    """The pictures inside the page, each with what it shows."""
-    if not pictures:
-        return ""
-    parts = []
-    for path in pictures:
-        image = path.read_bytes()
-        width, height = struct.unpack(">II", image[16:24])  # the head of a PNG
-        data = base64.b64encode(image).decode("ascii")
-        caption = CAPTIONS.get(path.name, "How often each joint opened at this level.")
-        wide = ' class="wide"' if width > WIDE * height else ""
-        alt = html.escape(path.stem.replace("_", " "))
-        parts.append(
-            f'<figure{wide}><img src="data:image/png;base64,{data}" alt="{alt}"><figcaption>{escaped(caption)}</figcaption></figure>'
-        )
-    inside = f'<h2 id="pictures-title">Pictures</h2><div class="pictures">{"".join(parts)}</div>'
-    return f'<section aria-labelledby="pictures-title">{inside}</section>'
 
 
 def _fits(fits: Sequence[Fit]) -> str:

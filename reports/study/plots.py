@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
@@ -134,9 +131,3 @@ def save(figure: Any, path: Path) -> None:
             figure.savefig(part, metadata={"Software": None})
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-
-
-def quantiles(values: np.ndarray, shares: Sequence[float]) -> list[float]:
-    """Order statistics at shares of values (N,), infinite ones included."""
-    ordered = np.sort(values)
-    return [float(ordered[min(len(ordered) - 1, max(0, int(np.ceil(q * len(ordered))) - 1))]) for q in shares]

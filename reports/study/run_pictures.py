@@ -12,7 +12,7 @@ from reports.drawing.figure import FAINT, INK
 from reports.study.bootstrap import bands
 from reports.study.fits import CloudFit
 from reports.study.folder import Study
-from reports.study.ida import QUANTILES, Curve, demand_quantiles
+from reports.study.ida import QUANTILES, Curve, demand_quantiles, quantiles
 from reports.study.limits import LimitState
 from reports.study.measures import label
 from reports.study.plots import (
@@ -25,7 +25,6 @@ from reports.study.plots import (
     logarithmic,
     name_axes,
     plain,
-    quantiles,
     quantity,
     save,
     sheet,
@@ -153,7 +152,7 @@ def stripes_picture(study: Study, path: Path) -> None:
             own = np.maximum(values[stripe & ~study.collapsed & np.isfinite(values)], least)
             spread = np.linspace(-0.13, 0.13, len(own)) * near if len(own) > 1 else np.zeros(len(own))
             axes.plot(one + spread, factor * own, ".", color="#56b4e9", markersize=4, zorder=5)
-            everything = np.where(study.collapsed[stripe], np.inf, np.where(np.isnan(values[stripe]), np.nan, values[stripe]))
+            everything = np.where(study.collapsed[stripe], np.inf, values[stripe])
             everything = np.maximum(everything[~np.isnan(everything)], least)
             if len(everything):
                 _bars(axes, one, 0.3 * near, [factor * value for value in quantiles(everything, QUANTILES)])

@@ -7,17 +7,24 @@ import json
 import math
 from pathlib import Path
 
+import browser
 import numpy as np
 import pytest
-from ferris_tin_loi import ASSOCIATED, dry_wall
+from limit_loads import push_loads
 from models import box, ground
 from pictures import pixels
 from typer.testing import CliRunner
 
-from masonry_cd.app.limit_case import OUTPUTS, limit_case, lines, summary
+from benchmarks.dry_walls import ASSOCIATED, dry_wall
+from masonry_cd.app.limit_case import OUTPUTS, draw, limit_case, lines, summary, write
+from masonry_cd.app.limit_curve import FollowedCurve, curve_lines
+from masonry_cd.app.limit_dynamics import brackets
 from masonry_cd.cli.app import app
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
-from masonry_cd.model.blocks import Block
+from masonry_cd.limit import conic, nonassociated
+from masonry_cd.limit.capacity import CurveOptions, capacity_curve
+from masonry_cd.model.blocks import Assembly, Block
 from structures.files import blockfile
 from structures.geometry.prism import prism_xz
 
@@ -60,12 +67,66 @@ def test_the_command_writes_what_it_finds(tmp_path):
     assert sum(row["state"] == "hinge" for row in joints) == made["mechanism"]["joints_hinge"]
     weight = sum(float(row["normal_force_n"]) for row in joints if row["block_a"] == "ground" or row["block_b"] == "ground")
     assert weight == pytest.approx(9.81 * 2000.0 * 0.2 * 0.4 * 0.175 * 38.5, rel=0.2)
-    assert all((folder / name).exists() for name in OUTPUTS)
+    assert {name for name in OUTPUTS if not (folder / name).exists()} == {"check.json", "check.csv"}  # no check is asked for
     drawn = pixels(folder / "mechanism.png")
     assert (drawn == [0xD5, 0x5E, 0x00]).all(axis=2).sum() > 100  # hinges are marked
     again = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder)])
     assert again.exit_code == 2
     assert "--force" in again.output
+
+
+def test_the_curve_of_a_pillar_is_written_and_the_dynamics_agrees(tmp_path):
+    path, folder = scene(tmp_path, pillar(), "[limit]\npush = 'x'\n"), tmp_path / "out"
+    done = CliRunner().invoke(
+        app, ["limit", str(path), "-o", str(folder), "--curve", "--set", "limit.curve.dynamics=true", "--set", "limit.curve.steps=20"]
+    )
+    assert done.exit_code == 0, done.output
+    assert 'control block "a"; factor 0.3333 at the start' in done.output
+    with (folder / "capacity.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert float(rows[0]["factor"]) == pytest.approx(1.0 / 3.0)
+    assert float(rows[-1]["displacement_m"]) == pytest.approx(0.25, rel=1e-5)
+    made = json.loads((folder / "capacity.json").read_text())
+    assert made["ultimate"] == pytest.approx(0.25, rel=1e-5)
+    assert [mark["moving_blocks"] for mark in made["marks"]] == [["a"]] * 3
+    assert made["marks"][1]["joints_at_work"] == [{"block_a": "ground", "block_b": "a", "state": "hinge"}]
+    assert len(made["dynamics"]) >= 4
+    for judged in made["dynamics"]:  # to 1 % of the first factor
+        assert judged["falls_back"] - 2e-3 < judged["factor"] < judged["goes_on"] + 2e-3
+        assert judged["goes_on"] - judged["falls_back"] < 0.0034
+    drawn = pixels(folder / "capacity.png")
+    assert (drawn == [0x00, 0x72, 0xB2]).all(axis=2).sum() > 500  # the curve
+    assert (drawn == [0xD5, 0x5E, 0x00]).all(axis=2).sum() > 50  # its hinges
+
+
+def test_a_point_at_which_nothing_drives_the_blocks_on_says_so():
+    assembly = Assembly.from_blocks(pillar(), 0.6)
+    curve = capacity_curve(assembly, find_joints(assembly), push_loads(assembly), CurveOptions(steps=20))
+    found = brackets(curve, np.zeros(3), np.zeros(3))  # without gravity and without a push
+    assert np.isnan([each.high for each in found]).all()
+    assert all(each.low < each.factor for each in found)
+    line = curve_lines(FollowedCurve(curve, found), assembly.names)[1]
+    assert line.startswith("dynamics at ")
+    assert "goes on at none of those tried; the curve has " in line
+
+
+@pytest.mark.parametrize(
+    ("tables", "fault"),
+    [
+        ("[limit]\npush = 'x'\ncurve = {control = 'z'}\n", 'limit.curve.control: there is no block "z"'),
+        ("[limit]\npush = 'x'\ncurve = {control = 'ground'}\n", 'limit.curve.control: block "ground" is a support'),
+        ("[limit]\npush = 'x'\ncurve = {steps = 3}\n", "limit.curve.steps"),
+    ],
+)
+def test_a_curve_that_cannot_be_followed_is_refused_by_its_key(tables, fault, tmp_path):
+    with pytest.raises(InputError, match=fault):
+        limit_case(scene(tmp_path, pillar(), tables))
+
+
+def test_without_being_asked_no_curve_is_followed(tmp_path):
+    found = limit_case(scene(tmp_path, pillar(), PUSH))
+    assert found.curve is None
+    assert not any("capacity curve" in line for line in lines(found))
 
 
 @pytest.mark.parametrize("loads", [PUSH, TILT])
@@ -142,6 +203,7 @@ def test_what_falls_by_itself_is_named(tmp_path):
         ("[limit]\npush = '-z'\n", "does no work on any mechanism"),
         ("[limit]\ntilt = 'z'\n", "must be level"),
         ("[limit]\nlive = [0]\n", "no load of kind point"),
+        ("[limit]\nlive = [0, 0]\n", "each of the [[loads]] once"),
         ("[limit]\npsuh = 'x'\n", 'did you mean "push"'),
         ("[limit]\npush = 'x'\nsides = 2\n", "at least 3"),
         ("gravity = 1\n[limit]\npush = 'x'\n", "unknown key"),
@@ -155,6 +217,145 @@ def test_bad_input_is_one_line(tables, message, tmp_path):
     assert "\n" not in str(refused.value)
 
 
+def test_an_unknown_view_is_refused_before_anything_is_written(tmp_path):
+    done = CliRunner().invoke(app, ["limit", str(scene(tmp_path, pillar(), PUSH)), "-o", str(tmp_path / "out"), "--view", "below"])
+    assert done.exit_code == 2
+    assert 'view: "below" is none' in done.output
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_solver_that_ends_before_its_tolerance_is_said(tmp_path, monkeypatch):
+    blocks = [ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.1, 1.5))]
+    assert not any("before its tolerance" in line for line in lines(limit_case(scene(tmp_path, blocks, PUSH))))
+    monkeypatch.setattr(conic, "MOST", 4)
+    found = limit_case(scene(tmp_path, blocks, PUSH))
+    said = [line for line in lines(found) if "before its tolerance (MaxIterations after 4 iterations)" in line]
+    assert any("the load factor" in line for line in said)
+    assert set(said) <= set(summary(found)["notes"])
+
+
+def test_a_search_without_an_end_is_told_from_none(tmp_path, monkeypatch):
+    monkeypatch.setattr(nonassociated, "EXACT", -1.0)  # no pair counts
+    ended = limit_case(scene(tmp_path, pillar(), PUSH))
+    assert any("of 3 starts none came to an end" in line for line in lines(ended))
+    assert (summary(ended)["least"], summary(ended)["starts"]) == (None, 3)
+    none = limit_case(scene(tmp_path, pillar(), PUSH + "[limit]\nstarts = 0\n"))
+    assert any("not searched for" in line for line in lines(none))
+
+
+def test_a_tilt_beside_a_point_load_is_searched_at_its_last_angle(tmp_path):
+    load = '[[loads]]\nkind = "point"\nblock = "a"\nforce = [0, 0, -3000]\npoint = [0.25, 0, 1.5]\n'
+    found = limit_case(scene(tmp_path, pillar(), load + TILT, mu=2.0)).analysis
+    assert found.least is not None
+    assert found.least.optimum.factor == pytest.approx(found.associated.factor, rel=1e-6)
+
+
 def test_a_structure_without_supports_is_refused(tmp_path):
     with pytest.raises(InputError, match="no block is fixed"):
         limit_case(scene(tmp_path, [box("a", (0, 0, 0), (1, 1, 1))], PUSH))
+
+
+CHECK = '[limit.check]\nspectrum = "EC8"\nag = 2.0\n'
+
+
+def test_a_check_by_a_code_is_printed_and_written_step_by_step(tmp_path):
+    path, folder = scene(tmp_path, pillar(), f"[limit]\npush = 'x'\n{CHECK}"), tmp_path / "out"
+    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder), "--no-picture"])
+    assert done.exit_code == 0, done.output
+    assert "linear check satisfied: 2.422 m/s2 borne, 1 m/s2 asked for" in done.output
+    made = json.loads((folder / "check.json").read_text())
+    assert made == json.loads((folder / "limit.json").read_text())["check"]
+    assert {step["symbol"]: step["value"] for step in made["steps"]}["a0*"] == pytest.approx(9.81 / 3.0 / 1.35)
+    assert [one["passed"] for one in made["verdicts"]] == [True, True]
+    with (folder / "check.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["symbol"] for row in rows] == [*(step["symbol"] for step in made["steps"]), "linear check", "non-linear check"]
+    assert all(row["clause"] for row in rows)
+
+
+def test_what_does_not_stand_is_not_checked(tmp_path):
+    found = limit_case(scene(tmp_path, [*pillar(), box("b", (0.3, -0.2, 1.5), (1.9, 0.2, 2.0))], f"[limit]\npush = 'x'\n{CHECK}"))
+    assert found.check is None
+    assert summary(found)["check"] is None
+    assert "limit.check: no check: there is no load factor at which a mechanism would start" in lines(found)
+
+
+POINT = '[[loads]]\nkind = "point"\nblock = "a"\nforce = [1.0, 0, 0]\npoint = [0.25, 0, 1.5]\n'
+
+
+@pytest.mark.parametrize(
+    ("tables", "message"),
+    [
+        (f"{POINT}[limit]\nlive = [0]\n{CHECK}", "limit.check: needs a push or a tilt, not live loads"),
+        (f"{POINT}[limit]\ntilt = 'x'\n{CHECK}", "needs a push where point loads or ties act"),
+        (f"[limit]\npush = [1.0, 0.0, 0.1]\n{CHECK}", "the push must be level"),
+        (f"[limit]\npush = 'x'\n{CHECK}height = 3.0\n", r"scene\.toml:\d+: limit\.check: building_height: missing"),
+    ],
+)
+def test_loads_that_no_code_speaks_of_are_not_checked(tables, message, tmp_path):
+    with pytest.raises(InputError, match=message):
+        limit_case(scene(tmp_path, pillar(), tables))
+
+
+def test_the_page_shows_the_check_the_pictures_and_the_certificate(tmp_path):
+    path, folder = scene(tmp_path, pillar(), f"title = '<Pillar>'\n[limit]\npush = 'x'\n{CHECK}"), tmp_path / "out"
+    write(limit_case(path), folder)
+    page = (folder / "limit.html").read_text()
+    assert page.count("data:image/png;base64,") == 2
+    assert "&lt;Pillar&gt;" in page and "<Pillar>" not in page
+    assert "//" not in page.partition("<body>")[2].replace("data:image/png;base64,", "").split("<img")[0]  # no address
+    for words in ("Check by a code", '<span class="verdict good">satisfied</span> linear check: 2.422 m', "[C8.7.1.5]", "Kinematic value"):
+        assert words in page, words
+
+
+def test_a_wall_that_leans_out_is_not_looked_at_along_its_motion(tmp_path):
+    """From the front nothing of it would be seen: the thin lines of the structure as built lie behind what has moved."""
+    case = limit_case(scene(tmp_path, pillar(), "[limit]\npush = 'y'\n"))
+    folders = {view: tmp_path / view for view in ("auto", "front", "isometric")}
+    for view, folder in folders.items():
+        folder.mkdir()
+        draw(case, folder, view)
+    drawn = {view: pixels(folder / "mechanism.png") for view, folder in folders.items()}
+    assert np.array_equal(drawn["auto"], drawn["isometric"])
+    assert drawn["auto"].shape != drawn["front"].shape or not np.array_equal(drawn["auto"], drawn["front"])
+
+
+def test_the_page_of_what_falls_says_so_and_has_no_certificate(tmp_path):
+    path = scene(tmp_path, [*pillar(), box("b", (0.3, -0.2, 1.5), (1.9, 0.2, 2.0))], PUSH)
+    write(limit_case(path), tmp_path / "out", pictures=False)
+    page = (tmp_path / "out" / "limit.html").read_text()
+    assert "does not stand under its dead loads" in page
+    assert "What gives way under the dead loads." in page
+    assert "Kinematic value" not in page and "data:image/png" not in page
+
+
+@pytest.mark.parametrize("width", [390, 1400])
+def test_the_page_fits_a_telephone_and_a_desk(width, tmp_path):
+    if browser.missing():
+        pytest.skip(browser.missing())
+    path, folder = scene(tmp_path, pillar(), f"[limit]\npush = 'x'\n{CHECK}"), tmp_path / "out"
+    write(limit_case(path), folder)
+    with browser.browser(tmp_path / "browser", width, 900) as window:
+        window.open(folder / "limit.html")
+        assert window.run("return document.documentElement.scrollWidth <= window.innerWidth")
+        assert window.run("return [...document.images].every(image => image.naturalWidth > 0)")
+
+
+def test_what_bears_no_live_load_has_no_factor_in_words(tmp_path):
+    """The overhanging beam stands in balance over the edge of its support: the least weight on its end turns it over."""
+    blocks = [box("ledge", (-2.0, -0.2, -0.5), (0.0, 0.2, 0.0), fixed=True), box("beam", (-1.0, -0.2, 0.0), (1.0, 0.2, 0.2))]
+    load = '[[loads]]\nkind = "point"\nblock = "beam"\nforce = [0, 0, -100.0]\npoint = [1.0, 0, 0.2]\n'
+    found = limit_case(scene(tmp_path, blocks, f"{load}[limit]\nlive = [0]\n"))
+    assert found.analysis.stands
+    assert any("no load factor: the structure bears no such load" in line for line in lines(found))
+    assert not any("e-1" in line for line in lines(found) if "certificate" not in line)
+    assert summary(found)["bears_nothing"] is True
+    write(found, tmp_path / "out", pictures=False)
+    assert "<dd>none</dd>" in (tmp_path / "out" / "limit.html").read_text()
+
+
+def test_a_structure_that_bears_no_push_is_not_checked(tmp_path):
+    blocks = [box("ledge", (-2.0, -0.2, -0.5), (0.0, 0.2, 0.0), fixed=True), box("beam", (-1.0, -0.2, 0.0), (1.0, 0.2, 0.2))]
+    found = limit_case(scene(tmp_path, blocks, f"[limit]\npush = 'x'\n{CHECK}"))
+    assert found.check is None
+    assert any("no load factor" in line for line in lines(found))

@@ -36,7 +36,7 @@ direction = "x"
 
 
 def test_a_block_gives_way_at_its_coefficient_of_friction_or_not_at_all(tmp_path: Path) -> None:
-    blocks = [ground(), box("b", (0, 0, 0), (0.6, 0.4, 0.2))]
+    blocks = [ground(), box("b", (0, -0.2, 0), (0.6, 0.2, 0.2))]  # in the middle of its plate: planar
     push = 'kind = "push"\nrate = 0.1\ninitial = 0.25'
     summary = push_over(tmp_path, blocks, push, 0.3, 5e-3, 1.0)
     factor = summary["load_factor"]
@@ -50,6 +50,15 @@ def test_a_block_gives_way_at_its_coefficient_of_friction_or_not_at_all(tmp_path
     assert held["load_factor"]["given_way"] is None
     assert closing_lines(held)[1] == "load factor: 0.35 at the end, before a block had moved by more than 2 mm"
     assert closing_lines(held)[2] == NOT_THE_LEAST
+    assert held["load_factor"]["limit_analysis"] == pytest.approx({"least_found": 0.4, "associated": 0.4}, abs=1e-6)
+    assert closing_lines(held)[3] == "limit analysis: 0.4; how joints slide makes no difference here"
+
+
+def test_the_bracket_of_limit_analysis_stands_beside_a_factor_that_sliding_decides() -> None:
+    factor = {"end": 0.4, "limit": 2e-3, "given_way": 0.389, "given_way_time": 1.0, "rigid": True}
+    bracket = {"least_found": 0.3558, "associated": 0.40369}
+    *_, line = outcome_lines({"load_factor": factor | {"limit_analysis": bracket}})
+    assert line == "limit analysis: 0.3558, the least found without dilation, to 0.4037 (associated)"
 
 
 def test_a_factor_on_elastic_joints_is_not_said_to_be_one_of_several() -> None:

@@ -98,6 +98,21 @@ def test_the_time_left_follows_the_shaking_to_come():
     assert max(alike[steps // 5 :]) > 3.0, "as if all steps cost alike"
 
 
+def test_supports_that_move_apart_count_as_shaking_while_they_do():
+    """A footing that sinks for three seconds of ten, and accelerates in the first and the last half second of these alone."""
+    dt, steps = 0.01, 1000
+    time = dt * np.arange(steps + 1)
+    speed = np.clip(np.minimum(time - 2.0, 5.0 - time) / 0.5, 0.0, 1.0)
+    velocity = np.zeros((steps + 1, 2, 3))
+    velocity[:, 1, 2] = -0.01 * speed
+    classes = shaking_classes(velocity, dt)
+    assert set(classes[:200]) == {0}
+    assert set(classes[215:500]) == {2}
+    assert set(classes[560:]) == {0}
+    together = np.repeat(velocity[:, 1:], 2, axis=1)  # all of them: nothing is strained but by the acceleration
+    assert set(shaking_classes(together, dt)[310:440]) == {0}
+
+
 def test_steps_that_the_loads_jump_over_cost_nothing():
     costs = StepCosts(np.zeros(100, dtype=np.int8))
     costs.add(1, 2.0)

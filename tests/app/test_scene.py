@@ -191,8 +191,17 @@ def test_toml_written_reads_back_the_same():
             "run.max_iterations: input should be less than or equal to 1000000000, got",
         ),
         (("[run]\ndt", "[run]\ngravity = -9.81\ndt"), "run.gravity: should be three numbers [x, y, z], got -9.81"),
-        (("radius = 10.0", "radius = 10.0 m"), "scene.toml:4: not valid TOML"),
-        (("radius = 10.0", "radius = 10.0\nradius = 11.0"), "scene.toml:5: not valid TOML"),
+        (("radius = 10.0", "radius = 10.0 m"), "statement (numbers stand without a unit; all are in SI units)"),
+        (
+            ("radius = 10.0", "radius = 10,0"),
+            "scene.toml:4: not valid TOML: expected newline or end of document after a statement (a number has a",
+        ),
+        (("radius = 10.0", "radius = .5"), "invalid value (a number has digits on both sides of its point: 0.5)"),
+        (("radius = 10.0", "radius = 10.\nrise = 2"), "statement (a number has digits on both sides of its point: 0.5)"),
+        (("radius = 10.0", "radius = ten"), 'invalid value (a text stands in quotes: "x")'),
+        (("radius = 10.0", "radius = True"), "invalid value (yes and no are written true and false)"),
+        (("radius = 10.0", 'path = "C:\\drawings"'), "in a string (a path is written with /, or in single quotes)"),
+        (("radius = 10.0", "radius = 10.0\nradius = 11.0"), "scene.toml:5: not valid TOML: cannot overwrite a value"),
     ],
 )
 def test_bad_scenes_are_named_in_one_line(write, change, message):

@@ -89,7 +89,7 @@ def test_every_kind_is_in_it_with_all_of_its_keys(schema):
     for kind, found in own.items():
         model = table_of(kind)
         assert model is not None
-        assert found == set(model.model_fields) | {"kind", "most_blocks", "foundations", "ground", "noise", "ties"}
+        assert found == set(model.model_fields) | {"kind", "most_blocks", "floors", "foundations", "ground", "noise", "ties"}
     shaking = {kind["properties"]["kind"]["const"]: set(kind["properties"]) for kind in tables["loads"]["items"]["oneOf"]}
     assert shaking == {kind: set(load.table.model_fields) for kind, load in LOADS.items()}
     assert set(tables["run"]["properties"]) == set(Run.model_fields)
@@ -113,6 +113,7 @@ def test_the_examples_fit(schema, path):
         ("structure", "noise", {"seed": 1}),
         ("structure", "ground", "yes"),
         ("structure", "ties", [{"along": "x"}]),
+        ("structure", "floors", [{"height": 3.0}]),
         ("material", "friction", 35.0),
         ("material", "density", 2.2),
         ("material", "joints", {"cohesion": -1.0}),

@@ -549,6 +549,9 @@ def test_record_draws_a_picture_and_names_a_misspelt_key(tmp_path):
     assert (tmp_path / "shock.png").stat().st_size > 10_000
     assert re.search(r"Arias intensity \S+ m/s, CAV \S+ m/s, significant duration \S+ s", result.stdout)
     assert re.search(r"Sa\(0\.1\) \S+ m/s2, .*Sa\(2\) \S+ m/s2\n", result.stdout)
+    alone = masonry_cd("record", file)
+    assert alone.stdout + f"written: {tmp_path / 'shock.png'}\n" == result.stdout
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["shock.csv", "shock.png"]
     result = masonry_cd("record", file, "-o", tmp_path / "other.png", "--set", "colum=a_m_s2")
     assert result.exit_code == 2
     assert 'did you mean "column"' in result.output

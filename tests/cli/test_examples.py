@@ -155,6 +155,23 @@ def test_the_ties_of_the_church_bear_their_tension_at_rest(tmp_path):
     assert all(tie["tension_end"] == pytest.approx(10e3, rel=0.02) and not tie["yielded"] for tie in summary["ties"])
 
 
+def test_the_floors_of_the_house_rest_on_its_walls_and_their_anchors_hang_slack(tmp_path):
+    summary = run("house_floors.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0", "report.damage=false", "run.tolerance=1e-6")
+    reaction, weight = base_reaction(tmp_path)
+    assert reaction == pytest.approx(weight, rel=2e-3)
+    assert len(summary["ties"]) == 16
+    assert all(abs(tie["tension_end"]) < 100.0 for tie in summary["ties"])
+    with Results.open(tmp_path / "result.h5") as results:
+        names = [block.name for block in results.blocks]
+        for name, kilograms in (("floor1", 400.0 * 4.98 * 4.4), ("floor2", 300.0 * 5.4 * 4.4)):
+            held = (results.joints.block_a == names.index(name)) | (results.joints.block_b == names.index(name))
+            held &= np.abs(results.joints.normal[:, 2]) > 0.99
+            above = results.joints.centres()[:, 2] > (2.4 if name == "floor1" else 4.9)  # the wall on its edge
+            force = results.joint_history("normal_force")[-1]
+            carried = force[held & ~above].sum() - force[held & above].sum()
+            assert carried == pytest.approx(GRAVITY * kilograms, rel=0.02)
+
+
 def test_the_three_shocks_follow_one_another_at_their_sizes(tmp_path):
     summary = run("church_three_shocks.toml", tmp_path, "run.duration=0.05", "report.damage=false")
     (sequence,) = summary["loads"]["tables"][:1]

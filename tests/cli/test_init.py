@@ -70,12 +70,17 @@ def test_a_key_behind_its_mark_holds_as_it_stands_there(kind, schema):
         assert (needed if inside else wrong) == [], line
 
 
-def test_the_arch_of_a_starter_runs(tmp_path):
-    init("arch", "-o", tmp_path / "arch.toml")
-    words = [word for change in ("run.duration=0.02", "report.crack_map=false", "report.html=false") for word in ("--set", change)]
-    result = CliRunner().invoke(app, ["run", str(tmp_path / "arch.toml"), "-o", str(tmp_path / "out"), "-q", *words])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_starter_is_built_and_runs(kind, tmp_path):
+    scene = tmp_path / "scene.toml"
+    init(kind, "-o", scene)
+    built = CliRunner().invoke(app, ["build", str(scene), "-o", str(tmp_path / "built")])
+    assert built.exit_code == 0, built.stderr
+    assert "1 piece" in built.stdout
+    words = [word for change in (*SHORT, "report.crack_map=false", "report.html=false") for word in ("--set", change)]
+    result = CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "out"), "-q", *words])
     assert result.exit_code == 0, result.stderr
-    assert json.loads((tmp_path / "out" / "summary.json").read_text())["steps"] == 10
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["steps"] == 5
 
 
 def test_the_first_line_names_the_schema_that_lies_beside_it(tmp_path):

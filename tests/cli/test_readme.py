@@ -10,6 +10,7 @@ from doc_pages import fences
 from places import ROOT
 from pydantic import BaseModel
 
+from loads.code_check.table import CheckTable
 from loads.kinds.artificial import ArtificialTable
 from loads.kinds.forces import PointTable, TieTable
 from loads.kinds.gravity import GravityTable
@@ -18,12 +19,14 @@ from loads.kinds.sequence import SequenceTable
 from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.sinusoidal import SinusoidalTable
 from loads.kinds.tilt import PushTable, TiltTable
+from loads.statics import CurveTable
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.model.materials import Material
 from reports.settings import Report
 from structures.files.blockfile import read
+from structures.floors import AnchorTable, FloorTable
 from structures.kinds.aqueduct import AqueductTable
 from structures.kinds.arch import ArchTable
 from structures.kinds.church import ChurchTable
@@ -72,6 +75,8 @@ def test_the_block_file_of_the_page_is_sound(tmp_path):
         ('| `kind = "aqueduct"`', AqueductTable),
         ('| `kind = "wall"`', WallTable),
         ("| `[[structure.openings]]`", OpeningTable),
+        ("| `[[structure.floors]]`", FloorTable),
+        ("| `anchors` of a floor", AnchorTable),
         ('| `kind = "tower"`', TowerTable),
         ('| `kind = "column"`', ColumnTable),
         ('| `kind = "vault"`', VaultTable),
@@ -88,6 +93,8 @@ def test_the_block_file_of_the_page_is_sound(tmp_path):
         ('| `kind = "point"`', PointTable),
         ('| `kind = "tie"`', TieTable),
         ('| `kind = "gravity"`', GravityTable),
+        ("| `[limit.check]`", CheckTable),
+        ("| `[limit.curve]`", CurveTable),
         ("## [material]", Material),
         ("## [run]", Run),
         ("## [report]", Report),

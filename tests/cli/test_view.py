@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from masonry_cd.cli.app import app
+from reports.study.page import PAGE
 
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 
@@ -68,6 +69,17 @@ def test_a_folder_without_a_run_and_no_folder_are_refused(tmp_path, opened):
     assert view(tmp_path / "none").stderr == f"masonry-cd: error: {tmp_path / 'none'}: no such folder\n"
     (tmp_path / "file").write_text("")
     assert view(tmp_path / "file").stderr.endswith("is a file; a folder of a run is needed\n")
+
+
+def test_the_page_of_a_study_opens_or_the_command_that_makes_it_is_named(tmp_path, opened, monkeypatch):
+    monkeypatch.setenv("DISPLAY", ":0")
+    (tmp_path / "study.json").write_text("{}")
+    result = view(tmp_path)
+    command = f"masonry-cd study STUDY -o {tmp_path} --report"
+    assert result.stderr == f"masonry-cd: error: {tmp_path}: holds no {PAGE}; {command} makes it of the runs that are there\n"
+    (tmp_path / PAGE).write_text("<html></html>")
+    assert view(tmp_path).exit_code == 0
+    assert opened == [(tmp_path / PAGE).as_uri()]
 
 
 def completed(line: str) -> set[str]:

@@ -5,16 +5,26 @@ from __future__ import annotations
 import importlib.util
 import re
 import shlex
+import tomllib
 from pathlib import Path
 
 import pytest
 import typer
 from doc_pages import DOCS, PAGES, Reader, command_lines, fences, page_name, typed
 from places import ROOT
+from typer.testing import CliRunner
 
+from loads.statics import limit_table
 from masonry_cd.cli.app import app
+from masonry_cd.errors import parse_table
+from masonry_cd.model.materials import Material
+from masonry_cd.studies.study.clusters import SlurmTable
+from masonry_cd.studies.study.study_file import StudyTables
 
 COMMANDS = typer.main.get_command(app).commands
+FIRST_HOUR = DOCS / "tutorials" / "first_hour.md"
+IN_A_SCENE = re.findall(r"^\| `(.+?)` \| `(.+?)` \| `(.+?)` \| `(.+?)` \|$", FIRST_HOUR.read_text(encoding="utf-8"), re.MULTILINE)
+ON_THE_LINE = re.findall(r"^\| `masonry-cd (.+?)` \| `(.+?)` \|$", FIRST_HOUR.read_text(encoding="utf-8"), re.MULTILINE)
 FOLLOWED = [ROOT / "README.md", DOCS / "index.md", *sorted(DOCS.glob("tutorials/*.md")), *sorted(DOCS.glob("howto/*.md"))]
 
 
@@ -62,3 +72,56 @@ def test_a_reader_can_follow_the_page(page: Path, tmp_path: Path, monkeypatch: p
     expected = [line for fence in fences(page) if fence.language == "sh" for line in typed(fence.text)]
     assert done == [line for line in expected if line.startswith("masonry-cd ") and "COMMAND" not in line]
     assert done, "a page that tells nobody to do anything"
+
+
+@pytest.fixture(scope="module")
+def beginner(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a reader of the first hour, who has the drawing and the scene of the second task."""
+    folder = tmp_path_factory.mktemp("first_hour")
+    reader = Reader(folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        for fence in fences(FIRST_HOUR):
+            for line in typed(fence.text) if fence.language == "sh" else ():
+                if line.startswith(("masonry-cd init", "masonry-cd build drawing", "cp ")):
+                    reader.type(line)
+            if fence.title:
+                reader.save(fence)
+    return folder
+
+
+def test_there_are_three_mistakes_for_each_task():
+    assert [len([scene for scene, *_ in IN_A_SCENE if task in scene]) for task in ("aqueduct", "twenty")] == [3, 3]
+    assert len(ON_THE_LINE) >= 3
+
+
+@pytest.mark.parametrize(("scene", "right", "wrong", "said"), IN_A_SCENE)
+def test_a_mistake_in_a_scene_ends_in_the_line_of_the_page(scene, right, wrong, said, beginner: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(beginner)
+    text = Path(scene).read_text(encoding="utf-8")
+    assert text.count(right) == 1
+    Path("mistake.toml").write_text(text.replace(right, wrong), encoding="utf-8")
+    result = CliRunner().invoke(app, ["run", "mistake.toml", "-o", "out/mistake"])
+    assert (result.exit_code, result.stderr) == (2, f"masonry-cd: error: {said}\n")
+    assert not Path("out/mistake").exists()
+
+
+@pytest.mark.parametrize(("words", "said"), ON_THE_LINE)
+def test_a_mistake_on_the_command_line_ends_in_the_line_of_the_page(words, said, beginner: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(beginner)
+    result = CliRunner().invoke(app, shlex.split(words))
+    assert (result.exit_code, result.stderr) == (2, f"masonry-cd: error: {said}\n")
+
+
+def test_parts_of_scenes_and_of_studies_have_keys_that_there_are():
+    checks = {
+        "docs/howto/code_check.md": [lambda tables: limit_table(tables["limit"])],
+        "docs/limit_analysis.md": [lambda tables: limit_table(tables["limit"])],
+        "docs/scene_file.md": [lambda tables: parse_table(Material, {"density": 2000.0, "friction": 0.6} | tables["material"], "")],
+        "docs/studies.md": [lambda tables: parse_table(StudyTables, tables, ""), lambda tables: parse_table(SlurmTable, tables, "")],
+    }
+    parts = {page_name(page): [fence for fence in fences(page) if fence.language == "toml" and not fence.title] for page in PAGES}
+    assert {page: len(found) for page, found in parts.items() if found} == {page: len(each) for page, each in checks.items()}
+    for page, each in checks.items():
+        for fence, check in zip(parts[page], each, strict=True):
+            check(tomllib.loads(fence.text))

@@ -11,6 +11,7 @@ import pytest
 from places import EXAMPLES, ROOT
 
 import masonry_cd as mc
+from masonry_cd.interface.study_plots import StudyPlots
 
 PAGE = ROOT / "docs" / "python.md"
 SNIPPETS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
@@ -28,11 +29,20 @@ def test_the_snippets_run_one_after_the_other(tmp_path: Path, monkeypatch: pytes
     assert promised in said
     run = names["run"]
     assert isinstance(run, mc.Run)
+    study = names["study"]
+    assert isinstance(study, mc.Study)
+    assert (study.runs["status"] == "done").sum() == 8
     assert {"early.png", "report.html", "scene.toml", "motion1.csv"} <= {path.name for path in (tmp_path / "out" / "post").iterdir()}
 
 
 def test_every_name_and_table_is_on_the_page() -> None:
     text = PAGE.read_text(encoding="utf-8")
-    assert [name for name in mc.__all__ if f"mc.{name}" not in text and name not in ("Comparison", "Run", "Scene", "Structure")] == []
+    assert [
+        name for name in mc.__all__ if f"mc.{name}" not in text and name not in ("Comparison", "Run", "Scene", "Structure", "Study")
+    ] == []
     for name in re.findall(r"^\| `run\.(\w+)", text, re.MULTILINE):
         assert hasattr(mc.Run, name), name
+    for name in re.findall(r"`study\.(\w+)", text):
+        assert hasattr(mc.Study, name), name
+    for name in re.findall(r"`(\w+)\((?:\"\w+\")?\)`", text[text.index("`study.plot`") :].partition("\n\n")[0]):
+        assert hasattr(StudyPlots, name), name

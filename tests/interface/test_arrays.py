@@ -159,6 +159,17 @@ def test_arrays_in_the_scene_of_a_file_leave_its_other_files_where_they_are() ->
     assert prepare(made.checked).assembly.count == 4
 
 
+def test_structures_side_by_side_are_of_files_wherever_they_run(tables: dict[str, Any], tmp_path: Path, monkeypatch: Any) -> None:
+    monkeypatch.chdir(tmp_path)
+    mc.scene(tables).write(tmp_path / "one.toml")
+    rest = {key: item for key, item in tables.items() if key != "structure"}
+    places = [{"name": "a"}, {"name": "b", "at": [9.0, 0.0, 0.0]}]
+    two = mc.scene(rest | {"structures": [{"kind": "file", "path": "blocks.json"} | place for place in places]})
+    assert len(two.structure) == 2 * len(mc.scene(tables).structure)
+    with pytest.raises(mc.InputError, match=r"structures\[1\].blocks: blocks as arrays are those of one structure"):
+        mc.scene(EXAMPLES / "two_piers.toml", structures=[{"kind": "arch"} | places[0], tables["structure"] | places[1]])
+
+
 def test_changes_keep_the_arrays(tables: dict[str, Any]) -> None:
     first = mc.scene(tables | {"loads": [shaking() | {"direction": "x"}]})
     again = first.changed("run.duration=0.2", "loads[0].scale=2.0")

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ferris_tin_loi import FRICTION, dry_wall
 from limit_loads import joined, push_loads, pushed
 from models import GRAVITY, box, ground
 
+from benchmarks.dry_walls import FRICTION, dry_wall
 from masonry_cd.errors import InputError
 from masonry_cd.limit.analysis import Options, analyse, certificate
 from masonry_cd.limit.interfaces import area_shares

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ferris_tin_loi import ASSOCIATED, FRICTION, LEAST, dry_wall
 from limit_loads import pushed
 from models import box
 
+from benchmarks.dry_walls import ASSOCIATED, FRICTION, LEAST, dry_wall
 from masonry_cd.limit.analysis import Options
 from masonry_cd.model.blocks import Block
 from structures.geometry.prism import prism_xz

@@ -76,6 +76,13 @@ def verdict(text: str, check: str) -> str:
     return re.search(rf'<th scope="row">{check}</th>.*?<span class="verdict \w+">(\w+)</span>', text).group(1)
 
 
+def test_floors_of_the_scene_are_called_rigid_and_only_these(tmp_path):
+    floor = '[[structure.floors]]\nheight = 3.0\nthickness = 0.2\nmass = 300.0\nwalls = ["*"]\n'
+    said = "Bending, shear and stretching of the floors"
+    assert said in words(page_of(tmp_path, DRY + floor))
+    assert said not in words(page_of(tmp_path, DRY))
+
+
 def test_the_title_block_says_whose_report_it_is(tmp_path):
     given = '[report]\nproject = "Garden wall <3>"\nclient = "City//Works"\nauthor = "A. Engineer"\ndate = "May 2025"\n'
     text = page_of(tmp_path, DRY + given)
@@ -186,15 +193,26 @@ def test_the_load_factor_of_a_tilt_is_told_with_its_angle(tmp_path):
     assert "still stood at the load factor λ = 0.3 , with which the run ended" in said
 
 
+def test_a_factor_on_rigid_joints_is_not_passed_off_as_the_least(tmp_path):
+    factor = {"end": 0.3, "limit": 2e-3, "given_way": 0.25, "given_way_time": 1.5, "rigid": True}
+    said = words(page_of(tmp_path, DRY, SOUND | {"load_factor": factor}))
+    assert "This run found one, not the least: the command masonry-cd limit gives the bracket" in said
+    (tmp_path / "planar").mkdir()
+    bracket = {"limit_analysis": {"least_found": 0.2231, "associated": 0.2712}}
+    said = words(page_of(tmp_path / "planar", DRY, SOUND | {"load_factor": factor | bracket}))
+    assert "limit analysis has 0.223, the least found without dilation, to 0.271, the associated value" in said
+
+
 def test_shaking_and_ties_have_tables(tmp_path):
     peaks = {"pga": 3.0, "pgv": 0.3, "pgd": 0.02}
     shock = {"name": "foreshock", "components": [{"direction": [0, 1, 0], "after": peaks}]}
     tables = [{"kind": "sinusoidal", "direction": [1, 0, 0], "after": peaks}, {"kind": "sequence", "shocks": [shock]}]
     tie = {"blocks": ["a", "b"], "tension_max": 1.05e6, "stress_max": 2.1e8, "tension_max_time": 1.234, "tension_end": 2e3}
-    text = page_of(tmp_path, summary=SOUND | {"loads": {"tables": tables}, "ties": [tie]})
+    yielded = tie | {"name": "nave", "yield_time": 0.5123}
+    text = page_of(tmp_path, summary=SOUND | {"loads": {"tables": tables}, "ties": [tie, yielded]})
     said = words(text)
     assert "load 1, sinusoidal x 3 (0.31 g) 30 cm/s 20 mm" in said and "foreshock y 3 (0.31 g)" in said
-    assert "a to b 1.05 MN 210 1.23 2 kN" in said
+    assert "a to b 1.05 MN 210 1.23 2 kN –" in said and "nave 1.05 MN 210 1.23 2 kN 0.512" in said
     assert text.index('id="capacity-title"') < text.index('id="ties-title"') < text.index('id="damage-title"')
 
 

@@ -322,6 +322,16 @@ def test_an_unknown_block_is_reported(page):
     assert page.run("return document.getElementById('no-block').textContent") == "There is no block “nobody”."
 
 
+def test_no_tile_stands_alone_on_a_wide_page(page):
+    rows = "const tops = [...document.querySelectorAll('.tiles div')].map((t) => Math.round(t.getBoundingClientRect().top)); "
+    page.size(1400, 1000)
+    tops = page.run(rows + "return tops")
+    counts = [tops.count(top) for top in sorted(set(tops))]
+    assert len(counts) <= 2
+    assert min(counts) >= max(counts) - 1
+    page.size(1500, 1000)
+
+
 def test_it_prints(page):
     assert page.pdf().startswith(b"%PDF")
 

@@ -165,6 +165,12 @@ def test_few_records_are_warned_of_and_runs_that_failed_are_no_data(tmp_path: Pa
     assert {row["runs"] for row in table(tmp_path / "fragility.csv")} == {"23"}
 
 
+def test_records_whose_names_differ_by_an_apostrophe_stay_two(tmp_path: Path):
+    names = {"tis": "'tis", "x": "''=x"}  # the second is guarded in the file
+    rows = [rows_of(Made(records=3))[0] | {"motion": name} for pair in names.items() for name in pair]
+    assert read_study(write_study_folder(tmp_path, Made(), rows)).motions == ("tis", "'tis", "x", "'=x")
+
+
 def test_grades_are_limit_states_by_their_number(tmp_path: Path):
     made = Made(limit_states={"heavy": {"quantity": "grade", "at_least": "D3"}, "collapse": COLLAPSE})
     write_study(write_study_folder(tmp_path, made))

@@ -6,6 +6,7 @@ import csv
 import json
 from pathlib import Path
 
+import browser as browsers
 import h5py
 import numpy as np
 import pytest
@@ -18,10 +19,12 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.io.summary_file import read_summary
 from reports.drawing.structure_picture import structure_picture
 from reports.drawing.tie_lines import PULLING
 from reports.maps.crack_map import crack_map
-from reports.ties import histories, tie_lines
+from reports.page import write_page
+from reports.ties import histories, tie_lines, tie_tensions
 from structures.ties import lines_of
 
 COLOUR = tuple(int(PULLING[i : i + 2], 16) for i in (1, 3, 5))
@@ -94,6 +97,40 @@ def test_the_page_has_a_line_for_each_tie(run):
     assert arrays["tie_point"].shape == (2, 3)
     assert arrays["tie_point"][:, 0] == pytest.approx([-3.6, 1.6], abs=0.05)  # as built, from the origin
     assert [name.split(".")[0] for name in held] == ["buttress1", "buttress2"]
+
+
+def test_the_page_has_the_tension_of_each_tie_at_its_frames(run):
+    with Results.open(run / "result.h5") as results:
+        times = np.asarray(results.time)
+        (tie,) = histories(results)
+        arrays = tie_tensions(results, times)
+    assert arrays["tie_tension"].shape == (1, len(times))
+    assert arrays["tie_tension"][0] == pytest.approx([tie.at(time) for time in times], rel=1e-6)
+    assert arrays["tie_tension"][0].max() > 5e3
+
+
+@pytest.mark.skipif(bool(browsers.missing()), reason=browsers.missing())
+def test_the_model_names_the_tension_beside_its_tie(run, tmp_path):
+    with Results.open(run / "result.h5") as results:
+        write_page(results, tmp_path / "report.html", read_summary(run))
+        (tie,) = histories(results)
+        last = float(results.time[-1])
+    with browsers.browser(tmp_path) as page:
+        page.open(tmp_path / "report.html")
+        labels = "done([...document.querySelectorAll('#tensions span')].map((s) => s.textContent))"
+        drawn = f"requestAnimationFrame(() => requestAnimationFrame(() => {labels}))"
+        (label,) = page.run_async(f"masonry.seek(1e9); {drawn}")
+        assert float(label.removesuffix(" kN")) == pytest.approx(tie.at(last) / 1e3, rel=5e-3)
+        page.click("#tension")
+        assert page.run_async(drawn) == []
+        assert page.complaints() == []
+
+
+def test_the_page_does_not_call_the_ties_of_a_structure_left_out(run, tmp_path):
+    with Results.open(run / "result.h5") as results:
+        write_page(results, tmp_path / "report.html", read_summary(run))
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "What is not modelled" in text and "Ties and anchors" not in text
 
 
 def test_ties_that_are_damaged_in_the_file_are_named(run, tmp_path):

@@ -33,11 +33,12 @@ def test_finishes_what_others_began(local: bool, speed: float) -> None:
 
 
 def test_convergence_is_faster_than_linear() -> None:
-    """Once the contacts have found their states, one step gains more than two digits, and eight reach rounding."""
-    problem = thrown(0.05)
+    """Once the contacts have found their states, one step gains more than two digits, and four reach rounding."""
+    standing = scenes.tower(10)
+    problem = replace(standing, v_free=standing.v_free + np.array([0.05, 0.0, 0.0, 0.0, 0.0, 0.0]))  # thrown sideways: it slides
     start = SOLVERS["admm"](problem, Options(tolerance=1e-7), None)
     errors = []
-    for steps in range(1, 9):
+    for steps in range(1, 5):
         errors.append(natural_map_error(problem, solve(problem, Options(tolerance=1e-15, max_iterations=steps), start).impulse))
     assert min(after / before for before, after in pairwise(errors)) < 1e-2
     assert errors[-1] < 1e-13

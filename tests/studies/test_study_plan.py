@@ -11,6 +11,7 @@ from studied import GRID, RECORDS, SCENE, STEP, changed, wave, write_records, wr
 
 from loads.signal.baseline import correct, integrate
 from masonry_cd.errors import InputError
+from masonry_cd.studies.study.checks import scene_of_run
 from masonry_cd.studies.study.designs.ida import next_level
 from masonry_cd.studies.study.plan import Plan
 from masonry_cd.studies.study.study_case import plan_of
@@ -147,6 +148,17 @@ def test_members_of_an_ensemble_differ_by_next_to_nothing(tmp_path: Path, pertur
     assert len(set(changes)) == 5
     assert 1e-9 < max(map(abs, changes)) <= 1e-8
     assert [run.asked.member for run in plan.runs] == [0, 1, 2, 3, 4]
+
+
+def test_members_begin_with_velocities_of_their_own(tmp_path: Path) -> None:
+    text = 'scene = "scene.toml"\ndesign = "ensemble"\n[ensemble]\nmembers = 3\nperturb = "velocities"\nsize = 1e-8\n'
+    plan = planned(tmp_path, text)
+    scenes = [scene_of_run(plan.maker.tables(run.asked)) for run in plan.runs]
+    assert [scene.run.first_velocities and scene.run.first_velocities.model_dump() for scene in scenes] == [
+        None, {"size": 1e-8, "seed": 1}, {"size": 1e-8, "seed": 2}
+    ]  # fmt: skip
+    assert len({run.name for run in plan.runs}) == 3
+    assert all("first_velocities = { size = 1e-08" in scene.text for scene in scenes[1:])  # what is kept of a run makes it again
 
 
 # --- names and growth ---------------------------------------------------------------------------------------------------------------
@@ -309,6 +321,7 @@ OF_RECORDS = [
     ({"pattern": r"pattern = '(?P<motion>.+)-(?P<component>.+)\.acc'"}, "study.toml:5: records.pattern: no file of records matches"),
     ({"pattern": "pattern = '(?P<motion>.+'"}, "study.toml:5: records.pattern: no regular expression"),
     ({"pattern": "pattern = '(?P<motion>.+)'"}, "study.toml:5: records.pattern: has no group (?P<component>...)"),
+    ({"shake": "shake = []"}, "study.toml:3: records: shake: names no axis"),
     ({"folder =": 'folder = "record"'}, "study.toml:4: records.folder: record: no such folder"),
     ({"x = ": 'x = ["NS"]'}, 'study.toml:6: records.x: the motion "quake_b" has components H1, H2, UD, none of NS'),
     ({"y = ": 'y = ["NS", "H1"]'}, 'study.toml:6: records.x: "NS" of the motion "far_c" is asked for along two axes'),

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import io
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from masonry_cd.cli.study import tell_end
 from masonry_cd.studies.study.progress import StudyProgress
 
 
@@ -41,3 +43,11 @@ def test_the_line_counts_what_is_done_running_and_failed() -> None:
     progress.planned(2.0)
     assert progress.line(2, 2).endswith("12.0 s left")
     assert progress.line(0, 0).endswith("waiting for workers")
+
+
+def test_reasons_that_are_not_named_at_the_end_are_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    reasons = {f"reason {k}": 9 - k for k in range(8)}
+    tell_end({"done": 0, "runs": 44, "failed": 44, "timeout": 0, "reasons": reasons}, tmp_path, quiet=True)
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.rpartition(": ")[2] for line in lines[:5]] == [f"reason {k}" for k in range(5)]
+    assert lines[5:] == [f"masonry-cd: warning: 9 of 44 runs without data, for 3 other reasons: see {tmp_path / 'runs.csv'}"]

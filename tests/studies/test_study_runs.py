@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import studied
-from studied import GRID, SCENE, rows_without_seconds, write_scene, write_study
+from studied import GRID, LONG, PATIENCE, SCENE, row_names, rows_without_seconds, started, wait_until, write_scene, write_study
 from typer.testing import CliRunner, Result
 
 from masonry_cd.cli.app import app
@@ -25,8 +24,6 @@ from masonry_cd.studies.study.engine import Engine
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.space import Asked
 from masonry_cd.studies.study.task import Outcome, Task
-
-PATIENCE = 120.0  # [s] for another process to get so far
 
 
 @pytest.fixture(scope="module")
@@ -56,19 +53,6 @@ def study(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def invoke(path: Path, *options: str) -> Result:
     """The command on a study file, its results beside it."""
     return CliRunner().invoke(app, ["study", str(path), "-o", str(path.parent / "out"), *options])
-
-
-def wait_until(holds: Callable[[], bool]) -> None:
-    """Wait for another process."""
-    end = time.monotonic() + PATIENCE
-    while not holds():
-        assert time.monotonic() < end, "it did not come so far"
-        time.sleep(0.02)
-
-
-def row_names(folder: Path) -> dict[str, int]:
-    """The rows that are there, by name, with the instant at which each was written."""
-    return {file.stem: file.stat().st_mtime_ns for file in (folder / "rows").glob("*.json")}
 
 
 # --- what a study leaves ------------------------------------------------------------------------------------------------------------
@@ -192,17 +176,6 @@ def test_an_ida_hunts_and_its_runs_are_found_again(scheduler: str, tmp_path: Pat
     again = invoke(path)
     assert f"{len(rows)} runs so far, 0 of them to be made" in again.stderr
     assert rows_without_seconds(tmp_path / "out") == table
-
-
-def started(path: Path, *options: str) -> subprocess.Popen[str]:
-    """The command in a process group of its own."""
-    command = [sys.executable, "-m", "masonry_cd", "study", str(path), "-o", str(path.parent / "out"), *options]
-    return subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, env=dict(os.environ)
-    )
-
-
-LONG = {"[limit_states]": '"run.dt" = [1e-3, 8e-4, 5e-4]\n[limit_states]'}  # some seconds of runs
 
 
 @pytest.fixture

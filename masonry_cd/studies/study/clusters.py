@@ -26,10 +26,12 @@ if TYPE_CHECKING:
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 DEATHS = 10  # of workers that a run may cost before it counts as failed; a run that kills its worker does so each time
 ANSWER = 10.0  # that a scheduler has to answer in [s]
+SILENT = 300.0  # after which dask takes a worker for lost [s]
 GIGABYTE = 1e9
 SETTINGS = {
     "distributed.scheduler.allowed-failures": DEATHS,
     "distributed.comm.timeouts.connect": f"{ANSWER:g}s",
+    "distributed.deploy.lost-worker-timeout": "1000h",  # a worker that starts anew is not there for a while; it is not to be given up
     "distributed.admin.large-graph-warning-threshold": "1GB",
 }
 
@@ -69,6 +71,7 @@ class Where:
     slurm: Path | None = None  # file of a SlurmTable
     workers: int | None = None  # of this machine
     memory: float | None = None  # of each of them [GB]
+    longest: float = 0.0  # that a run may keep its worker from answering [s]; then it is ended by the watchdog
 
 
 @contextmanager
@@ -84,7 +87,8 @@ def connected(where: Where) -> Iterator[tuple[Client, str]]:
     for name in list(logging.root.manager.loggerDict):
         if name.startswith("distributed"):  # what it reports of lost workers and schedulers, the engine tells in a line
             logging.getLogger(name).setLevel(logging.CRITICAL)
-    with dask.config.set(SETTINGS):
+    silent = {"distributed.scheduler.worker-ttl": f"{max(SILENT, where.longest + ANSWER):g}s"}
+    with dask.config.set(SETTINGS | silent):
         if where.scheduler is not None:
             with _answering(where.scheduler) as client:
                 yield client, f"workers of {where.scheduler}"

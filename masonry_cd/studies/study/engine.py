@@ -1,6 +1,7 @@
 """Runs as futures: few in flight at a time, results as they come, so that memory stays flat over any number of them.
 
-A worker that dies costs its run, which the scheduler gives to another. A run that takes several workers with it is a failed row.
+A worker that dies costs its run, which the scheduler gives to another. A run that takes several workers with it is a failed row; one that
+hangs takes one, see watchdog.py.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from masonry_cd.errors import one_line
 from masonry_cd.studies.study.clusters import DEATHS
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.task import Outcome, Task, run_task
+from masonry_cd.studies.study.watchdog import given_up, hung, watched
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -66,7 +68,7 @@ class Engine:
 
     def _submit(self, run: Planned) -> None:
         """Give a run to the cluster."""
-        future = self.client.submit(self.function, self.task_of(run), key=f"run-{run.name}", pure=False)
+        future = self.client.submit(watched, self.function, self.task_of(run), key=f"run-{run.name}", pure=False)
         self._running[str(future.key)] = (future, run)
         future.add_done_callback(self._done.put)
 
@@ -99,6 +101,9 @@ class Engine:
             future.add_done_callback(self._done.put)
             return None
         except KilledWorker:
+            task = self.task_of(run)
+            if hung(task):
+                return given_up(task)
             reason = f"{DEATHS + 1} workers died with it: more memory than they may take, or a crash"
         except Exception as error:
             if future.status in ("cancelled", "lost") or not self._alive():

@@ -3,6 +3,7 @@
 study.toml        the study file as given
 study.json        what it resolves to, for the statistics
 rows/NAME.json    a finished run: done, failed or timeout
+rows/NAME.hang    where a run hung that was ended by the watchdog
 joints/NAME.npz   the joints of a run that is done
 reference/        result.h5 of the first run of the plan that is done
 runs/NAME/        run folders, where they are kept
@@ -13,7 +14,7 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +25,11 @@ from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.study_file import Study
-from masonry_cd.studies.study.task import Outcome
+from masonry_cd.studies.study.task import ROWS, Outcome
+from masonry_cd.studies.study.watchdog import SUFFIX as HANG
 
 NAME, TEXT = "study.json", "study.toml"
-ROWS, JOINTS, REFERENCE, RUNS = "rows", "joints", "reference", "runs"
+JOINTS, REFERENCE, RUNS = "joints", "reference", "runs"
 FORMAT = 1
 
 
@@ -83,18 +85,21 @@ class StudyFolder:
         with replacing(self.path / NAME) as part:
             part.write_text(json.dumps({"format": FORMAT, "program": __version__, **told}, indent=1, default=str) + "\n", encoding="utf-8")
 
-    def finished(self, names: set[str], retry: bool) -> dict[str, dict[str, Any]]:
+    def finished(self, retry: bool) -> dict[str, dict[str, Any]]:
         """The rows of runs that have ended; with ``retry`` those that are done alone."""
         found = {}
         for file in (self.path / ROWS).glob("*.json"):
-            row = _read_row(file) if not names or file.stem in names else None
+            row = _read_row(file)
             if row is not None and (row["status"] == "done" or not retry):
                 found[file.stem] = row
         return found
 
-    def row(self, name: str) -> dict[str, Any] | None:
-        """The row of a run, None where it has none."""
-        return _read_row(self.path / ROWS / f"{name}.json")
+    def forget_hangs(self, runs: Iterable[Planned]) -> None:
+        """Take away what says that runs hung, before they are made again."""
+        again = {run.name for run in runs}
+        for trace in (self.path / ROWS).glob(f"*{HANG}"):
+            if trace.stem in again:
+                trace.unlink()
 
     def add(self, run: Planned, outcome: Outcome) -> None:
         """Write what a run came to; its row last, so that a row stands for all of it."""
@@ -130,7 +135,7 @@ def digest_of(value: object) -> str:
 
 
 def _read_row(file: Path) -> dict[str, Any] | None:
-    """A row; None where there is none, or one that is damaged: its run is made again."""
+    """A row; None where it is damaged: its run is made again."""
     try:
         row = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError):

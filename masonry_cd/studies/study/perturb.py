@@ -1,4 +1,4 @@
-"""The tiny relative change of a scene by which a member of an ensemble differs from the scene itself."""
+"""The tiny change of a scene by which a member of an ensemble differs from the scene itself."""
 
 from __future__ import annotations
 
@@ -8,6 +8,11 @@ from masonry_cd.errors import InputError
 
 SIZES = {"sinusoidal": ("amplitude",), "record": ("scale", "target_pga")}  # keys by which loads grow, by kind
 UNSCALED = "scale"  # of a record that has neither key
+
+
+def set_in_motion(tables: dict[str, Any], size: float, member: int) -> None:
+    """Have the blocks begin with velocities of at most ``size`` in each direction [m/s], those of a member, in place."""
+    tables["run"]["first_velocities"] = {"size": size, "seed": member}
 
 
 def perturb(tables: dict[str, Any], what: str, change: float) -> None:
@@ -26,7 +31,7 @@ def perturb(tables: dict[str, Any], what: str, change: float) -> None:
             changed |= _grow(table, "record" if table is not load else str(load.get("kind")), 1.0 + change)
     if not changed:
         raise InputError(
-            'ensemble.perturb: no load of the scene is sinusoidal, a record or a sequence; perturb = "friction" is for any scene'
+            'ensemble.perturb: no load is sinusoidal, a record or a sequence; perturb = "friction" or "velocities" is for any scene'
         )
 
 

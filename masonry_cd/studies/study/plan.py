@@ -8,7 +8,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,9 +18,9 @@ from masonry_cd.app.scene_text import assign
 from masonry_cd.errors import InputError
 from masonry_cd.extensions import Extensions
 from masonry_cd.studies.study.designs import ida
-from masonry_cd.studies.study.perturb import perturb
+from masonry_cd.studies.study.perturb import perturb, set_in_motion
 from masonry_cd.studies.study.space import Asked, Space
-from masonry_cd.studies.study.study_file import Study
+from masonry_cd.studies.study.study_file import EnsembleTable, Study
 
 DESIGNS: Extensions[Any] = Extensions("masonry_cd.studies.study.designs", "runs")
 THRESHOLDS = ("opened", "slid", "grades")  # keys of [report] that change the numbers of a run
@@ -63,8 +63,7 @@ class Maker:
                 _assign(tables, f'vary."{key}"', key, value)
         self._shake(tables, asked)
         if asked.change:
-            ensemble = self.study.tables.ensemble
-            perturb(tables, "loads" if ensemble is None else ensemble.perturb, asked.change)
+            self._perturb(tables, asked)
         _make_absolute(tables, self.study.scene.folder)
         return tables
 
@@ -80,7 +79,7 @@ class Maker:
         plain = copy.deepcopy({key: value for key, value in tables.items() if key != "title"})
         plain["report"] = {key: value for key, value in plain.get("report", {}).items() if key in THRESHOLDS}
         plain["until_still"] = self.study.scene.until_still
-        self._replace_paths(plain)
+        _replace_paths(plain, self._digest)
         return hashlib.sha256(json.dumps(plain, sort_keys=True, default=str).encode()).hexdigest()[:NAME_LENGTH]
 
     def measures(self, asked: Asked) -> dict[str, float]:
@@ -108,22 +107,19 @@ class Maker:
         if records.table.duration == "record":
             tables["run"]["duration"] = motion.duration + records.table.rest
 
+    def _perturb(self, tables: dict[str, Any], asked: Asked) -> None:
+        """Make the scene that of a member of an ensemble."""
+        ensemble = self.study.tables.ensemble or EnsembleTable()
+        if ensemble.perturb == "velocities":
+            assert asked.member is not None
+            set_in_motion(tables, ensemble.size, asked.member)
+        else:
+            perturb(tables, ensemble.perturb, asked.change)
+
     def _degrees(self, asked: Asked) -> float:
         """By how much the horizontal pair is turned."""
         assert self.space.records is not None
         return float(asked.values.get(ROTATE, self.space.records.table.rotate))
-
-    def _replace_paths(self, table: Any) -> None:
-        """Put the digests of files in the place of their paths."""
-        if isinstance(table, list):
-            for item in table:
-                self._replace_paths(item)
-        elif isinstance(table, dict):
-            for key, value in table.items():
-                if key == "path" and isinstance(value, str):
-                    table[key] = self._digest(value)
-                else:
-                    self._replace_paths(value)
 
     def _digest(self, path: str) -> str:
         """SHA-256 of a file, with those that it lists."""
@@ -200,14 +196,19 @@ def _assign(tables: dict[str, Any], where: str, key: str, value: Any) -> None:
         raise InputError(f"{where}: {error}") from None
 
 
-def _make_absolute(table: Any, folder: Path) -> None:
+def _make_absolute(tables: dict[str, Any], folder: Path) -> None:
     """Write the paths of files in full, so that a scene may lie anywhere."""
+    _replace_paths(tables, lambda path: str((folder / path).resolve()))
+
+
+def _replace_paths(table: Any, by: Callable[[str], str]) -> None:
+    """Put something in the place of the paths of files, in place, tables within tables included."""
     if isinstance(table, list):
         for item in table:
-            _make_absolute(item, folder)
+            _replace_paths(item, by)
     elif isinstance(table, dict):
         for key, value in table.items():
             if key == "path" and isinstance(value, str):
-                table[key] = str((folder / value).resolve())
+                table[key] = by(value)
             else:
-                _make_absolute(value, folder)
+                _replace_paths(value, by)

@@ -107,6 +107,8 @@ class RecordsTable(Table):
             raise ValueError("values: should be values, each once")
         if self.folder is not None and not (self.x or self.y or self.z):
             raise ValueError('x: missing; which components shake along x, as ["NS", "H1"]')
+        if self.shake is not None and not self.shake:
+            raise ValueError("shake: names no axis; leave it out for all that are given")
         for axis in self.shake or ():
             if not getattr(self, axis):
                 raise ValueError(f'shake: names "{axis}", of which no components are given')

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import random
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.app.progress import Interrupt
+from masonry_cd.app.progress import Interrupt, Interrupted
 from masonry_cd.errors import InputError
 from masonry_cd.io.lock import locked
 from masonry_cd.studies.study.checks import check_first, check_varied
 from masonry_cd.studies.study.clusters import Where, connected
 from masonry_cd.studies.study.engine import Engine, SchedulerLost
-from masonry_cd.studies.study.folder import StudyFolder, digest_of
+from masonry_cd.studies.study.folder import NAME, StudyFolder, digest_of
 from masonry_cd.studies.study.plan import Plan, Planned
 from masonry_cd.studies.study.progress import StudyProgress
 from masonry_cd.studies.study.records import find_records
 from masonry_cd.studies.study.space import Space
-from masonry_cd.studies.study.study_file import read_study
+from masonry_cd.studies.study.study_file import Study, read_study
 from masonry_cd.studies.study.table import write_table
 from masonry_cd.studies.study.task import Outcome, Task
 
@@ -44,7 +44,15 @@ def plan_of(path: Path) -> Plan:
     Raises:
         InputError: anything wrong with the study, its scene, or its records.
     """
-    study = read_study(path)
+    return plan_of_study(read_study(path))
+
+
+def plan_of_study(study: Study) -> Plan:
+    """The plan of a study whose tables are checked; nothing is written.
+
+    Raises:
+        InputError: see :func:`plan_of`.
+    """
     space = Space(study.tables, find_records(study), study.varied)
     check_varied(study, space)
     try:
@@ -67,13 +75,13 @@ def study_case(plan: Plan, folder: Path, options: Options, say: Say) -> dict[str
 
     Raises:
         InputError: a bad study; the folder of another one; a scheduler that does not answer. Nothing is lost.
-        Interrupted: by a signal; rows of finished runs are kept.
+        Interrupted: by a signal; rows of finished runs are kept, and the tables are written of them.
     """
     study, here = plan.maker.study, StudyFolder(folder)
-    if options.resume and not (folder / "study.json").exists():
+    if options.resume and not (folder / NAME).exists():
         raise InputError(f"--resume: {folder} holds no study")
     if not options.force:
-        here.require_same(_identity(plan))
+        require_own(plan, folder)
     with locked(folder):
         if options.force:
             here.clear()
@@ -81,12 +89,21 @@ def study_case(plan: Plan, folder: Path, options: Options, say: Say) -> dict[str
         return _Made(plan, here, options, say).make()
 
 
+def require_own(plan: Plan, folder: Path) -> None:
+    """Refuse a folder that holds another study, or something else.
+
+    Raises:
+        InputError: names what differs.
+    """
+    StudyFolder(folder).require_same(_identity(plan))
+
+
 class _Made:
     """A study on its way."""
 
     def __init__(self, plan: Plan, folder: StudyFolder, options: Options, say: Say) -> None:
         self.plan, self.folder, self.options, self.say = plan, folder, options, say
-        self.rows = folder.finished(set(), options.retry)
+        self.rows = folder.finished(options.retry)
         self.stopped = ""
 
     def make(self) -> dict[str, Any]:
@@ -97,7 +114,13 @@ class _Made:
         )
         if missing:
             check_first(self.plan)
-            self._execute(missing, len(known))
+            self.folder.forget_hangs(missing)
+            try:
+                self._execute(missing, len(known))
+            except Interrupted as asked:
+                self.stopped = str(asked)
+                self._close()
+                raise
         if not self.stopped:
             self._complete_reference()
         return self._close()
@@ -154,7 +177,8 @@ class _Made:
     def _task(self, run: Planned, tables: Any, reference: bool) -> Task:
         """What a worker is asked."""
         folder = str(self.folder.path.resolve())
-        return Task(run.name, self.plan.maker.tables(run.asked), tables.run.timeout, tables.run.keep, folder, reference)
+        asked = tables.run
+        return Task(run.name, self.plan.maker.tables(run.asked), asked.timeout, asked.grace, asked.keep, folder, reference)
 
     def _complete_reference(self) -> None:
         """Have the first run of the plan that is done as the reference; it is made again where another one was the first."""
@@ -179,11 +203,7 @@ class _Made:
 
 def _reasons(rows: Iterable[dict[str, Any]]) -> dict[str, int]:
     """Why runs are no data, and how many each."""
-    found: dict[str, int] = {}
-    for row in rows:
-        if row["status"] != "done":
-            found[row["reason"]] = found.get(row["reason"], 0) + 1
-    return found
+    return Counter(row["reason"] for row in rows if row["status"] != "done")
 
 
 def _identity(plan: Plan) -> dict[str, str]:

@@ -30,12 +30,12 @@ from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
 from reports.damage.grades import NAMES as GRADES
 
 FORMAT = 1
-DESIGNS = ("grid", "sample", "stripes", "ida", "cloud", "ensemble")
 QUANTITIES = (
     "max_opening", "max_sliding", "displacement_max", "drift", "collapsed_blocks", "collapse_time", "grade", "grade_number", "steps_missed",
     "error_max",
 )  # fmt: skip
 OF_PARTS = (".grade_number", ".drift")
+MOST_SECONDS = 1e8  # of a run: three years
 Positive = Annotated[Number, Field(gt=0)]
 
 
@@ -124,10 +124,10 @@ class EnsembleTable(Table):
 
     members: Annotated[Count, Field(ge=2, le=1_000_000)] = 20
     """How many; the first is the scene itself."""
-    perturb: Literal["loads", "friction"] = "loads"
-    """The size of the loads, or the friction."""
+    perturb: Literal["loads", "friction", "velocities"] = "loads"
+    """The size of the loads, the friction, or the velocities that the blocks begin with."""
     size: Annotated[Number, Field(ge=1e-12, le=1e-3)] = 1e-9
-    """Largest relative change."""
+    """Largest relative change; of velocities, the largest in each direction [m/s]."""
 
 
 class RunTable(Table):
@@ -135,8 +135,10 @@ class RunTable(Table):
 
     workers: Annotated[Count, Field(ge=1, le=10_000)] | None = None
     """Processes of this machine, one thread each; as many as there are cores when not given."""
-    timeout: Positive = 3600.0
-    """The time of the clock that the steps of a run may take [s]; then it ends and counts as no data."""
+    timeout: Annotated[Number, Field(gt=0, le=MOST_SECONDS)] = 3600.0
+    """The time of the clock that the steps of a run may take [s]; then it ends after its step and counts as no data."""
+    grace: Annotated[Number, Field(gt=0, le=MOST_SECONDS)] = 300.0
+    """A run that takes longer than the timeout and this, set-up included, hangs: its worker is ended, and it counts as no data [s]."""
     keep: Literal["none", "summary", "all"] = "none"
     """What is kept of each run beside its row: nothing, its summary and joints.csv, or its whole folder."""
     memory: Positive | None = None
@@ -211,8 +213,22 @@ def read_study(path: Path | str) -> Study:
         InputError: no such file, no TOML, an unknown or missing key, a value out of range; names file, line and key.
     """
     path = Path(path)
-    text = _study_text(path)
-    origin, tables = Origin(text, path), parse_toml(text, path)
+    return parse_study(_study_text(path), path)
+
+
+def parse_study(text: str, path: Path, called: str = "") -> Study:
+    """Check the text of a study and its scene.
+
+    Args:
+        text: TOML.
+        path: of its file, there or not; paths in the study are relative to its folder.
+        called: how messages call it where no user wrote the file; they then name no line.
+
+    Raises:
+        InputError: see :func:`read_study`.
+    """
+    origin = Origin("" if called else text, Path(called) if called else path)
+    tables = parse_toml(text, origin.path)
     try:
         top = parse_table(StudyTables, tables, "")
         _check_design(top)
@@ -225,7 +241,7 @@ def read_study(path: Path | str) -> Study:
             raise InputError(f"{origin.of('scene')}: scene: {file}: no such scene file")
         scene, own = read_scene(file), parse_toml(read_text(file), file)
         return Study(path, text, top, scene, own, top.scene, varied, origin)
-    inner = Origin(text, path, within="scene.")
+    inner = Origin(origin.text, origin.path, within="scene.")
     return Study(path, text, top, scene_of(top.scene, dump_toml(top.scene), path, inner), top.scene, path.name, varied, origin)
 
 

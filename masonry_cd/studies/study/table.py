@@ -10,9 +10,9 @@ from masonry_cd.atomic import replacing
 from masonry_cd.csv_files import write_csv
 from masonry_cd.studies.study.numbers import QUANTITIES
 from masonry_cd.studies.study.plan import Maker, Planned
+from reports.study.folder import FIRST
 
 CSV, PARQUET = "runs.csv", "runs.parquet"
-FIRST = ("run", "motion", "level", "seed", "status", "reason", "seconds")
 OF_PART = ("grade_number", "drift")
 
 

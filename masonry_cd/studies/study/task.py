@@ -1,7 +1,7 @@
 """One run, as a worker makes it: a scene goes in, a row of numbers comes out.
 
 The row depends on the scene alone, seconds and worker aside. Structures are kept from run to run, since in most studies only the loads
-differ. A run ends after the step in which its time is up; what fails is a row with its reason.
+differ. A run ends after the step in which its time is up; watchdog.py ends those that hang. What fails is a row with its reason.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from typing import Any
 
 from masonry_cd.errors import InputError, one_line
 
+ROWS = "rows"  # folder of a study with what each run came to
 RESULTS = "result.h5"
 SUMMARIES = ("summary.json", "joints.csv")  # what keep = "summary" keeps
 STRUCTURES = 4  # that a worker keeps
@@ -34,6 +35,7 @@ class Task:
     name: str  # of the run
     tables: Mapping[str, Any]  # of its scene
     timeout: float  # of the clock, for its steps [s]
+    grace: float = 300.0  # beyond it, for all of the run, before the worker is ended [s]
     keep: str = "none"  # none | summary | all
     folder: str = ""  # of the study, where something is kept
     reference: bool = False  # send the result file back as well

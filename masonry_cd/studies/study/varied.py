@@ -97,10 +97,7 @@ class Distribution(Table):
 
     def extremes(self) -> tuple[float, float]:
         """The ends of its range; those that one draw in a million passes where it has none."""
-        return self.quantile(0.0 if self._bounded("low") else FAR), self.quantile(1.0 if self._bounded("high") else 1.0 - FAR)
-
-    def _bounded(self, end: str) -> bool:
-        return getattr(self, end) is not None
+        return self.quantile(FAR if self.low is None else 0.0), self.quantile(1.0 - FAR if self.high is None else 1.0)
 
     def _at(self, z: float) -> float:
         if self.distribution == "normal":
@@ -210,9 +207,7 @@ def _flat(table: Mapping[str, Any], above: str = "") -> list[tuple[str, Any]]:
     """Keys with dots, whether they were quoted or not: ``material.friction = [...]`` is a table in a table to TOML."""
     found: list[tuple[str, Any]] = []
     for key, value in table.items():
-        ends = (
-            not isinstance(value, Mapping) or not value or "distribution" in value or any(word in value for word in ("from", "to", "count"))
-        )
+        ends = not isinstance(value, Mapping) or not value or not ENDS.isdisjoint(value)
         found += [(above + key, value)] if ends else _flat(value, f"{above}{key}.")
     return found
 

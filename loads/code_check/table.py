@@ -1,0 +1,107 @@
+"""The keys of ``[limit.check]``: by which code a mechanism is checked, for which motion of the ground, and where in a building it is."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from loads.signal.accelerogram import Accelerogram, Scaled
+from loads.signal.site_spectrum import SiteSpectrum
+from masonry_cd.fields import Span
+
+Height = Annotated[float, Field(gt=0.0, le=1000.0)]
+Damping = Annotated[float, Field(gt=0.0, le=0.3)]
+
+
+class CheckRecord(Scaled, Accelerogram):
+    """A record in place of the spectrum of a code: the keys of a load of kind ``record`` that say which and how large."""
+
+
+class CheckTable(SiteSpectrum):
+    """The table ``[limit.check]``."""
+
+    code: Literal["NTC2018", "NTC2008", "EC8"] = "NTC2018"
+    """By which the mechanism is checked: NTC 2018 with its Circolare of 2019, NTC 2008 with that of 2009, or Eurocode 8."""
+    limit_state: Literal["SLD", "SLV", "SLC"] = "SLV"
+    """That the motion of the ground belongs to: damage, life safety, or collapse; SLD and SLC are of the Italian codes only."""
+    confidence_factor: Annotated[float, Field(ge=1.0, le=2.0)] = 1.35
+    """By which the capacity is divided; 1.35 where the strength of the masonry plays no part, as here (C8.7.1.2.1.3)."""
+    behaviour_factor: Annotated[float, Field(ge=1.0, le=4.0)] = 2.0
+    """q of the linear check at SLV, q_a of Eurocode 8."""
+    displacements: bool = True
+    """Check SLV and SLC by displacements, too: the mechanism is then followed to its end, some forty limit analyses."""
+    record: CheckRecord | None = None
+    """In place of a spectrum: path, units, scale and so on, as of a load of kind record."""
+    height: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0
+    """Of the lines at which the mechanism is held, above the foundation of a building whose part it is [m]; 0 on the ground."""
+    building_height: Height | None = None
+    """H of that building, above the foundation [m]."""
+    building_period: Span | None = None
+    """T1 of it, in the direction of the push [s]."""
+    building_damping: Damping = 0.05
+    """xi1 of it, equivalent viscous; 0.1 to 0.2 where it is damaged as well."""
+    storeys: Annotated[int, Field(ge=1, le=200)] | None = None
+    """n of it: its mode takes part by 3 n / (2 n + 1)."""
+    participation: Annotated[float, Field(gt=0.0, le=3.0)] | None = None
+    """Or its coefficient of participation."""
+    element_period: Span | None = None
+    """T0 of a part that is free to vibrate before it gives way, as a parapet or a pinnacle [s]; rigid when not given."""
+
+    @model_validator(mode="after")
+    def _one_motion(self) -> Self:
+        if self.record is None and self.spectrum is None:
+            raise ValueError('spectrum: missing; give "EC8" or "NTC" with ag, or a record')
+        stray = self.model_fields_set & set(SiteSpectrum.model_fields)
+        if self.record is not None and stray:
+            raise ValueError(f"{min(stray)}: does not apply beside a record")
+        if self.code == "EC8" and "limit_state" in self.model_fields_set:
+            raise ValueError("limit_state: does not apply to EC8")
+        if self.limit_state == "SLC" and not self.displacements:
+            raise ValueError("displacements: SLC is checked by displacements only")
+        if self.code == "NTC2008" and self.limit_state == "SLC":
+            raise ValueError("limit_state: SLC does not apply to NTC2008")
+        if self.element_period is not None and (self.code == "NTC2008" or (self.code == "EC8" and not self.height)):
+            raise ValueError(f"element_period: does not apply to {self.code}{' on the ground' if self.code == 'EC8' else ''}")
+        return self
+
+    @model_validator(mode="after")
+    def _a_building_for_a_height(self) -> Self:
+        by_storeys = {"storeys", "participation"}
+        of_it = {"building_height", "building_period", "building_damping", *by_storeys}
+        given = self.model_fields_set
+        if self.height == 0.0:
+            stray = of_it & given
+            if stray:
+                raise ValueError(f"{min(stray)}: applies to a mechanism above the ground only, which has a height")
+            return self
+        missing = next((key for key in ("building_height", "building_period") if getattr(self, key) is None), None)
+        if missing:
+            raise ValueError(f"{missing}: missing, a mechanism above the ground needs it")
+        if self.code == "EC8":
+            stray = given & (by_storeys | {"building_damping"})
+            if stray:
+                raise ValueError(f"{min(stray)}: does not apply to EC8")
+        elif (self.storeys is None) == (self.participation is None):
+            raise ValueError("give storeys or participation, one of the two")
+        if self.building_height is not None and self.height > self.building_height:
+            raise ValueError(f"height: {self.height:g} m is above the building of {self.building_height:g} m")
+        return self
+
+    @property
+    def by_displacements(self) -> bool:
+        """Whether a check by displacements is made."""
+        return self.displacements and self.code != "EC8" and self.limit_state != "SLD"
+
+    @property
+    def share(self) -> float:
+        """psi(z), of a first mode that grows evenly with height."""
+        return self.height / (self.building_height or 1.0)
+
+    @property
+    def gamma(self) -> float:
+        """The coefficient of participation, 3 n / (2 n + 1) of n storeys."""
+        if self.participation is not None:
+            return self.participation
+        storeys = self.storeys or 1
+        return 3.0 * storeys / (2.0 * storeys + 1.0)

@@ -1,0 +1,61 @@
+"""The keys of a scene that say which code's response spectrum holds at a site."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, Field, model_validator
+
+from loads.motion import strict
+from loads.signal.code_spectrum import CodeSpectrum, ec8, ntc
+from masonry_cd.fields import Span
+
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+class SiteSpectrum(BaseModel):
+    """The elastic response spectrum of a code at a site."""
+
+    model_config = strict
+
+    spectrum: Literal["EC8", "NTC"] | None = None
+    """Of Eurocode 8 or of the Italian code NTC."""
+    ag: Positive | None = None
+    """Peak ground acceleration on rock [m/s2]."""
+    ground: Literal["A", "B", "C", "D", "E"] = "A"
+    """Ground type."""
+    type: Literal[1, 2] | None = None
+    """Of the spectrum, EC8 only; 1 when not given."""
+    f0: Positive | None = None
+    """Largest amplification at the site, NTC only."""
+    tc_star: Span | None = None
+    """Where the constant velocity of the spectrum begins at the site, NTC only [s]."""
+    topography: Literal["T1", "T2", "T3", "T4"] | None = None
+    """Category of the site, NTC only; T1 when not given."""
+
+    @model_validator(mode="after")
+    def _keys_of_one_code(self) -> Self:
+        of_ntc = {"f0": self.f0, "tc_star": self.tc_star, "topography": self.topography}
+        if self.spectrum is None:
+            return self
+        if self.ag is None:
+            raise ValueError("ag: missing, a spectrum needs it")
+        if self.spectrum == "EC8":
+            stray = next((key for key, value in of_ntc.items() if value is not None), None)
+        else:
+            stray = None if self.type is None else "type"
+            missing = next((key for key in ("f0", "tc_star") if of_ntc[key] is None), None)
+            if missing is not None:
+                raise ValueError(f"{missing}: missing, the spectrum of NTC needs it")
+        if stray is not None:
+            raise ValueError(f"{stray}: does not apply to a spectrum of {self.spectrum}")
+        return self
+
+    def spectrum_of_site(self, vertical: bool = False) -> CodeSpectrum:
+        """The spectrum; of keys that name one."""
+        assert self.ag is not None
+        if self.spectrum == "EC8":
+            return ec8(self.ag, self.ground, self.type or 1, vertical)
+        assert self.f0 is not None
+        assert self.tc_star is not None
+        return ntc(self.ag, self.f0, self.tc_star, self.ground, self.topography or "T1", vertical)

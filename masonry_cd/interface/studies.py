@@ -1,0 +1,303 @@
+"""Many runs of one scene, as ``masonry-cd study`` makes them: their table, fragilities, and pictures."""
+
+from __future__ import annotations
+
+import html
+import os
+import signal
+import sys
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from masonry_cd.app.progress import Interrupted
+from masonry_cd.errors import InputError, suggest
+from masonry_cd.interface.results import RESULTS, Run
+from masonry_cd.interface.running import RunWarning
+from masonry_cd.interface.study_plots import StudyPlots
+from masonry_cd.interface.tables import frame_of
+from masonry_cd.interface.temporary import TemporaryFolder
+from reports.study import words
+from reports.study.fits import Fits, fit_study
+from reports.study.folder import read_study
+from reports.study.joint_maps import JointStudy, joint_study
+from reports.study.measures import unit
+from reports.study.sensitivity import COLUMNS, Correlation, correlations
+from reports.study.tables import COLUMNS_OF_FITS, row_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from masonry_cd.studies.study.study_case import Plan
+
+COUNTS = ("seed", "collapsed_blocks", "grade_number", "steps", "steps_missed")  # columns of whole numbers
+UNITS = {"level": "", "max_opening": "m", "max_sliding": "m", "displacement_max": "m", "collapse_time": "s", "seconds": "s"}
+
+
+class Study:
+    """The runs of a study and what follows from them. Made by :func:`masonry_cd.study` and :func:`masonry_cd.open_study`.
+
+    Tables are DataFrames of pandas with columns as in the CSV files; ``table.attrs["units"]`` says their units. ``print(study)`` shows the
+    closing lines of the command line.
+    """
+
+    def __init__(self, folder: Path, keeper: TemporaryFolder | None = None) -> None:
+        self.folder = Path(folder)
+        """Where its files are."""
+        self.keeper = keeper  # of a temporary folder
+        self._found = read_study(self.folder)
+
+    @property
+    def title(self) -> str:
+        """Of pictures and closing lines."""
+        return str(self._found.asked["title"])
+
+    @cached_property
+    def runs(self) -> DataFrame:
+        """A row per run: what varied, intensity measures, damage, and how it ended; as in runs.csv."""
+        found = self._found
+        columns: dict[str, Any] = dict(found.columns)
+        for name in (name for name in columns if name.rpartition(".")[2] in COUNTS and found.is_number(name)):
+            if np.isfinite(columns[name]).all():
+                columns[name] = columns[name].astype(np.int64)
+        units = {name: unit(name) for name in found.measures} | {"level": unit(str(found.asked["measure"] or ""))}
+        return _with_units(frame_of(columns, columns.pop("run"), "run"), units)
+
+    @cached_property
+    def fragility(self) -> DataFrame:
+        """A row per limit state and method: median theta, beta, their 95 % bands, runs, how many exceeded; as in fragility.csv.
+
+        Columns beta_record and beta_model are the parts of beta, where the design tells them apart.
+        """
+        rows = [row_of(fit) | {name: fit.betas.as_dict()[name] for name in ("beta_record", "beta_model")} for fit in self._fits.fits]
+        measure = unit(str(self._found.asked["measure"] or ""))
+        table = _table(rows, (*COLUMNS_OF_FITS, "beta_record", "beta_model"), "limit_state")
+        return _with_units(table, dict.fromkeys(("theta", "theta_low", "theta_high"), measure))
+
+    @cached_property
+    def sensitivity(self) -> DataFrame:
+        """A row per quantity and variable: the rank correlation of the two, its band and p-value; as in sensitivity.csv."""
+        return _table([row._asdict() for row in self._correlations], COLUMNS, "variable")
+
+    @cached_property
+    def joint_probabilities(self) -> DataFrame:
+        """A row per joint: the share of the runs in which it opened, slid, or was lost, and the median of its largest opening [m].
+
+        Raises:
+            InputError: the study has no run with joints, or a file of them is broken.
+        """
+        if self._joints is None:
+            raise InputError(f"{self.folder}: no run of the study is done whose joints are known")
+        columns = self._joints.table
+        joints = np.arange(len(columns["block_a"]))
+        return _with_units(frame_of(columns, joints, "joint"), {"median_opening": "m"})
+
+    @cached_property
+    def stopped(self) -> str:
+        """Why there are fewer runs than planned, in words; empty where all were made. The same call as before goes on with it."""
+        planned, made = self._found.asked["runs"], self._found.count
+        if planned is None:
+            return f"{made} runs are made, and others follow from them"
+        return "" if made == planned else f"{made} of {planned} runs are made"
+
+    @cached_property
+    def lines(self) -> list[str]:
+        """What the runs say, in words: the closing lines of the command line."""
+        return words.lines_of(self._found, self._fits.fits, self._correlations)
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What must not pass in silence, a line each."""
+        return [*words.warnings_of(self._found), *self._fits.warnings]
+
+    @property
+    def plot(self) -> StudyPlots:
+        """Its pictures: ``study.plot.fragility()``, ``.stripes()``, ``.tornado()``, ``.probability()``, ``.page()`` and others."""
+        return StudyPlots(self._found, lambda: self._fits, lambda: self._correlations, lambda: self._joints)
+
+    def run(self, name: str) -> Run:
+        """A run whose folder was kept, with its tables and pictures.
+
+        Args:
+            name: from the index of :attr:`runs`.
+
+        Raises:
+            InputError: no such run, or one that was not kept.
+        """
+        names = self._found.text("run")
+        if name not in names:
+            raise InputError(f'run: the study has no run "{name}"{suggest(name, names)}')
+        if not (self.folder / "runs" / name / RESULTS).is_file():
+            raise InputError(f'run: "{name}" was not kept; a study with run = {{keep = "all"}} keeps the folders of its runs')
+        return Run(self.folder / "runs" / name, self.keeper)
+
+    @cached_property
+    def _fits(self) -> Fits:
+        return fit_study(self._found)
+
+    @cached_property
+    def _correlations(self) -> list[Correlation]:
+        return correlations(self._found)
+
+    @cached_property
+    def _joints(self) -> JointStudy | None:
+        return joint_study(self._found)
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines)
+
+    def __repr__(self) -> str:
+        done, count = int(self._found.done.sum()), self._found.count
+        some = "" if done == count else f", {done} of them done"
+        end = f"; {self.stopped}" if self.stopped else ""
+        return f'<Study "{self.title}": {self._found.asked["design"]}, {count} runs{some}{end}>'
+
+    def _repr_html_(self) -> str:
+        told = "".join(f"<li>{html.escape(line)}</li>" for line in self.lines[1:])
+        warned = "".join(f'<li style="color:#b3261e">warning: {html.escape(line)}</li>' for line in self.warnings)
+        return f"<b>{html.escape(self.lines[0])}</b><ul>{told}{warned}</ul>"
+
+
+def study(
+    source: str | os.PathLike[str] | Mapping[str, Any],
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    slurm: str | os.PathLike[str] | None = None,
+    progress: bool = True,
+    retry: bool = False,
+    force: bool = False,
+) -> Study:
+    """Make the runs of a study, or those that are missing, on all cores of this machine or on a cluster.
+
+    Args:
+        source: a study file; or a dict with its tables, whose ``scene`` may be anything that :func:`masonry_cd.scene` takes, and whose
+            paths begin in the working folder.
+        folder: for the results, made if need be; runs that have ended there are not made again. By default a temporary one that lasts as
+            long as the study that is returned.
+        workers: processes of this machine; ``run.workers`` of the study, or all cores, when not given.
+        scheduler: address of a dask scheduler that runs, in their place.
+        slurm: a file for workers as jobs of Slurm, in their place.
+        progress: say on standard error how far it is.
+        retry: make runs again that failed or ran out of time.
+        force: begin anew, whatever the folder holds.
+
+    Everything is checked before anything runs. Runs are made in processes of their own; a script needs no guard for them. Ctrl-C, or the
+    button that interrupts a notebook, ends the study: what is returned holds the runs that have ended, ``stopped`` says how many, and the
+    same call goes on. Warnings are shown as :class:`RunWarning`.
+
+    Raises:
+        InputError: anything wrong with the study, its scene or its records; the folder of another study; a scheduler that does not answer.
+
+    >>> import masonry_cd as mc
+    >>> post = mc.scene("examples/trilithon.toml", "run.dt=2e-3", "run.duration=0.1")
+    >>> tables = {
+    ...     "scene": post,
+    ...     "design": "grid",
+    ...     "vary": {"loads[0].amplitude": [0.3, 0.6], "material.friction": [0.4, 0.7]},
+    ... }
+    >>> study = mc.study(tables, workers=1, progress=False)
+    >>> study
+    <Study "Trilithon": grid, 4 runs>
+    >>> study.runs[["loads[0].amplitude", "material.friction", "status"]].values.tolist()
+    [[0.3, 0.4, 'done'], [0.3, 0.7, 'done'], [0.6, 0.4, 'done'], [0.6, 0.7, 'done']]
+    """
+    from masonry_cd.studies.study.clusters import Where
+    from masonry_cd.studies.study.study_case import Options, study_case
+
+    if (workers is not None) + (scheduler is not None) + (slurm is not None) > 1:
+        raise InputError("workers, scheduler and slurm exclude each other: give one of them")
+    if workers is not None and workers < 1:
+        raise InputError(f"workers: should be 1 or more, got {workers}")
+    keeper = TemporaryFolder() if folder is None else None
+    place = keeper.path if keeper is not None else Path(str(folder))
+    plan = _plan(source, place, force)
+    run = plan.maker.study.tables.run
+    where = Where(scheduler, None if slurm is None else Path(slurm), workers or run.workers, run.memory)
+    number, stopped = 0, ""
+    try:
+        with _without_main():
+            stopped = study_case(plan, place, Options(where, retry, force, quiet=not progress), _say if progress else _silent)["stopped"]
+    except Interrupted as asked:  # the tables are written of the runs that have ended
+        number = asked.number
+    if number not in (0, signal.SIGINT):
+        signal.raise_signal(number)
+    return _made(place, keeper, finished=not number and not stopped, stopped=stopped)
+
+
+def open_study(folder: str | os.PathLike[str]) -> Study:
+    """The study in a folder, made here or by the command line; also one that was interrupted.
+
+    Raises:
+        InputError: no study is there, or nothing of it can be read.
+    """
+    return Study(Path(folder))
+
+
+def _plan(source: str | os.PathLike[str] | Mapping[str, Any], folder: Path, force: bool) -> Plan:
+    """The plan of a study, checked."""
+    if isinstance(source, Mapping):
+        from masonry_cd.interface.study_tables import plan_of_tables
+
+        return plan_of_tables(source, folder, force)
+    if not isinstance(source, str | os.PathLike):
+        raise InputError(f"study: a file or a dict of its tables is needed, got a {type(source).__name__}")
+    from masonry_cd.studies.study.study_case import plan_of
+
+    return plan_of(Path(source))
+
+
+def _made(folder: Path, keeper: TemporaryFolder | None, finished: bool, stopped: str) -> Study:
+    """The study that was made; tables, pictures and the page are written of one that is whole."""
+    found = Study(folder, keeper)
+    lines = [stopped] if stopped else []
+    if finished:
+        from reports.study.outputs import write_study
+
+        lines += write_study(folder)["warnings"]
+    else:
+        lines += found.warnings
+    for line in lines:
+        warnings.warn(line, RunWarning, stacklevel=3)
+    return found
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Hide the script that called from the processes that are started: they would import it, and so call again what it calls."""
+    main = sys.modules["__main__"]
+    hidden = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
+    for name in hidden:
+        setattr(main, name, None)
+    try:
+        yield
+    finally:
+        for name, value in hidden.items():
+            setattr(main, name, value)
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
+
+
+def _silent(line: str) -> None:
+    """Say nothing."""
+
+
+def _table(rows: list[dict[str, Any]], columns: tuple[str, ...], index: str) -> DataFrame:
+    """A DataFrame of rows, with its columns also where there are none."""
+    found = {name: [row[name] for row in rows] for name in columns}
+    return frame_of(found, found.pop(index), index)
+
+
+def _with_units(table: DataFrame, units: Mapping[str, str]) -> DataFrame:
+    """A table with the units of further columns, those of length of a study among them."""
+    known = UNITS | dict(units)
+    table.attrs["units"] |= {name: known[name] for name in table.columns if known.get(name)}
+    return table

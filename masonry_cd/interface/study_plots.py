@@ -1,0 +1,125 @@
+"""The pictures of a study, drawn from its runs when they are asked for; each an image that a notebook shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+from masonry_cd.errors import InputError, suggest
+from masonry_cd.interface.plots import Page
+from reports.study.fits import Fits
+from reports.study.folder import Study
+from reports.study.joint_maps import JointStudy
+from reports.study.sensitivity import Correlation
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+SHARES = ("opened", "slid", "lost")
+
+
+class StudyPlots:
+    """What ``study.plot`` offers. A picture that the design or the runs do not allow is refused, with the names of those that there are.
+
+    Args:
+        study: the folder as it was read.
+        fits: the fragilities.
+        correlations: of what varied.
+        joints: what the runs did to the joints; None where that is not known.
+    """
+
+    def __init__(
+        self, study: Study, fits: Callable[[], Fits], correlations: Callable[[], list[Correlation]], joints: Callable[[], JointStudy | None]
+    ) -> None:
+        self._study, self._fits, self._correlations, self._joints = study, fits, correlations, joints
+
+    def fragility(self) -> Image:
+        """The probability that each limit state is exceeded, over the intensity, with its band and what was counted."""
+        return self._diagram("fragility")
+
+    def stripes(self) -> Image:
+        """Every run above its level, with the 16, 50 and 84 % of each level."""
+        return self._diagram("stripes")
+
+    def ida(self) -> Image:
+        """A line per record of an incremental dynamic analysis, with its quantiles."""
+        return self._diagram("ida")
+
+    def cloud(self) -> Image:
+        """A point per run over its intensity, with the regression."""
+        return self._diagram("cloud")
+
+    def spread(self) -> Image:
+        """The share of the runs up to a value, where no intensity varies."""
+        return self._diagram("spread")
+
+    def tornado(self) -> Image:
+        """Which of what varied goes with the damage."""
+        return self._diagram("tornado")
+
+    def probability(self, of: str = "opened", level: float | None = None) -> Image:
+        """The structure with each joint coloured by the share of the runs in which it opened, slid, or was lost.
+
+        Args:
+            of: opened, slid or lost.
+            level: of the intensity, for openings; all runs by default.
+
+        Raises:
+            InputError: no such map.
+        """
+        if of not in SHARES:
+            raise InputError(f'probability: "{of}" is none{suggest(of, SHARES)}; one of {", ".join(SHARES)}')
+        return self._map(f"probability_{of}" + (f"_at_{level:g}" if level is not None else ""))
+
+    def median_opening(self) -> Image:
+        """The structure with each joint coloured by the largest opening that half of the runs exceed."""
+        return self._map("median_opening")
+
+    def page(self) -> Page:
+        """study.html with all of it, which needs no network; tables and pictures in the folder are written again with it."""
+        from reports.study.outputs import PAGE, write_study
+
+        write_study(self._study.folder)
+        return Page(self._study.folder / PAGE)
+
+    def _diagram(self, name: str) -> Image:
+        """One of the diagrams."""
+        from reports.study.outputs import diagrams
+
+        known = diagrams(self._study, self._fits(), self._correlations())
+        if f"{name}.png" not in known:
+            raise InputError(f"{name}: not of this study; it has {_names(known)}")
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / f"{name}.png"
+            known[path.name](path)
+            return _image(path)
+
+    def _map(self, name: str) -> Image:
+        """One of the maps of the joints."""
+        from dataclasses import replace
+
+        found = self._joints()
+        known = found.maps(every_level=True) if found is not None else {}
+        if found is None or f"{name}.png" not in known:
+            raise InputError(f"{name}: no joint of this study shows it; there are {_names(known)}")
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / f"{name}.png"
+            found.draw([replace(known[path.name], path=path)])
+            return _image(path)
+
+
+def _names(known: object) -> str:
+    """Names of pictures, for a message."""
+    assert isinstance(known, dict)
+    return ", ".join(name.removesuffix(".png") for name in known) or "none"
+
+
+def _image(path: Path) -> Image:
+    """A picture whose file may go."""
+    from PIL import Image as images
+
+    with images.open(path) as picture:
+        picture.load()
+        return picture.copy()

@@ -1,0 +1,257 @@
+r"""Capacity curves: a mechanism followed at finite displacements, and the load factor that the moved structure still bears.
+
+At each step the blocks are where the last mechanism has brought them, their joints are found anew (:mod:`masonry_cd.limit.moved`), and a
+limit analysis of this geometry gives the factor and the mechanism that goes on (:mod:`masonry_cd.limit.following`), which may be another.
+The factor is drawn over the displacement of a control block along the load, until it vanishes.
+
+**Flow.** Where joints slide, the factor and the mechanism are those of sliding without dilation (the sequence of
+:mod:`masonry_cd.limit.nonassociated` from the forces of the associated problem), when ``starts`` asks for it; otherwise the factor is the
+associated one, an upper value, and the mechanism is followed without the dilation that its flow rule adds: blocks slide and do not climb.
+
+**Bond** is lost in joints that have hinged, slid or opened. **Ties** pull as they are then directed, those that yielded are longer for
+good, and those that have become shorter pull nothing until they are as long again.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from masonry_cd.limit.analysis import STANDS, Options, at_rest
+from masonry_cd.limit.mechanism import STILL
+from masonry_cd.limit.problem import Loads
+from masonry_cd.limit.solution import Unbounded
+from masonry_cd.limit.stage import Stage, Stages
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.joints import Joints
+
+STEPS = 40  # from start to end, about
+MOST = 6  # times so many steps at most
+FIRST = 0.01  # displacement of the fastest corner in the first step, as a share of the smallest width of a block
+LONGEST = 0.25  # and in any step
+VANISHES = "the factor vanishes"
+BELOW = "the factor falls below zero at once, where the mechanism changes"
+UNBORNE = "beyond, these joints bear no factor of the load: blocks fall, or hinges pass to other joints, which is not followed"
+FALLS = (VANISHES, BELOW)
+GONE = 1e-6  # share of the first factor at which it has vanished
+ROUNDING = 1e-5  # share below which it is shown as zero
+BEYOND = 1.05  # of what is left, so that the last step goes past the end
+TRIES = 30  # to find where it does
+SHORTEST = 1e-9  # step, as a share of the smallest width, below which blocks cannot go on
+
+
+@dataclass(frozen=True)
+class CurveOptions:
+    """What to follow, and how finely."""
+
+    analysis: Options = field(default_factory=Options)
+    steps: int = STEPS
+    control: int | None = None  # block; None: whose centre moves fastest along the load when the mechanism begins
+    limit: float = np.inf  # control displacement at which to stop [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Control:
+    """The centre of mass of a block, and the direction in which its displacement counts."""
+
+    block: int
+    point: np.ndarray  # (3,) as built [m]
+    direction: np.ndarray  # (3,) unit
+
+
+@dataclass(frozen=True, eq=False)
+class CapacityCurve:
+    """Factor against displacement at K points."""
+
+    control: Control
+    displacement: np.ndarray  # (K,) of the control point along its direction [m]
+    factor: np.ndarray  # (K,)
+    stages: tuple[Stage, ...]  # K
+    changes: tuple[int, ...]  # points at which other joints are at work than before
+    falls: bool  # at the last point the factor vanishes
+    end: str  # why the curve ends, in words
+    remarks: tuple[str, ...]
+    seconds: float
+
+    @property
+    def ultimate(self) -> float | None:
+        """Displacement at which the factor vanishes [m], None where the curve ends before."""
+        return float(self.displacement[-1]) if self.falls else None
+
+    @property
+    def peak(self) -> int:
+        """The point of the largest factor."""
+        return int(np.argmax(self.factor))
+
+    @property
+    def marks(self) -> tuple[int, ...]:
+        """Points whose mechanism is worth a look: the first, the peak, half the way, the last."""
+        half = int(np.argmin(np.abs(self.displacement - 0.5 * self.displacement[-1])))
+        return tuple(sorted({0, self.peak, half, len(self.factor) - 1}))
+
+    def shown_factor(self, k: int) -> float:
+        """The factor of a point as it is shown: zero where it has vanished but for rounding."""
+        return 0.0 if abs(self.factor[k]) < ROUNDING * abs(self.factor[0]) else float(self.factor[k])
+
+    def moved(self) -> np.ndarray:
+        """Centres of mass of the B blocks at all points, (K, B, 3) [m]."""
+        return np.array([stage.assembly.centre for stage in self.stages])
+
+
+def capacity_curve(assembly: Assembly, joints: Joints, loads: Loads, options: CurveOptions | None = None) -> CapacityCurve:
+    """Follow the mechanism of a structure until its load factor vanishes.
+
+    Args:
+        assembly: the blocks as built.
+        joints: of them.
+        loads: forces that keep their directions; point loads go with their blocks where ``arms`` says where they act.
+        options: how.
+
+    Raises:
+        InputError: as of :func:`masonry_cd.limit.analysis.analyse`; a structure that does not stand; supports that move.
+    """
+    options = options or CurveOptions()
+    if loads.support_velocity is not None:
+        raise InputError("limit.curve: supports that move have no load factor to follow; push, tilt or live loads have")
+    if at_rest(assembly, joints, loads, options.analysis)[1].factor < 1.0 - STANDS:
+        raise InputError("limit.curve: the structure does not stand under its dead loads: there is no factor to follow")
+    return _Path(assembly, joints, loads, options).followed()
+
+
+class _Path:
+    """A curve while it is followed."""
+
+    def __init__(self, assembly: Assembly, joints: Joints, loads: Loads, options: CurveOptions) -> None:
+        self.begin, self.options, self.width = time.perf_counter(), options, assembly.width
+        self.make = Stages(assembly, joints, loads, options.analysis)
+        try:
+            first = self.make.at(assembly, loads, joints)
+        except Unbounded as failure:
+            raise InputError(f"limit: no answer: {failure}") from None
+        self.stages = [first]
+        self.control = self._control(first)
+
+    def followed(self) -> CapacityCurve:
+        """The curve."""
+        amount, end = FIRST * self.width, ""
+        while not end:
+            last = self.stages[-1]
+            found, used, end = self._next(last, amount)
+            if found is None:
+                break
+            self.stages.append(found)
+            self.make.lengthen(found)
+            end = end or self._enough(found)
+            amount = self._amount(last, found, used, amount)
+        displacement = np.array([self.displacement(stage) for stage in self.stages])
+        work = [stage.at_work() for stage in self.stages]
+        return CapacityCurve(
+            control=self.control,
+            displacement=displacement,
+            factor=np.array([stage.factor for stage in self.stages]),
+            stages=tuple(self.stages),
+            changes=tuple(k for k in range(1, len(work)) if work[k] != work[k - 1] and work[k]),
+            falls=end in FALLS,
+            end=end,
+            remarks=self._remarks(),
+            seconds=time.perf_counter() - self.begin,
+        )
+
+    def displacement(self, stage: Stage) -> float:
+        """Of the control point [m]."""
+        return float((stage.assembly.centre[self.control.block] - self.control.point) @ self.control.direction)
+
+    def _next(self, last: Stage, amount: float) -> tuple[Stage | None, float, str]:
+        """The stage a step later, how far the fastest corner goes to it [m], and why the curve ends there, if it does."""
+        self.make.wear(last)
+        moving = last.motion()
+        moved, used = self.make.step(last, moving, amount)
+        if used < SHORTEST * self.width or moved.locked:
+            return None, 0.0, "the mechanism locks: its blocks cannot slide on without climbing" if moved.locked else "blocks meet"
+        try:
+            found = self.make.at(moved.assembly, moved.loads, moved.joints)
+        except Unbounded:
+            return self._last_borne(last, used)
+        gone = GONE * abs(self.stages[0].factor)
+        if found.factor > gone:
+            return found, used, ""
+        low, high, best = 0.0, used, found
+        below, above = last.factor, found.factor
+        for k in range(TRIES):
+            share = below / (below - above) if k % 3 else 0.5
+            middle = low + min(max(share, 0.02), 0.98) * (high - low)
+            moved, _ = self.make.step(last, moving, middle)
+            try:
+                best = self.make.at(moved.assembly, moved.loads, moved.joints)
+            except Unbounded:
+                high = middle
+                continue
+            if abs(best.factor) <= gone:
+                return best, middle, VANISHES
+            if best.factor > 0.0:
+                low, below = middle, best.factor
+            else:
+                high, above = middle, best.factor
+        return best, high, BELOW
+
+    def _last_borne(self, last: Stage, used: float) -> tuple[Stage | None, float, str]:
+        """Where no factor is borne a step later: the last stage before, by halving."""
+        moving, low, high, best = last.motion(), 0.0, used, None
+        for _ in range(TRIES // 2):
+            middle = 0.5 * (low + high)
+            moved, _ = self.make.step(last, moving, middle)
+            try:
+                best, low = self.make.at(moved.assembly, moved.loads, moved.joints), middle
+            except Unbounded:
+                high = middle
+        return best, low, UNBORNE
+
+    def _enough(self, found: Stage) -> str:
+        """Why the curve ends though the factor has not vanished, if it does."""
+        if self.displacement(found) >= self.options.limit:
+            return f"the control displacement of {self.options.limit:.4g} m is reached"
+        if len(self.stages) > MOST * self.options.steps:
+            return f"{MOST * self.options.steps} steps are made, and the factor has not vanished"
+        return ""
+
+    def _amount(self, last: Stage, found: Stage, used: float, amount: float) -> float:
+        """The next step [m], so that about as many are made as asked."""
+        slope = (found.factor - last.factor) / used
+        left = max(self.options.steps - len(self.stages), 1)
+        wanted = 2.0 * amount if slope >= 0.0 else BEYOND * found.factor / (-slope * left)
+        return float(np.clip(wanted, 0.5 * amount, min(2.0 * amount, LONGEST * self.width)))
+
+    def _remarks(self) -> tuple[str, ...]:
+        """What was not reached on the way."""
+        out = []
+        if self.make.unsettled:
+            where = f"in {self.make.unsettled} limit analyses on the way"
+            out.append(f"sliding without dilation came to no end {where}: these have the associated factor")
+        slid = any(stage.mechanism.sliding.max(initial=0.0) > STILL for stage in self.stages)
+        if slid and not self.options.analysis.starts:
+            out.append(
+                "joints slide: the curve has the associated factor, an upper value; limit.starts = 1 follows the one without dilation"
+            )
+        if self.make.stopped:
+            out.append(f"the solver ended before its tolerance in {self.make.stopped} limit analyses on the way")
+        return tuple(out)
+
+    def _control(self, first: Stage) -> Control:
+        """The block asked for, or the one that moves fastest along the load."""
+        live = first.loads.live[:, :3].sum(axis=0)
+        velocity = first.mechanism.velocity[:, :3]
+        size = float(np.linalg.norm(live))
+        if size <= 1e-9 * float(np.abs(first.loads.live[:, :3]).sum()):
+            live, size = velocity[int(np.argmax(np.linalg.norm(velocity, axis=1)))], 1.0
+        direction = live / np.linalg.norm(live)
+        block = self.options.control
+        if block is None:
+            along = velocity @ direction
+            near = np.flatnonzero(along >= (1.0 - 1e-6) * along.max())
+            block = int(near[np.argmax(first.assembly.centre[near, 2])])
+        if first.assembly.fixed[block]:
+            raise InputError(f'limit.curve.control: block "{first.assembly.names[block]}" is a support: it does not move')
+        return Control(block, first.assembly.centre[block].copy(), direction)

@@ -1,0 +1,217 @@
+r"""A mechanism followed over a finite step: its blocks move along their screws, and what touches goes on touching.
+
+Blocks that the mechanism moves alike are one body. A step takes each body along the screw of its velocity, then corrects what the motion of
+the others has changed meanwhile, by Newton steps of least norm: points that neither open nor slide stay together, points that slide stay on
+the surface on which they slide (the dilation of an associated mechanism is not followed) or, where that would lock all of it, part from it,
+and ties that neither yield nor go slack keep their length. With one degree of freedom this is exact, however long the step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from masonry_cd.limit.mechanism import STILL
+from masonry_cd.limit.moved import Placement
+from masonry_cd.limit.problem import Bars, LimitProblem
+from masonry_cd.limit.solution import Optimum
+from masonry_cd.model.blocks import Assembly
+
+ROUNDS = 12  # of Newton's method at most
+EXACT = 1e-12  # share of the mean size of a block to which constraints are met
+MISSED = 1e-9  # and where they are missed by more, those of points that bear nothing are dropped
+PARALLEL = 1e-9  # normals that differ by less are one
+LOCKED = 0.1  # share of a step that blocks go at least, where their mechanism does not lock
+BEARS = 1e-6  # share of the mean weight of a block above which a point bears
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """What a step keeps: N points at which ``rows`` times the shift between the two blocks stays zero, and the lengths of T ties."""
+
+    bodies: np.ndarray  # (N, 2)
+    local: np.ndarray  # (N, 2, 3) the point in the frame of either block, from its centre of mass
+    rows: np.ndarray  # (N, 3, 3) in the frame of the carrier; zero where nothing is asked
+    carrier: np.ndarray  # (N,) 0 or 1: which block carries the rows
+    ties: np.ndarray  # (T, 2) blocks
+    tie_arms: np.ndarray  # (T, 2, 3) ends, from the centres of mass
+    lengths: np.ndarray  # (T,) [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """How blocks move from where they are placed, by bodies: those of one move as one."""
+
+    velocity: np.ndarray  # (B, 6), the largest of any corner is one
+    body: np.ndarray  # (B,) body of each block, -1 of the blocks that do not move
+    kept: Kept
+    bearing: Kept  # of the points that bear only
+    size: float  # [m]
+    columns: np.ndarray  # of (v, w) in which blocks may move
+
+    def follow(self, start: Placement, amount: float) -> tuple[Placement, float]:
+        """Where the blocks are when the fastest corner has gone about ``amount`` [m], and by how much anything kept is missed [m].
+
+        ``start`` is where they are, not turned.
+        """
+        moved = start.along(self.velocity, amount)
+        end, missed = self._corrected(moved, self.kept)
+        if missed > MISSED * self.size:  # more is asked than can be kept: what bears nothing may part
+            end, missed = self._corrected(moved, self.bearing)
+        if self.progress(start, end) < LOCKED * amount:  # or only where nothing moves: what slides may part
+            end, missed = self._corrected(moved, self.bearing, parting=True)
+        return end, missed
+
+    def progress(self, start: Placement, end: Placement) -> float:
+        """How far any point has gone, about [m]."""
+        gone = np.linalg.norm(end.position - start.position, axis=1)
+        gone += self.size * np.linalg.norm(end.rotation - start.rotation, axis=(1, 2))
+        return float(gone.max(initial=0.0))
+
+    def _corrected(self, placement: Placement, kept: Kept, parting: bool = False) -> tuple[Placement, float]:
+        """A placement with all that is kept, as far as that goes, and what is missed; where ``parting``, surfaces that slide may part."""
+        missed, touching = np.inf, np.zeros(0, dtype=bool)
+        for _ in range(ROUNDS):
+            residual, matrix, centres, slides = self._equations(placement, kept)
+            if parting:
+                touching = ~slides | (residual < -EXACT * self.size) | (touching if len(touching) else False)
+                residual, matrix = np.where(touching, residual, 0.0), matrix * touching[:, None]
+            now = float(np.abs(residual).max(initial=0.0))
+            if now <= EXACT * self.size or (now >= missed and not parting):
+                return placement, now
+            missed = now
+            step = np.linalg.lstsq(matrix, -residual, rcond=1e-10)[0].reshape(-1, len(self.columns))
+            twist = np.zeros((len(step), 6))
+            twist[:, self.columns] = step
+            twist[:, 3:] /= self.size
+            moving = self.body >= 0
+            velocity = np.zeros((len(self.body), 6))
+            velocity[moving] = twist[self.body[moving]]
+            velocity[moving, :3] += np.cross(velocity[moving, 3:], placement.position[moving] - centres[self.body[moving]])
+            placement = placement.along(velocity, 1.0)
+        return placement, float(np.abs(self._equations(placement, kept)[0]).max(initial=0.0))
+
+    def _equations(self, placement: Placement, kept: Kept) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Residuals (R,), their rows over the twists of the bodies, rotations over the size, the centres of the bodies (M, 3), and
+        which of the residuals are gaps of surfaces that slide (R,)."""
+        count = int(self.body.max(initial=-1)) + 1
+        moving = self.body >= 0
+        owner = self.body[moving]
+        members = np.maximum(np.bincount(owner, minlength=count), 1)[:, None]
+        centres = np.stack([np.bincount(owner, part, minlength=count) for part in placement.position[moving].T], axis=1) / members
+        place = placement.position[kept.bodies] + np.einsum("neij,nej->nei", placement.rotation[kept.bodies], kept.local)
+        apart = place[:, 1] - place[:, 0]
+        carrier = kept.bodies[np.arange(len(kept.carrier)), kept.carrier]
+        rows = np.einsum("nrj,nij->nri", kept.rows, placement.rotation[carrier])
+        asked = np.flatnonzero(kept.rows.any(axis=2).ravel())
+        residual = np.einsum("nri,ni->nr", rows, apart).ravel()[asked]
+        ends = np.repeat(kept.bodies, 3, axis=0)[asked]
+        matrix = self._rows(rows.reshape(-1, 3)[asked], np.repeat(place, 3, axis=0)[asked], ends, centres)
+        slides = np.repeat(~kept.rows[:, 1:].any(axis=(1, 2)), 3)[asked]
+        if not len(kept.lengths):
+            return residual, matrix, centres, slides
+        tips = placement.position[kept.ties] + np.einsum("teij,tej->tei", placement.rotation[kept.ties], kept.tie_arms)
+        line = tips[:, 1] - tips[:, 0]
+        now = np.linalg.norm(line, axis=1)
+        more = self._rows(line / now[:, None], tips, kept.ties, centres)
+        all_of, no_gap = np.concatenate([residual, now - kept.lengths]), np.zeros(len(now), dtype=bool)
+        return all_of, np.vstack([matrix, more]), centres, np.append(slides, no_gap)
+
+    def _rows(self, direction: np.ndarray, place: np.ndarray, ends: np.ndarray, centres: np.ndarray) -> np.ndarray:
+        """Rates of relative displacements along directions (R, 3) at places (R, 2, 3) of blocks (R, 2)."""
+        matrix = np.zeros((len(direction), len(centres), 6))
+        for side, sign in ((0, -1.0), (1, 1.0)):
+            body = self.body[ends[:, side]]
+            row = np.flatnonzero(body >= 0)
+            arm = place[row, side] - centres[body[row]]
+            rates = np.concatenate([direction[row], np.cross(arm, direction[row]) / self.size], axis=1)
+            np.add.at(matrix, (row, body[row]), sign * rates)
+        return matrix[:, :, self.columns].reshape(len(direction), -1)
+
+
+def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.ndarray, bars: Bars) -> Motion:
+    """The motion of a mechanism.
+
+    Args:
+        problem: of the blocks where they are.
+        placed: the blocks there.
+        best: the forces.
+        velocity: (B, 6) of the blocks, over the largest of any corner.
+        bars: the ties of the problem, where they are now.
+    """
+    points = problem.points
+    apart = _at(placed, velocity, points.bodies, points.point)
+    opens = np.einsum("pi,pi->p", points.frame[:, 0], apart)
+    slip = np.linalg.norm(np.einsum("pdi,pi->pd", points.frame[:, 1:], apart), axis=1)
+    sliding = slip > STILL
+    bears = np.abs(best.force[:, 0]) > BEARS
+    lifted = (opens > STILL) & ~bears  # what bears and opens dilates
+    body = _bodies(placed, points.bodies, points.joint, np.maximum(slip, np.abs(opens)), velocity)
+    frames = np.zeros((points.count, 3, 3))
+    frames[:, : problem.directions] = points.frame
+    frames[sliding, 1:] = 0.0
+    frames[lifted] = 0.0
+    carrier = np.where(sliding, _carriers(placed, points.bodies, points.frame[:, 0]), 0)
+    line = bars.points[:, 1] - bars.points[:, 0]
+    longer = np.sum(line * _at(placed, velocity, bars.blocks, bars.points), axis=1) / np.linalg.norm(line, axis=1)
+    taut = (best.bars > BEARS) & (np.abs(longer) <= STILL)
+
+    def kept(keep: np.ndarray) -> Kept:
+        ends = points.bodies[keep]
+        local = points.point[keep][:, None] - placed.centre[ends]
+        arms = bars.points - placed.centre[bars.blocks]
+        return Kept(ends, local, frames[keep], carrier[keep], bars.blocks[taut], arms[taut], np.linalg.norm(line[taut], axis=1))
+
+    between = (body[points.bodies[:, 0]] != body[points.bodies[:, 1]]) & ~lifted
+    rigid = _as_bodies(velocity, placed, body)
+    return Motion(rigid, body, kept(between), kept(between & bears), problem.length, problem.columns)
+
+
+def _at(placed: Assembly, velocity: np.ndarray, ends: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Velocity of b less that of a, blocks (N, 2), at places (N, 3) or of each block (N, 2, 3): (N, 3)."""
+    arm = (place if place.ndim == 3 else place[:, None]) - placed.centre[ends]
+    both = velocity[ends, :3] + np.cross(velocity[ends, 3:], arm)
+    return np.asarray(both[:, 1] - both[:, 0])
+
+
+def _bodies(placed: Assembly, ends: np.ndarray, joint: np.ndarray, rate: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """The body of each block (B,): those that touch and move alike are one, -1 those that do not move."""
+    turning = np.linalg.norm(velocity[ends[:, 1], 3:] - velocity[ends[:, 0], 3:], axis=1) * placed.reach[ends].max(axis=1)
+    worst = np.zeros(int(joint.max(initial=-1)) + 1)
+    np.maximum.at(worst, joint, np.maximum(rate, turning))
+    alike = worst[joint] <= STILL
+    pairs = ends[alike]
+    count = placed.count
+    fixed = np.flatnonzero(placed.fixed)
+    first = np.concatenate([pairs[:, 0], fixed[:-1]])
+    second = np.concatenate([pairs[:, 1], fixed[1:]])
+    _, label = connected_components(coo_matrix((np.ones(len(first)), (first, second)), (count, count)), directed=False)
+    still = np.unique(label[fixed])
+    _, body = np.unique(np.where(np.isin(label, still), -1, label), return_inverse=True)
+    return np.asarray(body - 1)
+
+
+def _as_bodies(velocity: np.ndarray, placed: Assembly, body: np.ndarray) -> np.ndarray:
+    """Velocities (B, 6) as bodies move: each as the mean of its blocks."""
+    out, moving = np.zeros_like(velocity), body >= 0
+    owner, count = body[moving], int(body.max(initial=-1)) + 1
+    members = np.maximum(np.bincount(owner, minlength=count), 1)[:, None]
+    mean = np.stack([np.bincount(owner, part, minlength=count) for part in velocity[moving].T], axis=1) / members
+    centre = np.stack([np.bincount(owner, part, minlength=count) for part in placed.centre[moving].T], axis=1) / members
+    out[moving] = mean[owner]
+    out[moving, :3] += np.cross(mean[owner, 3:], placed.centre[moving] - centre[owner])
+    return out
+
+
+def _carriers(placed: Assembly, ends: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Which of both blocks (N, 2) has a face with the normal of a point, (N,): 0 or 1."""
+    solids, part_block = placed.shapes.solids, placed.shapes.part_block
+    owner = part_block[solids.owner_of_face()]
+    out = np.zeros(len(ends), dtype=np.int64)
+    for k, (pair, n) in enumerate(zip(ends, normal, strict=True)):
+        own = solids.normals[owner == pair[0]]
+        out[k] = int((own @ n).max() < 1.0 - PARALLEL)
+    return out

@@ -1,0 +1,142 @@
+"""A stage of a mechanism that is followed: the blocks where they are, and the limit analysis of them there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from masonry_cd.limit.analysis import Collapse, Options, collapse_of, largest_factor
+from masonry_cd.limit.following import LOCKED, Motion, motion
+from masonry_cd.limit.interfaces import interfaces
+from masonry_cd.limit.mechanism import STATES, STILL, Mechanism, mechanism
+from masonry_cd.limit.moved import Placement, moved_joints, touching_gap
+from masonry_cd.limit.nonassociated import least_factor
+from masonry_cd.limit.nonassociated_space import least_factor_in_space
+from masonry_cd.limit.problem import Bars, LimitProblem, Loads, plane_of, problem_at
+from masonry_cd.limit.solution import Optimum
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.joints import Joints
+
+SLACK = 1e-9  # share of its length by which a tie may be shorter and still pull
+HALVINGS = 40  # of a step in which blocks meet, at most
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A point of the curve: the blocks where they are, their joints there, and the mechanism that goes on."""
+
+    assembly: Assembly
+    loads: Loads
+    pulling: np.ndarray  # (T,) ties that are not slack
+    joints: Joints
+    problem: LimitProblem
+    best: Optimum
+    mechanism: Mechanism
+    associated: float  # factor; that of ``best`` where no joint slides
+
+    @property
+    def factor(self) -> float:
+        """The factor followed."""
+        return self.best.factor
+
+    def collapse(self) -> Collapse:
+        """The mechanism with its forces."""
+        return collapse_of(self.problem, self.best, self.mechanism, self.joints.count)
+
+    def at_work(self) -> frozenset[tuple[int, int, str]]:
+        """Joints that bear and hinge or slide, by their two blocks."""
+        made, joints = self.collapse(), self.joints
+        working = np.flatnonzero((self.mechanism.state > 0) & (self.mechanism.state < 4) & np.isfinite(made.force_point[:, 0]))
+        return frozenset((int(joints.block_a[j]), int(joints.block_b[j]), STATES[self.mechanism.state[j]]) for j in working)
+
+    def motion(self) -> Motion:
+        """How the mechanism moves the blocks."""
+        return motion(self.problem, self.assembly, self.best, self.mechanism.velocity, _only(self.loads.bars, self.pulling))
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """Blocks a step after a stage, before their limit analysis."""
+
+    assembly: Assembly
+    loads: Loads
+    joints: Joints
+    deepest: float  # overlap of any two blocks [m]
+    locked: bool  # what is kept leaves them where they were
+
+
+class Stages:
+    """Makes the stages of one structure, and remembers what their joints and ties have lost on the way."""
+
+    def __init__(self, assembly: Assembly, joints: Joints, loads: Loads, options: Options) -> None:
+        self.options, self.axis, self.gap = options, plane_of(assembly, loads), touching_gap(assembly)
+        self._bonded = {(int(a), int(b)) for a, b in zip(joints.block_a, joints.block_b, strict=True)}
+        self._rest = _lengths(loads.bars)
+        self.unsettled = 0  # searches for the factor without dilation that came to no end
+        self.stopped = 0  # programmes whose solver ended before its tolerance
+
+    def at(self, placed: Assembly, loads: Loads, joints: Joints) -> Stage:
+        """The limit analysis of blocks where they are.
+
+        Raises:
+            InputError: loads that do no work on any mechanism.
+            Unbounded: no factor is borne.
+        """
+        pulling = _lengths(loads.bars) >= self._rest * (1.0 - SLACK)
+        points = interfaces(placed, joints, self.axis)
+        whole = np.array([(int(a), int(b)) in self._bonded for a, b in points.bodies], dtype=bool)
+        points = replace(points, apex=np.where(whole, points.apex, 0.0), tension=np.where(whole, points.tension, 0.0))
+        problem = problem_at(placed, points, replace(loads, bars=_only(loads.bars, pulling)), self.axis)
+        best, _ = largest_factor(problem, self.options)
+        self.stopped += bool(best.stopped)
+        associated, moves = best.factor, mechanism(problem, placed, joints, best.velocity)
+        if self.options.starts and (moves.sliding > STILL).any():
+            search = least_factor_in_space if self.axis is None else least_factor
+            least = search(problem, best, 1, self.options.seed)
+            self.unsettled += least is None
+            if least is not None:
+                best, moves = least.optimum, mechanism(problem, placed, joints, least.optimum.velocity)
+        return Stage(placed, loads, pulling, joints, problem, best, moves, associated)
+
+    def wear(self, stage: Stage) -> None:
+        """Take away what the mechanism of a stage costs as soon as it moves: the bond of the joints at work."""
+        worked = np.flatnonzero(stage.mechanism.state > 0)
+        self._bonded -= {(int(stage.joints.block_a[j]), int(stage.joints.block_b[j])) for j in worked}
+
+    def lengthen(self, stage: Stage) -> None:
+        """Ties that have yielded on the way to a stage stay as long as they are."""
+        self._rest = np.maximum(self._rest, _lengths(stage.loads.bars))
+
+    def step(self, stage: Stage, motion: Motion, amount: float) -> tuple[Moved, float]:
+        """The blocks when the fastest corner has gone ``amount`` [m], or less where blocks meet before; and how far it has gone."""
+        moved = self._moved(stage, motion, amount)
+        if moved.deepest <= self.gap:
+            return moved, amount
+        low, high, best = 0.0, amount, None
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            moved = self._moved(stage, motion, middle)
+            if moved.deepest <= self.gap:
+                low, best = middle, moved
+                if moved.deepest > 0.0 and middle > 0.9 * high:
+                    break
+            else:
+                high = middle
+        return (best, low) if best is not None else (moved, 0.0)
+
+    def _moved(self, stage: Stage, motion: Motion, amount: float) -> Moved:
+        start = Placement.as_built(stage.assembly)
+        end, _ = motion.follow(start, amount)
+        placed = stage.assembly.placed(end.position, end.rotation)
+        found = moved_joints(placed, self.gap)
+        loads = stage.loads.moved(stage.assembly.centre, end.position, end.rotation)
+        return Moved(placed, loads, found.joints, found.deepest, motion.progress(start, end) < LOCKED * amount)
+
+
+def _lengths(bars: Bars) -> np.ndarray:
+    return np.asarray(np.linalg.norm(bars.points[:, 1] - bars.points[:, 0], axis=1))
+
+
+def _only(bars: Bars, which: np.ndarray) -> Bars:
+    return Bars(bars.blocks[which], bars.points[which], bars.strength[which])

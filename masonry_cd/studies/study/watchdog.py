@@ -1,0 +1,77 @@
+"""Ends a run that hangs, in a step or anywhere else, so that it becomes a row as well.
+
+A run looks at the clock after each step, which does not end a step that never returns; nor does an alarm of Python reach code that does
+not come back to Python. A thread without Python does (faulthandler): when the time is up it writes where the program hangs, and ends the
+process of the worker. Its nanny starts the worker anew, and the scheduler gives the run away again; who gets it finds what was written, and
+gives up.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from masonry_cd.studies.study.task import ROWS, Outcome, Task
+
+SUFFIX = ".hang"  # of the file in the folder of rows that says where a run hung
+
+
+def watched(make: Callable[[Task], Outcome], task: Task) -> Outcome:
+    """Make a run in a worker, which ends with it should it take longer than all of it may.
+
+    Args:
+        make: makes the run.
+        task: the run.
+    """
+    if hung(task):
+        return given_up(task)
+    if not _starts_anew():
+        return make(task)
+    with _alarm(task.timeout + task.grace, _trace(task)):
+        return make(task)
+
+
+def hung(task: Task) -> bool:
+    """Whether a run has ended its worker because it hung."""
+    try:
+        return bool(_trace(task).read_bytes())
+    except OSError:
+        return False
+
+
+def given_up(task: Task) -> Outcome:
+    """What a run came to that hung."""
+    reason = f"out of time, {task.timeout:g} s, in a step or a set-up that did not end"
+    return Outcome(task.name, {"status": "timeout", "reason": reason, "seconds": task.timeout + task.grace, "worker": ""})
+
+
+def _trace(task: Task) -> Path:
+    """The file that says where a run hung; empty while it runs."""
+    return Path(task.folder) / ROWS / f"{task.name}{SUFFIX}"
+
+
+def _starts_anew() -> bool:
+    """Whether this is a worker whose nanny starts it anew when it ends."""
+    from distributed import get_worker
+
+    try:
+        return bool(get_worker().nanny)
+    except ValueError:
+        return False
+
+
+@contextmanager
+def _alarm(seconds: float, trace: Path) -> Iterator[None]:
+    """End this process after some time, unless what is inside has ended."""
+    there = trace.parent.is_dir()  # without it the run is given away until as many workers were lost as it may cost
+    with (trace if there else Path(os.devnull)).open("wb") as file:
+        faulthandler.dump_traceback_later(seconds, exit=True, file=file)
+        try:
+            yield
+        finally:
+            faulthandler.cancel_dump_traceback_later()
+    if there:
+        trace.unlink(missing_ok=True)

@@ -1,0 +1,121 @@
+"""The picture of a capacity curve: the factor over the displacement, and the structure at marked points with what moves there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.limit.capacity import CapacityCurve
+from masonry_cd.limit.mechanism import STATES
+from masonry_cd.limit.stage import Stage
+from reports.deformed import Solids
+from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
+from reports.drawing.render import Layer, Lines, View, Window, render
+from reports.drawing.structure_picture import SUPPORT, around, block_layers, rgb, structure_window
+from reports.limit.picture import COLOURS as STATE_COLOURS
+from reports.limit.picture import DOT, MOVES, REST, STANDS, dots, view_of_motion
+
+LETTERS = "abcdefgh"
+PIXELS = 460  # width of the picture of a marked point
+DPI = 150
+UNITS = ((0.02, 1e3, "mm"), (0.2, 1e2, "cm"), (np.inf, 1.0, "m"))  # displacements below, factor, name
+
+
+def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: str, facts: str, view: str = "auto") -> None:
+    """Draw a capacity curve into a PNG.
+
+    Args:
+        curve: what to draw.
+        judged: (n, 3) displacement, and the factors between which that of the dynamics lies.
+        path: of the PNG.
+        title: of the picture.
+        facts: the line below it.
+        view: auto, front, back, side, top or isometric.
+
+    Raises:
+        InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    marks = curve.marks
+    images = _images(curve, view)
+    tall = max(image.shape[0] / image.shape[1] for image in images)
+    width, each = 12.0, 11.6 / len(marks)
+    below = min(each * tall, 5.2) + 0.45
+    height = 1.0 + 4.6 + 0.5 + below
+    figure: Any = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    figure.text(0.02, 1.0 - 0.32 / height, title, fontsize=15, fontweight="bold", color=INK, va="center", parse_math=False)
+    figure.text(0.02, 1.0 - 0.66 / height, facts, fontsize=10.5, color=FAINT, va="center", parse_math=False)
+    axes = figure.add_axes((0.08, (below + 0.65) / height, 0.89, 4.35 / height))
+    _curve(axes, curve, judged)
+    for k, (mark, image) in enumerate(zip(marks, images, strict=True)):
+        one = figure.add_axes((0.017 + k * each / width, 0.03 / height, 0.96 * each / width, (below - 0.4) / height))
+        one.imshow(image, interpolation="antialiased")
+        one.set_axis_off()
+        words = f"{LETTERS[k]}   factor {curve.shown_factor(mark):.3g}"
+        figure.text(0.017 + (k + 0.03) * each / width, (below - 0.18) / height, words, fontsize=11, color=INK, va="center")
+    for k, state in enumerate(STATES[1:3]):
+        figure.text(0.84 + 0.08 * k, (below + 0.14) / height, f"● {state}", fontsize=10, color=STATE_COLOURS[state], va="center")
+    save(figure, path)
+
+
+def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
+    """The line, its marks, what the dynamics says, and where the mechanism changes."""
+    largest = float(np.abs(curve.displacement).max())
+    _, scale, unit = next(row for row in UNITS if largest < row[0])
+    plain_axes(axes, "load factor")
+    axes.set_xlabel(f"displacement of the control block [{unit}]", fontsize=11, color=INK)
+    x = scale * curve.displacement
+    axes.plot(x, curve.factor, color=COLOURS[0], linewidth=2.0, label="limit analysis of the moved blocks")
+    upper = np.array([stage.associated for stage in curve.stages])
+    if (upper > curve.factor + 1e-4 * abs(curve.factor[0])).any():
+        axes.plot(x, upper, color=COLOURS[0], linewidth=1.1, linestyle="--", label="associated factor, an upper value")
+    for k, change in enumerate(curve.changes):
+        label = "other joints are at work" if k == 0 else None
+        axes.plot(x[change], curve.factor[change], "|", color=INK, markersize=13, markeredgewidth=1.3, label=label)
+    for k, (place, low, high) in enumerate(judged):
+        label = "dynamics: falls back below, goes on above" if k == 0 else None
+        axes.plot([scale * place] * 2, [low, high], "_-", color=COLOURS[1], linewidth=2.2, markersize=17, markeredgewidth=1.6, label=label)
+    for k, mark in enumerate(curve.marks):
+        axes.plot(x[mark], curve.factor[mark], "o", color=COLOURS[0], markersize=8, markeredgecolor="white")
+        axes.annotate(
+            LETTERS[k], (x[mark], curve.factor[mark]), xytext=(6, 8), textcoords="offset points", fontsize=12, fontweight="bold", color=INK
+        )
+    axes.margins(x=0.02)
+    axes.set_ylim(bottom=min(0.0, float(curve.factor.min())) - 0.02 * float(curve.factor.max()), top=1.12 * float(curve.factor.max()))
+    axes.legend(loc="upper right", fontsize=10, frameon=False)
+
+
+def _images(curve: CapacityCurve, view: str) -> list[np.ndarray]:
+    """The structure at the marked points, all in one framing: what stands, what moves, hinges and slips, outlines as built."""
+    built = Solids.from_blocks(curve.stages[0].assembly.blocks)
+    looking = view_of_motion(built, curve.stages[0].mechanism, view)
+    window = structure_window(built, looking)
+    free = ~built.fixed[built.vertex_block]
+    solids = [Solids.from_blocks(curve.stages[mark].assembly.blocks) for mark in curve.marks]
+    for moved in solids:
+        window = window.joined(around(looking.plane(moved.vertices[free]), 0.04))
+    pixels = PIXELS, round(float(np.clip(PIXELS * window.height / window.width, 0.4 * PIXELS, 2.2 * PIXELS)))
+    window = window.fitted(pixels)
+    return [
+        _image(curve.stages[mark], moved, built, looking, window, pixels) for mark, moved in zip(curve.marks, solids, strict=True)
+    ]  # fmt: skip
+
+
+def _image(stage: Stage, solids: Solids, built: Solids, looking: View, window: Window, pixels: tuple[int, int]) -> np.ndarray:
+    moves, joints = stage.mechanism, stage.joints
+    colours = np.where(moves.moving[:, None], rgb(MOVES), rgb(STANDS))
+    colours[solids.fixed] = rgb(SUPPORT)
+    reach = 1.0 + float(np.ptp(solids.vertices @ looking.towards)) + float(np.ptp(built.vertices @ looking.towards))
+    layers: list[Layer] = [*block_layers(solids, solids.vertices, colours, looking, window)]
+    layers.append(Lines(built.vertices - reach * looking.towards, built.edges(), REST, 1.0))
+    radius = 0.75 * DOT * window.width / pixels[0]
+    at_work = {(a, b): state for a, b, state in stage.at_work()}
+    for name in ("hinge", "slide", "hinge and slide"):
+        which = [j for j in range(joints.count) if at_work.get((int(joints.block_a[j]), int(joints.block_b[j]))) == name]
+        layers.append(dots(moves.hinge[which] + reach * looking.towards, STATE_COLOURS[name], looking, radius))
+    return render(layers, looking, window, pixels)

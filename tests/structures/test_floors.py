@@ -1,0 +1,199 @@
+"""structures.floors: floors fill their room, sit in seats that are cut for them, and carry what statics says of a rigid diaphragm."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from limit_loads import joined, push_loads
+from models import GRAVITY, box, ground
+
+import structures
+from masonry_cd.errors import InputError
+from masonry_cd.limit.analysis import Options, analyse
+from masonry_cd.limit.problem import Bars
+from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import mass_properties
+from structures import site
+from structures.floors import with_floors
+from structures.ties import Bar
+
+HOUSE = {
+    "kind": "tower", "side": 6.0, "side_y": 5.0, "height": 4.0, "thickness": 0.5, "course_height": 0.5, "unit_length": 1.5,
+    "belfry_width": 0.0, "door_width": 0.0, "bonded": False,
+}  # fmt: skip
+FLOOR = {"height": 3.0, "thickness": 0.25, "mass": 400.0, "walls": ["south", "north"]}
+
+
+def made(*floors: dict[str, Any], **keys: Any) -> structures.Made:
+    return structures.make({**HOUSE, **keys, "floors": list(floors)}, 2000.0, Path())
+
+
+def volume(blocks: list[Block]) -> float:
+    return sum(mass_properties(block.vertices, block.faces).volume for block in blocks)
+
+
+def named(blocks: list[Block], name: str) -> Block:
+    return next(block for block in blocks if block.name == name)
+
+
+def test_a_floor_fills_its_room_reaches_into_named_walls_and_ends_short_of_others():
+    plain, house = structures.make(HOUSE, 2000.0, Path()), made(FLOOR)
+    slab = named(house.blocks, "floor1")
+    assert slab.group == "floor1"
+    assert slab.vertices.min(axis=0) == pytest.approx([-2.5 + 0.01, -2.0 - 0.2, 2.75])
+    assert slab.vertices.max(axis=0) == pytest.approx([2.5 - 0.01, 2.0 + 0.2, 3.0])
+    assert slab.density * mass_properties(slab.vertices, slab.faces).volume == pytest.approx(400.0 * 4.98 * 4.4)
+    seats = 2 * 5.0 * 0.2 * 0.25  # which reach from wall to wall
+    assert volume(plain.blocks) - (volume(house.blocks) - volume([slab])) == pytest.approx(seats, rel=1e-9)
+    (note,) = house.notes
+    assert note == ('floor "floor1": rigid, 4.98 m by 4.4 m, 8.765 t, its top at z = 3 m, on seats of 0.2 m in the south, north')
+
+
+def test_stones_with_a_seat_are_one_stone_of_two_parts_and_those_cut_through_are_two():
+    house = made(FLOOR)
+    stone = named(house.blocks, "south.6.2")
+    assert len(stone.parts) == 2
+    through = made({**FLOOR, "height": 2.9, "bearing": 0.5})  # over the whole thickness, within a course
+    pieces = [block for block in through.blocks if block.name.startswith("south.6.2.s")]
+    assert [len(piece.parts) for piece in pieces] == [0, 0]
+    assert sorted(np.ptp(piece.vertices[:, 2]) for piece in pieces) == pytest.approx([0.1, 0.15])
+
+
+def test_a_floor_above_the_walls_lies_on_them():
+    house = made({**FLOOR, "height": 4.25, "walls": ["*"]})
+    slab = named(house.blocks, "floor1")
+    assert slab.vertices.min(axis=0) == pytest.approx([-2.7, -2.2, 4.0])
+    assert not any(block.parts for block in house.blocks)
+
+
+def test_two_walls_alone_carry_a_floor_as_long_as_they_are():
+    walls = [ground(5.0), box("a", (-1.0, -2.4, 0.0), (1.0, -2.0, 3.0)), box("b", (-1.0, 2.0, 0.0), (1.0, 2.4, 3.0))]
+    blocks, _, _ = with_floors(walls, [{**FLOOR, "walls": ["a", "b"]}])
+    slab = named(blocks, "floor1")
+    assert np.ptp(slab.vertices, axis=0) == pytest.approx([2.0, 4.4, 0.25])
+
+
+def test_anchors_hold_the_floor_to_the_outer_faces_of_its_walls():
+    bars = made({**FLOOR, "anchors": {"spacing": 2.5, "diameter": 0.02, "yield_force": 4e4}}).ties
+    assert [bar.keys["name"] for bar in bars] == ["floor1.south1", "floor1.south2", "floor1.north1", "floor1.north2"]
+    assert {bar.blocks[0] for bar in bars} == {"floor1"}
+    assert [bar.blocks[1].split(".")[0] for bar in bars] == ["south", "south", "north", "north"]
+    assert bars[0].points == pytest.approx(np.array([[-1.245, -1.0, 2.875], [-1.245, -2.5, 2.875]]))
+    assert all(bar.keys["yield_force"] == 4e4 for bar in bars)
+
+
+def test_a_structure_in_its_place_takes_its_floors_along():
+    tables = [{"name": "a", **HOUSE}, {"name": "b", **HOUSE, "floors": [FLOOR], "at": [20.0, 0.0, 0.0], "rotate": 90}]
+    house = site.build(tables, 2000.0, Path())
+    slab = named(list(house.blocks), "b.floor1")
+    assert np.ptp(slab.vertices, axis=0) == pytest.approx([4.4, 4.98, 0.25])
+
+
+@pytest.mark.parametrize(
+    ("floor", "message"),
+    [
+        ({"walls": ["sooth"]}, 'structure.floors[0].walls: "sooth" is no group or block (did you mean "south"?); groups: '),
+        ({"height": 9.0}, "structure.floors[0].height: no block of south, north stands at or below z = 8.75 to 9 m"),
+        ({"bearing": 0.6}, "structure.floors[0].bearing: must be at most the depth of its wall in the south, 0.5 m, got 0.6"),
+        ({"height": 2.755}, 'structure.floors[0]: of block "south.6.1" a sliver of 5 mm would remain beside it at z = 2.505 m; the face'),
+        ({"inside": [0.0, 2.2]}, 'structure.floors[0].inside: no room about x = 0 m, y = 2.2 m at this height: block "north.6.'),
+        ({"inside": [0.0, 9.0]}, "structure.floors[0].inside: no room about x = 0 m, y = 9 m at this height: it lies outside the walls"),
+        ({"walls": ["south"]}, 'structure.floors[0].inside: no room about x = 0 m, y = -2.25 m at this height: block "south.6.'),
+        ({"name": "south"}, 'structure.floors[0].name: "south" is the name of other blocks'),
+        ({"anchors": {"spacing": 1e-3}}, "structure.floors[0].anchors.spacing: makes 4980 anchors on a wall, at most 500 are taken"),
+        ({"anchors": {"length": 4.5}}, "structure.floors[0].anchors.length: must be at most that of the floor there, got 4.5"),
+        ({"anchors": {"space": 1.0}}, "structure.floors[0].anchors.space: unknown key"),
+        ({"mass": 0.0}, "structure.floors[0].mass: input should be greater than 0, got 0.0"),
+    ],
+)
+def test_what_is_wrong_with_a_floor_is_said_in_one_line(floor, message):
+    with pytest.raises(InputError) as caught:
+        made({**FLOOR, **floor})
+    assert str(caught.value).startswith(message)
+
+
+# Two walls along x, 3 m high and 2 m long: one of courses and 0.4 m thick, and a block of 4 m that nothing moves, 3 m apart.
+# A floor of 0.2 m lies in seats of 0.15 m, its top flush with theirs.
+HIGH, LONG, THICK, APART, DEEP, SLAB, COURSES = 3.0, 2.0, 0.4, 3.0, 0.15, 0.2, 10
+MASS, DENSITY = 500.0, 2000.0
+
+
+def propped(courses: int, floor: bool) -> list[Block]:
+    beds = np.linspace(0.0, HIGH, courses + 1)
+    half = 0.5 * LONG
+    wall = [box(f"w{k}", (-half, 0.0, float(beds[k])), (half, THICK, float(beds[k + 1])), density=DENSITY) for k in range(courses)]
+    blocks = [ground(20.0), *wall, box("far", (-half, THICK + APART, 0.0), (half, THICK + APART + 4.0, HIGH), density=DENSITY)]
+    if not floor:
+        return blocks
+    table = {"height": HIGH, "thickness": SLAB, "mass": MASS, "walls": [f"w{courses - 1}", "far"], "bearing": DEEP, "inside": [0.0, 1.9]}
+    return with_floors(blocks, [table])[0]
+
+
+def factor_of(blocks: list[Block], towards: float, between: float, bars: Sequence[Bar] = ()) -> float:
+    """The largest push along y; ``between`` is the friction of the floor's own joints."""
+    names = [block.name for block in blocks]
+    friction = {"default": 2.0} if names[-1] != "floor1" else {"default": 2.0, "block-floor1": between}
+    assembly, joints = joined(blocks, friction)
+    ends = np.array([[names.index(end) for end in bar.blocks] for bar in bars], dtype=np.int64).reshape(-1, 2)
+    points = np.array([bar.points for bar in bars]).reshape(-1, 2, 3)
+    held = Bars(ends, points, np.array([bar.keys["yield_force"] for bar in bars]))
+    loads = push_loads(assembly, (0.0, towards, 0.0), held)
+    return analyse(assembly, joints, loads, Options(starts=0)).associated.factor
+
+
+def by_hinges(bed: float) -> float:
+    """The factor at which the wall folds towards the floor that props it: hinges at its toe, at a bed, and where the floor pushes back.
+
+    Unit turn of the lower piece about its inner toe. The upper one turns back about the bed's outer edge by phi, its seat leaning on the
+    lower edge of the floor; the inner edge of the seat lifts the floor, which turns by psi about its upper edge at the far wall.
+    """
+    foot, span = HIGH - SLAB, 2.0 * DEEP + APART  # of the seat [m]; of the floor [m]
+    lever = span - DEEP  # of the edge on which the floor is lifted
+    # phi (foot - bed) = bed + psi SLAB,   psi lever = THICK (1 + phi)
+    psi = THICK * (1.0 + bed / (foot - bed)) / (lever - THICK * SLAB / (foot - bed))
+    phi = (bed + psi * SLAB) / (foot - bed)
+    pieces = [  # volume, middle (y, z), of what has its density
+        (bed * THICK, 0.5 * THICK, 0.5 * bed),
+        ((HIGH - bed) * THICK, 0.5 * THICK, 0.5 * (HIGH + bed)),
+        (-SLAB * DEEP, THICK - 0.5 * DEEP, HIGH - 0.5 * SLAB),
+    ]
+    along = lift = 0.0
+    for k, (area, y, z) in enumerate(pieces):
+        weight = DENSITY * area
+        along += weight * (z if k == 0 else bed - phi * (z - bed))
+        lift += weight * (THICK - y if k == 0 else THICK + phi * y)
+    slab = MASS * span
+    return (lift + slab * 0.5 * psi * span) / (along - slab * 0.5 * psi * SLAB)
+
+
+def test_a_wall_that_a_floor_props_folds_at_the_factor_of_statics():
+    """Without a floor it overturns at thickness over height; propped by the diaphragm it must fold at the weakest of its beds."""
+    assert factor_of(propped(COURSES, floor=False), 1.0, 2.0) == pytest.approx(THICK / HIGH, rel=1e-6)
+    beds = np.linspace(0.0, HIGH, COURSES + 1)[1:-1]
+    least = min(by_hinges(float(bed)) for bed in beds)
+    assert least > 4.0 * THICK / HIGH
+    assert factor_of(propped(COURSES, floor=True), 1.0, 0.0) == pytest.approx(least, rel=1e-5)
+
+
+@pytest.mark.parametrize("strength", [0.0, 8e3])
+def test_anchors_hold_a_wall_back_by_their_yield_force(strength):
+    """A wall in one piece overturns away from the far one, about its outer toe by a unit, and takes the floor along.
+
+    Its seat lifts the floor by its inner edge and pushes it by the lower edge; the anchors of both walls stretch, by the height of the
+    floor's middle between them.
+    """
+    table = {"height": HIGH, "thickness": SLAB, "mass": MASS, "walls": ["w0", "far"], "bearing": DEEP, "inside": [0.0, 1.9]}
+    anchors = {"anchors": {"spacing": 1.0, "yield_force": strength}} if strength else {}
+    blocks, bars, _ = with_floors(propped(1, floor=False), [table | anchors])
+    assert len(bars) == (4 if strength else 0)
+    foot, span = HIGH - SLAB, 2.0 * DEEP + APART
+    psi = THICK / (span - DEEP)
+    wall = [(HIGH * THICK, 0.5 * THICK, 0.5 * HIGH), (-SLAB * DEEP, THICK - 0.5 * DEEP, HIGH - 0.5 * SLAB)]
+    held = sum(DENSITY * area * y for area, y, _ in wall) + MASS * span * 0.5 * psi * span
+    pushed = sum(DENSITY * area * z for area, _, z in wall) + MASS * span * (foot - 0.5 * psi * SLAB)
+    tied = 2.0 * strength / (GRAVITY * LONG) * (HIGH - 0.5 * SLAB)
+    assert factor_of(blocks, -1.0, 0.0, bars) == pytest.approx((held + tied) / pushed, rel=1e-5)

@@ -1,0 +1,94 @@
+"""Runs that hang, in a step or in the set-up: each is a row with its reason, and the study goes on with a new worker."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import studied
+from studied import GRID, rows_without_seconds, write_study
+from typer.testing import CliRunner
+
+from masonry_cd.cli.app import app
+from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, Where, connected
+from masonry_cd.studies.study.engine import Engine
+from masonry_cd.studies.study.plan import Planned
+from masonry_cd.studies.study.space import Asked
+from masonry_cd.studies.study.task import Outcome, Task
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+REASON = "out of time, 1 s, in a step or a set-up that did not end"
+
+
+@pytest.fixture(scope="module", params=[1, 2])
+def scheduler(request: pytest.FixtureRequest) -> Iterator[str]:
+    """The address of a scheduler with one worker or two, in which scenes of the amplitude HANGING hang."""
+    import dask
+    from distributed import LocalCluster  # before its settings are changed
+
+    alone = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50, "env": ONE_THREAD, "preload": ["hanging_worker"]}
+    with dask.config.set(SETTINGS), LocalCluster(n_workers=request.param, **alone) as cluster:
+        yield cluster.scheduler_address
+
+
+def executed(client: Client, folder: Path, function: Callable[[Task], Outcome], names: str) -> dict[str, dict[str, Any]]:
+    """The rows of tasks that stand in for runs, by name, each of which may take two seconds."""
+    (folder / "rows").mkdir(exist_ok=True)
+    rows: dict[str, dict[str, Any]] = {}
+
+    def ended(run: Planned, outcome: Outcome) -> list[Planned]:
+        rows[run.name] = dict(outcome.row)
+        return []
+
+    def task(run: Planned) -> Task:
+        return Task(run.name, {}, timeout=1.0, grace=1.0, folder=str(folder))
+
+    Engine(client, task, ended, lambda *_: None, function).execute(Planned(name, Asked(), 1.0) for name in names)
+    return rows
+
+
+def test_a_run_that_hangs_is_a_row(scheduler: str, tmp_path: Path) -> None:
+    from distributed import Client
+
+    with Client(scheduler, set_as_default=False) as client:
+        rows = executed(client, tmp_path, studied.waits_for_ever, "abcdef")
+    assert {name: row["status"] for name, row in rows.items()} == dict.fromkeys("acdf", "done") | dict.fromkeys("be", "timeout")
+    assert {rows[name]["reason"] for name in "be"} == {REASON}
+    traces = {file.stem: file.read_text() for file in (tmp_path / "rows").iterdir()}
+    assert traces.keys() == {"b", "e"}  # what the others had written is gone
+    assert all("Timeout" in trace and studied.waits_for_ever.__name__ in trace for trace in traces.values())
+
+
+def test_the_workers_of_this_machine_go_on_after_a_hang(tmp_path: Path) -> None:
+    with connected(Where(workers=1, longest=2.0)) as (client, _):
+        rows = executed(client, tmp_path, studied.waits_for_ever, "abc")
+    assert {name: row["status"] for name, row in rows.items()} == {"a": "done", "b": "timeout", "c": "done"}
+
+
+def test_a_set_up_that_hangs_is_a_row_of_the_table(scheduler: str, tmp_path: Path) -> None:
+    """The scene with the largest amplitude hangs in its set-up, in the workers alone."""
+
+    def made(*options: str) -> str:
+        command = ["study", str(path), "-o", str(tmp_path / "out"), "--scheduler", scheduler, *options]
+        result = CliRunner().invoke(app, command)
+        assert result.exit_code == 0, result.output
+        return result.output
+
+    path = write_study(tmp_path, GRID, **{'"loads': '"loads[0].amplitude" = [0.3, 0.4]'})
+    assert "4 of 4 runs done" in made()
+    before = rows_without_seconds(tmp_path / "out")
+    quick = {'"loads': f'"loads[0].amplitude" = [0.3, 0.4, {studied.HANGING}]'}
+    write_study(tmp_path, GRID + "[run]\ntimeout = 1.0\ngrace = 1.0\n", **quick)
+    assert "4 of 6 runs done, 0 failed, 2 ran out of time" in made()
+    table = rows_without_seconds(tmp_path / "out")
+    assert table[:5] == before
+    assert [f",timeout,{REASON}," in line for line in table] == [False] * 5 + [True] * 2
+    rows = [json.loads(file.read_text()) for file in (tmp_path / "out" / "rows").glob("*.json")]
+    assert sorted(row["status"] for row in rows) == ["done"] * 4 + ["timeout"] * 2
+    assert "4 of 6 runs done, 0 failed, 2 ran out of time" in made("--retry")  # they are made again, and hang again
+    assert rows_without_seconds(tmp_path / "out") == table
