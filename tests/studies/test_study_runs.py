@@ -46,7 +46,7 @@ def study(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_study(folder)
     result = invoke(folder / "study.toml", "--scheduler", scheduler)
     assert result.exit_code == 0, result.output
-    assert "6 of 6 runs done, 0 failed, 0 ran out of time" in result.stdout
+    assert "6 of 6 runs done, 0 failed, 0 ran out of time" in result.stdout, (folder / "out" / "runs.csv").read_text()
     return folder / "out"
 
 
