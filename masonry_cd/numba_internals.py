@@ -1,14 +1,15 @@
 """What reaches into numba beyond its public interface, for ``jit.py``, which says what for. Tried up to the version named there.
 
 A kernel that Python does not call ends as intermediate code in numba's pipeline, and is linked into its callers in that form. Cache entries
-are stamped by a string given. Settings are compared quickly, and calls with literal numbers use the version for all numbers of their kind.
-Kernels may be given to kernels as arguments, and what is compiled so is kept, too.
+are stamped by a string given, and processes may share them. Settings are compared quickly, and calls with literal numbers use the version
+for all numbers of their kind. Kernels may be given to kernels as arguments, and what is compiled so is kept, too.
 """
 
 from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable
+from hashlib import sha256
 from typing import Any
 
 import numba
@@ -64,9 +65,7 @@ class _StampedCache(caching.FunctionCache):
 
     def __init__(self, function: Callable[..., Any], stamp: str) -> None:
         super().__init__(function)
-        self._cache_file = caching.IndexDataCacheFile(
-            cache_path=self._cache_path, filename_base=self._impl.filename_base, source_stamp=stamp
-        )
+        self._cache_file = SharedFiles(cache_path=self._cache_path, filename_base=self._impl.filename_base, source_stamp=stamp)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The kept entry, or None where there is none that can be read."""
@@ -76,6 +75,29 @@ class _StampedCache(caching.FunctionCache):
             with contextlib.suppress(OSError):
                 self.flush()
             return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep an entry, where the disc has room for it."""
+        with contextlib.suppress(OSError):
+            super().save_overload(sig, data)
+
+
+class SharedFiles(caching.IndexDataCacheFile):
+    """The files of a cache that processes share: an entry's file has a name of its own, and is there before the index tells of it.
+
+    numba counts entries up. Two processes that compile for different kinds of arguments at once would take the same number, and what the
+    one has compiled be loaded for the arguments of the other.
+    """
+
+    def save(self, key: Any, data: Any) -> None:
+        """Save the entry of a key. Should another process write the index at this instant, one of the two entries is compiled again."""
+        name = self._data_name(int(sha256(repr(key).encode()).hexdigest()[:12], 16))
+        self._save_data(name, data)
+        try:
+            known = self._load_index()
+        except Exception:  # as in load_overload
+            known = {}
+        self._save_index(known | {key: name})
 
 
 def _take_numbers_by_kind(kernel: Any) -> None:

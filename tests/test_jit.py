@@ -12,6 +12,7 @@ import pytest
 from places import ROOT
 
 from masonry_cd.jit import entry, has_cache, kept, kernel
+from masonry_cd.numba_internals import SharedFiles
 
 
 @kernel()
@@ -88,6 +89,24 @@ def test_kernels_do_without_a_folder_for_their_cache():
     compiled = entry()(typed["third"])
     assert compiled(3.0) == 1.0
     assert not has_cache(compiled) and kept(compiled) == []
+
+
+def test_processes_that_compile_at_once_do_not_take_each_others_code(tmp_path):
+    """Another process, which has read the index before this one wrote it, saves its entry while this one does."""
+    shared = {"cache_path": str(tmp_path), "filename_base": "scaled", "source_stamp": "1"}
+
+    class Other(SharedFiles):
+        def _load_index(self):
+            return {}
+
+    class This(SharedFiles):
+        def _save_data(self, name, data):
+            Other(**shared).save(("floats",), "code for floats")
+            super()._save_data(name, data)
+
+    This(**shared).save(("integers",), "code for integers")
+    assert SharedFiles(**shared).load(("integers",)) == "code for integers"
+    assert SharedFiles(**shared).load(("floats",)) in (None, "code for floats")
 
 
 CALLEE = """
