@@ -39,7 +39,8 @@ def accuracy(
 
     Under strong shaking single runs differ by chance. With --ensemble N each setting is run N times, with amplitudes that differ by 1e-9:
     medians and quartiles of openings, sliding, displacement and drift, whether they differ from those of the finest setting by more than
-    chance, and which setting is good enough. Time steps are then the scene's own unless given; members.csv has every run.
+    chance, and which setting is good enough. Time steps are then the scene's own unless given; members.csv has every run. Runs are kept as
+    they end: after a kill the same command goes on, and with a larger N it makes only the runs that are new.
 
     \b
     Examples:
@@ -52,8 +53,8 @@ def accuracy(
         exclude(("--ensemble", ensemble), ("--seeds", seeds))
         exclude(("--ensemble", ensemble), ("--repeats", repeats))
         asked = {"solvers": solvers, "tolerances": tolerances, "dts": dts, "repeats": repeats, "duration": duration, "seeds": seeds}
-        asked |= {"ensemble": ensemble, "workers": workers}
-        measure, outputs = _measurement(ensemble, workers)
+        asked |= {"ensemble": ensemble, "workers": workers, "force": force}
+        measure, outputs = _measurement(ensemble, workers, output)
         free_folder(output, outputs, force)
         found = measure(source, asked, set_ or (), output, lambda line: None if quiet else typer.echo(line, err=True))
         if not quiet:
@@ -63,7 +64,7 @@ def accuracy(
             typer.echo(f"masonry-cd: warning: {line}", err=True)
 
 
-def _measurement(ensemble: int | None, workers: int) -> tuple[Callable[..., dict[str, Any]], tuple[str, ...]]:
+def _measurement(ensemble: int | None, workers: int, output: Path) -> tuple[Callable[..., dict[str, Any]], tuple[str, ...]]:
     """What measures, and the files that it writes."""
     from masonry_cd.errors import InputError
     from masonry_cd.studies import accuracy_case
@@ -74,4 +75,5 @@ def _measurement(ensemble: int | None, workers: int) -> tuple[Callable[..., dict
         return accuracy_case.accuracy_case, accuracy_case.OUTPUTS
     from masonry_cd.studies import accuracy_ensemble_case
 
-    return accuracy_ensemble_case.ensemble_case, accuracy_ensemble_case.OUTPUTS
+    kept = (output / accuracy_ensemble_case.KEPT).exists()
+    return accuracy_ensemble_case.ensemble_case, () if kept else accuracy_ensemble_case.OUTPUTS

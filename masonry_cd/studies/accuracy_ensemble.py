@@ -18,9 +18,7 @@ use the machine) and include what a run writes.
 
 from __future__ import annotations
 
-import multiprocessing
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -42,7 +40,7 @@ LEAST_DRIFT = 1e-5  # its like of a drift
 ASKED = (*NOTHING_DRAWN, "report.damage=true", "run.until_still=false", "run.threads=1")  # grades, runs of one length, a process each
 MEASURES = ("opening_max", "sliding_max", "displacement_max", "drift")
 
-Say = Callable[[str], None]
+Row = dict[str, Any]
 
 
 class Setting(NamedTuple):
@@ -51,6 +49,9 @@ class Setting(NamedTuple):
     solver: str
     dt: float  # [s]
     tolerance: float
+
+    def __str__(self) -> str:
+        return f"{self.solver}, dt {1e3 * self.dt:g} ms, tolerance {self.tolerance:g}"
 
 
 class Member(NamedTuple):
@@ -123,7 +124,7 @@ def members_of(scene: Path, changes: Sequence[str], setting: Setting, count: int
     return [Member(scene, (*changes, *ASKED, *own), 1.0 + PERTURBED * k) for k in range(count)]
 
 
-def run_member(member: Member) -> dict[str, Any]:
+def run_member(member: Member) -> Row:
     """Run it; what is kept of it.
 
     Raises:
@@ -139,31 +140,24 @@ def run_member(member: Member) -> dict[str, Any]:
 
 
 def ensemble_rows(
-    scene: Path, changes: Sequence[str], settings: Sequence[Setting], count: int, workers: int, say: Say
+    scene: Path, changes: Sequence[str], settings: Sequence[Setting], count: int, make: Callable[[Mapping[str, Member]], Mapping[str, Row]]
 ) -> list[EnsembleRow]:
-    """Run ensembles of a scene.
+    """Run ensembles of a scene: the first member of every setting, then the second of every one, and so on.
 
     Args:
         scene: its file.
         changes: of its keys, ``key=value``.
         settings: the finest last.
         count: members of each.
-        workers: runs at a time, each in a process of its own.
-        say: called with a line as runs end.
+        make: makes runs, by their names.
 
     Raises:
         InputError: a scene that is wrong.
     """
-    asked = [member for setting in settings for member in members_of(scene, changes, setting, count)]
-    found: list[dict[str, Any]] = []
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
-        for done in pool.map(run_member, asked):
-            found.append(done)
-            setting = settings[(len(found) - 1) // count]
-            named = f"{setting.solver}, dt {setting.dt:g} s, tolerance {setting.tolerance:g}"
-            say(f"run {len(found)} of {len(asked)}: {named}, {done['seconds']:.3g} s")
-    groups = [tuple(found[k : k + count]) for k in range(0, len(found), count)]
+    members = [members_of(scene, changes, setting, count) for setting in settings]
+    names = [[f"{setting}, member {k + 1}" for k in range(count)] for setting in settings]
+    found = make({names[i][k]: members[i][k] for k in range(count) for i in range(len(settings))})
+    groups = [tuple(found[name] for name in group) for group in names]
     return [
         EnsembleRow(setting, group, spreads_of(group, groups[-1]), group is groups[-1])
         for setting, group in zip(settings, groups, strict=True)

@@ -8,9 +8,12 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from masonry_cd import __version__
+from masonry_cd.app.inputs import file_digests
 from masonry_cd.app.scene import read_scene
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
+from masonry_cd.io.lock import locked
 from masonry_cd.quantities import in_words, length
 from masonry_cd.studies.accuracy_case import markdown, numbers_asked, solvers_asked, tolerances_asked, write_rows
 from masonry_cd.studies.accuracy_ensemble import (
@@ -23,10 +26,14 @@ from masonry_cd.studies.accuracy_ensemble import (
     EnsembleRow,
     ensemble_rows,
     good_enough,
+    run_member,
     settings_of,
 )
+from masonry_cd.studies.kept_runs import KeptRuns
+from masonry_cd.studies.study.folder import digest_of
 
 OUTPUTS = ("accuracy.csv", "accuracy.json", "accuracy.md", "accuracy.png", "members.csv")
+KEPT = "runs.jsonl"  # what has ended
 NAMES = {
     "opening_max": "largest opening",
     "sliding_max": "largest sliding",
@@ -42,7 +49,8 @@ def ensemble_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
 
     Args:
         source: a scene (TOML).
-        asked: ``solvers``, ``tolerances``, ``dts`` as typed or None; ``duration`` or None; ``ensemble``, ``workers``.
+        asked: ``solvers``, ``tolerances``, ``dts`` as typed or None; ``duration`` or None; ``ensemble``, ``workers``; ``force`` to begin
+            anew where the folder holds runs of the scene, which are gone on with otherwise.
         overrides: changes to the scene, ``key=value``.
         folder: for the outputs.
         say: called with a line on how far it is.
@@ -68,8 +76,17 @@ def ensemble_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
     settings = settings_of(solvers, dts or (scene.run.dt,), tolerances_asked(asked["tolerances"]) or TOLERANCES)
     for setting in settings:  # what is wrong with one of them is told before any runs
         read_scene(source, [*changes, f"run.dt={setting.dt!r}", f"run.tolerance={setting.tolerance!r}"])
-    rows = ensemble_rows(source, changes, settings, asked["ensemble"], asked["workers"], say)
-    return _write(scene.title, rows, folder)
+    identity = digest_of([__version__, scene.text, changes, file_digests([scene.structure, *scene.structures, *scene.loads], scene.folder)])
+    kept = KeptRuns(folder / KEPT, identity, asked["force"])
+
+    def told(name: str, found: Mapping[str, Any], left: int) -> None:
+        say(f"{name}: {found['seconds']:.3g} s; {left} of {len(settings) * asked['ensemble']} runs left")
+
+    with locked(folder):
+        rows = ensemble_rows(
+            source, changes, settings, asked["ensemble"], lambda members: kept.make(run_member, members, asked["workers"], told)
+        )
+        return _write(scene.title, rows, folder)
 
 
 def _write(title: str, rows: Sequence[EnsembleRow], folder: Path) -> dict[str, Any]:
@@ -134,7 +151,7 @@ def lines_of(title: str, rows: Sequence[EnsembleRow]) -> list[str]:
     seen = 1.96 * math.sqrt(2.0 / count)
     lines = [
         f"{title}: {len(rows)} settings of {count} members, whose amplitudes differ by {PERTURBED:g}",
-        f"finest, {_named(finest)}: largest opening {length(opening.median)} ({length(opening.low)} to {length(opening.high)}), "
+        f"finest, {finest.setting}: largest opening {length(opening.median)} ({length(opening.low)} to {length(opening.high)}), "
         f"largest displacement {length(moved.median)} ({length(moved.low)} to {length(moved.high)}), "
         f"{in_words(finest.seconds)} of the processor a run",
     ]
@@ -144,22 +161,17 @@ def lines_of(title: str, rows: Sequence[EnsembleRow]) -> list[str]:
         "standard deviations every other time"
     )
     if best is finest:
-        lines.append(f"good enough: only the finest, {_named(finest)}; all others show a bias" if len(rows) > 1 else "one setting: no bias")
+        lines.append(f"good enough: only the finest, {finest.setting}; all others show a bias" if len(rows) > 1 else "one setting: no bias")
         return lines
     costs = f"{in_words(best.seconds)} of the processor a run, where the finest takes {in_words(finest.seconds)}"
-    return [*lines, f"good enough: {_named(best)}: no bias shows, {costs}"]
-
-
-def _named(row: EnsembleRow) -> str:
-    """``auto, dt 4 ms, tolerance 1e-05``"""
-    return f"{row.setting.solver}, dt {1e3 * row.setting.dt:g} ms, tolerance {row.setting.tolerance:g}"
+    return [*lines, f"good enough: {best.setting}: no bias shows, {costs}"]
 
 
 def _bias_line(row: EnsembleRow) -> str:
     """Where a setting is biased, and how that compares with its spread."""
     shown = [(NAMES[key], spread) for key, spread in row.spreads.items() if spread.biased]
     if not shown:
-        return f"{_named(row)}: no bias shows"
+        return f"{row.setting}: no bias shows"
     found = [
         f"{name} {100.0 * spread.bias:+.2g} %"
         if name == NAMES["drift"]
@@ -168,7 +180,7 @@ def _bias_line(row: EnsembleRow) -> str:
     ]
     larger = sum(not spread.within for _, spread in shown)
     words = "more than its spread" if larger == len(shown) else "less than its spread" if not larger else f"{larger} beyond their spread"
-    return f"{_named(row)}: a bias shows, {', '.join(found)}, {words}"
+    return f"{row.setting}: a bias shows, {', '.join(found)}, {words}"
 
 
 def _warnings(rows: Sequence[EnsembleRow]) -> list[str]:
@@ -178,5 +190,5 @@ def _warnings(rows: Sequence[EnsembleRow]) -> list[str]:
         missed, steps = (sum(member[key] for member in row.members) for key in ("steps_missed", "steps"))
         if missed:
             largest = max(member["error_max"] for member in row.members)
-            out.append(f"{_named(row)}: {missed} of {steps} steps missed the tolerance, the largest error is {largest:.1e}")
+            out.append(f"{row.setting}: {missed} of {steps} steps missed the tolerance, the largest error is {largest:.1e}")
     return out

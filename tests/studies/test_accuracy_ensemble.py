@@ -23,7 +23,7 @@ from masonry_cd.studies.accuracy_ensemble import (
     settings_of,
     spreads_of,
 )
-from masonry_cd.studies.accuracy_ensemble_case import OUTPUTS, lines_of
+from masonry_cd.studies.accuracy_ensemble_case import KEPT, OUTPUTS, lines_of
 
 
 def masonry_cd(*words: object):
@@ -95,7 +95,7 @@ def test_the_command_writes_a_row_per_setting_and_one_per_run(tmp_path: Path):
     words = ("--ensemble", 4, "--workers", 2, "--duration", 0.05, "--tolerances", "1e-8,1e-4")
     done = masonry_cd("accuracy", EXAMPLES / "arch.toml", "-o", tmp_path, *words)
     assert done.exit_code == 0, done.output
-    assert {path.name for path in tmp_path.iterdir()} == set(OUTPUTS)
+    assert {path.name for path in tmp_path.iterdir()} == {*OUTPUTS, KEPT}
     with (tmp_path / "accuracy.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [(float(row["tolerance"]), row["finest"]) for row in rows] == [(1e-4, "False"), (1e-8, "True")]
@@ -107,6 +107,32 @@ def test_the_command_writes_a_row_per_setting_and_one_per_run(tmp_path: Path):
     assert found["lines"][-1].startswith("good enough: ")
     assert found["lines"][-1] in done.output
     assert (tmp_path / "accuracy.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_runs_that_have_ended_are_kept(tmp_path: Path):
+    """After a kill in the middle of a line the missing runs are made, with more members the new ones; another scene is refused."""
+
+    def measured(members: int, *more: object):
+        words = ("--ensemble", members, "--duration", 0.05, "--tolerances", "1e-4", *more)
+        return masonry_cd("accuracy", EXAMPLES / "arch.toml", "-o", tmp_path, *words)
+
+    def numbers() -> list[dict[str, str]]:
+        with (tmp_path / "members.csv").open(encoding="utf-8") as file:
+            return [{key: value for key, value in row.items() if key != "seconds"} for row in csv.DictReader(file)]
+
+    assert "0 of 4 runs left" in measured(4).stderr
+    whole, kept = numbers(), tmp_path / KEPT
+    lines = kept.read_text().splitlines(keepends=True)
+    assert len(lines) == 5
+    kept.write_text("".join(lines[:3]) + lines[3][:20])
+    again = measured(4)
+    assert [line.partition(";")[2] for line in again.stderr.splitlines()] == [" 1 of 4 runs left", " 0 of 4 runs left"]
+    assert numbers() == whole
+    assert len(measured(5).stderr.splitlines()) == 1
+    assert numbers()[:4] == whole and len(numbers()) == 5
+    other = measured(5, "--set", "material.friction=0.7")
+    assert other.exit_code == 2 and "of another scene, or of one that was changed" in other.stderr
+    assert len(measured(5, "--set", "material.friction=0.7", "--force").stderr.splitlines()) == 5
 
 
 @pytest.mark.parametrize(
