@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -19,8 +20,8 @@ from typer.testing import CliRunner, Result
 
 from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
-from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, read_slurm, slurm_cluster
-from masonry_cd.studies.study.engine import Engine
+from masonry_cd.studies.study.clusters import ONE_THREAD, SETTINGS, Where, read_slurm, slurm_cluster
+from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.space import Asked
 from masonry_cd.studies.study.task import Outcome, Task
@@ -266,6 +267,17 @@ def test_a_scheduler_that_does_not_answer(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 # --- the engine ---------------------------------------------------------------------------------------------------------------------
+
+
+def test_a_study_without_workers_ends_after_a_while(tmp_path: Path) -> None:
+    from distributed import Client, LocalCluster
+
+    with LocalCluster(n_workers=0, dashboard_address=":0") as cluster, Client(cluster, set_as_default=False) as client:
+        task = Task("a", {}, 1.0, folder=str(tmp_path))
+        engine = Engine(client, lambda _: task, lambda *_: [], lambda *_: None, studied.stub, patience=0.5)
+        with pytest.raises(ClusterLost, match="no worker has been there for "):
+            engine.execute([Planned("a", Asked(), 1.0)])
+    assert Where(workers=2).patience < math.inf == Where(scheduler="tcp://10.0.0.1:8786").patience == Where(slurm=tmp_path).patience
 
 
 def executed(scheduler: str, folder: Path, function: Callable[[Task], Outcome], names: str) -> dict[str, dict[str, Any]]:

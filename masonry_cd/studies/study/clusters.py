@@ -7,6 +7,7 @@ of several.
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -72,6 +73,11 @@ class Where:
     workers: int | None = None  # of this machine
     memory: float | None = None  # of each of them [GB]
     longest: float = 0.0  # that a run may keep its worker from answering [s]; then it is ended by the watchdog
+
+    @property
+    def patience(self) -> float:
+        """How long to wait where there are no workers [s]: those of others may come at any time, ours start anew within seconds."""
+        return SILENT if self.scheduler is None and self.slurm is None else math.inf
 
 
 @contextmanager

@@ -6,6 +6,7 @@ hangs takes one, see watchdog.py.
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -14,6 +15,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from masonry_cd.errors import one_line
+from masonry_cd.quantities import in_words
 from masonry_cd.studies.study.clusters import DEATHS
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.task import Outcome, Task, run_task
@@ -27,10 +29,11 @@ LEAST = 8  # in flight, however few threads there are
 POLL = 0.2  # between two looks at signals [s]
 RECOUNT = 5.0  # between two counts of the threads [s]
 GATHER = 60.0  # for a result to arrive [s]; its worker may have died, and the run is made again
+GONE = "the scheduler does not answer any more"
 
 
-class SchedulerLost(Exception):
-    """The scheduler does not answer any more; what it had not given back is to be made again."""
+class ClusterLost(Exception):
+    """The scheduler does not answer any more, or there are no workers; what had not come back is to be made again. Says which in words."""
 
 
 @dataclass
@@ -42,16 +45,18 @@ class Engine:
     ended: Callable[[Planned, Outcome], Iterable[Planned]]  # takes a result; the runs that follow from it
     look: Callable[[int, int], None]  # called now and then with the number in flight and of threads; it may raise to end the engine
     function: Callable[[Task], Outcome] = run_task
+    patience: float = math.inf  # without any worker [s]; those of a queue may take days to come
     _running: dict[str, tuple[Future, Planned]] = field(default_factory=dict)
     _done: SimpleQueue[Future] = field(default_factory=SimpleQueue)
     _threads: int = 0
     _counted: float = -RECOUNT
+    _manned: float = field(default_factory=time.monotonic)
 
     def execute(self, runs: Iterable[Planned]) -> None:
         """Make all runs, and those that follow from them.
 
         Raises:
-            SchedulerLost: the scheduler is gone.
+            ClusterLost: the scheduler is gone, or the workers are.
         """
         waiting = deque(runs)
         try:
@@ -93,7 +98,7 @@ class Engine:
         from distributed import KilledWorker
 
         if future.status in ("cancelled", "lost"):
-            raise SchedulerLost
+            raise ClusterLost(GONE)
         try:
             found: Outcome = future.result(timeout=GATHER)
             return found
@@ -107,7 +112,7 @@ class Engine:
             reason = f"{DEATHS + 1} workers died with it: more memory than they may take, or a crash"
         except Exception as error:
             if future.status in ("cancelled", "lost") or not self._alive():
-                raise SchedulerLost from None
+                raise ClusterLost(GONE) from None
             reason = one_line(f"{type(error).__name__}: {error}")
         return Outcome(run.name, {"status": "failed", "reason": reason, "seconds": 0.0, "worker": ""})
 
@@ -120,8 +125,12 @@ class Engine:
         try:
             found: dict[str, Any] = self.client.nthreads()
         except (OSError, TimeoutError, ValueError):
-            raise SchedulerLost from None
+            raise ClusterLost(GONE) from None
         self._threads = sum(found.values())
+        if self._threads:
+            self._manned = now
+        elif now - self._manned > self.patience:
+            raise ClusterLost(f"no worker has been there for {in_words(now - self._manned)}")
 
     def _alive(self) -> bool:
         """Whether the scheduler still answers."""

@@ -14,7 +14,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.io.lock import locked
 from masonry_cd.studies.study.checks import check_first, check_varied
 from masonry_cd.studies.study.clusters import Where, connected
-from masonry_cd.studies.study.engine import Engine, SchedulerLost
+from masonry_cd.studies.study.engine import ClusterLost, Engine
 from masonry_cd.studies.study.folder import NAME, StudyFolder, digest_of
 from masonry_cd.studies.study.plan import Plan, Planned
 from masonry_cd.studies.study.progress import StudyProgress
@@ -161,11 +161,13 @@ class _Made:
                 return following
 
             first = self.plan.ordered()[0].name
-            engine = Engine(client, lambda run: self._task(run, tables, run.name == first), ended, look)
+            engine = Engine(
+                client, lambda run: self._task(run, tables, run.name == first), ended, look, patience=self.options.where.patience
+            )
             try:
                 engine.execute(missing)
-            except SchedulerLost:
-                self.stopped = "the scheduler does not answer any more"
+            except ClusterLost as lost:
+                self.stopped = str(lost)
             finally:
                 progress.close()
 
