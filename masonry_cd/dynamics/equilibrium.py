@@ -66,7 +66,8 @@ def _trial(stepper: Stepper) -> Stepper:
         "planar": False,
     }
     held, pull = stepper.system.loads.at_rest()
-    damped = replace(a, laws=replace(a.laws, theta=np.ones_like(a.laws.theta)))
+    laws = replace(a.laws, theta=np.ones_like(a.laws.theta), retardation=np.zeros_like(a.laws.retardation))  # dashpots would slow it
+    damped = replace(a, laws=laws)
     return Stepper(damped, held, pull, settings.model_copy(update=own), stepper.state, plane=stepper.plane)
 
 

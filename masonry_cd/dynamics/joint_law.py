@@ -1,4 +1,4 @@
-r"""Elastic and bonded joints: springs that are implicit in the step, and bonds that break for good.
+r"""Elastic and bonded joints: springs and dashpots that are implicit in the step, and bonds that break for good.
 
 **Springs.** A contact with a share A of its joint's area carries
 
@@ -20,8 +20,18 @@ so a stiffness limits no time step: for k -> infinity C vanishes. g^0 = g - (1 -
 s^0 is remembered, as a vector that turns with the antagonist. theta = 1/2 is of second order and keeps the energy; above, a mode of
 circular frequency omega is damped by (2 theta - 1) omega h / 2, and one too stiff for the step decays by (1 - theta) / theta per step.
 
+**Dashpots.** Beside the spring a dashpot of beta times its stiffness takes part in the force, which is that of the stretch plus beta times
+its rate, (g^1 - g^0) / h on the normal (a Kelvin-Voigt joint; all of them together are Rayleigh's stiffness-proportional damping, which
+takes pi f beta of critical from a mode of frequency f). With a = theta h + beta that is
+
+    C   = 1 / (theta h a k A),        b = (g^0 + (1 - theta) a u) / (theta a),
+
+and alike along the joint, where w_t is what slides and neither spring nor dashpot stretches. The force of both together is what does not
+pull, and what friction bounds.
+
 A spring that is only just closing, g^0 > 0, takes theta = 1 on the normal: the average of an open and a closed state would give it energy
-that nobody put in. A stiff spring so lands without a bounce, like a rigid contact, and no spring bounces higher than it fell.
+that nobody put in, and its dashpot waits for the next step. A stiff spring so lands without a bounce, like a rigid contact, and no spring
+bounces higher than it fell.
 
 **Bonds.** An intact contact of cohesion c carries
 
@@ -59,6 +69,7 @@ class JointLawArrays(NamedTuple):
     apex: np.ndarray  # tau, tension at the tip of the cone [Pa]; 0: no bond
     tension: np.ndarray  # tensile strength [Pa]
     theta: np.ndarray  # of the spring over the step
+    retardation: np.ndarray  # beta, coefficient of the dashpot over the stiffness [s]
 
 
 class JointMemory(NamedTuple):
@@ -103,7 +114,7 @@ class Springs(NamedTuple):
 
 def law_arrays(laws: JointLaws) -> JointLawArrays:
     """The tables of the laws for the kernels."""
-    return JointLawArrays(laws.normal_stiffness, laws.tangential_stiffness, laws.apex, laws.tension, laws.theta)
+    return JointLawArrays(laws.normal_stiffness, laws.tangential_stiffness, laws.apex, laws.tension, laws.theta, laws.retardation)
 
 
 @entry()
@@ -146,18 +157,19 @@ def load_springs(
             continue
         springs.elastic[c] = True
         theta, u = laws.theta[first, second], springs.before[c]
+        a = theta * h + laws.retardation[first, second]
         start = gap - (1.0 - theta) * h * u[0]
         if start > 0.0 and not springs.bonded[c]:
             springs.compliance[c, 0] = 1.0 / (h * h * k_n * area)
             springs.offset[c, 0] = base[0] + gap / h
         else:
-            springs.compliance[c, 0] = 1.0 / (theta * theta * h * h * k_n * area)
-            springs.offset[c, 0] = base[0] + (start + theta * (1.0 - theta) * h * u[0]) / (theta * theta * h)
+            springs.compliance[c, 0] = 1.0 / (theta * h * a * k_n * area)
+            springs.offset[c, 0] = base[0] + (start + (1.0 - theta) * a * u[0]) / (theta * a)
         for i in range(1, m):
             slip = _remembered(memory.slip, old, rotation, rows.blocks[c, 1], frame, c, i) if old >= 0 else 0.0
             springs.slip[c, i - 1] = slip
-            springs.compliance[c, i] = 1.0 / (theta * theta * h * h * k_t * area)
-            springs.offset[c, i] = base[i] + (slip + theta * (1.0 - theta) * h * u[i]) / (theta * theta * h)
+            springs.compliance[c, i] = 1.0 / (theta * h * a * k_t * area)
+            springs.offset[c, i] = base[i] + (slip + (1.0 - theta) * a * u[i]) / (theta * a)
 
 
 @borrower()

@@ -6,6 +6,7 @@ may be a pattern, ``*arch-*base``; a pair by name holds before one by patterns.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -40,6 +41,20 @@ class JointLaw(Table):
     """Tensile strength of a joint that has not broken yet [Pa]; when not given, cohesion / friction, where Mohr-Coulomb's line ends."""
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
     """Of the spring over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
+    damping: Annotated[Number, Field(ge=0, le=10)] = 0.0
+    """Of a dashpot beside the spring, as a share of the critical damping of a vibration of ``damping_frequency``; proportional to the
+    frequency of others."""
+    damping_frequency: Annotated[Number, Field(gt=0, le=1e6)] | None = None
+    """At which ``damping`` holds [Hz]."""
+
+    @model_validator(mode="after")
+    def _damps_at_a_frequency(self) -> JointLaw:
+        if (self.damping > 0.0) != (self.damping_frequency is not None):
+            have, lack = ("damping", "damping_frequency") if self.damping_frequency is None else ("damping_frequency", "damping")
+            raise ValueError(f"{have} needs {lack} beside it: a share of critical, and the frequency at which it is that share")
+        if self.damping > 0.0 and self.normal_stiffness is None:
+            raise ValueError("damping needs normal_stiffness beside it: a rigid joint does not vibrate")
+        return self
 
     @model_validator(mode="after")
     def _both_stiffnesses_or_none(self) -> JointLaw:
@@ -56,6 +71,11 @@ class JointLaw(Table):
         """Normal and tangential [N/m3]; zeros stand for a rigid joint."""
         normal = self.normal_stiffness or 0.0
         return normal, self.tangential_stiffness or normal / 2.4
+
+    @property
+    def retardation(self) -> float:
+        """Of the dashpot, its coefficient over the stiffness [s]: 2 damping / omega, as Rayleigh's stiffness-proportional damping."""
+        return 0.0 if self.damping_frequency is None else self.damping / (math.pi * self.damping_frequency)
 
 
 class Material(Table):
@@ -113,6 +133,7 @@ class JointLaws:
     tension: np.ndarray  # tensile strength [Pa]
     apex: np.ndarray  # tension at the tip of the Mohr-Coulomb cone, cohesion / mu [Pa]; 0: no bond
     theta: np.ndarray  # of the spring over the step, 1/2 to 1
+    retardation: np.ndarray  # coefficient of the dashpot over the stiffness [s]
 
     @property
     def by_area(self) -> np.ndarray:
@@ -160,7 +181,7 @@ def joint_table(laws: Mapping[str, JointLaw], groups: Sequence[str], friction: n
         out.normal_stiffness[i, j], out.tangential_stiffness[i, j] = law.stiffness
         out.apex[i, j] = _apex(law, float(friction[i, j]), f"{groups[i]}-{groups[j]}")
         out.tension[i, j] = out.apex[i, j] if law.tension is None else law.tension
-        out.theta[i, j] = law.theta
+        out.theta[i, j], out.retardation[i, j] = law.theta, law.retardation
     return out
 
 

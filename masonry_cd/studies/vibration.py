@@ -269,15 +269,16 @@ def _peak(values: np.ndarray, dt: float) -> float:
 
 
 def _linear_response(assembly: Assembly, companion: Companion, axis: int, block: int, velocity: np.ndarray, dt: float) -> np.ndarray:
-    """Displacement of a block relative to the base [m] by the linear modes, damped as the joints' theta damps them, (N,)."""
+    """Displacement of a block relative to the base [m] by the linear modes, damped as theta and dashpots of the joints do, (N,)."""
     from scipy.signal import lsim
 
-    theta = float(assembly.laws.theta[assembly.laws.normal_stiffness > 0.0].mean())
+    laws, elastic = assembly.laws, assembly.laws.normal_stiffness > 0.0
+    per_omega = (laws.theta[elastic].mean() - 0.5) * dt + 0.5 * laws.retardation[elastic].mean()  # [s]
     time, out = dt * np.arange(len(velocity)), np.zeros(len(velocity))
     push = -np.gradient(velocity, dt)
     for f, shape, weighted in zip(companion.frequencies, companion.shapes, companion.weighted, strict=True):
         omega = 2.0 * np.pi * f
-        damping = (2.0 * theta - 1.0) * omega * dt / 2.0
+        damping = per_omega * omega
         gain = weighted[:, axis].sum() * shape[block, axis]
         out += gain * lsim(([1.0], [1.0, 2.0 * damping * omega, omega**2]), push, time)[1]
     return out[1:]

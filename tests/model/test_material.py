@@ -33,6 +33,12 @@ def test_laws_by_pair_and_a_default_that_a_pair_may_take_back():
     assert not joint_table({}, GROUPS, MU).by_area.any()
 
 
+def test_a_dashpot_is_given_by_its_share_of_critical_at_a_frequency():
+    laws = joint_table({"arch-base": JointLaw(normal_stiffness=1e9, damping=0.05, damping_frequency=10.0)}, GROUPS, MU)
+    assert laws.retardation[0, 1] == laws.retardation[1, 0] == pytest.approx(2.0 * 0.05 / (2.0 * np.pi * 10.0), rel=1e-15)
+    assert not laws.retardation[1, 1]
+
+
 @pytest.mark.parametrize(
     ("law", "mu", "message"),
     [
