@@ -62,8 +62,9 @@ def lines(made: Mapping[str, Any]) -> list[str]:
     x, y, z = (round(c, 6) + 0.0 for c in made["centre_of_mass"])
     small, large = made["smallest"], made["largest"]
     extent = " x ".join(f"{v:.4g}" for v in made["extent"])
+    ones = "one" if made["fixed"] == 1 else "ones"
     text = [
-        f"{made['blocks']} blocks and {made['fixed']} fixed ones, {made['joints']} joints of {made['joint_area']:.4g} m2, "
+        f"{made['blocks']} blocks and {made['fixed']} fixed {ones}, {made['joints']} joints of {made['joint_area']:.4g} m2, "
         f"{made['pieces']} piece{'s' if made['pieces'] > 1 else ''}",
         f"{extent} m, {made['volume']:.4g} m3, {made['mass'] / 1e3:.4g} t, centre of mass at ({x:.4g}, {y:.4g}, {z:.4g}) m",
         f"{made['contacts']} contacts at rest: {3 * made['contacts']} unknown forces, {6 * made['blocks']} equations, "

@@ -26,8 +26,10 @@ from loads.supports import select_supports, structure
 from masonry_cd.dynamics.settings import MOST_STEPS
 from masonry_cd.errors import InputError
 from masonry_cd.fields import Instant, Span
+from masonry_cd.model.blocks import Assembly
 
 FEWEST_STEPS = 10  # of the run in a pulse
+NEAR = 1e-6  # of the largest extent of a block: boxes closer than this meet
 
 
 def _names(value: object) -> tuple[str, ...] | None:
@@ -94,15 +96,27 @@ def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:
 
 
 def _all_alike(moving: np.ndarray, grid: RunGrid, where: str) -> tuple[str, ...]:
-    """A warning where a settlement leaves no support behind, so that the structure moves as a whole."""
-    count = int(structure(grid, where).fixed.sum())
-    if int(moving.sum()) < count:
+    """A warning where a settlement leaves no support behind on which something stands, so that the structure moves as a whole."""
+    bearing = _bearing(structure(grid, where))
+    count = int(bearing.sum())
+    if not moving[bearing].all():
         return ()
     which = "the only support" if count == 1 else f"all {count} supports alike"
     return (
         f"{where} the settlement moves {which}, so the structure goes down as a whole and is not strained; "
         'structure.foundations divides a base, e.g. foundations = "corners" or { x = 4 }, so that a part of it can be named',
     )
+
+
+def _bearing(assembly: Assembly) -> np.ndarray:
+    """(B,) bool: supports whose box meets that of a free block; all supports where none does."""
+    low, high = (np.array([getattr(block.vertices, end)(axis=0) for block in assembly.blocks]) for end in ("min", "max"))
+    near = NEAR * float((high - low).max())
+    free, fixed = ~assembly.fixed, np.flatnonzero(assembly.fixed)
+    meets = [bool(((low[free] <= high[s] + near) & (high[free] >= low[s] - near)).all(axis=1).any()) for s in fixed]
+    out = np.zeros(len(low), dtype=bool)
+    out[fixed] = meets if any(meets) else True
+    return out
 
 
 def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:

@@ -30,7 +30,7 @@ class Recorder:
         self._writer, self._stepper, self._joints = writer, stepper, joints
         self.frames = 0
         self.peaks = JointPeaks(joints)
-        support = staying_support(stepper)
+        support = staying_support(stepper, joints)
         self.step_peaks = StepPeaks(stepper.assembly, joints, support)
         writer.begin_step_peaks(self.step_peaks.arrays, support)
         self._rows: list[tuple[float, ...]] = []  # of steps, not yet with the writer
@@ -111,12 +111,17 @@ class Recorder:
         return self._pair_joint
 
 
-def staying_support(stepper: Stepper) -> int:
-    """The support that the loads move least, the first of those that they move alike; -1 where there is none."""
+def staying_support(stepper: Stepper, joints: Joints) -> int:
+    """The support that the loads move least, the first of those that they move alike; -1 where there is none.
+
+    Supports on which nothing stands, such as a ground between abutments, count only where there are no others.
+    """
     assembly, velocity = stepper.assembly, stepper.system.loads.support_velocity
     fixed = np.flatnonzero(assembly.fixed)
     if not len(fixed):
         return -1
+    bearing = fixed[np.isin(fixed, [joints.block_a, joints.block_b])]
+    fixed = bearing if len(bearing) else fixed
     along = np.cumsum(0.5 * stepper.settings.dt * (velocity[1:] + velocity[:-1]), axis=0)
     farthest = np.sqrt((along * along).sum(axis=2)).max(axis=0, initial=0.0)[assembly.support_of[fixed]]
     return int(fixed[np.argmax(farthest <= farthest.min() + ALIKE * farthest.max())])
