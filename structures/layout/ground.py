@@ -17,7 +17,6 @@ from structures.layout.wall_plan import ground
 
 KEY = "ground"
 DEPTH = 0.1  # of the slab, as a share of the height above it
-MARGIN = 0.5  # around the structure, likewise
 
 
 def needs_ground(blocks: Sequence[Block]) -> bool:
@@ -50,6 +49,6 @@ def with_ground(blocks: Sequence[Block], asked: object) -> list[Block]:
     top = low if asked is True else float(asked)  # type: ignore[arg-type]
     if top > low:
         raise InputError(f"structure.{KEY}: its top must be at most the lowest corner, {low:.6g} m, got {top:g}")
-    slab = ground(blocks, MARGIN * (high - top), DEPTH * (high - top), blocks[0].density)
+    slab = ground(blocks, DEPTH * (high - top), blocks[0].density)
     vertices = slab.vertices + [0.0, 0.0, top - low]
     return [*blocks, Block(KEY, vertices, slab.faces, slab.density, slab.group, fixed=True)]

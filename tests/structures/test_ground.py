@@ -87,3 +87,14 @@ def test_what_is_wrong_is_named(table, ground, message):
     with pytest.raises(InputError) as failure:
         build(table, ground=ground)
     assert str(failure.value).startswith(message)
+
+
+@pytest.mark.parametrize("kind", ["wall", "column", "tower", "dome", "arch", "vault"])
+def test_what_topples_lies_on_the_ground(kind):
+    """It reaches farther on all sides than the structure is high."""
+    blocks = build({"kind": kind} | (THIN if kind == "arch" else {}))
+    (slab,) = (block for block in blocks if block.name == "ground")
+    rest = np.concatenate([block.vertices for block in blocks if block is not slab])
+    high = np.ptp(rest[:, 2])
+    assert (slab.vertices[:, :2].min(axis=0) <= rest[:, :2].min(axis=0) - 1.2 * high).all()
+    assert (slab.vertices[:, :2].max(axis=0) >= rest[:, :2].max(axis=0) + 1.2 * high).all()
