@@ -89,7 +89,7 @@ def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:
     return Part(
         motion=_pulse(table, grid, where),
         share=moving.astype(float),
-        lines=(f"{where} settlement of {int(moving.sum())} supports by {along}, {_when(table)}", *_cut_short(table, grid, where)),
+        lines=(f"{where} settlement of {_count(moving)} by {along}, {_when(table)}", *_cut_short(table, grid, where)),
         warnings=_all_alike(moving, grid, where),
         summary=_summary(table) | {"supports": _named(moving, grid)},
     )
@@ -136,7 +136,7 @@ def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
         motion=_pulse(table, grid, where),
         share=share,
         lines=(
-            f"{where} spreading of {int(moving.sum())} supports by {table.displacement:g} m {over}, {_when(table)}",
+            f"{where} spreading of {_count(moving)} by {table.displacement:g} m {over}, {_when(table)}",
             *_cut_short(table, grid, where),
         ),
         summary=_summary(table) | {"supports": _named(moving, grid)},
@@ -167,6 +167,12 @@ def _cut_short(table: SettlementTable | SpreadingTable, grid: RunGrid, where: st
     """A line where the run ends first."""
     end = table.start + table.duration
     return [f"{where} the run ends at {grid.end:g} s, before the displacement is reached"] if end > grid.end * (1.0 + 1e-9) else []
+
+
+def _count(moving: np.ndarray) -> str:
+    """How many supports a mask has, in words."""
+    count = int(moving.sum())
+    return f"{count} support{'s' if count > 1 else ''}"
 
 
 def _named(moving: np.ndarray, grid: RunGrid) -> list[str]:
