@@ -25,7 +25,7 @@ def report(blocks: Sequence[Block]) -> dict[str, Any]:
 
     Returns:
         blocks, fixed, joints, joint_area [m2], contacts, pieces, mass [kg], volume [m3], centre_of_mass [m], extent [m], hyperstaticity,
-        smallest and largest (name, volume, size), loose, hanging and adrift (names, see :class:`structures.standing.Standing`), groups
+        smallest and largest (name, volume, size), loose, hanging, adrift and side (see :class:`structures.standing.Standing`), groups
         (blocks, mass). Masses and volumes are those of the free blocks.
     """
     assembly = Assembly.from_blocks(blocks, 0.5)
@@ -53,6 +53,7 @@ def report(blocks: Sequence[Block]) -> dict[str, Any]:
         "loose": list(stands.loose),
         "hanging": list(stands.hanging),
         "adrift": list(stands.adrift),
+        "side": stands.side,
         "groups": _groups(assembly),
     }
 
@@ -77,7 +78,7 @@ def lines(made: Mapping[str, Any]) -> list[str]:
 
 def warnings(made: Mapping[str, Any]) -> list[str]:
     """What of a report may not stand as it is built, a line each."""
-    return in_words(made["loose"], made["hanging"], made["adrift"])
+    return in_words(made["loose"], made["hanging"], made["adrift"], made["side"])
 
 
 def _one(assembly: Assembly, index: int) -> dict[str, Any]:
