@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -102,6 +102,13 @@ def within_sight(solids: Solids, vertices: np.ndarray, seen: np.ndarray | None =
         if len(np.unique(vertices[own, 2])) == 2:  # an upright prism, which stays one
             out[own, :2] = np.clip(vertices[own, :2], low, high)
     return out
+
+
+def drawn_in(blocks: Sequence[Block]) -> list[Block]:
+    """The blocks as built, wide level supports drawn in, see :func:`within_sight`."""
+    solids = Solids.from_blocks(blocks)
+    near = within_sight(solids, solids.vertices)
+    return [replace(block, vertices=near[solids.vertex_block == k]) if block.fixed else block for k, block in enumerate(blocks)]
 
 
 def around(plane: np.ndarray, margin: float) -> Window:
