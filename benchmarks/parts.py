@@ -34,6 +34,7 @@ from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.model.joints import JointPeaks
 from masonry_cd.solvers import admm, interior, newton, nlgs
+from reports.damage.step_peaks import StepPeaks
 
 PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: owner and attribute
     "broad phase": ((detector.Detector, "_rebuild"),),
@@ -46,7 +47,7 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
     "error measure": ((problem, "error_bodies"),),
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
     "energy": ((moreau_jean, "account"),),
-    "joints": ((recorder, "measure_joints"), (JointPeaks, "update")),
+    "joints": ((recorder, "measure_joints"), (JointPeaks, "update"), (StepPeaks, "update")),
     "output": ((recorder.Recorder, "step"), (recorder.Recorder, "frame"), (recorder.Recorder, "close")),
     "step, rest": ((Stepper, "step"),),
 }  # fmt: skip

@@ -75,9 +75,9 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     with size.limited(table.get(size.KEY, size.MOST)):
         made = KINDS[kind](rest, math.nan if density is None else density, folder)
     blocks, notes = made if isinstance(made, tuple) else (made, [])
-    if GROUND in table:
-        from structures.layout.ground import with_ground
+    from structures.layout.ground import needs_ground, with_ground
 
+    if GROUND in table:
         blocks = with_ground(blocks, table[GROUND])
     if FOUNDATIONS in table:
         from structures.layout.foundations import in_pieces
@@ -94,6 +94,8 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
 
         own, more = ties_of(blocks, table[TIES])
         bars, notes = [*bars, *own], [*notes, *more]
+    if GROUND not in table and kind != "file" and needs_ground(blocks):  # last, since it bears nothing
+        blocks = with_ground(blocks, True)
     if NOISE in table:
         from structures import noise
 

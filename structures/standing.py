@@ -2,7 +2,8 @@
 
 A block that touches nothing falls until it meets something. A block *hangs* when no contact pushes it upwards: then only friction on its
 sides holds it, as where no lintel or arch spans an opening. A *piece* is a set of blocks that touch one another; one
-without a support falls as a whole.
+without a support falls as a whole. Where blocks hang and the supports are not below them, but would be if a horizontal axis pointed
+upwards, so that hardly any hung, the structure *lies on its side*, as one from a file does whose upward axis is stated wrongly.
 """
 
 from __future__ import annotations
@@ -20,6 +21,10 @@ from masonry_cd.model.state import State, rotation_matrices
 
 UPRIGHT = 1e-4  # sine of the slope of a joint: less is upright
 NAMED = 3  # blocks named in a line
+FEW = 0.02  # share of the touching blocks that may hang in a structure that has been put upright
+LYING = "far fewer would hang if {} pointed upwards; of a file that states no axis, structure.up says which does"
+CLEAR = 1e-6  # of the smallest width of a block: centres closer than this are level
+SIDES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,14 +36,15 @@ class Standing:
     loose: tuple[str, ...]  # names of free blocks that touch nothing
     hanging: tuple[str, ...]  # of free blocks that nothing pushes upwards, the loose ones apart
     adrift: tuple[str, ...]  # of free blocks in pieces of two blocks or more without a support
+    side: str  # axis that should point upwards where the structure lies on its side: +x, -x, +y or -y; else empty
 
     def warnings(self) -> list[str]:
         """The doubts in words, a line each."""
-        return in_words(self.loose, self.hanging, self.adrift)
+        return in_words(self.loose, self.hanging, self.adrift, self.side)
 
 
-def in_words(loose: Sequence[str], hanging: Sequence[str], adrift: Sequence[str]) -> list[str]:
-    """Lines on blocks that touch nothing, hang, or are in a piece without a support, by their names."""
+def in_words(loose: Sequence[str], hanging: Sequence[str], adrift: Sequence[str], side: str = "") -> list[str]:
+    """Lines on blocks that touch nothing, hang, or are in a piece without a support, by their names; and on a structure on its side."""
     lines = []
     if loose:
         verbs = "touches no other block, and falls" if len(loose) == 1 else "touch no other block, and fall"
@@ -48,7 +54,8 @@ def in_words(loose: Sequence[str], hanging: Sequence[str], adrift: Sequence[str]
     if hanging:
         names = ", ".join(hanging[:NAMED]) + (" ..." if len(hanging) > NAMED else "")
         hang = "hangs" if len(hanging) == 1 else "hang"
-        lines.append(f"{len(hanging)} {hang}: nothing is under {names}, only friction on the sides (does something span the opening?)")
+        asked = f"does the structure lie on its side? {LYING.format(side)}" if side else "does something span the opening?"
+        lines.append(f"{len(hanging)} {hang}: nothing is under {names}, only friction on the sides ({asked})")
     return lines
 
 
@@ -63,13 +70,32 @@ def standing(assembly: Assembly) -> Standing:
     free = ~assembly.fixed
     held = np.isin(label, label[assembly.fixed])
     loose = free & ~touched
+    hanging = _hanging(assembly, found, (0, 0, 1)) & ~loose
     return Standing(
         contacts=found,
         pieces=len(np.unique(label[free | touched])),
         loose=_names(assembly, loose),
-        hanging=_names(assembly, _hanging(assembly, found) & ~loose),
+        hanging=_names(assembly, hanging),
         adrift=_names(assembly, free & touched & ~held),
+        side=_side(assembly, found, free & touched, int(hanging.sum())),
     )
+
+
+def _side(assembly: Assembly, contacts: ContactSet, touching: np.ndarray, hanging: int) -> str:
+    """The axis that should point upwards where so many of the touching blocks (B,) hang; empty where none would do better."""
+    if not hanging or not assembly.fixed.any() or _stands_on_supports(assembly, touching, (0, 0, 1)):
+        return ""
+    most = min(hanging - 1, int(FEW * touching.sum()))
+    for name, up in SIDES.items():
+        if _stands_on_supports(assembly, touching, up) and (_hanging(assembly, contacts, up) & touching).sum() <= most:
+            return name
+    return ""
+
+
+def _stands_on_supports(assembly: Assembly, touching: np.ndarray, up: tuple[int, int, int]) -> bool:
+    """Whether the centres of all supports lie below those of the touching blocks (B,)."""
+    height = assembly.centre @ np.array(up)
+    return bool(height[assembly.fixed].max() < height[touching].min() - CLEAR * assembly.width)
 
 
 def contacts_at_rest(assembly: Assembly) -> ContactSet:
@@ -79,11 +105,11 @@ def contacts_at_rest(assembly: Assembly) -> ContactSet:
     return Detector(assembly).detect(state.position, rotation_matrices(state.orientation), still, 0.0, 0.0, np.zeros(3))
 
 
-def _hanging(assembly: Assembly, contacts: ContactSet) -> np.ndarray:
+def _hanging(assembly: Assembly, contacts: ContactSet, up: tuple[int, int, int]) -> np.ndarray:
     """(B,) True for the free blocks that no contact pushes upwards."""
-    push = np.zeros(assembly.count)  # steepest upward normal on each block
-    np.maximum.at(push, contacts.bodies[:, 0], contacts.normal[:, 2])  # normals point to the first of the two
-    np.maximum.at(push, contacts.bodies[:, 1], -contacts.normal[:, 2])
+    push, rising = np.zeros(assembly.count), contacts.normal @ np.array(up)  # steepest upward normal on each block
+    np.maximum.at(push, contacts.bodies[:, 0], rising)  # normals point to the first of the two
+    np.maximum.at(push, contacts.bodies[:, 1], -rising)
     return np.asarray((push < UPRIGHT) & ~assembly.fixed)
 
 

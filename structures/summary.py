@@ -25,7 +25,7 @@ def report(blocks: Sequence[Block]) -> dict[str, Any]:
 
     Returns:
         blocks, fixed, joints, joint_area [m2], contacts, pieces, mass [kg], volume [m3], centre_of_mass [m], extent [m], hyperstaticity,
-        smallest and largest (name, volume, size), loose, hanging and adrift (names, see :class:`structures.standing.Standing`), groups
+        smallest and largest (name, volume, size), loose, hanging, adrift and side (see :class:`structures.standing.Standing`), groups
         (blocks, mass). Masses and volumes are those of the free blocks.
     """
     assembly = Assembly.from_blocks(blocks, 0.5)
@@ -53,6 +53,7 @@ def report(blocks: Sequence[Block]) -> dict[str, Any]:
         "loose": list(stands.loose),
         "hanging": list(stands.hanging),
         "adrift": list(stands.adrift),
+        "side": stands.side,
         "groups": _groups(assembly),
     }
 
@@ -62,8 +63,9 @@ def lines(made: Mapping[str, Any]) -> list[str]:
     x, y, z = (round(c, 6) + 0.0 for c in made["centre_of_mass"])
     small, large = made["smallest"], made["largest"]
     extent = " x ".join(f"{v:.4g}" for v in made["extent"])
+    ones = "one" if made["fixed"] == 1 else "ones"
     text = [
-        f"{made['blocks']} blocks and {made['fixed']} fixed ones, {made['joints']} joints of {made['joint_area']:.4g} m2, "
+        f"{made['blocks']} blocks and {made['fixed']} fixed {ones}, {made['joints']} joints of {made['joint_area']:.4g} m2, "
         f"{made['pieces']} piece{'s' if made['pieces'] > 1 else ''}",
         f"{extent} m, {made['volume']:.4g} m3, {made['mass'] / 1e3:.4g} t, centre of mass at ({x:.4g}, {y:.4g}, {z:.4g}) m",
         f"{made['contacts']} contacts at rest: {3 * made['contacts']} unknown forces, {6 * made['blocks']} equations, "
@@ -76,7 +78,7 @@ def lines(made: Mapping[str, Any]) -> list[str]:
 
 def warnings(made: Mapping[str, Any]) -> list[str]:
     """What of a report may not stand as it is built, a line each."""
-    return in_words(made["loose"], made["hanging"], made["adrift"])
+    return in_words(made["loose"], made["hanging"], made["adrift"], made["side"])
 
 
 def _one(assembly: Assembly, index: int) -> dict[str, Any]:

@@ -25,8 +25,10 @@ class CommonTable(Table):
     foundations: Literal["whole", "corners", "parts"] | FoundationsTable = Field(
         "whole", description="in pieces, which may settle by themselves: corners, parts, or strips { x = 4 }"
     )
-    ground: bool | float = Field(
-        False, description="a fixed slab under a structure that has none, for what falls: true, or the height of its top [m]"
+    ground: bool | float | None = Field(
+        None,
+        description="a fixed slab under a structure, for what falls: true, false, or the height of its top [m]; "
+        "by default under supports with nothing between them, but not for kind file",
     )
     floors: tuple[dict[str, Any], ...] = Field(
         (), strict=False, json_schema_extra=rows(FloorTable), description="rigid floors on seats in walls, [[structure.floors]] each"

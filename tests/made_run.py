@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.joints import JointPeaks, measure_joints
 from masonry_cd.model.state import State
+from reports.damage.step_peaks import StepPeaks
 
 BOX_FACES = ((3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 
@@ -51,19 +53,31 @@ def write_run(
     scene: str = "",
     histories: Mapping[str, np.ndarray] | None = None,
     ended: bool = False,
+    every: int = 0,
 ) -> Path:
     """Write a result with one frame per state, 0.1 s apart; without peaks it is the file of a run that was killed,
     and with a scene it is one that was cut off unless it has ``ended``.
+
+    With ``every``, each state is that of a step, the first of all left out, and only every so many become frames; without it, largest
+    drifts and hinges are not noted, as by older versions.
 
     ``histories`` (F, J) or (F, J, 3) of the joints by name come beside those that are measured.
     """
     assembly = Assembly.from_blocks(blocks, 0.6)
     joints = find_joints(assembly)
     largest = JointPeaks(joints)
+    support = int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1
+    of_steps = StepPeaks(assembly, joints, support)
     with ResultWriter(path, assembly, joints, scene=scene, title=title) as writer:
+        if every:
+            writer.begin_step_peaks(of_steps.arrays, support)
         for k, state in enumerate(states):
             now = measure_joints(joints, assembly, state)
             largest.update(now, 0.1 * k)
+            if k and every:
+                of_steps.update(now, replace(state, time=0.1 * k))
+            if every and k % every:
+                continue
             writer.append({"time": 0.1 * k, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
             writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
             writer.append({f"joints/{name}": rows[k] for name, rows in (histories or {}).items()})
@@ -71,7 +85,7 @@ def write_run(
             writer.write_closing('{"stopped": ""}')
         writer.flush()
         if peaks:
-            writer.write_peaks({name: getattr(largest, name) for name in JOINT_PEAKS})
+            writer.write_peaks({name: getattr(largest, name) for name in JOINT_PEAKS}, of_steps.arrays if every else None)
     return path
 
 

@@ -26,8 +26,10 @@ from loads.supports import select_supports, structure
 from masonry_cd.dynamics.settings import MOST_STEPS
 from masonry_cd.errors import InputError
 from masonry_cd.fields import Instant, Span
+from masonry_cd.model.blocks import Assembly
 
 FEWEST_STEPS = 10  # of the run in a pulse
+NEAR = 1e-6  # of the largest extent of a block: boxes closer than this meet
 
 
 def _names(value: object) -> tuple[str, ...] | None:
@@ -87,22 +89,34 @@ def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:
     return Part(
         motion=_pulse(table, grid, where),
         share=moving.astype(float),
-        lines=(f"{where} settlement of {int(moving.sum())} supports by {along}, {_when(table)}", *_cut_short(table, grid, where)),
+        lines=(f"{where} settlement of {_count(moving)} by {along}, {_when(table)}", *_cut_short(table, grid, where)),
         warnings=_all_alike(moving, grid, where),
         summary=_summary(table) | {"supports": _named(moving, grid)},
     )
 
 
 def _all_alike(moving: np.ndarray, grid: RunGrid, where: str) -> tuple[str, ...]:
-    """A warning where a settlement leaves no support behind, so that the structure moves as a whole."""
-    count = int(structure(grid, where).fixed.sum())
-    if int(moving.sum()) < count:
+    """A warning where a settlement leaves no support behind on which something stands, so that the structure moves as a whole."""
+    bearing = _bearing(structure(grid, where))
+    count = int(bearing.sum())
+    if not moving[bearing].all():
         return ()
     which = "the only support" if count == 1 else f"all {count} supports alike"
     return (
         f"{where} the settlement moves {which}, so the structure goes down as a whole and is not strained; "
         'structure.foundations divides a base, e.g. foundations = "corners" or { x = 4 }, so that a part of it can be named',
     )
+
+
+def _bearing(assembly: Assembly) -> np.ndarray:
+    """(B,) bool: supports whose box meets that of a free block; all supports where none does."""
+    low, high = (np.array([getattr(block.vertices, end)(axis=0) for block in assembly.blocks]) for end in ("min", "max"))
+    near = NEAR * float((high - low).max())
+    free, fixed = ~assembly.fixed, np.flatnonzero(assembly.fixed)
+    meets = [bool(((low[free] <= high[s] + near) & (high[free] >= low[s] - near)).all(axis=1).any()) for s in fixed]
+    out = np.zeros(len(low), dtype=bool)
+    out[fixed] = meets if any(meets) else True
+    return out
 
 
 def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
@@ -122,7 +136,7 @@ def spreading(table: SpreadingTable, grid: RunGrid, where: str) -> Part:
         motion=_pulse(table, grid, where),
         share=share,
         lines=(
-            f"{where} spreading of {int(moving.sum())} supports by {table.displacement:g} m {over}, {_when(table)}",
+            f"{where} spreading of {_count(moving)} by {table.displacement:g} m {over}, {_when(table)}",
             *_cut_short(table, grid, where),
         ),
         summary=_summary(table) | {"supports": _named(moving, grid)},
@@ -153,6 +167,12 @@ def _cut_short(table: SettlementTable | SpreadingTable, grid: RunGrid, where: st
     """A line where the run ends first."""
     end = table.start + table.duration
     return [f"{where} the run ends at {grid.end:g} s, before the displacement is reached"] if end > grid.end * (1.0 + 1e-9) else []
+
+
+def _count(moving: np.ndarray) -> str:
+    """How many supports a mask has, in words."""
+    count = int(moving.sum())
+    return f"{count} support{'s' if count > 1 else ''}"
 
 
 def _named(moving: np.ndarray, grid: RunGrid) -> list[str]:

@@ -13,6 +13,7 @@ from masonry_cd.dynamics.adaptive import AdaptiveSteps
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
 from masonry_cd.io.layout import JOINT_PEAKS
+from reports.damage.step_peaks import UNKNOWN, shapes
 
 NUMBERS = {"frames": int, "quiet": int, "mark": str, "rows": dict, "report": dict, "format": int}
 
@@ -45,9 +46,19 @@ def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], 
     for name in (*JOINT_PEAKS, "_area"):
         peaks.real(name, joints, finite=name != "first_opening_time")
     peaks.nothing_else()
+    _check_step_peaks(stored.part("step_peaks"), stepper, joints)
     if stepper.settings.adaptive:
         AdaptiveSteps(stepper).check(stored.part("pace"))
     stored.nothing_else()
     steps = int(arrays["steps"][0])
     if (rows.get("step_time"), rows.get("time"), report.steps) != (steps, numbers["frames"], steps):
         raise InputError("counts other steps than the results beside it hold: it cannot be resumed")
+
+
+def _check_step_peaks(stored: Stored, stepper: Stepper, joints: int) -> None:
+    """Check the largest drifts, displacements and hinges, of J joints."""
+    for name, shape in shapes(stepper.assembly.blocks, joints).items():
+        values = stored.real(name, *shape, finite=name not in UNKNOWN)
+        if np.isinf(values).any():
+            stored.refuse(name, "not finite")
+    stored.nothing_else()

@@ -9,10 +9,11 @@ import numpy as np
 from masonry_cd.contact.find_joints import joint_parts
 from masonry_cd.dynamics.energy import ENERGIES
 from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
-from masonry_cd.dynamics.pauses import Aftermath
-from masonry_cd.io.layout import BONDED, CLOSING, JOINT_PEAKS
+from masonry_cd.dynamics.pauses import ALIKE, Aftermath
+from masonry_cd.io.layout import BONDED, CLOSING, JOINT_PEAKS, SHOCK_PEAKS
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
+from reports.damage.step_peaks import StepPeaks
 
 ROWS_AT_ONCE = 256  # steps whose numbers are handed to the writer together
 STEP_FIELDS = (
@@ -29,6 +30,9 @@ class Recorder:
         self._writer, self._stepper, self._joints = writer, stepper, joints
         self.frames = 0
         self.peaks = JointPeaks(joints)
+        support = staying_support(stepper, joints)
+        self.step_peaks = StepPeaks(stepper.assembly, joints, support)
+        writer.begin_step_peaks(self.step_peaks.arrays, support)
         self._rows: list[tuple[float, ...]] = []  # of steps, not yet with the writer
         self._tensions: list[np.ndarray] = []  # likewise
         self._joint_of = {(a, b): j for j, (a, b) in enumerate(joint_parts(stepper.assembly).tolist())}
@@ -51,6 +55,7 @@ class Recorder:
             self._to_writer()
         now = measure_joints(self._joints, stepper.assembly, stepper.state)
         self.peaks.update(now, stepper.state.time)
+        self.step_peaks.update(now, stepper.state)
         return now
 
     def frame(self, now: JointMeasures) -> None:
@@ -72,6 +77,7 @@ class Recorder:
         """A row of each dataset of /shocks."""
         row: dict[str, Any] = {"start": shock.start, "end": shock.end, "frame": shock.frame}
         row |= {name: getattr(self.peaks, name) for name in JOINT_PEAKS}
+        row |= {f"peaks/{name}": self.step_peaks.arrays[name] for name in SHOCK_PEAKS}
         name = np.array([shock.name.encode()], dtype=f"S{NAME_BYTES}")
         return {"name": name} | {key: np.asarray(value)[None] for key, value in row.items()}
 
@@ -85,7 +91,7 @@ class Recorder:
         """Write the peaks and what waits in the buffers."""
         self._to_writer()
         self._writer.flush()
-        self._writer.write_peaks({name: getattr(self.peaks, name) for name in JOINT_PEAKS})
+        self._writer.write_peaks({name: getattr(self.peaks, name) for name in JOINT_PEAKS}, self.step_peaks.arrays)
 
     def _to_writer(self) -> None:
         """Give the numbers of the last steps to the writer."""
@@ -103,3 +109,19 @@ class Recorder:
             self._pair_joint = np.array([self._joint_of.get((a, b), -1) for a, b in pairs.tolist()], dtype=np.int64)
             self._pairs = pairs
         return self._pair_joint
+
+
+def staying_support(stepper: Stepper, joints: Joints) -> int:
+    """The support that the loads move least, the first of those that they move alike; -1 where there is none.
+
+    Supports on which nothing stands, such as a ground between abutments, count only where there are no others.
+    """
+    assembly, velocity = stepper.assembly, stepper.system.loads.support_velocity
+    fixed = np.flatnonzero(assembly.fixed)
+    if not len(fixed):
+        return -1
+    bearing = fixed[np.isin(fixed, [joints.block_a, joints.block_b])]
+    fixed = bearing if len(bearing) else fixed
+    along = np.cumsum(0.5 * stepper.settings.dt * (velocity[1:] + velocity[:-1]), axis=0)
+    farthest = np.sqrt((along * along).sum(axis=2)).max(axis=0, initial=0.0)[assembly.support_of[fixed]]
+    return int(fixed[np.argmax(farthest <= farthest.min() + ALIKE * farthest.max())])

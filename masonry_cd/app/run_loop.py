@@ -151,6 +151,7 @@ class _Loop:
         """Write the results so far to disk, then a checkpoint that counts their rows."""
         rows, mark = self.recorder.flushed_rows()
         arrays = self.stepper.snapshot() | prefixed("peaks", vars(self.recorder.peaks))
+        arrays |= prefixed("step_peaks", self.recorder.step_peaks.arrays)
         arrays |= {} if self.pace is None else prefixed("pace", self.pace.snapshot())
         numbers = {"report": asdict(self.report), "rows": rows, "mark": mark, "frames": self.recorder.frames}
         checkpoint.save(path, arrays, numbers | {"quiet": 0 if self.pauses is None else self.pauses.quiet})
@@ -170,6 +171,7 @@ class _Loop:
         if self.pace is not None:
             self.pace.restore(part("pace", arrays))
         vars(self.recorder.peaks).update(part("peaks", arrays))
+        self.recorder.step_peaks.restore(part("step_peaks", arrays))
         self.recorder.frames = numbers["frames"]
         if self.pauses is not None:
             self.pauses.quiet = numbers["quiet"]

@@ -152,7 +152,7 @@ class Run:
 
     @cached_property
     def hinges(self) -> DataFrame:
-        """A row per joint that was a hinge at a frame: where, how wide, when; as in hinges.csv."""
+        """A row per joint that was a hinge: where, how wide, when; as in hinges.csv."""
         return frame_of_rows(self.damage.hinges, "joint")
 
     @cached_property

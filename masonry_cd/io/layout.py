@@ -8,18 +8,23 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /joints/force_point (F, J, 3)    where the force of a joint crosses its plane, NaN where it has none
     /joints/bonded (F, J)   share of the area that is bonded; only where joints are
     /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
+    /peaks/{displacement (B,), drift (P,), level_displacement (P, L), level_drift (P, L)}   over all steps, of blocks, parts and levels
+    /peaks/{hinge_opening (J,), hinge_time (J,), hinge_place (J, 3)}   likewise, of joints while they were hinges
     /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]
     /step_time (N,) [s]   /load_step (N,), the step of the loads that was applied
     /ties/tension (N, T) [N]   of each bar, in the order of the attribute ties; absent without ties
     /shocks/{name, start, end, frame} (S,)   of a sequence: times [s], and the frame at the end of the rest after each shock
     /shocks/{opening, sliding, rotation, contact_area_loss, first_opening_time} (S, J)   the peaks of the joints up to there
+    /shocks/peaks/{drift (S, P), hinge_opening (S, J)}   likewise, those of the parts and hinges
     /closing (L,)   bytes of what summary.json holds of a run that has ended, beside the damage (JSON)
-    /blocks/*   the blocks as they were built: a report needs no scene; /blocks/structure only where a scene has several
+    /blocks/*   the blocks as they were built: a report needs no scene; /blocks/structure only where a scene has several;
+        /blocks/support (1,), to which displacements are relative, -1 without one
     /segments/*   checksums, see segments.py
     attributes: scene (the text of the scene file), scene_file (where it lies, seen from this file's folder), title, versions (JSON), run (a
         name that no other run has), format (of this layout), ties (JSON, see tie_bars.py), inputs (JSON: SHA-256 of each file that the
         scene reads), constant (SHA-256 of all that does not grow, but for scene_file)
 
+Files of older versions have neither /peaks nor /blocks/support: their largest drifts and hinges are those of the frames.
 A file without the attribute ``format`` is of a version of the program before there were checksums; it still reads.
 """
 
@@ -32,9 +37,11 @@ FRAME_FIELDS = ("time", "position", "orientation", "velocity")
 JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_force", "shear_force", "force_point")
 BONDED = "bonded"  # a history that only runs with cohesive joints have
 JOINT_PEAKS = ("opening", "sliding", "rotation", "contact_area_loss", "first_opening_time")
+STEP_PEAKS = ("displacement", "drift", "level_displacement", "level_drift", "hinge_opening", "hinge_time", "hinge_place")  # under /peaks
+SHOCK_PEAKS = ("drift", "hinge_opening")  # under /shocks/peaks
 JOINT_CONSTANTS = tuple(Joints.__dataclass_fields__)
 BLOCK_ARRAYS = ("name", "group", "fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")
-OPTIONAL_ARRAYS = ("blocks/structure",)  # where a scene has several
+OPTIONAL_ARRAYS = ("blocks/structure", "blocks/support")  # where a scene has several structures; not in files of older versions
 OPTIONAL_ATTRIBUTES = ("ties",)  # where there are ties, see tie_bars.py
 ATTRIBUTES = ("scene", "title", "versions", "run", "inputs")
 CLOSING = "closing"

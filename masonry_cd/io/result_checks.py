@@ -13,7 +13,7 @@ import numpy as np
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.hdf5_file import READ_ERRORS
-from masonry_cd.io.layout import BLOCK_ARRAYS, BONDED, CLOSING, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS
+from masonry_cd.io.layout import BLOCK_ARRAYS, BONDED, CLOSING, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS, STEP_PEAKS
 from masonry_cd.io.segments import held, in_pieces
 
 REAL, WHOLE, FLAG, TEXT, BYTES = "f", "iu", "b", "O", "S"  # kinds of numpy's types
@@ -55,6 +55,29 @@ def check_constants(file: h5py.File, path: Path) -> None:
     _starts(path, "joints/polygon_start", joints["polygon_start"], pairs, len(joints["polygon"]))
     for name in JOINT_PEAKS:
         _shape(path, f"joints/peak/{name}", _read(file, path, f"joints/peak/{name}", REAL), (pairs,))
+    if "blocks/support" in file:
+        _check_support(path, _read(file, path, "blocks/support", WHOLE), blocks["fixed"])
+    if "peaks" in file or "segments/step_peaks" in file:
+        _check_step_peaks(file, path, count, pairs)
+
+
+def _check_support(path: Path, support: np.ndarray, fixed: np.ndarray) -> None:
+    """Check the number of the support to which displacements are relative, -1 for none."""
+    _shape(path, "blocks/support", support, (1,))
+    if not -1 <= support[0] < len(fixed) or (support[0] >= 0 and not fixed[support[0]]):
+        raise InputError(f"{path}: blocks/support is no support")
+
+
+def _check_step_peaks(file: h5py.File, path: Path, blocks: int, joints: int) -> None:
+    """Check the largest drifts, displacements and hinges."""
+    found = {name: _read(file, path, f"peaks/{name}", REAL) for name in STEP_PEAKS}
+    parts, levels = len(found["drift"]), found["level_drift"].shape[-1]
+    shapes = ((blocks,), (parts,), (parts, levels), (parts, levels), (joints,), (joints,), (joints, 3))
+    for name, shape in zip(STEP_PEAKS, shapes, strict=True):
+        _shape(path, f"peaks/{name}", found[name], shape)
+    checksum = file.get("segments/step_peaks")
+    if not isinstance(checksum, h5py.Dataset) or checksum.shape != (1,) or checksum.dtype.kind not in WHOLE:
+        raise InputError(f"{path}: segments/step_peaks is not what a run writes ({KINDS[WHOLE]})")
 
 
 def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int]) -> None:
@@ -64,7 +87,8 @@ def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int]) -> None:
         InputError: a dataset that is not what it should be.
     """
     blocks, joints = len(file["blocks/name"]), len(file["joints/area"])
-    for name, kind, row in _growing(blocks, joints):
+    parts = len(file["peaks/drift"]) if "peaks" in file else 0
+    for name, kind, row in _growing(blocks, joints, parts):
         if name in file:
             dataset = file[name]
             if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kind or dataset.shape[1:] != row:
@@ -101,7 +125,7 @@ def rows_that_read(file: h5py.File, path: Path) -> dict[str, int]:
     return found
 
 
-def _growing(blocks: int, joints: int) -> Iterator[tuple[str, str, tuple[int, ...]]]:
+def _growing(blocks: int, joints: int, parts: int) -> Iterator[tuple[str, str, tuple[int, ...]]]:
     """Name, kinds of number and shape of a row of each dataset that grows."""
     yield from zip(FRAME_FIELDS, (REAL,) * 4, ((), (blocks, 3), (blocks, 4), (blocks, 6)), strict=True)
     for name in (*JOINT_HISTORIES, BONDED):
@@ -109,6 +133,8 @@ def _growing(blocks: int, joints: int) -> Iterator[tuple[str, str, tuple[int, ..
     yield from (("shocks/name", BYTES, ()), ("shocks/frame", WHOLE, ()), ("shocks/start", REAL, ()), ("shocks/end", REAL, ()))
     for name in JOINT_PEAKS:
         yield f"shocks/{name}", REAL, (joints,)
+    yield "shocks/peaks/hinge_opening", REAL, (joints,)
+    yield "shocks/peaks/drift", REAL, (parts,)
     yield CLOSING, "u", ()
 
 

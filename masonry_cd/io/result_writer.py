@@ -69,6 +69,18 @@ class ResultWriter:
         for name in JOINT_PEAKS:
             group.create_dataset(f"peak/{name}", data=np.full(joints.count, np.nan))
 
+    def begin_step_peaks(self, peaks: Mapping[str, np.ndarray], support: int) -> None:
+        """Make room for the largest drifts, displacements and hinges, before the first flush; a resumed file has it.
+
+        Args:
+            peaks: by the names of STEP_PEAKS; only their shapes count.
+            support: to which displacements are relative, -1 without one.
+        """
+        if "peaks" not in self._file:
+            self._file["blocks/support"] = np.array([support], dtype=np.int64)
+            for name, values in peaks.items():
+                self._file.create_dataset(f"peaks/{name}", data=np.full(values.shape, np.nan))
+
     @classmethod
     def resumed(cls, path: Path, rows: Mapping[str, int], mark: str | None = None, sums: bool = True) -> ResultWriter:
         """Go on with the file of a run that was stopped or killed, cut back to the given number of rows of each dataset.
@@ -113,8 +125,10 @@ class ResultWriter:
         self._file.attrs.update(old.attrs)
         for name in ("blocks", "joints/peak", *(f"joints/{name}" for name in JOINT_CONSTANTS)):
             old.copy(name, self._file.require_group(str(Path(name).parent)))
-        for name, values in results.peaks.items():
-            self._file[f"joints/peak/{name}"][...] = values  # not those that a kill has left half written
+        if "peaks" in old:
+            old.copy("peaks", self._file)
+        for name, values in _named(results.peaks, results.step_peaks).items():
+            self._file[name][...] = values  # not those that a kill has left half written
         for name, count in rows.items():
             new = growing(self._file, name, old[name].shape[1:], old[name].dtype)
             for piece in in_pieces(old[name], 0, count):
@@ -208,11 +222,11 @@ class ResultWriter:
         if self._published:
             self._sealer.seal()
 
-    def write_peaks(self, peaks: Mapping[str, np.ndarray]) -> None:
-        """Write the largest joint measures so far, (J,) each."""
-        for name, values in peaks.items():
-            self._file[f"joints/peak/{name}"][...] = values
-            self._file[f"joints/peak/{name}"].flush()
+    def write_peaks(self, peaks: Mapping[str, np.ndarray], of_steps: Mapping[str, np.ndarray] | None = None) -> None:
+        """Write the largest joint measures so far, (J,) each, and largest drifts, displacements and hinges by the names of STEP_PEAKS."""
+        for name, values in _named(peaks, of_steps or {}).items():
+            self._file[name][...] = values
+            self._file[name].flush()
         if self._published:
             self._sealer.seal_peaks()
 
@@ -242,6 +256,11 @@ def require_rows(results: Results, rows: Mapping[str, int], mark: str | None) ->
     if mark is not None and _mark(results.file, rows) != mark:
         raise InputError(f"{results.path}: the checkpoint beside it belongs to other results: it cannot be resumed")
     return segments
+
+
+def _named(peaks: Mapping[str, np.ndarray], of_steps: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Peaks of the joints and of the steps by the names of their datasets."""
+    return {f"joints/peak/{name}": values for name, values in peaks.items()} | {f"peaks/{n}": values for n, values in of_steps.items()}
 
 
 def _mark(file: h5py.File, rows: Mapping[str, int]) -> str:

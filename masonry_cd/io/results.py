@@ -20,9 +20,9 @@ from masonry_cd.dynamics.pauses import Aftermath
 from masonry_cd.errors import InputError
 from masonry_cd.io.block_arrays import read_blocks
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
-from masonry_cd.io.layout import CLOSING, FORMAT, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS
+from masonry_cd.io.layout import CLOSING, FORMAT, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS, SHOCK_PEAKS, STEP_PEAKS
 from masonry_cd.io.result_checks import check_constants, check_growing, rows_that_read
-from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks
+from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks, checksum_of_step_peaks
 from masonry_cd.io.tie_bars import TieBar, read_bars
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.joints import Joints
@@ -44,6 +44,7 @@ class Results:
         check_constants(file, path)
         self._segments = Segments(file, unfinished, sums) if self.format else None
         self._peaks_hold = self.format == 0 or checksum_of_peaks(file) == int(file["segments/peaks"][0])
+        self._step_peaks_hold = "peaks" in file and checksum_of_step_peaks(file) == int(file["segments/step_peaks"][0])
         if self.format and checksum_of_constants(file) != file.attrs["constant"]:
             raise InputError(f"{path}: damaged: its blocks, its joints or its scene are not those that were written")
         self._rows = rows_that_read(file, path) if self._segments is None else self._segments.last
@@ -61,6 +62,8 @@ class Results:
             lines.append(f"{self.path}: damaged; what follows {self.time[-1]:.6g} s is left out ({self.frames} frames hold)")
         if not self._peaks_hold and not unfinished:
             lines.append(f"{self.path}: the largest measures of the joints are damaged; those of the frames are taken")
+        if "peaks" in self.file and not self._step_peaks_hold and not unfinished:
+            lines.append(f"{self.path}: the largest drifts and hinges are damaged; those of the frames are taken")
         self.words = tuple(lines)
 
     @classmethod
@@ -124,10 +127,13 @@ class Results:
 
     @cached_property
     def support(self) -> int:
-        """Block to which displacements are relative: the support that moves least over the frames, the first of equals; -1 without one.
+        """Block to which displacements are relative: the support that moves least in the run, the first of equals; -1 without one.
 
-        Where all supports move together it is the first; where some of them settle or spread, one that stays.
+        Where all supports move together it is the first; where some of them settle or spread, one that stays. Older versions did not write
+        it: then it is the one that moves least over the frames.
         """
+        if "blocks/support" in self.file:
+            return int(self.file["blocks/support"][0])
         fixed = np.flatnonzero([block.fixed for block in self.blocks])
         if not len(fixed):
             return -1
@@ -184,6 +190,24 @@ class Results:
         """Largest joint measures over all steps, (J,) each; NaN where a run was killed before it wrote them, or where they are damaged."""
         found = {name: self.file[f"joints/peak/{name}"][...] for name in JOINT_PEAKS}
         return found if self._peaks_hold else {name: np.full_like(values, np.nan) for name, values in found.items()}
+
+    @property
+    def step_peaks(self) -> dict[str, np.ndarray]:
+        """The largest drifts, displacements and hinges over all steps by the names of STEP_PEAKS; empty in a file of an older version.
+
+        All are NaN where a run was killed before it wrote them, or where they are damaged.
+        """
+        found = {name: self.file[f"peaks/{name}"][...] for name in STEP_PEAKS} if "peaks" in self.file else {}
+        return found if self._step_peaks_hold else {name: np.full_like(values, np.nan) for name, values in found.items()}
+
+    @property
+    def peaks_of_steps(self) -> bool:
+        """Whether the largest drifts, displacements and hinges are known over all steps, not only over the frames."""
+        return self._step_peaks_hold and not np.isnan(self.file["peaks/drift"][...]).any()
+
+    def step_peaks_after(self, shock: int) -> dict[str, np.ndarray]:
+        """Those of SHOCK_PEAKS up to the end of the rest after a shock; empty in a file of an older version."""
+        return {name: self.file[f"shocks/peaks/{name}"][shock] for name in SHOCK_PEAKS} if "shocks/peaks" in self.file else {}
 
     @cached_property
     def shocks(self) -> tuple[Aftermath, ...]:

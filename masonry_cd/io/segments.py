@@ -8,6 +8,7 @@ rows are written, a row follows in each of
     /segments/crc (K, D)      CRC-32 of the bytes that each got in it
     /segments/seal (K,)       CRC-32 of both rows, begun with the seal before, the first with the run and the names
     /segments/peaks (1,)      CRC-32 of /joints/peak/*, which are written over
+    /segments/step_peaks (1,) CRC-32 of /peaks/*, likewise
 
 Rows beyond the last seal do not count: a kill came between. Results hold up to the last segment before the first that does not fit. What
 does not grow, with the attributes, has one SHA-256. Chunks with HDF5's own checksums would not do: a kill in the middle of writing one
@@ -26,7 +27,7 @@ import h5py
 import numpy as np
 
 from masonry_cd.io.hdf5_file import READ_ERRORS
-from masonry_cd.io.layout import ATTRIBUTES, BLOCK_ARRAYS, JOINT_CONSTANTS, JOINT_PEAKS, OPTIONAL_ARRAYS, OPTIONAL_ATTRIBUTES
+from masonry_cd.io.layout import ATTRIBUTES, BLOCK_ARRAYS, JOINT_CONSTANTS, JOINT_PEAKS, OPTIONAL_ARRAYS, OPTIONAL_ATTRIBUTES, STEP_PEAKS
 
 GROUP = "segments"
 NAME_BYTES = 64  # of a dataset
@@ -52,7 +53,8 @@ class Sealer:
         for name, dtype in (("rows", np.int64), ("crc", np.uint32)):
             growing(self._group, name, (len(self._names),), np.dtype(dtype))
         growing(self._group, "seal", (), np.dtype(np.uint32))
-        self._group["peaks"] = np.array([checksum_of_peaks(file)], dtype=np.uint32)
+        for name, found in _checksums_of_peaks(file).items():
+            self._group[name] = np.array([found], dtype=np.uint32)
 
     def take(self, name: str, rows: np.ndarray) -> None:
         """Count rows that a dataset gets, as it stores them."""
@@ -77,8 +79,9 @@ class Sealer:
 
     def seal_peaks(self) -> None:
         """Take in the peaks, which are written."""
-        self._group["peaks"][0] = checksum_of_peaks(self._group.file)
-        self._group["peaks"].flush()
+        for name, found in _checksums_of_peaks(self._group.file).items():
+            self._group[name][0] = found
+            self._group[name].flush()
 
     def _write(self, rows: np.ndarray, crc: np.ndarray) -> None:
         """Append segments; the seals come last."""
@@ -194,6 +197,20 @@ def checksum_of_peaks(file: h5py.File) -> int:
     for name in JOINT_PEAKS:
         found = zlib.crc32(file[f"joints/peak/{name}"][...], found)
     return found
+
+
+def checksum_of_step_peaks(file: h5py.File) -> int:
+    """CRC-32 of the largest drifts, displacements and hinges."""
+    found = 0
+    for name in STEP_PEAKS:
+        found = zlib.crc32(file[f"peaks/{name}"][...], found)
+    return found
+
+
+def _checksums_of_peaks(file: h5py.File) -> dict[str, int]:
+    """The checksums of what is written over, by their names."""
+    found = {"peaks": checksum_of_peaks(file)}
+    return found | {"step_peaks": checksum_of_step_peaks(file)} if "peaks" in file else found
 
 
 def checksum_of_constants(file: h5py.File) -> str:

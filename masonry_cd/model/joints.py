@@ -8,6 +8,7 @@ either block, the gap vector is d_k = x_b(X_k) - x_a(X_k), and with the joint's 
                                                            d_k . n is smallest; elsewhere a rotation would pass for sliding
     rotation       angle of the relative rotation          [rad]
     contact area   of the polygon of a, cut by that of b after sliding, and by opening <= CONTACT_WIDTH   [m2]
+    gap            min_k d_k . n                           [m]; near zero in a hinge, which still touches along an edge
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry
+from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.geometry import relative_angle, relative_pose
 from masonry_cd.model.polygon import clip_in_place, plane_distances
@@ -26,6 +27,7 @@ from masonry_cd.model.state import State, rotation_matrices
 CONTACT_WIDTH = 1e-4  # [m] surfaces farther apart than this count as no longer in contact
 OPENED = 1e-4  # [m] a joint that opens this far is said to open for the first time
 TOUCHING = 1e-3  # share of the joint's size within which a corner counts as touching, next to the least open one
+TOUCHING_SHARE = 0.1  # share of the opening of a hinge within which its corners touch, from the least open one on
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,12 +54,13 @@ class Joints:
 
 @dataclass(frozen=True, eq=False)
 class JointMeasures:
-    """Opening [m], sliding [m], rotation [rad] and contact area [m2] of all joints at one time, (J,) each."""
+    """Opening [m], sliding [m], rotation [rad], contact area [m2] and gap [m] of all joints at one time, (J,) each."""
 
     opening: np.ndarray
     sliding: np.ndarray
     rotation: np.ndarray
     contact_area: np.ndarray
+    gap: np.ndarray
 
 
 class JointPeaks:
@@ -81,11 +84,22 @@ class JointPeaks:
 
 def measure_joints(joints: Joints, assembly: Assembly, state: State) -> JointMeasures:
     """Measure all joints in a state; see the head of this file."""
-    out = np.empty((4, joints.count))
+    out = np.empty((5, joints.count))
     rotation = rotation_matrices(state.orientation)
     arrays = (joints.block_a, joints.block_b, joints.normal, joints.polygon_start, joints.polygon)
     _measure(arrays, assembly.centre, state.position, rotation, out)
     return JointMeasures(*out)
+
+
+def touching_places(joints: Joints, assembly: Assembly, state: State, chosen: np.ndarray) -> np.ndarray:
+    """Where some joints (n,) touch: the mean, at rest, of the corners that are open least, (n, 3) [m].
+
+    Corners whose gap lies within TOUCHING_SHARE of the way from the smallest to the largest count.
+    """
+    out = np.empty((len(chosen), 3))
+    arrays = (joints.block_a, joints.block_b, joints.normal, joints.polygon_start, joints.polygon)
+    _touching_places(arrays, chosen, assembly.centre, state.position, rotation_matrices(state.orientation), out)
+    return out
 
 
 # The kernels below run over all joints in every step: they index whole arrays, since a view of a row costs more than its arithmetic.
@@ -105,17 +119,12 @@ class _Flat(NamedTuple):
 
 @entry()
 def _measure(joints, centre, position, rotation, out):
-    """Fill out (4, J) with opening, sliding, rotation and contact area; ``joints`` are (block_a, block_b, normal, start, polygon).
+    """Fill out (5, J) with opening, sliding, rotation, contact area, gap; ``joints`` are (block_a, block_b, normal, start, polygon).
 
     All vectors are taken into the body frame of a, where the joint's normal and polygon stay what they were at rest.
     """
     block_a, block_b, normal, start, polygon = joints
-    most = 0
-    for j in range(block_a.shape[0]):
-        most = max(most, start[j + 1] - start[j])
-    long = 4 * most + 8
-    flat = _Flat(np.empty((most, 2)), np.empty(most), np.empty((most, 2)), np.empty((2, 3)),
-                 np.empty((long, 3)), np.empty((long, 3)), np.empty(long))  # fmt: skip
+    flat = _scratch(start)
     pose = np.empty(12)
     for j in range(block_a.shape[0]):
         a, b, first, corners = block_a[j], block_b[j], start[j], start[j + 1] - start[j]
@@ -129,6 +138,44 @@ def _measure(joints, centre, position, rotation, out):
         out[0, j] = most_open
         out[1, j] = _largest_shift(flat, corners, least + TOUCHING * size)
         out[3, j] = _contact_area(flat, corners, most_open)
+        out[4, j] = least
+
+
+@entry()
+def _touching_places(joints, chosen, centre, position, rotation, out):
+    """Fill out (n, 3) with the mean corner at rest of each chosen joint (n,) where it touches; ``joints`` as in :func:`_measure`."""
+    block_a, block_b, normal, start, polygon = joints
+    flat, pose = _scratch(start), np.empty(12)
+    for i in range(chosen.shape[0]):
+        j = chosen[i]
+        first, corners = start[j], start[j + 1] - start[j]
+        relative_pose(position, rotation, block_a[j], block_b[j], pose)
+        _axes(polygon, first, normal, j, flat.axes)
+        _flatten(joints, j, centre, pose, flat)
+        least, most_open = np.inf, 0.0
+        for k in range(corners):
+            least, most_open = min(least, flat.apart[k]), max(most_open, flat.apart[k])
+        count = 0
+        for d in range(3):
+            out[i, d] = 0.0
+        for k in range(corners):
+            if flat.apart[k] <= least + TOUCHING_SHARE * (most_open - least):
+                count += 1
+                for d in range(3):
+                    out[i, d] += polygon[first + k, d]
+        for d in range(3):
+            out[i, d] /= count
+
+
+@kernel()
+def _scratch(start):
+    """Room for the polygon with the most corners."""
+    most = 0
+    for j in range(start.shape[0] - 1):
+        most = max(most, start[j + 1] - start[j])
+    long = 4 * most + 8
+    return _Flat(np.empty((most, 2)), np.empty(most), np.empty((most, 2)), np.empty((2, 3)),
+                 np.empty((long, 3)), np.empty((long, 3)), np.empty(long))  # fmt: skip
 
 
 @borrower()

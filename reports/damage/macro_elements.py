@@ -26,7 +26,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties
-from masonry_cd.model.joints import Joints
+from masonry_cd.model.joints import TOUCHING_SHARE, Joints
 from reports.damage.definitions import Thresholds, fallen_in, is_open, is_slid, parted
 from reports.deformed import Pose, Solids, corner_gaps, frame_index, joint_frame, solids_of
 
@@ -56,24 +56,42 @@ class MacroElements:
         return [row] if row < self.parts else [p for p in range(self.parts) if (self.blocks[p] <= self.blocks[row]).all()]
 
 
-def macro_elements_of(blocks: Sequence[Block], joints: Joints) -> MacroElements:
-    """The parts of a structure.
+def part_names(blocks: Sequence[Block]) -> tuple[str, ...]:
+    """Names of the parts, of the structures where there are several, and WHOLE, (P + 1)."""
+    return (*_groups(blocks), *_structures(blocks), WHOLE)
+
+
+def _groups(blocks: Sequence[Block]) -> list[str]:
+    """The groups that have a free block."""
+    return list(dict.fromkeys(block.group for block in blocks if not block.fixed))
+
+
+def _structures(blocks: Sequence[Block]) -> list[str]:
+    """The structures of a scene that has several."""
+    return [name for name in dict.fromkeys(block.structure for block in blocks if not block.fixed) if name]
+
+
+def require_names(blocks: Sequence[Block]) -> None:
+    """Refuse a group that is called as the whole is.
 
     Raises:
-        InputError: a group that is called as the whole is.
+        InputError: names it.
     """
-    groups = list(dict.fromkeys(block.group for block in blocks if not block.fixed))
-    if WHOLE in groups:
+    if WHOLE in _groups(blocks):
         raise InputError(f'group "{WHOLE}": this name stands for the whole in the damage tables; give the group another')
+
+
+def macro_elements_of(blocks: Sequence[Block], joints: Joints) -> MacroElements:
+    """The parts of a structure."""
+    groups, several = _groups(blocks), _structures(blocks)
     of_block = np.array([groups.index(block.group) if block.group in groups else -1 for block in blocks], dtype=np.int64)
     free = np.array([not block.fixed for block in blocks])
     member = (of_block == np.arange(len(groups))[:, None]) & free
-    several = [name for name in dict.fromkeys(block.structure for block in blocks if not block.fixed) if name]
     standing = [np.array([block.structure == name for block in blocks]) & free for name in several]
     rows = np.concatenate([member, np.array(standing, dtype=bool).reshape(-1, len(blocks))])
     owns = rows[:, joints.block_a] | rows[:, joints.block_b]
     return MacroElements(
-        names=(*groups, *several, WHOLE),
+        names=part_names(blocks),
         blocks=np.concatenate([rows, free[None]]),
         joints=np.concatenate([owns, np.ones((1, joints.count), dtype=bool)]),
         volume=np.array([mass_properties(block.vertices, block.faces).volume for block in blocks]),
@@ -112,7 +130,7 @@ class DamageSnapshot:
         opened = live & ~separated & is_open(opening, thresholds)
         hinged = opened & (least <= HINGED * opening)
         side = np.repeat(np.arange(joints.count), np.diff(joints.polygon_start))
-        touching = hinged[side] & (gaps <= (least + 0.1 * (opening - least))[side])
+        touching = hinged[side] & (gaps <= (least + TOUCHING_SHARE * (opening - least))[side])
         slid = live & ~separated & is_slid(sliding, thresholds)
         return cls(pose, opening, least, sliding, rotation, separated, down, live, opened, slid, hinged, touching)
 
@@ -144,6 +162,11 @@ class Levels:
     foot: np.ndarray  # (P + 1,) height where a part stands on supports [m], NaN where it stands on none
     footing: np.ndarray  # (P + 1, B) the supports that it stands on
     ends: np.ndarray  # (P + 1, 2) lowest and highest corner of a part [m]
+
+    @property
+    def least(self) -> float:
+        """Height by which levels that are compared are apart [m]."""
+        return MERGED * float(np.diff(self.bounds)[0])
 
     @classmethod
     def of(cls, solids: Solids, joints: Joints, parts: MacroElements, count: int = LEVELS) -> Levels:
@@ -180,7 +203,7 @@ class Levels:
             height = np.concatenate([[self.foot[part]], height])
             shift = np.concatenate([moved[self.footing[part], :2].mean(axis=0)[None], shift])
             kept = np.concatenate([[-1], kept])
-        least = MERGED * float(np.diff(self.bounds)[0])
+        least = self.least
         low, high = self.ends[part]
         overall = float(np.linalg.norm(shift - shift[:1], axis=1).max(initial=0.0)) / (high - low) if (kept >= 0).sum() > 1 else 0.0
         return Profile(kept, height, shift, _drifts(height, shift, least), overall)

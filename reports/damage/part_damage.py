@@ -7,11 +7,15 @@ grades :mod:`reports.damage.grades`. Two kinds of numbers stand side by side and
 - ``open``, ``slipped``, ``apart``, ``hinges`` and the crack widths say what is the case at the frame: at the end, what has remained. They
   leave out joints one of whose blocks has fallen; such blocks are counted as lost.
 
+Largest drifts and displacements, and the hinges that a run has had, are over all steps; over the frames in files of older versions, and
+where the run was killed before it wrote them, or blocks count as fallen by other thresholds than those of runs.
+
 A crack's width is the opening of a joint that is open at the end and not separated.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,14 +27,25 @@ from reports.damage.definitions import Thresholds
 from reports.damage.end_state import end_state
 from reports.damage.grades import Grades, grade_of
 from reports.damage.joint_damage import JointDamage, joint_damage
-from reports.damage.macro_elements import DamageSnapshot, Levels, MacroElements, Profile, hinge_places, macro_elements_of, side_names
+from reports.damage.macro_elements import (
+    DamageSnapshot,
+    Levels,
+    MacroElements,
+    Profile,
+    hinge_places,
+    macro_elements_of,
+    require_names,
+    side_names,
+)
 from reports.damage.mechanism import Mechanism, Rules, mechanisms, pieces_of
+from reports.damage.step_peaks import falls_as_in_runs
 from reports.deformed import Solids, solids_of
 from reports.drawing.figure import classes
 
 Row = dict[str, Any]
 
 LARGEST = 0.05  # where the last class of crack widths begins [m], as on the crack map
+ROUNDING = 1e-9  # share by which the same opening may differ between the run and the report
 FRAMES = 300  # of the history at most; longer runs are thinned out evenly, their first and last frame kept
 
 
@@ -55,8 +70,9 @@ class PartDamage:
     parts: list[Row]  # one per part, then the structure
     shocks: list[Row]  # the same after each shock of a sequence and its rest; empty for any other run
     history: list[Row]  # one per frame and part
-    hinges: list[Row]  # one per joint that was a hinge at a frame
+    hinges: list[Row]  # one per joint that was a hinge
     levels: list[Row]  # one per part and level
+    of_steps: bool = False  # largest drifts and the hinges are over all steps, not only over the frames
 
 
 def part_damage(results: Results, settings: Settings | None = None, frames: np.ndarray | None = None) -> PartDamage:
@@ -74,6 +90,7 @@ def part_damage(results: Results, settings: Settings | None = None, frames: np.n
     view = _View.of(results, settings)
     watch = _Watch(view)
     chosen = np.linspace(0, results.frames - 1, min(results.frames, FRAMES)).round().astype(int) if frames is None else frames
+    of_steps = results.peaks_of_steps and falls_as_in_runs(settings.thresholds) and watch.fits(results.step_peaks)
     after = {shock.frame: i for i, shock in enumerate(results.shocks)}
     history: list[Row] = []
     shocks: list[Row] = []
@@ -87,8 +104,12 @@ def part_damage(results: Results, settings: Settings | None = None, frames: np.n
         history += watch.add(snapshot)
         if frame in after:
             i = after[frame]
+            if of_steps:
+                watch.take_shock(results.step_peaks_after(i))
             named = {"shock": results.shocks[i].name}
             shocks += [named | row for row in parts(joint_damage(results, settings.thresholds, i), snapshot, int(frame))]
+    if of_steps:
+        watch.take_steps(results.step_peaks)
     table = joint_damage(results, settings.thresholds)
     rows = parts(table, snapshot, -1)
     return PartDamage(
@@ -102,6 +123,7 @@ def part_damage(results: Results, settings: Settings | None = None, frames: np.n
         history=history,
         hinges=_hinge_rows(view, watch, table, snapshot),
         levels=watch.level_rows(),
+        of_steps=of_steps,
     )
 
 
@@ -121,6 +143,7 @@ class _View:
     @classmethod
     def of(cls, results: Results, settings: Settings) -> _View:
         solids, joints = solids_of(results.blocks), results.joints
+        require_names(results.blocks)
         parts = macro_elements_of(results.blocks, joints)
         return cls(
             solids=solids,
@@ -135,7 +158,10 @@ class _View:
 
 
 class _Watch:
-    """Goes through the frames and keeps what only the history shows: peaks of drift, and hinges that have closed again."""
+    """Goes through the frames and keeps what only the history shows: peaks of drift, and hinges that have closed again.
+
+    Those over all steps replace them where the run noted them: no frame goes beyond these, rounding apart, unless a kill came after them.
+    """
 
     def __init__(self, view: _View) -> None:
         self._view = view
@@ -145,30 +171,50 @@ class _Watch:
         self.place = np.full((count, 3), np.nan)
         self.when = np.full(count, np.nan)
         self.profiles: list[Profile] = []
-        self._level_peaks: list[dict[int, tuple[float, float]]] = [{} for _ in range(view.parts.count)]
+        levels = (view.parts.count, len(view.levels.bounds))  # the foot first
+        self._level_displacement, self._level_drift = np.zeros(levels), np.zeros(levels)
 
     def add(self, snapshot: DamageSnapshot) -> list[Row]:
         """Take in a frame; return its row of each part."""
         view = self._view
         self.profiles = [view.levels.profile(p, view.parts, view.solids, snapshot) for p in range(view.parts.count)]
         self.drift_max = np.maximum(self.drift_max, [profile.overall for profile in self.profiles])
-        for peaks, profile in zip(self._level_peaks, self.profiles, strict=True):
-            for level, shift, drift in zip(profile.level, profile.shift, profile.drift, strict=True):
-                before = peaks.get(int(level), (0.0, 0.0))
-                peaks[int(level)] = max(before[0], float(np.hypot(*shift))), max(before[1], float(np.nan_to_num(drift)))
+        for p, profile in enumerate(self.profiles):
+            own = profile.level + 1
+            moved = np.hypot(*profile.shift.T)
+            self._level_displacement[p, own] = np.maximum(self._level_displacement[p, own], moved)
+            self._level_drift[p, own] = np.maximum(self._level_drift[p, own], np.nan_to_num(profile.drift))
         wider = snapshot.hinged & (snapshot.opening > self.widest)
         self.widest[wider], self.when[wider] = snapshot.opening[wider], snapshot.pose.time
         self.place[wider] = hinge_places(view.joints, snapshot)[wider]
         how = mechanisms(snapshot, view.joints, view.parts, view.pieces, view.settings.rules)
         return [_frame_row(view, snapshot, p, self.profiles[p], how[p]) for p in range(view.parts.count)]
 
+    def fits(self, peaks: Mapping[str, np.ndarray]) -> bool:
+        """Whether peaks over all steps are those of these parts and levels."""
+        return peaks["level_drift"].shape == self._level_drift.shape
+
+    def take_shock(self, peaks: Mapping[str, np.ndarray]) -> None:
+        """Take in the peaks over the steps up to the end of the rest after a shock; of the hinges, that they were there."""
+        self.drift_max = np.maximum(self.drift_max, peaks["drift"])
+        new = (peaks["hinge_opening"] >= self._view.settings.thresholds.opened) & np.isnan(self.when)
+        self.when[new] = np.inf  # the end of the run says when and where
+
+    def take_steps(self, peaks: Mapping[str, np.ndarray]) -> None:
+        """Take in the peaks over all steps."""
+        self.drift_max = np.maximum(self.drift_max, peaks["drift"])
+        self._level_displacement = np.maximum(self._level_displacement, peaks["level_displacement"])
+        self._level_drift = np.maximum(self._level_drift, peaks["level_drift"])
+        width = peaks["hinge_opening"]
+        known = (width >= self._view.settings.thresholds.opened) & (width >= (1.0 - ROUNDING) * self.widest)
+        self.widest[known], self.when[known], self.place[known] = width[known], peaks["hinge_time"][known], peaks["hinge_place"][known]
+
     def level_rows(self) -> list[Row]:
-        """Displacement and drift of each part and level: at the last frame, and the largest over all frames."""
+        """Displacement and drift of each part and level: at the last frame, and the largest."""
         rows = []
         bounds = self._view.levels.bounds
-        for name, profile, peaks in zip(self._view.parts.names, self.profiles, self._level_peaks, strict=True):
+        for p, (name, profile) in enumerate(zip(self._view.parts.names, self.profiles, strict=True)):
             for k, level in enumerate(profile.level):
-                largest = peaks[int(level)]
                 rows.append(
                     {
                         "part": name,
@@ -178,9 +224,9 @@ class _Watch:
                         "mean_z": profile.height[k],
                         "residual_x": profile.shift[k, 0],
                         "residual_y": profile.shift[k, 1],
-                        "largest_displacement": largest[0],
+                        "largest_displacement": float(self._level_displacement[p, level + 1]),
                         "residual_drift": profile.drift[k],
-                        "largest_drift": largest[1] if np.isfinite(profile.drift[k]) else np.nan,
+                        "largest_drift": float(self._level_drift[p, level + 1]) if np.isfinite(profile.drift[k]) else np.nan,
                     }
                 )
         return rows
@@ -266,7 +312,7 @@ def _histogram(view: _View, snapshot: DamageSnapshot, own: np.ndarray) -> Row:
 
 
 def _hinge_rows(view: _View, watch: _Watch, table: JointDamage, snapshot: DamageSnapshot) -> list[Row]:
-    """The joints that were hinges at some frame, where they touched when they were widest open."""
+    """The joints that were hinges at some time, where they touched when they were widest open."""
     ever = np.flatnonzero(np.isfinite(watch.when))
     sides = side_names(watch.place[ever] - view.joints.centres()[ever])
     rows = []
@@ -282,7 +328,7 @@ def _hinge_rows(view: _View, watch: _Watch, table: JointDamage, snapshot: Damage
                 "y": watch.place[j, 1],
                 "z": watch.place[j, 2],
                 "touches_towards": side,
-                "opening": watch.widest[j],
+                "opening": float(watch.widest[j]),
                 "time": watch.when[j],
                 "residual_opening": snapshot.opening[j],
                 "at_end": bool(snapshot.hinged[j]),

@@ -2,7 +2,7 @@
 
 damage.csv           one row per part and, last, the structure: the end of the run
 damage_history.csv   one row per frame and part
-hinges.csv           one row per joint that was a hinge at a frame
+hinges.csv           one row per joint that was a hinge at any time
 drift.csv            one row per part and level
 damage_shocks.csv    the rows of damage.csv after each shock of a sequence and its rest; for such runs only
 damage.json          all of these, with the thresholds, rules and grades that made them
@@ -35,8 +35,12 @@ DIGITS = 9
 NOTE = (
     "A part is a group of blocks. A joint between two parts belongs to both, so the parts add up to more than the structure, which "
     "counts each joint once. opened, slid and separated: what each joint suffered at any time, as in joints.csv; open, slipped, apart, "
-    "hinges and residual values: what is left at the end, between blocks that have not fallen. Largest openings and slidings are over all "
-    "time steps; largest drifts and displacements, and the hinges of a run, are over the frames, see history_frames. SI units."
+    "hinges and residual values: what is left at the end, between blocks that have not fallen. SI units. "
+)
+OF_STEPS = "Largest values, and the hinges of a run, are over all time steps."
+OF_FRAMES = (
+    "Largest openings and slidings are over all time steps; largest drifts and displacements, and the hinges of a run, are over the frames "
+    "only, see history_frames: the result file has no others."
 )
 
 
@@ -67,7 +71,7 @@ def as_json(damage: PartDamage) -> dict[str, Any]:
             "title": damage.title,
             "time": damage.time,
             "provisional": damage.provisional,
-            "note": NOTE,
+            "note": NOTE + (OF_STEPS if damage.of_steps else OF_FRAMES),
             "history_frames": len({row["time"] for row in damage.history}),
             "thresholds": asdict(settings.thresholds),
             "rules": asdict(settings.rules),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from reports.drawing.tie_lines import PULLING, ties_as_built
 SUPPORT = "#a9adb0"
 PALETTE = ("#e6d9bd", "#9fc3dd", "#e9a77c", "#b9d3a4", "#cbb3d9", "#f3dc84", "#8fb8b0", "#dba3ad", "#b7a58a", "#c6d9ea")
 EDGE = "#4a4640"
+AROUND = 0.35  # of the structure's largest extent: how far a level ground is drawn around it
 MOTTLE = 0.025  # blocks of one colour differ by this share, as stones do
 
 
@@ -51,7 +52,7 @@ def structure_sheet(blocks: Sequence[Block], title: str, view: str = "auto", tie
     plan = layout(window.width / window.height)
     window = window.fitted(plan.pixels)
     families = families_of(blocks)
-    layers = block_layers(solids, solids.vertices, _block_colours(len(blocks), families), looking, window)
+    layers = block_layers(solids, within_sight(solids, solids.vertices), _block_colours(len(blocks), families), looking, window)
     layers += ties_as_built(ties).layers(looking, float((solids.vertices @ looking.towards).max()) + 0.02 * window.height)
     sheet = Sheet(plan)
     sheet.model(render(layers, looking, window, plan.pixels))
@@ -78,6 +79,36 @@ def structure_window(solids: Solids, view: View) -> Window:
         return whole
     free = around(view.plane(solids.vertices[~solids.fixed[solids.vertex_block]]), 0.10)
     return Window(max(whole.left, free.left), min(whole.right, free.right), max(whole.bottom, free.bottom), min(whole.top, free.top))
+
+
+def within_sight(solids: Solids, vertices: np.ndarray, seen: np.ndarray | None = None) -> np.ndarray:
+    """Vertices (V, 3) of all blocks, level supports drawn in to what lies near the free blocks, at rest and where they are [m].
+
+    A ground is made wide, for what falls; as wide as it is it would fill the picture. Blocks flung farther than the structure is large
+    do not draw it out. ``seen`` (N, 3) are other places of free blocks, instead of those where they are.
+    """
+    owner = solids.vertex_block
+    free = ~solids.fixed[owner]
+    if not free.any():
+        return vertices
+    rest, there = solids.vertices[free, :2], (vertices[free] if seen is None else seen)[:, :2]
+    low, high = rest.min(axis=0), rest.max(axis=0)
+    size = float(np.ptp(solids.vertices[free], axis=0).max())
+    there = np.clip(there, low - size, high + size)
+    low, high = np.minimum(low, there.min(axis=0)) - AROUND * size, np.maximum(high, there.max(axis=0)) + AROUND * size
+    out = vertices.copy()
+    for block in np.flatnonzero(solids.fixed):
+        own = owner == block
+        if len(np.unique(vertices[own, 2])) == 2:  # an upright prism, which stays one
+            out[own, :2] = np.clip(vertices[own, :2], low, high)
+    return out
+
+
+def drawn_in(blocks: Sequence[Block]) -> list[Block]:
+    """The blocks as built, wide level supports drawn in, see :func:`within_sight`."""
+    solids = Solids.from_blocks(blocks)
+    near = within_sight(solids, solids.vertices)
+    return [replace(block, vertices=near[solids.vertex_block == k]) if block.fixed else block for k, block in enumerate(blocks)]
 
 
 def around(plane: np.ndarray, margin: float) -> Window:

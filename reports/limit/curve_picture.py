@@ -13,7 +13,7 @@ from masonry_cd.limit.stage import Stage
 from reports.deformed import Solids
 from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
 from reports.drawing.render import Layer, Lines, View, Window, render
-from reports.drawing.structure_picture import SUPPORT, around, block_layers, rgb, structure_window
+from reports.drawing.structure_picture import SUPPORT, around, block_layers, rgb, structure_window, within_sight
 from reports.limit.picture import COLOURS as STATE_COLOURS
 from reports.limit.picture import DOT, MOVES, REST, STANDS, dots, view_of_motion
 
@@ -111,7 +111,7 @@ def _image(stage: Stage, solids: Solids, built: Solids, looking: View, window: W
     colours = np.where(moves.moving[:, None], rgb(MOVES), rgb(STANDS))
     colours[solids.fixed] = rgb(SUPPORT)
     reach = 1.0 + float(np.ptp(solids.vertices @ looking.towards)) + float(np.ptp(built.vertices @ looking.towards))
-    layers: list[Layer] = [*block_layers(solids, solids.vertices, colours, looking, window)]
+    layers: list[Layer] = [*block_layers(solids, within_sight(solids, solids.vertices), colours, looking, window)]
     layers.append(Lines(built.vertices - reach * looking.towards, built.edges(), REST, 1.0))
     radius = 0.75 * DOT * window.width / pixels[0]
     at_work = {(a, b): state for a, b, state in stage.at_work()}

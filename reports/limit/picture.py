@@ -19,7 +19,7 @@ from masonry_cd.quantities import force
 from reports.deformed import Solids
 from reports.drawing.figure import INK, Box, Paint, Sheet, layout
 from reports.drawing.render import Layer, Lines, Surface, View, Window, render, view_named
-from reports.drawing.structure_picture import SUPPORT, around, auto_view, block_layers, box_swatch, rgb, structure_window
+from reports.drawing.structure_picture import SUPPORT, around, auto_view, block_layers, box_swatch, rgb, structure_window, within_sight
 from reports.maps.thrust import COLOUR, joint_ribbons
 
 AMPLITUDE = 0.07  # largest displacement drawn, as a share of the structure's size
@@ -49,9 +49,9 @@ def mechanism_picture(
     window = window.fitted(plan.pixels)
     colours = np.where(moves.moving[:, None], rgb(MOVES), rgb(STANDS))
     colours[solids.fixed] = rgb(SUPPORT)
-    layers: list[Layer] = [*block_layers(solids, moved, colours, looking, window)]
+    layers: list[Layer] = [*block_layers(solids, within_sight(solids, moved), colours, looking, window)]
     behind = (1.0 + float(np.ptp(moved @ looking.towards))) * looking.towards  # in parallel projection, hidden by all that moved
-    layers.append(Lines(solids.vertices - behind, solids.edges(), REST, 1.2))
+    layers.append(Lines(within_sight(solids, solids.vertices) - behind, solids.edges(), REST, 1.2))
     depth = 0.0 if looking.is_oblique else float(np.ptp(moved @ looking.towards))  # a front view shows joints through the thickness
     layers += _joint_layers(moves, joints, solids, reach, looking, window.width / plan.pixels[0], depth)
     sheet = Sheet(plan)

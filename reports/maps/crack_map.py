@@ -24,6 +24,7 @@ from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import frame_index, solids_of
 from reports.drawing.figure import Sheet, in_metres
 from reports.drawing.render import SAMPLES, Canvas, Surface
+from reports.drawing.structure_picture import within_sight
 from reports.drawing.tie_lines import ties_at
 from reports.maps.crack_key import Key, Marks, draw_scales, draw_signs
 from reports.maps.cut import clipped
@@ -104,7 +105,7 @@ def subject_of(results: Results, frame: int, framed: Framing) -> Subject:
         snapshot=snapshot,
         last=last,
         marks=Marks.of(snapshot),
-        drawn=snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor),
+        drawn=within_sight(solids, snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor)),
         provisional=end_state(results, thresholds).provisional if last else "",
         suffered=in_words(joint_damage(results, thresholds)) if last and framed.alone else "",
     )

@@ -17,7 +17,7 @@ from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import solids_of
 from reports.drawing.figure import Sheet, layout
 from reports.drawing.render import Canvas
-from reports.drawing.structure_picture import no_swatch, structure_window
+from reports.drawing.structure_picture import no_swatch, structure_window, within_sight
 from reports.maps.crack_key import ColourClasses, Marks, band_sign, draw_scale, draw_scale_bar
 from reports.maps.framing import Framing, MapStyle, view_and_cut
 from reports.maps.layers import Subject, block_layers_of, coloured_bands
@@ -85,7 +85,7 @@ def at_rest(results: Results, style: MapStyle) -> Subject:
     framed = Framing(style, view, cut, 0.0, rest.fitted(plan.pixels), plan, alone=True)
     start = DamageSnapshot.at(results, 0, style.thresholds)
     snapshot = replace(start, down=np.zeros_like(start.down))
-    return Subject(framed, results.joints, solids, snapshot, False, Marks.of(snapshot), solids.vertices, "", "")
+    return Subject(framed, results.joints, solids, snapshot, False, Marks.of(snapshot), within_sight(solids, solids.vertices), "", "")
 
 
 def _keys(sheet: Sheet, one: JointValues, framed: Framing) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from masonry_cd.model.blocks import Block
 from reports.drawing.figure import FAINT, INK, MARGIN, TITLE, WIDTH, Layout, Sheet
 from reports.drawing.render import Layer, Lines, Surface, View, Window, render, view_named
-from reports.drawing.structure_picture import SUPPORT, around, rgb
+from reports.drawing.structure_picture import SUPPORT, around, drawn_in, rgb
 from reports.modal.modes import Modes
 from reports.modal.shapes import RigidShapes, Skin
 
@@ -43,7 +43,7 @@ def modes_picture(
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
     """
-    looking = view_named(view)
+    looking, blocks = view_named(view), drawn_in(blocks)
     skin, frame = modes.field.skin(), _frame(modes, blocks)
     reach = AMPLITUDE * float(np.ptp(skin.points, axis=0).max())
     count = min(most, modes.count)

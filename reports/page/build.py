@@ -22,7 +22,7 @@ from reports.damage.joint_damage import JointDamage
 from reports.damage.part_damage import PartDamage
 from reports.deformed import Solids, solids_of
 from reports.drawing.figure import nice
-from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of
+from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of, within_sight
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
 from reports.maps.framing import COLLAPSE, MOST, SEEN
 from reports.page import downloads, findings, limits, motion, series, title_block, trust, words
@@ -134,11 +134,13 @@ def _data(
             break
         count = max(2, min(count - 1, int(0.97 * count * limit / length)))
         moved = moved.only(motion.frames_shown(len(moved.frames), count))
+    seen = _seen(solids, moved)
+    arrays["vertices"] = _vertices(solids, np.array([seen["low"], seen["high"]]))
     down, apart = motion.read_losses(results, solids, moved, classes[0])
     flags = {"fallen": motion.bits(down), "separated": motion.bits(apart)}
     contents, text = packed(arrays | units | flags | tie_tensions(results, moved.time), histories)
     facts |= {"contents": contents, "frames": len(moved.frames), "frames_written": results.frames, "scales": scales}
-    return facts | _seen(solids, moved), text
+    return facts | seen, text
 
 
 def _seen(solids: Solids, moved: motion.Motion) -> dict[str, Any]:
@@ -162,17 +164,29 @@ def _seen(solids: Solids, moved: motion.Motion) -> dict[str, Any]:
     }
 
 
+def _origin(solids: Solids) -> np.ndarray:
+    """The middle of the free blocks (3,) [m]: numbers near zero lose nothing in float32."""
+    free = ~solids.fixed if not solids.fixed.all() else solids.fixed
+    drawn = solids.vertices[free[solids.vertex_block]]
+    return np.asarray((drawn.min(axis=0) + drawn.max(axis=0)) / 2.0)
+
+
+def _vertices(solids: Solids, box: np.ndarray | None = None) -> np.ndarray:
+    """The vertices of all blocks from the origin, those of a wide ground as near as it is seen with a box (2, 3) around all places [m]."""
+    origin = _origin(solids)
+    return (within_sight(solids, solids.vertices, None if box is None else box + origin) - origin).astype(np.float32)
+
+
 def _still(results: Results, solids: Solids, table: JointDamage, thresholds: Thresholds) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """What does not move: blocks and joints at rest, the damage table, colours and names."""
     joints, free = results.joints, ~solids.fixed if not solids.fixed.all() else solids.fixed
-    drawn = solids.vertices[free[solids.vertex_block]]
-    origin = (drawn.min(axis=0) + drawn.max(axis=0)) / 2.0  # numbers near zero lose nothing in float32
+    origin = _origin(solids)
     families = families_of(results.blocks)
     family = np.zeros(len(results.blocks), np.uint8)
     for k, item in enumerate(families):
         family[item.members] = min(k, 255)
     arrays = {
-        "vertices": (solids.vertices - origin).astype(np.float32),
+        "vertices": _vertices(solids),
         "vertex_block": solids.vertex_block.astype(np.uint32),
         "loops": solids.loops.astype(np.uint32),
         "loop_start": solids.loop_start.astype(np.uint32),

@@ -13,7 +13,7 @@ from reports.page.words import PageContext, escaped, number, sensible
 G = 9.80665  # [m/s2]
 COLUMNS = (
     "part", "grade", "by", "mechanism", "opened", "slid", "opened and slid", "separated", "lost", "opening left [mm]", "sliding left [mm]",
-    "drift left [%]", "largest drift of frames [%]",
+    "drift left [%]", "largest drift [%]",
 )  # fmt: skip
 
 
@@ -48,8 +48,19 @@ def parts(context: PageContext) -> str:
         "Damage by part",
         f'<div class="scroll short"><table class="parts"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
         '<p class="note">A part (macro-element) is a group of blocks. Grades go by what is left at the end, see '
-        f'<a href="#grades-title">Grades of damage</a>. {thresholds} Openings and slidings '
-        f"are looked at in all time steps, largest drifts and mechanisms in {_frames(context)}.{state}</p>",
+        f'<a href="#grades-title">Grades of damage</a>. {thresholds} '
+        f"{_looked_at(context)}{state}</p>",
+    )
+
+
+def _looked_at(context: PageContext) -> str:
+    """At which times largest values are looked at."""
+    assert context.parts is not None
+    if context.parts.of_steps:
+        return "Largest openings, slidings and drifts are over all time steps; mechanisms are those at the end."
+    return (
+        "Largest openings and slidings are over all time steps; largest drifts, of which this result file has no others, are over "
+        f"{_frames(context)}."
     )
 
 

@@ -45,7 +45,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
         blocks += church_parts.roof_plates(church)
     elif keys.roof == "vault":
         blocks += church_parts.nave_vault(church, density)
-    blocks.append(wall_plan.ground(blocks, 0.3 * max(keys.height, keys.tower_height if keys.tower else 0.0), church.course, density))
+    blocks.append(wall_plan.ground(blocks, church.course, density))
     check(blocks)
     return blocks
 

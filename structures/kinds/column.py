@@ -58,7 +58,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     if keys.plinth + keys.capital >= keys.height:
         raise InputError(f"structure.height: must exceed plinth and capital, {keys.plinth + keys.capital:g} m, got {keys.height:g}")
     blocks = column((0.0, 0.0), 0.0, keys, density)
-    blocks.append(wall_plan.ground(blocks, 0.5 * keys.height, keys.base_depth, density))
+    blocks.append(wall_plan.ground(blocks, keys.base_depth, density))
     check(blocks)
     return blocks
 

@@ -66,7 +66,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     blocks = rings.build(ring, rows, unit, density)
     if not keys.oculus:
         blocks.append(rings.key(ring, rows[-1], density, "key", "key"))
-    blocks.append(wall_plan.ground(blocks, 0.5 * keys.span, keys.base_depth or keys.thickness, density))
+    blocks.append(wall_plan.ground(blocks, keys.base_depth or keys.thickness, density))
     check(blocks)
     return blocks
 

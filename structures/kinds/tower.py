@@ -61,7 +61,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     size.within(around / unit * (keys.height / keys.course_height) * keys.leaves, "course_height")
     walls = elevations(keys)
     blocks = wall_plan.build(walls, wall_plan.levels(walls, keys.course_height), unit, density, keys.bonded)
-    blocks.append(wall_plan.ground(blocks, 0.5 * keys.height, keys.base_depth or keys.course_height, density))
+    blocks.append(wall_plan.ground(blocks, keys.base_depth or keys.course_height, density))
     if keys.inclination:
         blocks = inclined(blocks, math.radians(keys.inclination))
     check(blocks)

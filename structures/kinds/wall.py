@@ -53,8 +53,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     unit = keys.unit_length or 2.0 * keys.course_height
     size.within(keys.length / unit * ((keys.height + 0.5 * keys.gable) / keys.course_height) * keys.leaves, "course_height")
     blocks = wall_plan.build([wall], wall_plan.levels([wall], keys.course_height), unit, density)
-    margin = 0.5 * (keys.height + keys.gable)
-    blocks.append(wall_plan.ground(blocks, margin, keys.base_depth or 2.0 * keys.course_height, density))
+    blocks.append(wall_plan.ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
     check(blocks)
     return blocks
 

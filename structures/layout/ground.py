@@ -1,7 +1,7 @@
 """A ground for what has none of its own: a fixed slab under the whole structure, on which what falls comes to lie.
 
-Walls, towers and churches stand on one. Plain abutments of arches and vaults, the piers of a cross vault, and blocks of a file hang in the
-air, and what falls between them falls for ever.
+Walls, towers and churches stand on one. Plain abutments of arches and vaults, and the piers of a cross vault, have nothing between them:
+they get one unless the scene says ``ground = false``. Blocks of a file get one only where the scene asks for it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,15 @@ from structures.layout.wall_plan import ground
 
 KEY = "ground"
 DEPTH = 0.1  # of the slab, as a share of the height above it
-MARGIN = 0.5  # around the structure, likewise
+
+
+def needs_ground(blocks: Sequence[Block]) -> bool:
+    """Whether a structure has supports, but none under the middle of its plan: what falls there falls for ever."""
+    points = np.concatenate([block.vertices for block in blocks])
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))[:2]
+    supports = [block.vertices[:, :2] for block in blocks if block.fixed]
+    under = [(plan.min(axis=0) <= middle).all() and (middle <= plan.max(axis=0)).all() for plan in supports]
+    return bool(supports) and not any(under)
 
 
 def with_ground(blocks: Sequence[Block], asked: object) -> list[Block]:
@@ -41,6 +49,6 @@ def with_ground(blocks: Sequence[Block], asked: object) -> list[Block]:
     top = low if asked is True else float(asked)  # type: ignore[arg-type]
     if top > low:
         raise InputError(f"structure.{KEY}: its top must be at most the lowest corner, {low:.6g} m, got {top:g}")
-    slab = ground(blocks, MARGIN * (high - top), DEPTH * (high - top), blocks[0].density)
+    slab = ground(blocks, DEPTH * (high - top), blocks[0].density)
     vertices = slab.vertices + [0.0, 0.0, top - low]
     return [*blocks, Block(KEY, vertices, slab.faces, slab.density, slab.group, fixed=True)]

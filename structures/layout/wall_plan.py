@@ -20,6 +20,7 @@ from structures.layout.coursing import LEAST_UNIT, Band, Piece
 from structures.layout.openings import Opening, close
 
 SAME = 1e-9  # lengths closer than this are one [m]
+AROUND = 1.5  # of the height: how far the ground reaches around a structure
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,12 +215,13 @@ def _name(wall: Wall, piece: Piece, first: int) -> str:
     return f"{wall.name}.o{piece.opening + 1}.{'v' if piece.kind == 'voussoir' else piece.kind[0]}{piece.number + 1}"
 
 
-def ground(blocks: Sequence[Block], margin: float, depth: float, density: float, name: str = "ground") -> Block:
-    """A fixed slab under all blocks, its top at the lowest of them."""
+def ground(blocks: Sequence[Block], depth: float, density: float) -> Block:
+    """A fixed slab under all blocks, its top at the lowest of them; so wide that what topples lies on it, and does not roll off at once."""
     low = np.min([block.vertices.min(axis=0) for block in blocks], axis=0)
     high = np.max([block.vertices.max(axis=0) for block in blocks], axis=0)
+    margin = AROUND * float(high[2] - low[2])
     vertices, faces = box(
         (float(low[0]) - margin, float(low[1]) - margin, float(low[2]) - depth),
         (float(high[0]) + margin, float(high[1]) + margin, float(low[2])),
     )
-    return Block(name, vertices, faces, density, "base", fixed=True)
+    return Block("ground", vertices, faces, density, "base", fixed=True)

@@ -13,7 +13,7 @@ import pytest
 from masonry_cd.app import progress
 from masonry_cd.app.progress import Interrupt, Interrupted, Progress, said_if_slow
 from masonry_cd.app.step_costs import StepCosts, shaking_classes
-from masonry_cd.quantities import force, in_words
+from masonry_cd.quantities import force, in_words, length
 
 
 @pytest.mark.parametrize(
@@ -193,3 +193,9 @@ def test_a_run_under_nohup_is_not_stopped_by_its_terminal():
             interrupt.check()
     finally:
         signal.signal(signal.SIGHUP, former)
+
+
+def test_lengths_below_a_nanometre_are_not_given_digits():
+    assert [length(value) for value in (0.0, 2.76e-13, -3e-12, 1e-9, 9.996e-10, 44.9e-9, 1.66e-3, 2.0)] == [
+        "0 m", "under 1 nm", "under 1 nm", "1 nm", "1 nm", "44.9 nm", "1.66 mm", "2 m",
+    ]  # fmt: skip

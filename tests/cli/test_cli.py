@@ -439,7 +439,7 @@ def test_build_writes_blocks_that_a_scene_reads_back(tmp_path):
     arch = EXAMPLES / "arch.toml"
     result = masonry_cd("build", arch, "-o", tmp_path, "--no-picture", "--set", "structure.voussoirs=9")
     assert result.exit_code == 0, result.output
-    assert "9 blocks and 2 fixed ones, 10 joints" in result.stdout
+    assert "9 blocks and 3 fixed ones, 10 joints" in result.stdout
     text = arch.read_text()
     head, tail = text[: text.index("[structure]")], text[text.index("[material]") :]
     (tmp_path / "again.toml").write_text(head + '[structure]\nkind = "file"\npath = "blocks.json"\n' + tail)

@@ -85,6 +85,10 @@ def test_each_shock_adds_to_the_damage(tmp_path: Path) -> None:
         rows = shock_rows(results, Thresholds(slid=2e-3))
         tables = [joint_damage(results, Thresholds(), i) for i in range(2)]
         total, parts = joint_damage(results), part_damage(results, Settings())
+        after, end = [results.step_peaks_after(i) for i in range(2)], results.step_peaks
+    assert parts.of_steps
+    for name in ("drift", "hinge_opening"):
+        assert (after[0][name] <= after[1][name]).all() and (after[1][name] == end[name]).all()
     slid = [row["sliding_max"] for row in rows]
     assert 0.0 < slid[0] < slid[1] == total.max_sliding[0]
     assert [table.max_sliding[0] for table in tables] == slid

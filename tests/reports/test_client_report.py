@@ -111,7 +111,18 @@ def test_parts_come_before_joints_and_limits_after_them(tmp_path):
     places = [text.index(f'id="{name}-title"') for name in ("parts", "model", "damage", "limits", "trust", "grades", "tables", "settings")]
     assert places == sorted(places)
     assert "graded D2, moderate damage" in words(text)
-    assert "largest drifts and mechanisms in the 3 frames of the history, 100 ms apart." in words(text)
+    older = "largest drifts, of which this result file has no others, are over the 3 frames of the history, 100 ms apart."
+    assert older in words(text)
+
+
+def test_largest_drifts_of_a_run_are_over_all_time_steps(tmp_path):
+    rest = at_rest(stack())
+    states = [rest, shifted(rest, 2, (0.02, 0, 0)), rest]
+    with Results.open(write_run(tmp_path / "result.h5", stack(), states, scene=DRY, ended=True, every=2)) as results:
+        write_page(results, tmp_path / "report.html", SOUND, parts=part_damage(results))
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "Largest openings, slidings and drifts are over all time steps; mechanisms are those at the end." in words(text)
+    assert 'data-name="largest drift [%]"' in text or "largest drift [%]" in words(text)
 
 
 def test_the_grades_are_those_of_ems_98_with_the_numbers_in_force(tmp_path):

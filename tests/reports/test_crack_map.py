@@ -20,7 +20,7 @@ from reports.damage.definitions import Thresholds
 from reports.deformed import Pose, Solids
 from reports.drawing import render
 from reports.drawing.figure import in_metres, nice
-from reports.drawing.structure_picture import auto_view, families_of, rgb, structure_picture
+from reports.drawing.structure_picture import auto_view, families_of, rgb, structure_picture, within_sight
 from reports.maps import crack_key, crack_map, framing
 
 
@@ -211,3 +211,22 @@ def test_a_picture_of_ten_thousand_blocks_has_as_many_meshes_as_one_of_a_few(tmp
     few = meshes_of_a_wall(tmp_path, 4, monkeypatch)
     assert meshes_of_a_wall(tmp_path, 100, monkeypatch) == few > 0
     assert (tmp_path / "wall.png").stat().st_size > 100_000
+
+
+def test_a_wide_ground_is_drawn_around_the_structure_and_what_has_fallen() -> None:
+    """A block of 2 m on a slab that reaches 50 m: drawn to 0.35 of 2 m around it, or around where it lies; an inclined slab as it is."""
+    blocks = [box("ground", (-50, -50, -1), (50, 50, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 2))]
+    solids = Solids.from_blocks(blocks)
+    slab, stone = (solids.vertex_block == k for k in range(2))
+
+    def drawn(shift: float) -> tuple[float, float]:
+        moved = solids.vertices + np.where(stone, shift, 0.0)[:, None] * [1.0, 0.0, 0.0]
+        found = within_sight(solids, moved)
+        assert (found[stone] == moved[stone]).all() and (found[slab][:, 2] == moved[slab][:, 2]).all()
+        return float(found[slab, 0].min()), float(found[slab, 0].max())
+
+    assert drawn(0.0) == pytest.approx((-0.7, 1.7))
+    assert drawn(1.5) == pytest.approx((-0.7, 3.2))
+    assert drawn(30.0) == pytest.approx((-0.7, 3.7))  # flung away: by the size of the structure and no farther
+    tilted = solids.vertices + np.where(slab, 0.1 * solids.vertices[:, 0], 0.0)[:, None] * [0.0, 0.0, 1.0]
+    assert (within_sight(solids, tilted) == tilted).all()

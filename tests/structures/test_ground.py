@@ -23,7 +23,7 @@ def build(table: dict[str, Any], **keys: Any) -> list[Block]:
 
 @pytest.mark.parametrize("table", [THIN, VAULT, {"kind": "vault", "form": "barrel"}])
 def test_a_slab_lies_under_abutments_and_piers(table):
-    before, after = build(table), build(table, ground=True)
+    before, after = build(table, ground=False), build(table)
     assert [block.name for block in after] == [*(block.name for block in before), "ground"]
     slab, points = after[-1], np.concatenate([block.vertices for block in before])
     assert slab.fixed
@@ -32,20 +32,47 @@ def test_a_slab_lies_under_abutments_and_piers(table):
     assert (slab.vertices[:, :2].min(axis=0) < points[:, :2].min(axis=0)).all()
     assert (slab.vertices[:, :2].max(axis=0) > points[:, :2].max(axis=0)).all()
     assert build(table, ground=-5.0)[-1].vertices[:, 2].max() == pytest.approx(-5.0)
-    assert len(build(table, ground=False)) == len(before)
+    again = build(table, ground=True)
+    assert [block.vertices.tolist() for block in again] == [block.vertices.tolist() for block in after]
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        THIN | {"abutment": False},
+        THIN | {"buttress_width": 0.5},
+        {"kind": "aqueduct"},
+        {"kind": "wall"},
+        {"kind": "dome"},
+        {"kind": "column"},
+        {"kind": "tower"},
+    ],
+)
+def test_structures_with_a_ground_of_their_own_or_without_supports_get_no_other(table):
+    assert [block.name for block in build(table)] == [block.name for block in build(table, ground=False)]
+
+
+def test_ties_and_foundations_are_those_without_a_ground():
+    """The slab is neither an end of a tie nor cut."""
+    tied = THIN | {"ties": [{"along": "x", "height": 0.3, "diameter": 0.02}]}
+    with_slab, without = (structures.make(tied | keys, 2000.0, Path()) for keys in ({}, {"ground": False}))
+    assert [bar.blocks for bar in with_slab.ties] == [bar.blocks for bar in without.ties]
+    cut = [block.name for block in build(THIN, foundations={"x": [0.9, 1.04]})]
+    assert [name for name in cut if name.startswith("ground")] == ["ground"]
 
 
 def test_an_arch_that_falls_lands_on_it():
-    """Without a ground its voussoirs are more than 5 m down after 1.6 s, and fall on."""
+    """On its own ground, 8 cm below the springings; without one its voussoirs are more than 5 m down after 1.6 s, and fall on."""
     steps = 800
     fallen = {}
-    for name, keys in (("air", {}), ("ground", {"ground": -1.0})):
+    for name, keys in (("air", {"ground": False}), ("ground", {"ground": -1.0}), ("own", {})):
         machine = stepper(build(THIN, **keys), steps, dt=2e-3, solver="auto", tolerance=1e-4)
         for _ in range(steps):
             machine.step()
         free = ~machine.assembly.fixed
         fallen[name] = machine.state.position[free, 2].min()
     assert fallen["air"] < -5.0 < -1.0 < fallen["ground"] < -0.9  # on the ground, in no place below it
+    assert -0.08 < fallen["own"] < 0.0
 
 
 @pytest.mark.parametrize(
@@ -60,3 +87,14 @@ def test_what_is_wrong_is_named(table, ground, message):
     with pytest.raises(InputError) as failure:
         build(table, ground=ground)
     assert str(failure.value).startswith(message)
+
+
+@pytest.mark.parametrize("kind", ["wall", "column", "tower", "dome", "arch", "vault"])
+def test_what_topples_lies_on_the_ground(kind):
+    """It reaches farther on all sides than the structure is high."""
+    blocks = build({"kind": kind} | (THIN if kind == "arch" else {}))
+    (slab,) = (block for block in blocks if block.name == "ground")
+    rest = np.concatenate([block.vertices for block in blocks if block is not slab])
+    high = np.ptp(rest[:, 2])
+    assert (slab.vertices[:, :2].min(axis=0) <= rest[:, :2].min(axis=0) - 1.2 * high).all()
+    assert (slab.vertices[:, :2].max(axis=0) >= rest[:, :2].max(axis=0) + 1.2 * high).all()

@@ -52,9 +52,10 @@ def places(folder: Path, name: str = "") -> np.ndarray:
 
 
 def test_each_stands_at_its_place_under_its_name():
-    alone = structures.build(ARCH, 2000.0, Path())
+    arch = ARCH | {"ground": False}
+    alone = structures.build(arch, 2000.0, Path())
     blocks = build(
-        {"name": "a", **ARCH}, {"name": "b", **ARCH, "at": [10.0, 2.0, 1.0], "rotate": 90}, {"name": "c", **ARCH, "at": [0, 9, 0]}
+        {"name": "a", **arch}, {"name": "b", **arch, "at": [10.0, 2.0, 1.0], "rotate": 90}, {"name": "c", **arch, "at": [0, 9, 0]}
     )
     assert [block.name for block in of(blocks, "b")] == [f"b.{block.name}" for block in alone]
     assert {block.group for block in of(blocks, "b")} == {"b.arch", "b.base"}
@@ -62,6 +63,14 @@ def test_each_stands_at_its_place_under_its_name():
         assert (there.vertices == own.vertices).all()  # to the bit
         x, y, z = own.vertices.T
         assert (moved.vertices == np.stack([10.0 - y, 2.0 + x, 1.0 + z], axis=1)).all()
+
+
+def test_arches_side_by_side_stand_on_one_ground():
+    """The slabs under their abutments meet halfway between them."""
+    blocks = build({"name": "a", **ARCH}, {"name": "b", **ARCH, "at": [6.0, 0.0, 0.0]})
+    ends = {block.structure: block.vertices[:, 0] for block in blocks if block.name.endswith("ground")}
+    assert ends["a"].max() == pytest.approx(3.0)
+    assert ends["b"].min() == pytest.approx(3.0)
 
 
 def test_a_turn_of_any_angle_keeps_shapes():

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
 import pytest
 from models import box, ground, tower, wall
 from solids import build
 
 import structures
+from masonry_cd.model.blocks import Block
 from structures.summary import lines, warnings
 
 
@@ -67,3 +72,37 @@ def test_every_kind_is_one_piece_by_default(kind: str) -> None:
     assert made["hyperstaticity"] > 0
     assert made["pieces"] == 1
     assert made["hanging"] == []
+
+
+def on_its_side(blocks: list[Block], up: str) -> list[Block]:
+    """Blocks whose file states the other upward axis: z is taken for -y, or for +y."""
+    sign = {"-y": 1.0, "+y": -1.0}[up]
+    turned = [np.stack([b.vertices[:, 0], -sign * b.vertices[:, 2], sign * b.vertices[:, 1]], axis=1) for b in blocks]
+    parts = [[replace(p, vertices=np.stack([p.vertices[:, 0], -sign * p.vertices[:, 2], sign * p.vertices[:, 1]], axis=1)) for p in b.parts]
+             for b in blocks]  # fmt: skip
+    return [replace(b, vertices=v, parts=tuple(p)) for b, v, p in zip(blocks, turned, parts, strict=True)]
+
+
+@pytest.mark.parametrize("kind", ["wall", "tower", "column", "dome", "aqueduct", "arch", "vault"])
+@pytest.mark.parametrize("up", ["+y", "-y"])
+def test_a_structure_on_its_side_is_recognised(kind: str, up: str) -> None:
+    size = {"radius": 2.0, "thickness": 0.3} if kind == "arch" else {}
+    blocks = structures.build({"kind": kind, **size}, 2000.0, Path())
+    assert structures.report(blocks)["side"] == ""
+    made = structures.report(on_its_side(blocks, up))
+    assert made["side"] == up
+    (line,) = (line for line in warnings(made) if "hang" in line)
+    assert f"does the structure lie on its side? far fewer would hang if {up} pointed upwards" in line
+
+
+def test_what_hangs_in_an_upright_structure_puts_it_on_no_side() -> None:
+    """Courses between two abutments: all hang but the lowest, and each would rest on its neighbour, were x upwards."""
+    abutments = [
+        box("left", (-2.0, -0.5, -1.0), (-1.0, 0.5, 1.0), fixed=True),
+        box("right", (1.0, -0.5, -1.0), (2.0, 0.5, 1.0), fixed=True),
+    ]
+    between = [box(f"b{k}", (-1.0 + 0.5 * k, -0.5, 0.0), (-0.5 + 0.5 * k, 0.5, 1.0)) for k in range(4)]
+    made = structures.report([*abutments, *between])
+    assert (made["hanging"], made["side"]) == (["b0", "b1", "b2", "b3"], "")
+    cantilever = structures.report([ground(5.0), box("stone", (0, 0, 0), (1, 1, 1)), box("glued", (1, 0, 0.5), (2, 1, 1))])
+    assert (cantilever["hanging"], cantilever["side"]) == (["glued"], "")

@@ -69,7 +69,12 @@ def of_run(results_file: Path, summary: Mapping[str, Any], scene: Scene) -> tupl
 
 
 def _telling_frames(results: Results) -> np.ndarray:
-    """Frames at which drifts are looked at: those in which a block is farthest from its place, some evenly between, and the last."""
+    """Frames at which damage is looked at: the last where drifts are known over all steps.
+
+    Else those in which a block is farthest from its place and some evenly between as well.
+    """
+    if results.peaks_of_steps:
+        return np.array([results.frames - 1])
     moved = displacements(results)
     evenly = np.linspace(0, len(moved) - 1, min(len(moved), EVENLY)).round().astype(int)
     return np.unique([*np.argsort(-moved, kind="stable")[:FARTHEST], *evenly, len(moved) - 1])
