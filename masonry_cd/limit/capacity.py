@@ -2,7 +2,8 @@ r"""Capacity curves: a mechanism followed at finite displacements, and the load 
 
 At each step the blocks are where the last mechanism has brought them, their joints are found anew (:mod:`masonry_cd.limit.moved`), and a
 limit analysis of this geometry gives the factor and the mechanism that goes on (:mod:`masonry_cd.limit.following`), which may be another.
-The factor is drawn over the displacement of a control block along the load, until it vanishes.
+Where no factor is borne, hinges pass to other joints (:mod:`masonry_cd.limit.passing`). The factor is drawn over the displacement of a
+control block along the load, until it vanishes.
 
 **Flow.** Where joints slide, the factor and the mechanism are those of sliding without dilation (the sequence of
 :mod:`masonry_cd.limit.nonassociated` from the forces of the associated problem), when ``starts`` asks for it; otherwise the factor is the
@@ -22,6 +23,7 @@ import numpy as np
 from masonry_cd.errors import InputError
 from masonry_cd.limit.analysis import STANDS, Options, at_rest
 from masonry_cd.limit.mechanism import STILL
+from masonry_cd.limit.passing import borne, passed
 from masonry_cd.limit.problem import Loads
 from masonry_cd.limit.solution import Unbounded
 from masonry_cd.limit.stage import Stage, Stages
@@ -34,12 +36,12 @@ FIRST = 0.01  # displacement of the fastest corner in the first step, as a share
 LONGEST = 0.25  # and in any step
 VANISHES = "the factor vanishes"
 BELOW = "the factor falls below zero at once, where the mechanism changes"
-UNBORNE = "beyond, these joints bear no factor of the load: blocks fall, or hinges pass to other joints, which is not followed"
 FALLS = (VANISHES, BELOW)
 GONE = 1e-6  # share of the first factor at which it has vanished
 ROUNDING = 1e-5  # share below which it is shown as zero
 BEYOND = 1.05  # of what is left, so that the last step goes past the end
 TRIES = 30  # to find where it does
+HALVINGS = 12  # of a step at whose end no factor is borne
 SHORTEST = 1e-9  # step, as a share of the smallest width, below which blocks cannot go on
 
 
@@ -71,6 +73,7 @@ class CapacityCurve:
     factor: np.ndarray  # (K,)
     stages: tuple[Stage, ...]  # K
     changes: tuple[int, ...]  # points at which other joints are at work than before
+    jumps: tuple[int, ...]  # points to which blocks went by themselves, the load's displacement held
     falls: bool  # at the last point the factor vanishes
     end: str  # why the curve ends, in words
     remarks: tuple[str, ...]
@@ -131,7 +134,7 @@ class _Path:
             first = self.make.at(assembly, loads, joints)
         except Unbounded as failure:
             raise InputError(f"limit: no answer: {failure}") from None
-        self.stages = [first]
+        self.stages, self.jumps = [first], list[int]()
         self.control = self._control(first)
 
     def followed(self) -> CapacityCurve:
@@ -154,6 +157,7 @@ class _Path:
             factor=np.array([stage.factor for stage in self.stages]),
             stages=tuple(self.stages),
             changes=tuple(k for k in range(1, len(work)) if work[k] != work[k - 1] and work[k]),
+            jumps=tuple(self.jumps),
             falls=end in FALLS,
             end=end,
             remarks=self._remarks(),
@@ -171,10 +175,9 @@ class _Path:
         moved, used = self.make.step(last, moving, amount)
         if used < SHORTEST * self.width or moved.locked:
             return None, 0.0, "the mechanism locks: its blocks cannot slide on without climbing" if moved.locked else "blocks meet"
-        try:
-            found = self.make.at(moved.assembly, moved.loads, moved.joints)
-        except Unbounded:
-            return self._last_borne(last, used)
+        found = borne(self.make, moved)
+        if found is None:
+            return self._passed(last, used)
         gone = GONE * abs(self.stages[0].factor)
         if found.factor > gone:
             return found, used, ""
@@ -184,11 +187,11 @@ class _Path:
             share = below / (below - above) if k % 3 else 0.5
             middle = low + min(max(share, 0.02), 0.98) * (high - low)
             moved, _ = self.make.step(last, moving, middle)
-            try:
-                best = self.make.at(moved.assembly, moved.loads, moved.joints)
-            except Unbounded:
+            tried = borne(self.make, moved)
+            if tried is None:
                 high = middle
                 continue
+            best = tried
             if abs(best.factor) <= gone:
                 return best, middle, VANISHES
             if best.factor > 0.0:
@@ -197,17 +200,21 @@ class _Path:
                 high, above = middle, best.factor
         return best, high, BELOW
 
-    def _last_borne(self, last: Stage, used: float) -> tuple[Stage | None, float, str]:
-        """Where no factor is borne a step later: the last stage before, by halving."""
+    def _passed(self, last: Stage, used: float) -> tuple[Stage | None, float, str]:
+        """Where no factor is borne a step later: the last stage before, by halving, and the one after hinges have passed on."""
         moving, low, high, best = last.motion(), 0.0, used, None
-        for _ in range(TRIES // 2):
+        for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            moved, _ = self.make.step(last, moving, middle)
-            try:
-                best, low = self.make.at(moved.assembly, moved.loads, moved.joints), middle
-            except Unbounded:
-                high = middle
-        return best, low, UNBORNE
+            tried = borne(self.make, self.make.step(last, moving, middle)[0])
+            best, low, high = (best, low, middle) if tried is None else (tried, middle, high)
+        if best is not None:
+            self.stages.append(best)
+            self.make.lengthen(best)
+        found, end = passed(self.make, self.make.step(last, moving, high)[0])
+        if found is not None:
+            self.jumps.append(len(self.stages))
+            end = BELOW if found.factor <= 0.0 else ""
+        return found, high, end
 
     def _enough(self, found: Stage) -> str:
         """Why the curve ends though the factor has not vanished, if it does."""

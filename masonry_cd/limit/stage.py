@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from masonry_cd.limit.analysis import Collapse, Options, collapse_of, largest_factor
+from masonry_cd.limit.conic import least_unborne_in_space
 from masonry_cd.limit.following import LOCKED, Motion, motion
 from masonry_cd.limit.interfaces import interfaces
+from masonry_cd.limit.linear import least_unborne
 from masonry_cd.limit.mechanism import STATES, STILL, Mechanism, mechanism
 from masonry_cd.limit.moved import Placement, moved_joints, touching_gap
 from masonry_cd.limit.nonassociated import least_factor
@@ -83,11 +85,7 @@ class Stages:
             InputError: loads that do no work on any mechanism.
             Unbounded: no factor is borne.
         """
-        pulling = _lengths(loads.bars) >= self._rest * (1.0 - SLACK)
-        points = interfaces(placed, joints, self.axis)
-        whole = np.array([(int(a), int(b)) in self._bonded for a, b in points.bodies], dtype=bool)
-        points = replace(points, apex=np.where(whole, points.apex, 0.0), tension=np.where(whole, points.tension, 0.0))
-        problem = problem_at(placed, points, replace(loads, bars=_only(loads.bars, pulling)), self.axis)
+        pulling, problem = self._problem(placed, loads, joints)
         best, _ = largest_factor(problem, self.options)
         self.stopped += bool(best.stopped)
         associated, moves = best.factor, mechanism(problem, placed, joints, best.velocity)
@@ -98,6 +96,26 @@ class Stages:
             if least is not None:
                 best, moves = least.optimum, mechanism(problem, placed, joints, least.optimum.velocity)
         return Stage(placed, loads, pulling, joints, problem, best, moves, associated)
+
+    def falling(self, moved: Moved) -> Stage:
+        """Blocks that no factor holds, with the forces that leave least unborne and how the blocks begin to fall.
+
+        Raises:
+            Unbounded: no answer of the solver.
+        """
+        pulling, problem = self._problem(moved.assembly, moved.loads, moved.joints)
+        planar = self.axis is not None or self.options.sides
+        best = least_unborne(problem, self.options.sides or 8) if planar else least_unborne_in_space(problem)
+        moves = mechanism(problem, moved.assembly, moved.joints, best.velocity)
+        return Stage(moved.assembly, moved.loads, pulling, moved.joints, problem, best, moves, best.factor)
+
+    def _problem(self, placed: Assembly, loads: Loads, joints: Joints) -> tuple[np.ndarray, LimitProblem]:
+        """Which ties pull (T,), and the limit analysis of blocks where they are."""
+        pulling = _lengths(loads.bars) >= self._rest * (1.0 - SLACK)
+        points = interfaces(placed, joints, self.axis)
+        whole = np.array([(int(a), int(b)) in self._bonded for a, b in points.bodies], dtype=bool)
+        points = replace(points, apex=np.where(whole, points.apex, 0.0), tension=np.where(whole, points.tension, 0.0))
+        return pulling, problem_at(placed, points, replace(loads, bars=_only(loads.bars, pulling)), self.axis)
 
     def wear(self, stage: Stage) -> None:
         """Take away what the mechanism of a stage costs as soon as it moves: the bond of the joints at work."""
