@@ -39,6 +39,7 @@ BELOW = "the factor falls below zero at once, where the mechanism changes"
 FALLS = (VANISHES, BELOW)
 GONE = 1e-6  # share of the first factor at which it has vanished
 ROUNDING = 1e-5  # share below which it is shown as zero
+ALIKE = 0.02  # share of the last displacement below which two points look alike
 BEYOND = 1.05  # of what is left, so that the last step goes past the end
 TRIES = 30  # to find where it does
 HALVINGS = 12  # of a step at whose end no factor is borne
@@ -92,8 +93,10 @@ class CapacityCurve:
     @property
     def marks(self) -> tuple[int, ...]:
         """Points whose mechanism is worth a look: the first, the peak, half the way, the last."""
-        half = int(np.argmin(np.abs(self.displacement - 0.5 * self.displacement[-1])))
-        return tuple(sorted({0, self.peak, half, len(self.factor) - 1}))
+        half, last = int(np.argmin(np.abs(self.displacement - 0.5 * self.displacement[-1]))), len(self.factor) - 1
+        near = ALIKE * abs(float(self.displacement[-1]))
+        seen = [k for k in (self.peak, half) if near < self.displacement[k] < self.displacement[-1] - near]
+        return tuple(sorted({0, *seen, last}))
 
     def shown_factor(self, k: int) -> float:
         """The factor of a point as it is shown: zero where it has vanished but for rounding."""

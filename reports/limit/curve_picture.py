@@ -73,8 +73,10 @@ def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
     x = scale * curve.displacement
     _line(axes, x, curve)
     upper = np.array([stage.associated for stage in curve.stages])
-    if (upper > curve.factor + 1e-4 * abs(curve.factor[0])).any():
-        axes.plot(x, upper, color=COLOURS[0], linewidth=1.1, linestyle="--", label="associated factor, an upper value")
+    above = upper > curve.factor + 1e-4 * abs(curve.factor[0])
+    if above.any():
+        shown = np.where(above, upper, np.nan)
+        axes.plot(x, shown, "--x", color=COLOURS[0], linewidth=1.1, markersize=5, label="associated factor, an upper value")
     for k, change in enumerate(curve.changes):
         label = "other joints are at work" if k == 0 else None
         axes.plot(x[change], curve.factor[change], "|", color=INK, markersize=13, markeredgewidth=1.3, label=label)

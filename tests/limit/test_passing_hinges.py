@@ -7,14 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from limit_loads import push_loads
-from models import GRAVITY
+from limit_loads import joined, push_loads
+from models import GRAVITY, box
 
 import structures
 from masonry_cd.app.limit_dynamics import brackets
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.limit.analysis import Options
 from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
+from masonry_cd.limit.conic import least_unborne_in_space
+from masonry_cd.limit.interfaces import interfaces
+from masonry_cd.limit.linear import least_unborne
+from masonry_cd.limit.problem import problem_at
 from masonry_cd.model.blocks import Assembly
 
 ARCH = {"kind": "arch", "span": 4.0, "thickness": 0.4, "width": 1.0, "voussoirs": 27}
@@ -111,3 +115,24 @@ def test_the_dynamics_bracket_the_curve_where_hinges_have_passed():
     for bracket in brackets(curve, np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -GRAVITY])):
         assert bracket.low - 1e-3 * curve.factor[0] <= bracket.factor <= bracket.high
         assert bracket.high - bracket.low <= 0.011 * curve.factor[0]
+
+
+def test_the_fall_of_two_blocks_over_opposite_edges_is_the_same_in_a_plane_and_in_space():
+    plate = box("plate", (-1.0, -0.5, -0.5), (1.0, 0.5, 0.0), fixed=True)
+    over = [box("left", (-1.4, -0.5, 0.0), (-0.8, 0.5, 1.0)), box("right", (0.7, -0.5, 0.0), (1.5, 0.5, 1.0))]
+    assembly, joints = joined([plate, *over], 0.6)
+    loads = push_loads(assembly)
+    falls = []
+    for axis, solve in ((1, least_unborne), (None, least_unborne_in_space)):
+        problem = problem_at(assembly, interfaces(assembly, joints, axis), loads, axis)
+        best = solve(problem)
+        speed = problem.block_velocity(best.velocity, assembly.count)
+        assert problem.live @ best.velocity == pytest.approx(0.0, abs=1e-7)
+        assert (problem.jacobian @ best.velocity).reshape(-1, problem.directions)[:, 0].min() > -1e-7
+        assert np.abs(best.velocity).max() == pytest.approx(1.0, abs=1e-6)
+        falls.append((problem.dead @ best.velocity, speed[1:]))
+    (planar, in_plane), (spatial, in_space) = falls
+    assert planar == pytest.approx(spatial, rel=1e-6)
+    assert planar > 0.1
+    assert in_plane[:, 2].max() < 0.0  # both go down
+    assert in_space == pytest.approx(in_plane, abs=1e-5)
