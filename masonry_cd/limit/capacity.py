@@ -34,6 +34,8 @@ STEPS = 40  # from start to end, about
 MOST = 6  # times so many steps at most
 FIRST = 0.01  # displacement of the fastest corner in the first step, as a share of the smallest width of a block
 LONGEST = 0.25  # and in any step
+MORE = 4.0  # times as far as the last step went, at most
+LEAST = 1e-3  # displacement of the fastest corner that a step tries, as a share of the smallest width
 VANISHES = "the factor vanishes"
 BELOW = "the factor falls below zero at once, where the mechanism changes"
 FALLS = (VANISHES, BELOW)
@@ -229,6 +231,7 @@ class _Path:
 
     def _amount(self, last: Stage, found: Stage, used: float, amount: float) -> float:
         """The next step [m], so that about as many are made as asked."""
+        amount = max(min(amount, MORE * used), LEAST * self.width)  # where blocks met, they soon meet again
         slope = (found.factor - last.factor) / used
         left = max(self.options.steps - len(self.stages), 1)
         wanted = 2.0 * amount if slope >= 0.0 else BEYOND * found.factor / (-slope * left)

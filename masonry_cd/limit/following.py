@@ -10,8 +10,10 @@ blocks overlap, contacts give way (:mod:`masonry_cd.limit.least_work`).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from scipy.linalg import lstsq
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
@@ -26,6 +28,8 @@ ROUNDS = 12  # of Newton's method at most
 EXACT = 1e-12  # share of the mean size of a block to which constraints are met
 MISSED = 1e-9  # and where they are missed by more, those of points that bear nothing are dropped
 PARALLEL = 1e-9  # normals that differ by less are one
+SHORT = 1e-3  # step, as a share of the mean size of a block, on which it is seen what can be kept
+CLOSE = 1e-3  # share of a step below which a correction is the last
 LOCKED = 0.1  # share of a step that blocks go at least, where their mechanism does not lock
 BEARS = 1e-6  # share of the mean weight of a block above which a point bears
 
@@ -47,6 +51,7 @@ class Kept:
 class Motion:
     """How blocks move from where they are placed, by bodies: those of one move as one."""
 
+    start: Placement
     velocity: np.ndarray  # (B, 6), the largest of any corner is one
     body: np.ndarray  # (B,) body of each block, -1 of the blocks that do not move
     kept: Kept
@@ -56,29 +61,38 @@ class Motion:
     size: float  # [m]
     columns: np.ndarray  # of (v, w) in which blocks may move
 
-    def follow(self, start: Placement, amount: float) -> tuple[Placement, float]:
-        """Where the blocks are when the fastest corner has gone about ``amount`` [m], and by how much anything kept is missed [m].
+    def follow(self, amount: float) -> tuple[Placement, float]:
+        """Where the blocks are when the fastest corner has gone about ``amount`` [m], and by how much anything kept is missed [m]."""
+        moved = self.start.along(self.velocity, amount)
+        if self.held is not None:
+            end, missed = self._corrected(moved, self.held)
+            if self._kept_up(end, amount, missed):
+                return end, missed
+        return self._yielded(moved, amount)
 
-        ``start`` is where they are, not turned.
-        """
-        moved = start.along(self.velocity, amount)
-        end, missed = self._corrected(moved, self.kept)
-        if missed > MISSED * self.size:  # more is asked than can be kept: what bears nothing may part
-            end, missed = self._corrected(moved, self.bearing)
-        missed = max(missed, self._overlap(end))
-        if missed > MISSED * self.size or self.progress(start, end) < LOCKED * amount:  # contacts have to give way
-            end, missed = self._yielded(moved, amount)
-        return end, missed
+    @cached_property
+    def held(self) -> Kept | None:
+        """What a short step can keep: all, or what bears; None where it would lock or overlap, and contacts have to give way."""
+        amount = SHORT * self.size
+        for kept in (self.kept, self.bearing):
+            end, missed = self._corrected(self.start.along(self.velocity, amount), kept)
+            if self._kept_up(end, amount, missed):
+                return kept
+        return None
+
+    def _kept_up(self, end: Placement, amount: float, missed: float) -> bool:
+        """Whether a step has met what it keeps, has gone on, and lets no blocks overlap."""
+        return max(missed, self._overlap(end)) <= MISSED * self.size and self.progress(end) >= LOCKED * amount
 
     def _overlap(self, placement: Placement) -> float:
         """Largest overlap at points that touched [m]."""
         residual = self._equations(placement, self.yielding)[0]
         return -float(residual[self.resistance.opens].min(initial=0.0))
 
-    def progress(self, start: Placement, end: Placement) -> float:
+    def progress(self, end: Placement) -> float:
         """How far any point has gone, about [m]."""
-        gone = np.linalg.norm(end.position - start.position, axis=1)
-        gone += self.size * np.linalg.norm(end.rotation - start.rotation, axis=(1, 2))
+        gone = np.linalg.norm(end.position - self.start.position, axis=1)
+        gone += self.size * np.linalg.norm(end.rotation - self.start.rotation, axis=(1, 2))
         return float(gone.max(initial=0.0))
 
     def _corrected(self, placement: Placement, kept: Kept) -> tuple[Placement, float]:
@@ -90,7 +104,7 @@ class Motion:
             if now <= EXACT * self.size or now >= missed:
                 return placement, now
             missed = now
-            step = np.linalg.lstsq(matrix, -residual, rcond=1e-10)[0]
+            step = lstsq(matrix, -residual, cond=1e-10, lapack_driver="gelsy")[0]
             placement = self._shifted(placement, step, centres)
         return placement, float(np.abs(self._equations(placement, kept)[0]).max(initial=0.0))
 
@@ -104,7 +118,7 @@ class Motion:
             if step is None:
                 return placement, np.inf
             placement = self._shifted(placement, step, centres)
-            if float(np.abs(step).max(initial=0.0)) <= EXACT * self.size:
+            if overlap <= EXACT * self.size and float(np.abs(step).max(initial=0.0)) <= CLOSE * amount:
                 break
         return placement, overlap
 
@@ -204,8 +218,8 @@ def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.
     carrier = np.where(sliding, faces, 0)
     resistance = Resistance.of_points(frames[touching], best.force[touching], problem.mu[touching])
     return Motion(
-        velocity=rigid, body=body, kept=kept(between, carrier), bearing=kept(between & bears, carrier), yielding=kept(touching, faces),
-        resistance=resistance, size=problem.length, columns=problem.columns,
+        start=Placement.as_built(placed), velocity=rigid, body=body, kept=kept(between, carrier), bearing=kept(between & bears, carrier),
+        yielding=kept(touching, faces), resistance=resistance, size=problem.length, columns=problem.columns,
     )  # fmt: skip
 
 

@@ -8,7 +8,8 @@ forces r of the mechanism,
 
 with the gaps g and shifts t that the step has left, openings p, slips s, and a the mechanism, along which the step has gone already. By
 virtual work the sum is what the step adds to the potential energy of the loads and to the heat of friction: a contact that bears little
-opens, one at the limit of friction slides for nothing, and no blocks overlap. A linear programme; in space slips have SIDES directions.
+opens, one at the limit of friction slides for nothing, and no blocks overlap. A linear programme, by
+HiGHS in a plane and by Clarabel in space, where slips have SIDES directions.
 """
 
 from __future__ import annotations
@@ -18,10 +19,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import linprog
-from scipy.sparse import csr_matrix, hstack, vstack
+from scipy.sparse import csc_matrix, csr_matrix, diags, hstack, identity, vstack
 
 SIDES = 8  # directions of slip in space
 FAR = 4.0  # largest correction, over the step
+MOST = 20_000  # iterations of the simplex method
+TOLERANCE = 1e-9  # in space
 IDLE = 1e-7  # cost of a correction, over mean weights: what costs nothing stays where it is
 
 
@@ -62,18 +65,44 @@ def least_work(matrix: np.ndarray, residual: np.ndarray, resistance: Resistance,
     row = np.repeat(resistance.slides[:, None], len(ways), axis=1)  # (S, E, m - 1)
     column = np.repeat(edge[:, :, None], ways.shape[1], axis=2)
     shifts = csr_matrix((np.broadcast_to(ways, row.shape).ravel(), (row.ravel(), column.ravel())), (len(matrix), edge.size))
-    rates = csr_matrix(matrix)
-    first = hstack([rates, -rates, -gaps, -shifts])
-    second = hstack([csr_matrix(along[None]), csr_matrix(-along[None]), csr_matrix((1, opens + edge.size))])
+    first = hstack([csr_matrix(matrix), -gaps, -shifts])
+    second = hstack([csr_matrix(along[None]), csr_matrix((1, opens + edge.size))])
+    rows, wanted = vstack([first, second], format="csc"), np.append(-residual / amount, 0.0)
     slip = np.maximum(resistance.limit[:, None] + resistance.traction @ ways.T, 0.0)
-    cost = np.concatenate([np.full(2 * count, IDLE), resistance.normal, slip.ravel()])
-    bounds = np.zeros((len(cost), 2))
+    cost = np.concatenate([resistance.normal, slip.ravel()])
+    found = _exactly(rows, wanted, cost) if ways.shape[1] == 1 else _by_cones(rows, wanted, cost)
+    return None if found is None else amount * found[:count]
+
+
+def _exactly(rows: csc_matrix, wanted: np.ndarray, cost: np.ndarray) -> np.ndarray | None:
+    """Least cost . y with rows (d, y) = wanted, y >= 0 and |d| <= FAR, by HiGHS; among several, d of least sum. None: there is none."""
+    count = rows.shape[1] - len(cost)
+    both = hstack([rows[:, :count], -rows[:, :count], rows[:, count:]], format="csr")
+    bounds = np.zeros((both.shape[1], 2))
     bounds[:, 1] = np.inf
     bounds[: 2 * count, 1] = FAR
-    wanted = np.append(-residual / amount, 0.0)
-    tight = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
-    answer = linprog(cost, A_eq=vstack([first, second], format="csr"), b_eq=wanted, bounds=bounds, method="highs-ds", options=tight)
-    return amount * (answer.x[:count] - answer.x[count : 2 * count]) if answer.status == 0 else None
+    whole = np.concatenate([np.full(2 * count, IDLE), cost])
+    options = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10, "maxiter": MOST}
+    answer = linprog(whole, A_eq=both, b_eq=wanted, bounds=bounds, method="highs-ds", options=options)
+    return answer.x[:count] - answer.x[count : 2 * count] if answer.status == 0 else None
+
+
+def _by_cones(rows: csc_matrix, wanted: np.ndarray, cost: np.ndarray) -> np.ndarray | None:
+    """The same by Clarabel, for programmes as large as those in space; among several, d of least norm."""
+    import clarabel
+
+    size, more = rows.shape[1], len(cost)
+    count = size - more
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    bends = diags(np.append(np.full(count, IDLE), np.zeros(more))).tocsc()
+    one = identity(size, format="csc")
+    matrix = vstack([rows, -one[count:], one[:count], -one[:count]], format="csc")
+    right = np.concatenate([wanted, np.zeros(more), np.full(2 * count, FAR)])
+    cones = [clarabel.ZeroConeT(len(wanted)), clarabel.NonnegativeConeT(more + 2 * count)]
+    answer = clarabel.DefaultSolver(bends, np.append(np.zeros(count), cost), matrix, right, cones, settings).solve()
+    return np.array(answer.x)[:count] if str(answer.status) in ("Solved", "AlmostSolved") else None
 
 
 def _ways(tangents: int) -> np.ndarray:

@@ -55,7 +55,7 @@ def passed(make: Stages, moved: Moved) -> tuple[Stage | None, str]:
 def borne(make: Stages, moved: Moved) -> Stage | None:
     """The limit analysis of blocks where they are, None where no factor is borne."""
     try:
-        return make.at(moved.assembly, moved.loads, moved.joints)
+        return make.at(moved.assembly, moved.loads, moved.joints, moved.deepest)
     except Unbounded:
         return None
 
