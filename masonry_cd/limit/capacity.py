@@ -32,6 +32,7 @@ from masonry_cd.model.joints import Joints
 
 STEPS = 40  # from start to end, about
 MOST = 6  # times so many steps at most
+STALLED, WAY = 10, 0.05  # steps on which the control block goes no farther than this share: the curve makes no way
 FIRST = 0.01  # displacement of the fastest corner in the first step, as a share of the smallest width of a block
 LONGEST = 0.25  # and in any step
 MORE = 4.0  # times as far as the last step went, at most
@@ -225,6 +226,8 @@ class _Path:
         """Why the curve ends though the factor has not vanished, if it does."""
         if self.displacement(found) >= self.options.limit:
             return f"the control displacement of {self.options.limit:.4g} m is reached"
+        if len(self.stages) > STALLED and self.displacement(found) < (1.0 + WAY) * self.displacement(self.stages[-1 - STALLED]):
+            return f"in {STALLED} steps the control block went less than {WAY:.0%} farther: blocks meet at every step"
         if len(self.stages) > MOST * self.options.steps:
             return f"{MOST * self.options.steps} steps are made, and the factor has not vanished"
         return ""
