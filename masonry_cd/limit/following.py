@@ -14,8 +14,9 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lstsq
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import lsmr
 
 from masonry_cd.limit.least_work import Resistance, least_work
 from masonry_cd.limit.mechanism import STILL
@@ -24,6 +25,7 @@ from masonry_cd.limit.problem import Bars, LimitProblem
 from masonry_cd.limit.solution import Optimum
 from masonry_cd.model.blocks import Assembly
 
+MANY = 500  # unknowns from which sparse least squares are faster
 ROUNDS = 12  # of Newton's method at most
 EXACT = 1e-12  # share of the mean size of a block to which constraints are met
 MISSED = 1e-9  # and where they are missed by more, those of points that bear nothing are dropped
@@ -104,7 +106,7 @@ class Motion:
             if now <= EXACT * self.size or now >= missed:
                 return placement, now
             missed = now
-            step = lstsq(matrix, -residual, cond=1e-10, lapack_driver="gelsy")[0]
+            step = _least_norm(matrix, -residual)
             placement = self._shifted(placement, step, centres)
         return placement, float(np.abs(self._equations(placement, kept)[0]).max(initial=0.0))
 
@@ -178,6 +180,13 @@ class Motion:
             rates = np.concatenate([direction[row], np.cross(arm, direction[row]) / self.size], axis=1)
             np.add.at(matrix, (row, body[row]), sign * rates)
         return matrix[:, :, self.columns].reshape(len(direction), -1)
+
+
+def _least_norm(matrix: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """The solution of least squares and least norm; of large systems, whose rows have few entries, by LSMR."""
+    if matrix.shape[1] > MANY:
+        return np.asarray(lsmr(csr_matrix(matrix), wanted, atol=1e-12, btol=1e-12, conlim=1e12, maxiter=2 * matrix.shape[1])[0])
+    return np.asarray(lstsq(matrix, wanted, cond=1e-10, lapack_driver="gelsy")[0])
 
 
 def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.ndarray, bars: Bars) -> Motion:
