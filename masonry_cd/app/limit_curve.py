@@ -71,12 +71,18 @@ def curve_lines(found: FollowedCurve, names: tuple[str, ...]) -> list[str]:
     if curve.factor[peak] > 1.0001 * curve.factor[0]:
         out.append(f"capacity curve: it rises to {curve.factor[peak]:.4g} at {length(float(curve.displacement[peak]))}")
     if curve.changes:
-        places = ", ".join(length(float(curve.displacement[k])) for k in curve.changes[:6])
-        more = " ..." if len(curve.changes) > 6 else ""
-        out.append(f"capacity curve: other joints are at work from {places}{more} on")
+        out.append(f"capacity curve: other joints are at work from {_places(curve, curve.changes)} on")
+    if curve.jumps:
+        before = f"capacity curve: no factor is borne just before {_places(curve, curve.jumps)}"
+        out.append(f"{before}: there the blocks go on by themselves until forces balance again")
     for bracket in found.brackets:
         out.append(_bracket_in_words(bracket))
     return [*out, *(f"capacity curve: {remark}" for remark in curve.remarks)]
+
+
+def _places(curve: CapacityCurve, points: tuple[int, ...]) -> str:
+    """Displacements at the first few of some points."""
+    return ", ".join(length(float(curve.displacement[k])) for k in points[:6]) + (" ..." if len(points) > 6 else "")
 
 
 def _bracket_in_words(bracket: Bracket) -> str:
@@ -101,6 +107,7 @@ def numbers(found: FollowedCurve, names: tuple[str, ...]) -> dict[str, Any]:
         "ultimate": curve.ultimate,
         "end": curve.end,
         "changes": list(curve.changes),
+        "jumps": list(curve.jumps),
         "marks": [_mark(curve, k, names) for k in curve.marks],
         "dynamics": [
             {"displacement": b.displacement, "falls_back": b.low, "goes_on": b.high, "factor": b.factor, "steps_missed": b.missed}

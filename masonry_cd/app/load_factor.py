@@ -1,7 +1,7 @@
 """What became of a structure under its loads: the load factor at which it gave way, the tensions of its ties, the damage shock by shock.
 
-A push or a tilt grows until the structure gives way. Rigid blocks on dry joints hardly move before that, so it counts as given
-way from the first frame on in which a block has moved, relative to the base, by more than MOVED of the smallest width of a block.
+A push or a tilt grows until the structure gives way: a block has moved, relative to the base, by more than MOVED of the smallest width of a
+block, and the structure carries less than the load applied (:mod:`masonry_cd.app.carried`). Its factor is the largest that it carried.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.app.carried import largest_carried
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.tie_bars import TieBar
@@ -34,8 +35,6 @@ def outcome(case: Case, results: Results) -> dict[str, Any]:
 
 def _load_factor(case: Case, results: Results) -> dict[str, Any]:
     """lambda at the end, and when the structure gave way."""
-    from reports.damage.joint_damage import displacements
-
     gravity, free = np.array(case.scene.run.gravity), ~case.assembly.fixed
     load_step = results.per_step("load_step").astype(np.int64)
     if not gravity.any() or not len(load_step):
@@ -44,15 +43,52 @@ def _load_factor(case: Case, results: Results) -> dict[str, Any]:
     if not factor.any():
         return {}
     limit = MOVED * float(case.assembly.shapes.size[free[case.assembly.shapes.part_block]].min())
-    beyond = np.flatnonzero(displacements(results) > limit)
     rigid = not case.assembly.laws.by_area.any()
     found: dict[str, Any] = {"end": float(factor[-1]), "limit": limit, "given_way": None, "given_way_time": None, "rigid": rigid}
-    if len(beyond):
-        time = float(results.time[beyond[0]])
-        step = int(np.searchsorted(results.per_step("step_time"), time))  # that ended there: frames are at the ends of steps
-        found |= {"given_way": float(factor[step]), "given_way_time": time}
+    found |= _given_way(case, results, factor, limit)
     bracket = limit_bracket(case) if rigid else None
     return {"load_factor": found | ({} if bracket is None else {"limit_analysis": bracket})}
+
+
+def _given_way(case: Case, results: Results, factor: np.ndarray, limit: float) -> dict[str, float]:
+    """Factor, time and displacement at which the structure gave way, of factors (N,) after each step."""
+    moved, moment = _gone(results, np.where(case.assembly.fixed, 0.0, case.assembly.mass))
+    if results.per_step("energy/base_work").any():  # on a base that shakes, what a block carries is not told from what shakes it
+        beyond = np.flatnonzero(moved > limit)
+        if not len(beyond):
+            return {}
+        time = float(results.time[beyond[0]])
+        return {"given_way": float(factor[np.searchsorted(results.per_step("step_time"), time)]), "given_way_time": time}
+    ends = np.minimum(np.searchsorted(results.per_step("step_time"), results.time), len(factor) - 1)  # steps that end with the frames
+    pull = case.loading.acceleration[results.per_step("load_step").astype(np.int64)][ends]
+    kinetic = np.where(results.time > 0.0, results.per_step("energy/kinetic")[ends], 0.0)
+    carried = largest_carried(moved, _work_of_one(case, pull, moment), factor[ends], kinetic, limit)
+    if carried is None:
+        return {}
+    at = carried.frame
+    return {"given_way": carried.factor, "given_way_time": float(results.time[at]), "given_way_displacement": float(moved[at])}
+
+
+def _gone(results: Results, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Since the first frame, in which the joints have settled, and relative to the base: how far a block has gone at most (F,) [m], and the
+    sum of masses (B,) times displacements (F, 3) [kg m]."""
+    base, first = results.support, np.asarray(results.position[0], dtype=float)
+    farthest, moment = np.zeros(results.frames), np.zeros((results.frames, 3))
+    for frame in range(results.frames):
+        gone = results.position[frame] - first
+        gone = gone - gone[base] if base >= 0 else gone
+        farthest[frame], moment[frame] = np.linalg.norm(gone, axis=1).max(), mass @ gone
+    return farthest, moment
+
+
+def _work_of_one(case: Case, pull: np.ndarray, moment: np.ndarray) -> np.ndarray:
+    """(F,) work of the load for a factor of one [J], of accelerations (F, 3) and masses times displacements (F, 3)."""
+    gravity = np.array(case.scene.run.gravity)
+    down = gravity / np.linalg.norm(gravity)
+    across = pull - np.outer(pull @ down, down)
+    across /= np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None]
+    push = across * (pull @ down)[:, None]  # on a kilogram
+    return np.concatenate([[0.0], np.cumsum(np.sum(0.5 * (push[1:] + push[:-1]) * np.diff(moment, axis=0), axis=1))])
 
 
 def limit_bracket(case: Case) -> dict[str, float] | None:
@@ -122,10 +158,13 @@ def joints_in_words(damage: dict[str, Any]) -> str:
 
 
 def _factor_line(factor: dict[str, Any]) -> str:
-    moved = f"a block had moved by more than {1e3 * factor['limit']:.3g} mm"
     if factor["given_way"] is None:
-        return f"load factor: {factor['end']:.4g} at the end, before {moved}"
-    return f"load factor: {factor['given_way']:.4g} when {moved}, at {factor['given_way_time']:.4g} s; {factor['end']:.4g} at the end"
+        return f"load factor: {factor['end']:.4g} at the end, and the structure had not given way"
+    if "given_way_displacement" not in factor:
+        moved = f"a block had moved by more than {1e3 * factor['limit']:.3g} mm"
+        return f"load factor: {factor['given_way']:.4g} when {moved}, at {factor['given_way_time']:.4g} s; {factor['end']:.4g} at the end"
+    place = f"at {factor['given_way_time']:.4g} s, a block {length(factor['given_way_displacement'])} from its place"
+    return f"load factor: {factor['given_way']:.4g} is the largest that was carried, {place}; {factor['end']:.4g} at the end"
 
 
 def _bracket_line(factor: dict[str, Any]) -> list[str]:

@@ -2,7 +2,8 @@ r"""Capacity curves: a mechanism followed at finite displacements, and the load 
 
 At each step the blocks are where the last mechanism has brought them, their joints are found anew (:mod:`masonry_cd.limit.moved`), and a
 limit analysis of this geometry gives the factor and the mechanism that goes on (:mod:`masonry_cd.limit.following`), which may be another.
-The factor is drawn over the displacement of a control block along the load, until it vanishes.
+Where no factor is borne, hinges pass to other joints (:mod:`masonry_cd.limit.passing`). The factor is drawn over the displacement of a
+control block along the load, until it vanishes.
 
 **Flow.** Where joints slide, the factor and the mechanism are those of sliding without dilation (the sequence of
 :mod:`masonry_cd.limit.nonassociated` from the forces of the associated problem), when ``starts`` asks for it; otherwise the factor is the
@@ -22,6 +23,7 @@ import numpy as np
 from masonry_cd.errors import InputError
 from masonry_cd.limit.analysis import STANDS, Options, at_rest
 from masonry_cd.limit.mechanism import STILL
+from masonry_cd.limit.passing import borne, passed
 from masonry_cd.limit.problem import Loads
 from masonry_cd.limit.solution import Unbounded
 from masonry_cd.limit.stage import Stage, Stages
@@ -30,16 +32,20 @@ from masonry_cd.model.joints import Joints
 
 STEPS = 40  # from start to end, about
 MOST = 6  # times so many steps at most
+STALLED, WAY = 10, 0.05  # steps on which the control block goes no farther than this share: the curve makes no way
 FIRST = 0.01  # displacement of the fastest corner in the first step, as a share of the smallest width of a block
 LONGEST = 0.25  # and in any step
+MORE = 4.0  # times as far as the last step went, at most
+LEAST = 1e-3  # displacement of the fastest corner that a step tries, as a share of the smallest width
 VANISHES = "the factor vanishes"
 BELOW = "the factor falls below zero at once, where the mechanism changes"
-UNBORNE = "beyond, these joints bear no factor of the load: blocks fall, or hinges pass to other joints, which is not followed"
 FALLS = (VANISHES, BELOW)
 GONE = 1e-6  # share of the first factor at which it has vanished
 ROUNDING = 1e-5  # share below which it is shown as zero
+ALIKE = 0.02  # share of the last displacement below which two points look alike
 BEYOND = 1.05  # of what is left, so that the last step goes past the end
 TRIES = 30  # to find where it does
+HALVINGS = 12  # of a step at whose end no factor is borne
 SHORTEST = 1e-9  # step, as a share of the smallest width, below which blocks cannot go on
 
 
@@ -71,6 +77,7 @@ class CapacityCurve:
     factor: np.ndarray  # (K,)
     stages: tuple[Stage, ...]  # K
     changes: tuple[int, ...]  # points at which other joints are at work than before
+    jumps: tuple[int, ...]  # points to which blocks went by themselves, the load's displacement held
     falls: bool  # at the last point the factor vanishes
     end: str  # why the curve ends, in words
     remarks: tuple[str, ...]
@@ -89,8 +96,10 @@ class CapacityCurve:
     @property
     def marks(self) -> tuple[int, ...]:
         """Points whose mechanism is worth a look: the first, the peak, half the way, the last."""
-        half = int(np.argmin(np.abs(self.displacement - 0.5 * self.displacement[-1])))
-        return tuple(sorted({0, self.peak, half, len(self.factor) - 1}))
+        half, last = int(np.argmin(np.abs(self.displacement - 0.5 * self.displacement[-1]))), len(self.factor) - 1
+        near = ALIKE * abs(float(self.displacement[-1]))
+        seen = [k for k in (self.peak, half) if near < self.displacement[k] < self.displacement[-1] - near]
+        return tuple(sorted({0, *seen, last}))
 
     def shown_factor(self, k: int) -> float:
         """The factor of a point as it is shown: zero where it has vanished but for rounding."""
@@ -131,7 +140,7 @@ class _Path:
             first = self.make.at(assembly, loads, joints)
         except Unbounded as failure:
             raise InputError(f"limit: no answer: {failure}") from None
-        self.stages = [first]
+        self.stages, self.jumps = [first], list[int]()
         self.control = self._control(first)
 
     def followed(self) -> CapacityCurve:
@@ -154,6 +163,7 @@ class _Path:
             factor=np.array([stage.factor for stage in self.stages]),
             stages=tuple(self.stages),
             changes=tuple(k for k in range(1, len(work)) if work[k] != work[k - 1] and work[k]),
+            jumps=tuple(self.jumps),
             falls=end in FALLS,
             end=end,
             remarks=self._remarks(),
@@ -171,10 +181,9 @@ class _Path:
         moved, used = self.make.step(last, moving, amount)
         if used < SHORTEST * self.width or moved.locked:
             return None, 0.0, "the mechanism locks: its blocks cannot slide on without climbing" if moved.locked else "blocks meet"
-        try:
-            found = self.make.at(moved.assembly, moved.loads, moved.joints)
-        except Unbounded:
-            return self._last_borne(last, used)
+        found = borne(self.make, moved)
+        if found is None:
+            return self._passed(last, used)
         gone = GONE * abs(self.stages[0].factor)
         if found.factor > gone:
             return found, used, ""
@@ -184,11 +193,11 @@ class _Path:
             share = below / (below - above) if k % 3 else 0.5
             middle = low + min(max(share, 0.02), 0.98) * (high - low)
             moved, _ = self.make.step(last, moving, middle)
-            try:
-                best = self.make.at(moved.assembly, moved.loads, moved.joints)
-            except Unbounded:
+            tried = borne(self.make, moved)
+            if tried is None:
                 high = middle
                 continue
+            best = tried
             if abs(best.factor) <= gone:
                 return best, middle, VANISHES
             if best.factor > 0.0:
@@ -197,28 +206,35 @@ class _Path:
                 high, above = middle, best.factor
         return best, high, BELOW
 
-    def _last_borne(self, last: Stage, used: float) -> tuple[Stage | None, float, str]:
-        """Where no factor is borne a step later: the last stage before, by halving."""
+    def _passed(self, last: Stage, used: float) -> tuple[Stage | None, float, str]:
+        """Where no factor is borne a step later: the last stage before, by halving, and the one after hinges have passed on."""
         moving, low, high, best = last.motion(), 0.0, used, None
-        for _ in range(TRIES // 2):
+        for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            moved, _ = self.make.step(last, moving, middle)
-            try:
-                best, low = self.make.at(moved.assembly, moved.loads, moved.joints), middle
-            except Unbounded:
-                high = middle
-        return best, low, UNBORNE
+            tried = borne(self.make, self.make.step(last, moving, middle)[0])
+            best, low, high = (best, low, middle) if tried is None else (tried, middle, high)
+        if best is not None:
+            self.stages.append(best)
+            self.make.lengthen(best)
+        found, end = passed(self.make, self.make.step(last, moving, high)[0])
+        if found is not None:
+            self.jumps.append(len(self.stages))
+            end = BELOW if found.factor <= 0.0 else ""
+        return found, high, end
 
     def _enough(self, found: Stage) -> str:
         """Why the curve ends though the factor has not vanished, if it does."""
         if self.displacement(found) >= self.options.limit:
             return f"the control displacement of {self.options.limit:.4g} m is reached"
+        if len(self.stages) > STALLED and self.displacement(found) < (1.0 + WAY) * self.displacement(self.stages[-1 - STALLED]):
+            return f"in {STALLED} steps the control block went less than {WAY:.0%} farther: blocks meet at every step"
         if len(self.stages) > MOST * self.options.steps:
             return f"{MOST * self.options.steps} steps are made, and the factor has not vanished"
         return ""
 
     def _amount(self, last: Stage, found: Stage, used: float, amount: float) -> float:
         """The next step [m], so that about as many are made as asked."""
+        amount = max(min(amount, MORE * used), LEAST * self.width)  # where blocks met, they soon meet again
         slope = (found.factor - last.factor) / used
         left = max(self.options.steps - len(self.stages), 1)
         wanted = 2.0 * amount if slope >= 0.0 else BEYOND * found.factor / (-slope * left)

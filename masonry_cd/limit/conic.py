@@ -100,6 +100,22 @@ def priced(problem: LimitProblem, programme: ConeProgramme, prices: np.ndarray) 
     return replace(programme, matrix=matrix.tocsc(), right=right, sense=-1.0)
 
 
+def least_unborne_in_space(problem: LimitProblem) -> Optimum:
+    """As :func:`masonry_cd.limit.linear.least_unborne`, with circular cones: max w_0 . v with w_1 . v = 0 and no component of v above one.
+
+    Raises:
+        Unbounded: no answer.
+    """
+    programme, n = cone_programme(problem, problem.dead, problem.live, 1.0), problem.unknowns
+    matrix, right, upright = programme.matrix.tolil(), programme.right.copy(), 1 + len(programme.upright)
+    matrix[0, n] = 0.0  # without a cap, w_1 . v has no slack
+    right[0] = 0.0
+    one = hstack([identity(n), csr_matrix((n, matrix.shape[1] - n))])
+    rows = vstack([matrix[:upright], one, -one, matrix[upright:]], format="csc")
+    right = np.concatenate([right[:upright], np.ones(2 * n), right[upright:]])
+    return solve_programme(problem, replace(programme, matrix=rows, right=right, lines=programme.lines + 2 * n))
+
+
 def solve_conic(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, strip: np.ndarray | None = None) -> Optimum:
     """The largest factor up to ``cap``, for loads (unknowns,) that need not be the problem's own; with strips s (P,) for cones.
 

@@ -2,28 +2,36 @@ r"""A mechanism followed over a finite step: its blocks move along their screws,
 
 Blocks that the mechanism moves alike are one body. A step takes each body along the screw of its velocity, then corrects what the motion of
 the others has changed meanwhile, by Newton steps of least norm: points that neither open nor slide stay together, points that slide stay on
-the surface on which they slide (the dilation of an associated mechanism is not followed) or, where that would lock all of it, part from it,
-and ties that neither yield nor go slack keep their length. With one degree of freedom this is exact, however long the step.
+the surface on which they slide (the dilation of an associated mechanism is not followed), and ties that neither yield nor go slack keep
+their length. With one degree of freedom this is exact, however long the step. Where it would lock the mechanism, or cannot be met, or lets
+blocks overlap, contacts give way (:mod:`masonry_cd.limit.least_work`).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix
+from scipy.linalg import lstsq
+from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import lsmr
 
+from masonry_cd.limit.least_work import Resistance, least_work
 from masonry_cd.limit.mechanism import STILL
 from masonry_cd.limit.moved import Placement
 from masonry_cd.limit.problem import Bars, LimitProblem
 from masonry_cd.limit.solution import Optimum
 from masonry_cd.model.blocks import Assembly
 
+MANY = 500  # unknowns from which sparse least squares are faster
 ROUNDS = 12  # of Newton's method at most
 EXACT = 1e-12  # share of the mean size of a block to which constraints are met
 MISSED = 1e-9  # and where they are missed by more, those of points that bear nothing are dropped
 PARALLEL = 1e-9  # normals that differ by less are one
+SHORT = 1e-3  # step, as a share of the mean size of a block, on which it is seen what can be kept
+CLOSE = 1e-3  # share of a step below which a correction is the last
 LOCKED = 0.1  # share of a step that blocks go at least, where their mechanism does not lock
 BEARS = 1e-6  # share of the mean weight of a block above which a point bears
 
@@ -45,58 +53,102 @@ class Kept:
 class Motion:
     """How blocks move from where they are placed, by bodies: those of one move as one."""
 
+    start: Placement
     velocity: np.ndarray  # (B, 6), the largest of any corner is one
     body: np.ndarray  # (B,) body of each block, -1 of the blocks that do not move
     kept: Kept
     bearing: Kept  # of the points that bear only
+    yielding: Kept  # and those that open, on the faces on which they slide once they give way
+    resistance: Resistance  # of these
     size: float  # [m]
     columns: np.ndarray  # of (v, w) in which blocks may move
 
-    def follow(self, start: Placement, amount: float) -> tuple[Placement, float]:
-        """Where the blocks are when the fastest corner has gone about ``amount`` [m], and by how much anything kept is missed [m].
+    def follow(self, amount: float) -> tuple[Placement, float]:
+        """Where the blocks are when the fastest corner has gone about ``amount`` [m], and by how much anything kept is missed [m]."""
+        moved = self.start.along(self.velocity, amount)
+        if self.held is not None:
+            end, missed = self._corrected(moved, self.held)
+            if self._kept_up(end, amount, missed):
+                return end, missed
+        return self._yielded(moved, amount)
 
-        ``start`` is where they are, not turned.
-        """
-        moved = start.along(self.velocity, amount)
-        end, missed = self._corrected(moved, self.kept)
-        if missed > MISSED * self.size:  # more is asked than can be kept: what bears nothing may part
-            end, missed = self._corrected(moved, self.bearing)
-        if self.progress(start, end) < LOCKED * amount:  # or only where nothing moves: what slides may part
-            end, missed = self._corrected(moved, self.bearing, parting=True)
-        return end, missed
+    @cached_property
+    def held(self) -> Kept | None:
+        """What a short step can keep: all, or what bears; None where it would lock or overlap, and contacts have to give way."""
+        amount = SHORT * self.size
+        for kept in (self.kept, self.bearing):
+            end, missed = self._corrected(self.start.along(self.velocity, amount), kept)
+            if self._kept_up(end, amount, missed):
+                return kept
+        return None
 
-    def progress(self, start: Placement, end: Placement) -> float:
+    def _kept_up(self, end: Placement, amount: float, missed: float) -> bool:
+        """Whether a step has met what it keeps, has gone on, and lets no blocks overlap."""
+        return max(missed, self._overlap(end)) <= MISSED * self.size and self.progress(end) >= LOCKED * amount
+
+    def _overlap(self, placement: Placement) -> float:
+        """Largest overlap at points that touched [m]."""
+        residual = self._equations(placement, self.yielding)[0]
+        return -float(residual[self.resistance.opens].min(initial=0.0))
+
+    def progress(self, end: Placement) -> float:
         """How far any point has gone, about [m]."""
-        gone = np.linalg.norm(end.position - start.position, axis=1)
-        gone += self.size * np.linalg.norm(end.rotation - start.rotation, axis=(1, 2))
+        gone = np.linalg.norm(end.position - self.start.position, axis=1)
+        gone += self.size * np.linalg.norm(end.rotation - self.start.rotation, axis=(1, 2))
         return float(gone.max(initial=0.0))
 
-    def _corrected(self, placement: Placement, kept: Kept, parting: bool = False) -> tuple[Placement, float]:
-        """A placement with all that is kept, as far as that goes, and what is missed; where ``parting``, surfaces that slide may part."""
-        missed, touching = np.inf, np.zeros(0, dtype=bool)
+    def _corrected(self, placement: Placement, kept: Kept) -> tuple[Placement, float]:
+        """A placement with all that is kept, as far as that goes, and what is missed."""
+        missed = np.inf
         for _ in range(ROUNDS):
-            residual, matrix, centres, slides = self._equations(placement, kept)
-            if parting:
-                touching = ~slides | (residual < -EXACT * self.size) | (touching if len(touching) else False)
-                residual, matrix = np.where(touching, residual, 0.0), matrix * touching[:, None]
+            residual, matrix, centres = self._equations(placement, kept)
             now = float(np.abs(residual).max(initial=0.0))
-            if now <= EXACT * self.size or (now >= missed and not parting):
+            if now <= EXACT * self.size or now >= missed:
                 return placement, now
             missed = now
-            step = np.linalg.lstsq(matrix, -residual, rcond=1e-10)[0].reshape(-1, len(self.columns))
-            twist = np.zeros((len(step), 6))
-            twist[:, self.columns] = step
-            twist[:, 3:] /= self.size
-            moving = self.body >= 0
-            velocity = np.zeros((len(self.body), 6))
-            velocity[moving] = twist[self.body[moving]]
-            velocity[moving, :3] += np.cross(velocity[moving, 3:], placement.position[moving] - centres[self.body[moving]])
-            placement = placement.along(velocity, 1.0)
+            step = _least_norm(matrix, -residual)
+            placement = self._shifted(placement, step, centres)
         return placement, float(np.abs(self._equations(placement, kept)[0]).max(initial=0.0))
 
-    def _equations(self, placement: Placement, kept: Kept) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Residuals (R,), their rows over the twists of the bodies, rotations over the size, the centres of the bodies (M, 3), and
-        which of the residuals are gaps of surfaces that slide (R,)."""
+    def _yielded(self, placement: Placement, amount: float) -> tuple[Placement, float]:
+        """A placement whose contacts have given way where that costs least work, and by how much they still overlap."""
+        overlap = np.inf
+        for _ in range(ROUNDS):
+            residual, matrix, centres = self._equations(placement, self.yielding)
+            overlap = -float(residual[self.resistance.opens].min(initial=0.0))
+            step = least_work(matrix, residual, self.resistance, self._along(placement, centres), amount)
+            if step is None:
+                return placement, np.inf
+            placement = self._shifted(placement, step, centres)
+            if overlap <= EXACT * self.size and float(np.abs(step).max(initial=0.0)) <= CLOSE * amount:
+                break
+        return placement, overlap
+
+    def _along(self, placement: Placement, centres: np.ndarray) -> np.ndarray:
+        """The twists of the bodies in the mechanism (D,), at their centres now."""
+        count = len(centres)
+        first = np.full(count, -1)
+        moving = np.flatnonzero(self.body >= 0)
+        first[self.body[moving[::-1]]] = moving[::-1]
+        twist = self.velocity[first].copy()
+        twist[:, :3] += np.cross(twist[:, 3:], centres - placement.position[first])
+        twist[:, 3:] *= self.size
+        return np.asarray(twist[:, self.columns].ravel())
+
+    def _shifted(self, placement: Placement, step: np.ndarray, centres: np.ndarray) -> Placement:
+        """A placement after a small step (D,) of the bodies about their centres."""
+        step = step.reshape(-1, len(self.columns))
+        twist = np.zeros((len(step), 6))
+        twist[:, self.columns] = step
+        twist[:, 3:] /= self.size
+        moving = self.body >= 0
+        velocity = np.zeros((len(self.body), 6))
+        velocity[moving] = twist[self.body[moving]]
+        velocity[moving, :3] += np.cross(velocity[moving, 3:], placement.position[moving] - centres[self.body[moving]])
+        return placement.along(velocity, 1.0)
+
+    def _equations(self, placement: Placement, kept: Kept) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Residuals (R,), their rows over the twists of the bodies, rotations over the size, and the centres of the bodies (M, 3)."""
         count = int(self.body.max(initial=-1)) + 1
         moving = self.body >= 0
         owner = self.body[moving]
@@ -110,15 +162,13 @@ class Motion:
         residual = np.einsum("nri,ni->nr", rows, apart).ravel()[asked]
         ends = np.repeat(kept.bodies, 3, axis=0)[asked]
         matrix = self._rows(rows.reshape(-1, 3)[asked], np.repeat(place, 3, axis=0)[asked], ends, centres)
-        slides = np.repeat(~kept.rows[:, 1:].any(axis=(1, 2)), 3)[asked]
         if not len(kept.lengths):
-            return residual, matrix, centres, slides
+            return residual, matrix, centres
         tips = placement.position[kept.ties] + np.einsum("teij,tej->tei", placement.rotation[kept.ties], kept.tie_arms)
         line = tips[:, 1] - tips[:, 0]
         now = np.linalg.norm(line, axis=1)
         more = self._rows(line / now[:, None], tips, kept.ties, centres)
-        all_of, no_gap = np.concatenate([residual, now - kept.lengths]), np.zeros(len(now), dtype=bool)
-        return all_of, np.vstack([matrix, more]), centres, np.append(slides, no_gap)
+        return np.concatenate([residual, now - kept.lengths]), np.vstack([matrix, more]), centres
 
     def _rows(self, direction: np.ndarray, place: np.ndarray, ends: np.ndarray, centres: np.ndarray) -> np.ndarray:
         """Rates of relative displacements along directions (R, 3) at places (R, 2, 3) of blocks (R, 2)."""
@@ -130,6 +180,13 @@ class Motion:
             rates = np.concatenate([direction[row], np.cross(arm, direction[row]) / self.size], axis=1)
             np.add.at(matrix, (row, body[row]), sign * rates)
         return matrix[:, :, self.columns].reshape(len(direction), -1)
+
+
+def _least_norm(matrix: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """The solution of least squares and least norm; of large systems, whose rows have few entries, by LSMR."""
+    if matrix.shape[1] > MANY:
+        return np.asarray(lsmr(csr_matrix(matrix), wanted, atol=1e-12, btol=1e-12, conlim=1e12, maxiter=2 * matrix.shape[1])[0])
+    return np.asarray(lstsq(matrix, wanted, cond=1e-10, lapack_driver="gelsy")[0])
 
 
 def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.ndarray, bars: Bars) -> Motion:
@@ -152,22 +209,27 @@ def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.
     body = _bodies(placed, points.bodies, points.joint, np.maximum(slip, np.abs(opens)), velocity)
     frames = np.zeros((points.count, 3, 3))
     frames[:, : problem.directions] = points.frame
-    frames[sliding, 1:] = 0.0
-    frames[lifted] = 0.0
-    carrier = np.where(sliding, _carriers(placed, points.bodies, points.frame[:, 0]), 0)
+    frames[sliding | lifted, 1:] = 0.0
+    faces = _carriers(placed, points.bodies, points.frame[:, 0])
     line = bars.points[:, 1] - bars.points[:, 0]
     longer = np.sum(line * _at(placed, velocity, bars.blocks, bars.points), axis=1) / np.linalg.norm(line, axis=1)
     taut = (best.bars > BEARS) & (np.abs(longer) <= STILL)
 
-    def kept(keep: np.ndarray) -> Kept:
+    def kept(keep: np.ndarray, carrier: np.ndarray) -> Kept:
         ends = points.bodies[keep]
         local = points.point[keep][:, None] - placed.centre[ends]
         arms = bars.points - placed.centre[bars.blocks]
         return Kept(ends, local, frames[keep], carrier[keep], bars.blocks[taut], arms[taut], np.linalg.norm(line[taut], axis=1))
 
-    between = (body[points.bodies[:, 0]] != body[points.bodies[:, 1]]) & ~lifted
+    touching = body[points.bodies[:, 0]] != body[points.bodies[:, 1]]
+    between = touching & ~lifted
     rigid = _as_bodies(velocity, placed, body)
-    return Motion(rigid, body, kept(between), kept(between & bears), problem.length, problem.columns)
+    carrier = np.where(sliding, faces, 0)
+    resistance = Resistance.of_points(frames[touching], best.force[touching], problem.mu[touching])
+    return Motion(
+        start=Placement.as_built(placed), velocity=rigid, body=body, kept=kept(between, carrier), bearing=kept(between & bears, carrier),
+        yielding=kept(touching, faces), resistance=resistance, size=problem.length, columns=problem.columns,
+    )  # fmt: skip
 
 
 def _at(placed: Assembly, velocity: np.ndarray, ends: np.ndarray, place: np.ndarray) -> np.ndarray:

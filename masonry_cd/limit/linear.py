@@ -7,10 +7,11 @@ d = +t and -t. In space it is replaced by a pyramid of so many sides that lies i
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import linprog
-from scipy.sparse import block_diag, csr_matrix, hstack
+from scipy.sparse import block_diag, csr_matrix, hstack, identity
 
 from masonry_cd.limit.problem import LimitProblem
 from masonry_cd.limit.solution import Optimum, Unbounded
@@ -31,36 +32,78 @@ def solve_linear(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap:
     Raises:
         Unbounded: no forces bear the dead loads with any factor up to ``cap``.
     """
+    programme = _programme(problem, dead, live, sides)
+    programme.bounds[-1] = -cap, cap
+    cost = np.zeros(programme.matrix.shape[1])
+    cost[-1] = -1.0
+    return programme.solved(cost)
+
+
+def least_unborne(problem: LimitProblem, sides: int = 8) -> Optimum:
+    """The forces that leave least of the loads unborne, where no factor bears them all, and how blocks then begin to fall.
+
+    The least sum of what is left, over all components, under any factor; dual to it is the fastest fall, max w_0 . v with w_1 . v = 0 and
+    no component of v above one: the load neither helps nor hinders it.
+
+    Raises:
+        Unbounded: no answer of the solver.
+    """
+    programme = _programme(problem, problem.dead, problem.live, sides)
+    programme.bounds[-1] = -np.inf, np.inf
+    count, rest = programme.matrix.shape[1], identity(problem.unknowns, format="csr")
+    cost = np.concatenate([np.zeros(count), np.ones(2 * problem.unknowns)])
+    return programme.with_columns(hstack([rest, -rest], format="csr")).solved(cost)
+
+
+@dataclass(frozen=True, eq=False)
+class _LinearProgramme:
+    """min cost . x over x of shares of the edges of all cones, tensions of ties, the factor, and more; x within bounds."""
+
+    problem: LimitProblem
+    spread: csr_matrix  # (P m, edges)
+    matrix: csr_matrix  # (unknowns, ...)
+    wanted: np.ndarray  # (unknowns,)
+    bounds: np.ndarray  # (..., 2)
+
+    def with_columns(self, more: csr_matrix) -> _LinearProgramme:
+        """The same with more unknowns, none of them negative."""
+        wide = np.tile([0.0, np.inf], (more.shape[1], 1))
+        return replace(self, matrix=hstack([self.matrix, more], format="csr"), bounds=np.concatenate([self.bounds, wide]))
+
+    def solved(self, cost: np.ndarray) -> Optimum:
+        """The best for a cost."""
+        problem, matrix = self.problem, self.matrix
+        held = np.flatnonzero(problem.tension < problem.apex)
+        count, ties = self.spread.shape[1], len(problem.strength)
+        below = _cut_off(held, count // max(problem.points.count, 1), matrix.shape[1])
+        method = "highs-ipm" if matrix.shape[1] > MANY else "highs-ds"
+        options = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+        answer = linprog(
+            cost, A_ub=below, b_ub=(problem.tension - problem.apex)[held] if len(held) else None, A_eq=matrix, b_eq=self.wanted,
+            bounds=self.bounds, method=method, options=options,
+        )  # fmt: skip
+        if answer.status != 0:
+            raise Unbounded(answer.message)
+        x = answer.x
+        return Optimum(
+            factor=float(x[count + ties]),
+            force=(self.spread @ x[:count] - problem.bond()).reshape(problem.points.count, problem.directions),
+            bars=x[count : count + ties],
+            velocity=-np.asarray(answer.eqlin.marginals),
+            iterations=int(answer.nit),
+            method=f"HiGHS {'interior point' if matrix.shape[1] > MANY else 'dual simplex'}",
+        )
+
+
+def _programme(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, sides: int) -> _LinearProgramme:
+    """Equilibrium under loads (unknowns,); the factor has no bounds yet."""
     edges = _edges(problem, sides)
-    per_point = edges.shape[1]
     spread = block_diag(list(edges.transpose(0, 2, 1)), format="csr") if problem.points.count else csr_matrix((0, 0))
     matrix = hstack([problem.jacobian.T @ spread, -problem.bars.T, csr_matrix(live[:, None])], format="csr")
-    wanted = problem.jacobian.T @ problem.bond() - dead
-    count = per_point * problem.points.count
-    cost = np.zeros(matrix.shape[1])
-    cost[-1] = -1.0
     bounds = np.zeros((matrix.shape[1], 2))
-    bounds[:count, 1] = np.inf
-    bounds[count:-1, 1] = problem.strength
-    bounds[-1] = -cap, cap
-    held = np.flatnonzero(problem.tension < problem.apex)
-    below = _cut_off(held, per_point, matrix.shape[1])
-    options = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
-    answer = linprog(
-        cost, A_ub=below, b_ub=(problem.tension - problem.apex)[held] if len(held) else None, A_eq=matrix, b_eq=wanted, bounds=bounds,
-        method="highs-ipm" if matrix.shape[1] > MANY else "highs-ds", options=options,
-    )  # fmt: skip
-    if answer.status != 0:
-        raise Unbounded(answer.message)
-    x = answer.x
-    return Optimum(
-        factor=float(x[-1]),
-        force=(spread @ x[:count] - problem.bond()).reshape(problem.points.count, problem.directions),
-        bars=x[count:-1],
-        velocity=-np.asarray(answer.eqlin.marginals),
-        iterations=int(answer.nit),
-        method=f"HiGHS {'interior point' if matrix.shape[1] > MANY else 'dual simplex'}",
-    )
+    bounds[: spread.shape[1], 1] = np.inf
+    bounds[spread.shape[1] : -1, 1] = problem.strength
+    return _LinearProgramme(problem, spread, matrix, problem.jacobian.T @ problem.bond() - dead, bounds)
 
 
 def _edges(problem: LimitProblem, sides: int) -> np.ndarray:

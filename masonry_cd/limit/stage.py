@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from masonry_cd.limit.analysis import Collapse, Options, collapse_of, largest_factor
+from masonry_cd.limit.conic import least_unborne_in_space
 from masonry_cd.limit.following import LOCKED, Motion, motion
 from masonry_cd.limit.interfaces import interfaces
+from masonry_cd.limit.linear import least_unborne
 from masonry_cd.limit.mechanism import STATES, STILL, Mechanism, mechanism
-from masonry_cd.limit.moved import Placement, moved_joints, touching_gap
+from masonry_cd.limit.moved import moved_joints, touching_gap
 from masonry_cd.limit.nonassociated import least_factor
 from masonry_cd.limit.nonassociated_space import least_factor_in_space
 from masonry_cd.limit.problem import Bars, LimitProblem, Loads, plane_of, problem_at
@@ -19,6 +21,8 @@ from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 
 SLACK = 1e-9  # share of its length by which a tie may be shorter and still pull
+UNSEEN = 1e-4  # width of a contact, as a share of the smallest width of a block, below which the detection of contacts finds none
+CLOSE = 1e-3  # share of the gap of points that touch below which an overlap is rounding
 HALVINGS = 40  # of a step in which blocks meet, at most
 
 
@@ -34,6 +38,7 @@ class Stage:
     best: Optimum
     mechanism: Mechanism
     associated: float  # factor; that of ``best`` where no joint slides
+    deepest: float  # overlap of any two blocks [m]
 
     @property
     def factor(self) -> float:
@@ -76,18 +81,14 @@ class Stages:
         self.unsettled = 0  # searches for the factor without dilation that came to no end
         self.stopped = 0  # programmes whose solver ended before its tolerance
 
-    def at(self, placed: Assembly, loads: Loads, joints: Joints) -> Stage:
+    def at(self, placed: Assembly, loads: Loads, joints: Joints, deepest: float = 0.0) -> Stage:
         """The limit analysis of blocks where they are.
 
         Raises:
             InputError: loads that do no work on any mechanism.
             Unbounded: no factor is borne.
         """
-        pulling = _lengths(loads.bars) >= self._rest * (1.0 - SLACK)
-        points = interfaces(placed, joints, self.axis)
-        whole = np.array([(int(a), int(b)) in self._bonded for a, b in points.bodies], dtype=bool)
-        points = replace(points, apex=np.where(whole, points.apex, 0.0), tension=np.where(whole, points.tension, 0.0))
-        problem = problem_at(placed, points, replace(loads, bars=_only(loads.bars, pulling)), self.axis)
+        pulling, problem = self._problem(placed, loads, joints)
         best, _ = largest_factor(problem, self.options)
         self.stopped += bool(best.stopped)
         associated, moves = best.factor, mechanism(problem, placed, joints, best.velocity)
@@ -97,7 +98,27 @@ class Stages:
             self.unsettled += least is None
             if least is not None:
                 best, moves = least.optimum, mechanism(problem, placed, joints, least.optimum.velocity)
-        return Stage(placed, loads, pulling, joints, problem, best, moves, associated)
+        return Stage(placed, loads, pulling, joints, problem, best, moves, associated, deepest)
+
+    def falling(self, moved: Moved) -> Stage:
+        """Blocks that no factor holds, with the forces that leave least unborne and how the blocks begin to fall.
+
+        Raises:
+            Unbounded: no answer of the solver.
+        """
+        pulling, problem = self._problem(moved.assembly, moved.loads, moved.joints)
+        planar = self.axis is not None or self.options.sides
+        best = least_unborne(problem, self.options.sides or 8) if planar else least_unborne_in_space(problem)
+        moves = mechanism(problem, moved.assembly, moved.joints, best.velocity)
+        return Stage(moved.assembly, moved.loads, pulling, moved.joints, problem, best, moves, best.factor, moved.deepest)
+
+    def _problem(self, placed: Assembly, loads: Loads, joints: Joints) -> tuple[np.ndarray, LimitProblem]:
+        """Which ties pull (T,), and the limit analysis of blocks where they are."""
+        pulling = _lengths(loads.bars) >= self._rest * (1.0 - SLACK)
+        points = interfaces(placed, joints, self.axis)
+        whole = np.array([(int(a), int(b)) in self._bonded for a, b in points.bodies], dtype=bool)
+        points = replace(points, apex=np.where(whole, points.apex, 0.0), tension=np.where(whole, points.tension, 0.0))
+        return pulling, problem_at(placed, points, replace(loads, bars=_only(loads.bars, pulling)), self.axis)
 
     def wear(self, stage: Stage) -> None:
         """Take away what the mechanism of a stage costs as soon as it moves: the bond of the joints at work."""
@@ -110,28 +131,30 @@ class Stages:
 
     def step(self, stage: Stage, motion: Motion, amount: float) -> tuple[Moved, float]:
         """The blocks when the fastest corner has gone ``amount`` [m], or less where blocks meet before; and how far it has gone."""
-        moved = self._moved(stage, motion, amount)
-        if moved.deepest <= self.gap:
+        moved, least = self._moved(stage, motion, amount), stage.deepest
+        if moved.deepest <= least + self.gap:
             return moved, amount
-        low, high, best = 0.0, amount, None
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
+        low, high, best, over = 0.0, amount, None, moved
+        for k in range(HALVINGS):
+            share = 0.5 if k % 2 else 0.5 * self.gap / (over.deepest - least)  # overlaps grow with the step where they begin at once
+            middle = low + min(max(share, 1e-4), 0.5) * (high - low)
             moved = self._moved(stage, motion, middle)
-            if moved.deepest <= self.gap:
-                low, best = middle, moved
-                if moved.deepest > 0.0 and middle > 0.9 * high:
-                    break
+            if moved.deepest > least + self.gap:
+                high, over = middle, moved
             else:
-                high = middle
+                low, best = middle, moved
+                if moved.deepest > least + CLOSE * self.gap and middle > 0.9 * high:
+                    break
+            if high - low < over.deepest - least <= UNSEEN * stage.assembly.width:
+                return over, high  # no motion of that length makes such an overlap: a contact that was too narrow to be found
         return (best, low) if best is not None else (moved, 0.0)
 
     def _moved(self, stage: Stage, motion: Motion, amount: float) -> Moved:
-        start = Placement.as_built(stage.assembly)
-        end, _ = motion.follow(start, amount)
+        end, _ = motion.follow(amount)
         placed = stage.assembly.placed(end.position, end.rotation)
         found = moved_joints(placed, self.gap)
         loads = stage.loads.moved(stage.assembly.centre, end.position, end.rotation)
-        return Moved(placed, loads, found.joints, found.deepest, motion.progress(start, end) < LOCKED * amount)
+        return Moved(placed, loads, found.joints, found.deepest, motion.progress(end) < LOCKED * amount)
 
 
 def _lengths(bars: Bars) -> np.ndarray:

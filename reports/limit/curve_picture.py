@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -70,10 +71,12 @@ def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
     plain_axes(axes, "load factor")
     axes.set_xlabel(f"displacement of the control block [{unit}]", fontsize=11, color=INK)
     x = scale * curve.displacement
-    axes.plot(x, curve.factor, color=COLOURS[0], linewidth=2.0, label="limit analysis of the moved blocks")
+    _line(axes, x, curve)
     upper = np.array([stage.associated for stage in curve.stages])
-    if (upper > curve.factor + 1e-4 * abs(curve.factor[0])).any():
-        axes.plot(x, upper, color=COLOURS[0], linewidth=1.1, linestyle="--", label="associated factor, an upper value")
+    above = upper > curve.factor + 1e-4 * abs(curve.factor[0])
+    if above.any():
+        shown = np.where(above, upper, np.nan)
+        axes.plot(x, shown, "--x", color=COLOURS[0], linewidth=1.1, markersize=5, label="associated factor, an upper value")
     for k, change in enumerate(curve.changes):
         label = "other joints are at work" if k == 0 else None
         axes.plot(x[change], curve.factor[change], "|", color=INK, markersize=13, markeredgewidth=1.3, label=label)
@@ -88,6 +91,17 @@ def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
     axes.margins(x=0.02)
     axes.set_ylim(bottom=min(0.0, float(curve.factor.min())) - 0.02 * float(curve.factor.max()), top=1.12 * float(curve.factor.max()))
     axes.legend(loc="upper right", fontsize=10, frameon=False)
+
+
+def _line(axes: Any, x: np.ndarray, curve: CapacityCurve) -> None:
+    """The factor over the displacement (K,) in the unit of the axes; dotted where blocks go on by themselves."""
+    borne = [0, *curve.jumps, len(x)]
+    for first, end in pairwise(borne):
+        label = "limit analysis of the moved blocks" if first == 0 else None
+        axes.plot(x[first:end], curve.factor[first:end], color=COLOURS[0], linewidth=2.0, label=label)
+    for jump in curve.jumps:
+        label = "blocks go on by themselves" if jump == curve.jumps[0] else None
+        axes.plot(x[jump - 1 : jump + 1], curve.factor[jump - 1 : jump + 1], color=COLOURS[0], linewidth=1.1, linestyle=":", label=label)
 
 
 def _images(curve: CapacityCurve, view: str) -> list[np.ndarray]:

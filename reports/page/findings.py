@@ -97,8 +97,16 @@ def _load_factor(context: PageContext) -> str:
     moved = f"a block had moved by more than {in_metres(found['limit'])}"
     if found["given_way"] is None:
         return (
-            f"<p>The structure still stood at the load factor <b>{_factor(found['end'], tilted)}</b>, with which the run ended: "
-            f"no block had moved by more than {in_metres(found['limit'])}. Its capacity is this or more.</p>" + _not_the_least(found)
+            f"<p>The structure still stood at the load factor <b>{_factor(found['end'], tilted)}</b>, with which the run ended, "
+            "and had not given way. Its capacity is this or more.</p>" + _not_the_least(found)
+        )
+    if "given_way_displacement" in found:
+        place = f"a block {in_metres(found['given_way_displacement'])} from its place"
+        return (
+            f"<p>The structure gave way. The largest load factor that it carried was <b>{_factor(found['given_way'], tilted)}</b>, at "
+            f"{number(found['given_way_time'], 's')}, {place}; the load at the end was {number(found['end'])}. "
+            "The load factor is the horizontal body force as a share of the weight. Carried is what the load does not spend on motion.</p>"
+            + _not_the_least(found)
         )
     return (
         f"<p>The structure gave way at the load factor <b>{_factor(found['given_way'], tilted)}</b>, at "

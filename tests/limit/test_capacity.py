@@ -9,6 +9,8 @@ import pytest
 from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
+from benchmarks.dry_walls import FRICTION, dry_wall
+from masonry_cd.app.limit_dynamics import brackets
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
 from masonry_cd.limit.analysis import Options
@@ -80,7 +82,7 @@ def test_a_wall_held_at_its_top_bends_upwards_between_three_hinges(lower, upper)
     places, factors = bending(np.linspace(0.0, 0.25, 100001), lower, upper, 0.2)
     assert curve.factor == pytest.approx(np.interp(curve.displacement, places, factors), abs=1e-8)
     assert curve.ultimate is None  # the upper block falls back from its stop before the factor has vanished
-    assert curve.end.startswith("beyond, these joints bear no factor of the load: blocks fall")
+    assert curve.end == "beyond, no factor of the load is borne: blocks fall by themselves"
     upper_block = curve.stages[-1].assembly.blocks[2]
     assert upper_block.vertices[:, 0].min() < -0.03
 
@@ -164,6 +166,29 @@ def test_what_has_no_factor_to_follow_is_refused():
     leaning, joints = joined([box("plate", (-1.0, -0.5, -0.5), (0.1, 0.5, 0.0), True), box("a", (0.0, -0.5, 0.0), (0.5, 0.5, 1.0))], 0.6)
     with pytest.raises(InputError, match="does not stand"):
         capacity_curve(leaning, joints, push_loads(leaning))
+
+
+def test_a_dry_wall_whose_contacts_give_way_goes_on_and_the_dynamics_bracket_it():
+    assembly, joints = joined(dry_wall(1), FRICTION)
+    curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(Options(starts=1), limit=0.05))
+    assert curve.factor[0] == pytest.approx(0.63898, abs=1e-5)
+    assert curve.end == "the control displacement of 0.05 m is reached"
+    assert curve.displacement[-1] < 0.06
+    for bracket in brackets(curve, np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -GRAVITY])):
+        assert bracket.low <= bracket.factor + 1e-3 and bracket.factor <= bracket.high + 1e-3
+        assert bracket.high - bracket.low < 0.011 * curve.factor[0]
+
+
+def test_a_dry_wall_is_followed_until_its_factor_vanishes():
+    assembly, joints = joined(dry_wall(1), FRICTION)
+    curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(Options(starts=1)))
+    assert curve.end == "the factor vanishes"
+    last = curve.stages[-1]
+    ((_, _, state),) = last.at_work()
+    assert state == "hinge"  # the blocks above a stair of joints topple over one edge, and stand upright on it
+    moving = last.mechanism.moving
+    upright = np.average(last.assembly.centre[moving, 0], weights=assembly.mass[moving])
+    assert upright == pytest.approx(last.mechanism.hinge[last.mechanism.state == 1][0, 0], abs=1e-6)
 
 
 def test_the_marks_are_the_start_the_peak_the_middle_and_the_end():
