@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.app.limit_check import check_mechanism, suits
-from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, follow, write_curve
+from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.contact.find_joints import built_gap, find_joints, loose_contacts
 from masonry_cd.errors import InputError
@@ -271,9 +271,7 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
         written += [folder / "check.json", folder / "check.csv"]
     drawn = draw(case, folder, view) if pictures else []
     if case.curve is not None:
-        found = write_curve(case.curve, case.assembly, folder, case.scene.title, case.loads.words, pictures, view)
-        drawn += [path for path in found if path.suffix == ".png"]
-        written += [path for path in found if path.suffix != ".png"]
+        written += write_curve(case.curve, case.assembly.names, folder)
     of_curve = [] if case.curve is None else curve_lines(case.curve, case.assembly.names)
     page = LimitPage(facts, [*found_lines(case), *of_curve], case.scene.text, case.scene.report.model_dump(exclude_unset=True))
     write_limit_page(page, drawn, folder / "limit.html")
@@ -281,7 +279,7 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
 
 
 def draw(case: LimitCase, folder: Path, view: str = "auto") -> list[Path]:
-    """Draw the mechanism, and the forces of a structure that stands, into a folder.
+    """Draw the mechanism, the forces of a structure that stands, and its capacity curve where one was followed, into a folder.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL.
@@ -293,7 +291,10 @@ def draw(case: LimitCase, folder: Path, view: str = "auto") -> list[Path]:
     if not case.analysis.stands:
         return [folder / "mechanism.png"]
     thrust_picture(*what, folder / "thrust.png", f"{case.scene.title}: forces at collapse", facts, view)
-    return [folder / "mechanism.png", folder / "thrust.png"]
+    drawn = [folder / "mechanism.png", folder / "thrust.png"]
+    if case.curve is None:
+        return drawn
+    return [*drawn, draw_curve(case.curve, case.assembly.names, folder, (case.scene.title, case.loads.words), view)]
 
 
 def _facts(case: LimitCase) -> str:

@@ -132,29 +132,39 @@ def _mark(curve: CapacityCurve, k: int, names: tuple[str, ...]) -> dict[str, Any
     }
 
 
-def write_curve(found: FollowedCurve, assembly: Assembly, folder: Path, title: str, words: str, picture: bool, view: str) -> list[Path]:
-    """Write capacity.csv, capacity.json and, if asked, capacity.png.
-
-    Raises:
-        InputError: an unknown view, no off-screen OpenGL for the picture; the tables are written by then.
-    """
-    from masonry_cd.app.summary import write_json
-    from masonry_cd.csv_files import write_csv
-
-    curve, written = found.curve, [folder / name for name in CURVE_OUTPUTS]
+def curve_rows(curve: CapacityCurve) -> list[dict[str, Any]]:
+    """The points of a curve, by the names of COLUMNS."""
     rows = []
     for k, stage in enumerate(curve.stages):
         moves = stage.mechanism
-        slides = moves.count("slide") + moves.count("hinge and slide")
-        cells = [k, f"{curve.displacement[k]:.9g}", f"{curve.factor[k]:.9g}", f"{stage.associated:.9g}"]
-        rows.append([*cells, int(moves.moving.sum()), moves.count("hinge") + moves.count("hinge and slide"), slides, k in curve.changes])
-    write_csv(written[0], COLUMNS, rows)
-    write_json(numbers(found, assembly.names), written[1])
-    if not picture:
-        return written[:2]
+        both = moves.count("hinge and slide")
+        cells = (k, float(curve.displacement[k]), float(curve.factor[k]), float(stage.associated), int(moves.moving.sum()))
+        rows.append(dict(zip(COLUMNS, (*cells, moves.count("hinge") + both, moves.count("slide") + both, k in curve.changes), strict=True)))
+    return rows
+
+
+def write_curve(found: FollowedCurve, names: tuple[str, ...], folder: Path) -> list[Path]:
+    """Write capacity.csv and capacity.json."""
+    from masonry_cd.app.summary import write_json
+    from masonry_cd.csv_files import write_csv
+
+    table, file = (folder / name for name in CURVE_OUTPUTS[:2])
+    rows = [[f"{cell:.9g}" if isinstance(cell, float) else cell for cell in row.values()] for row in curve_rows(found.curve)]
+    write_csv(table, COLUMNS, rows)
+    write_json(numbers(found, names), file)
+    return [table, file]
+
+
+def draw_curve(found: FollowedCurve, names: tuple[str, ...], folder: Path, about: tuple[str, str], view: str) -> Path:
+    """Draw capacity.png; ``about`` are the title of the scene and its load in words.
+
+    Raises:
+        InputError: an unknown view, no off-screen OpenGL.
+    """
     from reports.limit.curve_picture import curve_picture
 
-    facts = f'{words} · centre of block "{assembly.names[curve.control.block]}" · at the end: {curve.end}'
+    curve, path, (title, words) = found.curve, folder / CURVE_OUTPUTS[2], about
+    facts = f'{words} · centre of block "{names[curve.control.block]}" · at the end: {curve.end}'
     points = np.array([(b.displacement, b.low, b.high) for b in found.brackets]).reshape(-1, 3)
-    curve_picture(curve, points, written[2], f"{title}: capacity curve", facts, view)
-    return written
+    curve_picture(curve, points, path, f"{title}: capacity curve", facts, view)
+    return path

@@ -81,6 +81,19 @@ class LimitAnalysis:
         numbers = self._case.check.numbers()
         return frame_of_rows(numbers["steps"], "symbol", verdicts=numbers["verdicts"])
 
+    @property
+    def capacity(self) -> DataFrame | None:
+        """The capacity curve, point by point: displacement of the control block [m], factor, what moves; ``attrs["end"]`` says why it ends.
+
+        None without a table ``[limit.curve]``.
+        """
+        from masonry_cd.app.limit_curve import curve_rows
+
+        if self._case.curve is None:
+            return None
+        curve = self._case.curve.curve
+        return frame_of_rows(curve_rows(curve), "point", end=curve.end, control=self._case.assembly.names[curve.control.block])
+
     def mechanism(self, view: str = "auto") -> Image:
         """The moved blocks with hinges and slips, as an image that a notebook shows; ``view`` as in :meth:`Scene.picture`."""
         return self._picture("mechanism.png", view)
@@ -94,6 +107,16 @@ class LimitAnalysis:
         if not self.stands:
             raise InputError("limit analysis: the structure does not stand: there are no forces to draw")
         return self._picture("thrust.png", view)
+
+    def capacity_curve(self, view: str = "auto") -> Image:
+        """The capacity curve and the structure at marked points, as an image.
+
+        Raises:
+            InputError: the scene has no table ``[limit.curve]``.
+        """
+        if self._case.curve is None:
+            raise InputError("limit analysis: no curve was followed: give the scene a table [limit.curve]")
+        return self._picture("capacity.png", view)
 
     def write(self, folder: str | os.PathLike[str], *, force: bool = False) -> Page:
         """Write what ``masonry-cd limit`` writes into a folder, and return its page.

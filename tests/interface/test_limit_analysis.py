@@ -39,6 +39,25 @@ def test_pictures_are_images_and_the_page_shows_itself(tmp_path) -> None:
     assert "How good the answer is" in found.write(tmp_path / "page")._repr_html_()
 
 
+def test_the_capacity_curve_is_that_of_the_command(tmp_path) -> None:
+    found = mc.limit_analysis(mc.scene(two_blocks(), limit={"push": "x", "curve": {}}), tmp_path / "out")
+    made = json.loads((tmp_path / "out" / "capacity.json").read_text())
+    assert found.capacity is not None
+    assert found.capacity.attrs["end"] == made["end"] and found.capacity.attrs["control"] == made["control"]["block"]
+    with (tmp_path / "out" / "capacity.csv").open() as file:
+        lines = file.read().splitlines()
+    assert lines[0].split(",") == ["point", *found.capacity.columns]
+    assert [float(line.split(",")[2]) for line in lines[1:]] == pytest.approx(found.capacity["factor"].tolist(), rel=1e-8)
+    assert np.asarray(found.capacity_curve().convert("RGB")).std() > 1.0
+
+
+def test_no_curve_is_none_and_its_picture_a_line() -> None:
+    found = mc.limit_analysis(mc.scene(two_blocks(), limit={"push": "x"}))
+    assert found.capacity is None
+    with pytest.raises(mc.InputError, match=r"limit\.curve"):
+        found.capacity_curve()
+
+
 def test_a_scene_without_a_load_is_refused() -> None:
     with pytest.raises(mc.InputError, match="no load to multiply"):
         mc.limit_analysis(mc.scene(two_blocks()))
