@@ -56,7 +56,7 @@ TABLES: dict[str, dict[str, Any]] = {
     "barrel vault": {"kind": "vault", "form": "barrel", "span": 4.0, "thickness": 0.5, "voussoirs": 13, "length": 2.0, "unit_length": 1.0},
     "cross vault": {"kind": "vault", "form": "cross", "span": 4.0, "thickness": 0.5, "voussoirs": 9},
     "dome": {"kind": "dome", "span": 5.0, "thickness": 0.6, "sides": 8, "rows": 5, "oculus": 1.0},
-    "church": {"kind": "church", "block_length": 3.0, "course_height": 1.5},
+    "church": {"kind": "church", "block_length": 3.0, "course_height": 1.25},
     "large church": church(2.6),
 }
 USUAL = [name for name in TABLES if name != "large church"]  # which takes as long as all others

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -91,6 +92,17 @@ def test_kernels_do_without_a_folder_for_their_cache():
     assert not has_cache(compiled) and kept(compiled) == []
 
 
+class Code:
+    """What compiles to a text; something else happens while it is written."""
+
+    def __init__(self, text: str, meanwhile: Callable[[], None]) -> None:
+        self.text, self.meanwhile = text, meanwhile
+
+    def __reduce__(self) -> tuple[type[str], tuple[str]]:
+        self.meanwhile()
+        return str, (self.text,)
+
+
 def test_processes_that_compile_at_once_do_not_take_each_others_code(tmp_path):
     """Another process, which has read the index before this one wrote it, saves its entry while this one does."""
     shared = {"cache_path": str(tmp_path), "filename_base": "scaled", "source_stamp": "1"}
@@ -99,12 +111,8 @@ def test_processes_that_compile_at_once_do_not_take_each_others_code(tmp_path):
         def _load_index(self):
             return {}
 
-    class This(SharedFiles):
-        def _save_data(self, name, data):
-            Other(**shared).save(("floats",), "code for floats")
-            super()._save_data(name, data)
-
-    This(**shared).save(("integers",), "code for integers")
+    code = Code("code for integers", lambda: Other(**shared).save(("floats",), "code for floats"))
+    SharedFiles(**shared).save(("integers",), code)
     assert SharedFiles(**shared).load(("integers",)) == "code for integers"
     assert SharedFiles(**shared).load(("floats",)) in (None, "code for floats")
 
