@@ -143,6 +143,7 @@ class ResultWriter:
             if "segments" not in self._file:
                 self._file.attrs["constant"] = checksum_of_constants(self._file)
                 self._sealer.begin(self._file, self._known)
+            _close_attributes(self._file)
             self._file.swmr_mode = True  # no dataset may be created from here on
             self._sealer.seal()
             self._file.flush()
@@ -256,6 +257,17 @@ def require_rows(results: Results, rows: Mapping[str, int], mark: str | None) ->
     if mark is not None and _mark(results.file, rows) != mark:
         raise InputError(f"{results.path}: the checkpoint beside it belongs to other results: it cannot be resumed")
     return segments
+
+
+def _close_attributes(file: h5py.File) -> None:
+    """Close the attributes and datatypes that are open still, with which HDF5 begins no single-writer mode.
+
+    Python closes them as it forgets them. Where another thread looks at what this one does, as the profiler of a dask worker, it may hold
+    them at this instant.
+    """
+    for found in h5py.h5f.get_obj_ids(file.id, h5py.h5f.OBJ_ATTR | h5py.h5f.OBJ_DATATYPE):
+        while found.valid:
+            h5py.h5i.dec_ref(found)
 
 
 def _named(peaks: Mapping[str, np.ndarray], of_steps: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -42,6 +42,25 @@ def test_a_run_comes_back_as_it_was(tmp_path):
         assert set(results.peaks) == {"opening", "sliding", "rotation", "contact_area_loss", "first_opening_time"}
 
 
+def test_a_profiler_that_holds_frames_does_not_keep_a_file_from_being_published(tmp_path):
+    """As that of a dask worker does for an instant: with them it holds attributes open, with which HDF5 begins no single-writer mode."""
+    machine, held = stepper(tower(2), 1), []
+    joints = find_joints(machine.assembly)
+    before = sys.getprofile()
+    sys.setprofile(lambda frame, event, argument: held.append(frame))
+    try:
+        with ResultWriter(tmp_path / "r.h5", machine.assembly, joints) as writer:
+            writer.append({"time": 1.0})
+            writer.flush()
+            sys.setprofile(before)
+            assert (tmp_path / "r.h5").exists()
+    finally:
+        sys.setprofile(before)
+    assert held
+    with h5py.File(tmp_path / "r.h5") as file:
+        assert file["time"][...].tolist() == [1.0]
+
+
 def test_memory_of_the_writer_does_not_grow(tmp_path):
     machine, row = stepper(tower(2), 1), np.zeros((3, 100))
     with ResultWriter(tmp_path / "r.h5", machine.assembly, find_joints(machine.assembly)) as writer:
