@@ -4,44 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from models import GRAVITY, box, gravity, ground, stepper, tower
+from block_on_joint import AREA, MASS, STIFFNESS, history, on_joint
+from models import GRAVITY, gravity, stepper, tower
 
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.materials import JointLaw
-from masonry_cd.model.state import State
 
-SIDES, HEIGHT, DENSITY = (0.5, 0.3), 0.4, 2000.0  # [m], [kg/m3]
-AREA, MASS = SIDES[0] * SIDES[1], DENSITY * SIDES[0] * SIDES[1] * HEIGHT
-NORMAL, TANGENTIAL = 1e8, 4e7  # [N/m3]
-OMEGA = np.sqrt(NORMAL * AREA / MASS)  # of the swing up and down [rad/s]
-SAG = MASS * GRAVITY / (NORMAL * AREA)
+TANGENTIAL = 4e7  # [N/m3]
+OMEGA = np.sqrt(STIFFNESS * AREA / MASS)  # of the swing up and down [rad/s]
+ON = {"solver": "auto", "duration": 10.0}  # keys of [run]
 
 
-def law(share: float, omega: float, theta: float = 0.5) -> dict[str, JointLaw]:
+def law(share: float, omega: float) -> dict[str, JointLaw]:
     """An elastic joint with a dashpot that is a share of critical at a circular frequency."""
     damped = {"damping": share, "damping_frequency": omega / (2.0 * np.pi)} if share else {}
-    return {"default": JointLaw(normal_stiffness=NORMAL, tangential_stiffness=TANGENTIAL, theta=theta, **damped)}
-
-
-def on_joint(dt: float, steps: int, kick: dict[int, float], joints: dict[str, JointLaw], above: float = -SAG) -> Stepper:
-    """A block in equilibrium on its joint, or above it, with velocities to begin with."""
-    x, y = 0.5 * SIDES[0], 0.5 * SIDES[1]
-    blocks = [ground(2.0), box("b", (-x, -y, 0.0), (x, y, HEIGHT), density=DENSITY)]
-    start = State.at_rest(Assembly.from_blocks(blocks, 0.6))
-    start.position[1, 2] += above
-    for column, speed in kick.items():
-        start.velocity[1, column] = speed
-    return stepper(blocks, steps, dt=dt, joints=joints, start=start, solver="auto", duration=10.0)
-
-
-def history(machine: Stepper, steps: int, column: int) -> np.ndarray:
-    """Velocity of the block after each step."""
-    out = np.empty(steps)
-    for k in range(steps):
-        machine.step()
-        out[k] = machine.state.velocity[1, column]
-    return out
+    return {"default": JointLaw(normal_stiffness=STIFFNESS, tangential_stiffness=TANGENTIAL, theta=0.5, **damped)}
 
 
 def swing(time: np.ndarray, speed: float, share: float, omega: float) -> np.ndarray:
@@ -61,7 +37,7 @@ def test_a_swing_fades_as_its_share_of_critical_says_to_second_order(column, ome
     errors = []
     for dt in (1e-3, 5e-4, 2.5e-4):
         steps = round(0.04 / dt)
-        got = history(on_joint(dt, steps, {column: 1e-3}, law(share, omega)), steps, column)
+        got = history(on_joint(dt, steps, law(share, omega), {column: 1e-3}, **ON), steps, column)
         exact = swing(dt * np.arange(1, steps + 1), 1e-3, share, omega)
         errors.append(float(np.abs(got - exact).max()) / 1e-3)
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([2.0, 2.0], abs=0.25)
@@ -69,7 +45,7 @@ def test_a_swing_fades_as_its_share_of_critical_says_to_second_order(column, ome
 
 
 def test_the_dashpot_takes_all_of_a_swing_and_the_balance_closes():
-    machine = on_joint(5e-4, 400, {2: 1e-3}, law(0.2, OMEGA))
+    machine = on_joint(5e-4, 400, law(0.2, OMEGA), {2: 1e-3}, **ON)
     history(machine, 400, 2)
     kick = 0.5 * MASS * 1e-6
     assert machine.energy["damping"] == pytest.approx(kick, rel=1e-6)
@@ -85,7 +61,7 @@ def rebound(share: float) -> float:
 @pytest.mark.parametrize("share", [0.05, 0.2])
 def test_a_block_that_lands_comes_back_as_spring_and_dashpot_let_it(share):
     dt, speed = 2e-5, 5.0
-    machine = on_joint(dt, 1000, {2: -speed}, law(share, OMEGA), above=1e-5)
+    machine = on_joint(dt, 1000, law(share, OMEGA), {2: -speed}, above=1e-5, **ON)
     velocity = history(machine, 1000, 2)
     assert velocity[500:].max() == pytest.approx(speed * rebound(share), rel=0.02)
     assert abs(machine.energy["balance"]) < 1e-9 * 0.5 * MASS * speed**2
@@ -94,7 +70,7 @@ def test_a_block_that_lands_comes_back_as_spring_and_dashpot_let_it(share):
 def test_friction_bounds_spring_and_dashpot_together():
     """A block that slides comes to rest as Coulomb's law has it: the joint holds v^2 / (2 mu g) against it, whatever its dashpot."""
     speed, mu = 0.5, 0.6
-    machine = on_joint(1e-3, 300, {0: speed}, law(1.0, OMEGA))
+    machine = on_joint(1e-3, 300, law(1.0, OMEGA), {0: speed}, **ON)
     history(machine, 300, 0)
     slid = speed**2 / (2.0 * mu * GRAVITY)
     assert machine.state.position[1, 0] == pytest.approx(slid, rel=0.03)
@@ -117,5 +93,5 @@ def test_what_rests_rests_and_stiffness_limits_no_step():
 
 
 def test_a_dashpot_of_no_share_changes_no_bit():
-    one, other = (on_joint(1e-3, 50, {2: 1e-3, 0: 0.01}, joints) for joints in (law(0.0, OMEGA), law(1e-300, OMEGA)))
+    one, other = (on_joint(1e-3, 50, joints, {2: 1e-3, 0: 0.01}, **ON) for joints in (law(0.0, OMEGA), law(1e-300, OMEGA)))
     assert np.array_equal(history(one, 50, 2), history(other, 50, 2))

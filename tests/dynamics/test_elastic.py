@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from block_on_joint import AREA, HEIGHT, MASS, SIDES, STIFFNESS, block, history, on_joint
 from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
 
 from masonry_cd.contact.detector import ContactSet, Detector
@@ -15,33 +16,11 @@ from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.materials import JointLaw
 from masonry_cd.model.state import State, rotation_matrices
 
-STIFFNESS, SIDES, HEIGHT = 1e8, (0.5, 0.3), 0.4  # [N/m3], of the block's base and its height [m]
-AREA, MASS = 0.15, 2000.0 * 0.15 * 0.4
-
-
-def block(height: float = HEIGHT, above: float = 0.0) -> list[Block]:
-    """A block on the ground, or above it."""
-    x, y = 0.5 * SIDES[0], 0.5 * SIDES[1]
-    return [ground(2.0), box("b", (-x, -y, above), (x, y, above + height))]
-
 
 def on_spring(dt: float, steps: int, kick: dict[int, float] | None = None, planar: bool = True, **law: float) -> Stepper:
     """A block in equilibrium on an elastic joint, with a velocity to begin with."""
     joints = {"default": JointLaw(**({"normal_stiffness": STIFFNESS, "theta": 0.5} | law))}
-    start = State.at_rest(Assembly.from_blocks(block(), 0.6))
-    start.position[1, 2] -= MASS * GRAVITY / (STIFFNESS * AREA)
-    for column, speed in (kick or {}).items():
-        start.velocity[1, column] = speed
-    return stepper(block(), steps, dt=dt, joints=joints, start=start, planar=planar)
-
-
-def history(machine: Stepper, steps: int, column: int) -> np.ndarray:
-    """Velocity of the block after each step."""
-    out = np.empty(steps)
-    for k in range(steps):
-        machine.step()
-        out[k] = machine.state.velocity[1, column]
-    return out
+    return on_joint(dt, steps, joints, kick or {}, planar=planar)
 
 
 # --- areas ------------------------------------------------------------------------------------------------------------------------
