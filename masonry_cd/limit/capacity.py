@@ -22,19 +22,18 @@ import numpy as np
 
 from masonry_cd.errors import InputError
 from masonry_cd.limit.analysis import STANDS, Options, at_rest
+from masonry_cd.limit.following import Motion
 from masonry_cd.limit.mechanism import STILL
-from masonry_cd.limit.passing import borne, passed
+from masonry_cd.limit.passing import borne, edge, passed
 from masonry_cd.limit.problem import Loads
 from masonry_cd.limit.solution import Unbounded
-from masonry_cd.limit.stage import Stage, Stages
+from masonry_cd.limit.stage import FIRST, LONGEST, SHORTEST, Stage, Stages
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 
 STEPS = 40  # from start to end, about
 MOST = 6  # times so many steps at most
 STALLED, WAY = 10, 0.05  # steps on which the control block goes no farther than this share: the curve makes no way
-FIRST = 0.01  # displacement of the fastest corner in the first step, as a share of the smallest width of a block
-LONGEST = 0.25  # and in any step
 MORE = 4.0  # times as far as the last step went, at most
 LEAST = 1e-3  # displacement of the fastest corner that a step tries, as a share of the smallest width
 VANISHES = "the factor vanishes"
@@ -45,8 +44,6 @@ ROUNDING = 1e-5  # share below which it is shown as zero
 ALIKE = 0.02  # share of the last displacement below which two points look alike
 BEYOND = 1.05  # of what is left, so that the last step goes past the end
 TRIES = 30  # to find where it does
-HALVINGS = 12  # of a step at whose end no factor is borne
-SHORTEST = 1e-9  # step, as a share of the smallest width, below which blocks cannot go on
 
 
 @dataclass(frozen=True)
@@ -183,7 +180,7 @@ class _Path:
             return None, 0.0, "the mechanism locks: its blocks cannot slide on without climbing" if moved.locked else "blocks meet"
         found = borne(self.make, moved)
         if found is None:
-            return self._passed(last, used)
+            return self._passed(last, moving, used)
         gone = GONE * abs(self.stages[0].factor)
         if found.factor > gone:
             return found, used, ""
@@ -206,13 +203,9 @@ class _Path:
                 high, above = middle, best.factor
         return best, high, BELOW
 
-    def _passed(self, last: Stage, used: float) -> tuple[Stage | None, float, str]:
+    def _passed(self, last: Stage, moving: Motion, used: float) -> tuple[Stage | None, float, str]:
         """Where no factor is borne a step later: the last stage before, by halving, and the one after hinges have passed on."""
-        moving, low, high, best = last.motion(), 0.0, used, None
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            tried = borne(self.make, self.make.step(last, moving, middle)[0])
-            best, low, high = (best, low, middle) if tried is None else (tried, middle, high)
+        best, high = edge(self.make, last, moving, used, borne_before=True)
         if best is not None:
             self.stages.append(best)
             self.make.lengthen(best)
@@ -251,6 +244,8 @@ class _Path:
             out.append(
                 "joints slide: the curve has the associated factor, an upper value; limit.starts = 1 follows the one without dilation"
             )
+        if self.make.uncorrected:
+            out.append(f"no correction was found for {self.make.uncorrected} of the steps tried: there blocks go as the mechanism begins")
         if self.make.stopped:
             out.append(f"the solver ended before its tolerance in {self.make.stopped} limit analyses on the way")
         return tuple(out)

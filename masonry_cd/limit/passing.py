@@ -15,18 +15,16 @@ Where they find no rest, a part of the structure falls, however the load is held
 
 from __future__ import annotations
 
+from masonry_cd.limit.following import Motion
 from masonry_cd.limit.solution import Unbounded
-from masonry_cd.limit.stage import Moved, Stage, Stages
+from masonry_cd.limit.stage import FIRST, LONGEST, SHORTEST, Moved, Stage, Stages
 
-FIRST = 0.01  # displacement of the fastest corner in the first step, as a share of the smallest width of a block
-LONGEST = 0.25  # and in any step
 FALLEN = 4.0  # displacement, as a share of the smallest width, after which blocks that have found no rest fall
 MOST = 60  # steps
-HALVINGS = 10  # of the step in which they come to rest
+HALVINGS = 12  # of a step in which a factor ceases to be borne, or begins to be
 FALL = "beyond, no factor of the load is borne: blocks fall by themselves"
 STUCK = "beyond, no factor of the load is borne, and the blocks that begin to fall lock: the mechanism cannot be followed"
 UNSETTLED = f"beyond, no factor of the load is borne, and blocks that begin to fall find no rest in {MOST} steps"
-SHORTEST = 1e-9  # step below which blocks cannot go on, as a share of the smallest width
 
 
 def passed(make: Stages, moved: Moved) -> tuple[Stage | None, str]:
@@ -44,7 +42,7 @@ def passed(make: Stages, moved: Moved) -> tuple[Stage | None, str]:
             return None, STUCK
         rest = borne(make, moved)
         if rest is not None:
-            return (rest if used < amount else _earliest(make, falling, used) or rest), ""
+            return (rest if used < amount else edge(make, falling, moving, used, borne_before=False)[0] or rest), ""
         gone += used
         if gone > FALLEN * width:
             return None, FALL
@@ -60,14 +58,23 @@ def borne(make: Stages, moved: Moved) -> Stage | None:
         return None
 
 
-def _earliest(make: Stages, falling: Stage, used: float) -> Stage | None:
-    """The first place of a step at which forces balance again, by halving."""
-    moving, low, high, best = falling.motion(), 0.0, used, None
+def edge(make: Stages, start: Stage, moving: Motion, reach: float, borne_before: bool) -> tuple[Stage | None, float]:
+    """Where in a step a factor ceases to be borne, or begins to be, by halving.
+
+    Args:
+        make: the limit analyses.
+        start: where the step begins.
+        moving: its motion.
+        reach: its length [m].
+        borne_before: whether a factor is borne at its beginning and none at its end, or the other way round.
+
+    Returns:
+        The last analysis with a factor, None where there was none, and a length of the step at which there is none if one is borne before.
+    """
+    low, high, best = 0.0, reach, None
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        rest = borne(make, make.step(falling, moving, middle)[0])
-        if rest is None:
-            low = middle
-        else:
-            best, high = rest, middle
-    return best
+        tried = borne(make, make.step(start, moving, middle)[0])
+        best = best if tried is None else tried
+        low, high = (low, middle) if (tried is None) == borne_before else (middle, high)
+    return best, high

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +21,9 @@ from masonry_cd.limit.solution import Optimum
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 
+FIRST = 0.01  # displacement of the fastest corner in a first step, as a share of the smallest width of a block
+LONGEST = 0.25  # and in any step
+SHORTEST = 1e-9  # and the one below which blocks cannot go on
 SLACK = 1e-9  # share of its length by which a tie may be shorter and still pull
 UNSEEN = 1e-4  # width of a contact, as a share of the smallest width of a block, below which the detection of contacts finds none
 CLOSE = 1e-3  # share of the gap of points that touch below which an overlap is rounding
@@ -80,6 +84,7 @@ class Stages:
         self._rest = _lengths(loads.bars)
         self.unsettled = 0  # searches for the factor without dilation that came to no end
         self.stopped = 0  # programmes whose solver ended before its tolerance
+        self.uncorrected = 0  # steps tried in which no contacts could be made to give way
 
     def at(self, placed: Assembly, loads: Loads, joints: Joints, deepest: float = 0.0) -> Stage:
         """The limit analysis of blocks where they are.
@@ -150,7 +155,8 @@ class Stages:
         return (best, low) if best is not None else (moved, 0.0)
 
     def _moved(self, stage: Stage, motion: Motion, amount: float) -> Moved:
-        end, _ = motion.follow(amount)
+        end, missed = motion.follow(amount)
+        self.uncorrected += math.isinf(missed)
         placed = stage.assembly.placed(end.position, end.rotation)
         found = moved_joints(placed, self.gap)
         loads = stage.loads.moved(stage.assembly.centre, end.position, end.rotation)
