@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd import __version__
+from masonry_cd.app.case import prepare
 from masonry_cd.app.inputs import file_digests
-from masonry_cd.app.scene import read_scene
+from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.io.lock import locked
@@ -76,17 +77,27 @@ def ensemble_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
     settings = settings_of(solvers, dts or (scene.run.dt,), tolerances_asked(asked["tolerances"]) or TOLERANCES)
     for setting in settings:  # what is wrong with one of them is told before any runs
         read_scene(source, [*changes, f"run.dt={setting.dt!r}", f"run.tolerance={setting.tolerance!r}"])
-    identity = digest_of([__version__, scene.text, changes, file_digests([scene.structure, *scene.structures, *scene.loads], scene.folder)])
-    kept = KeptRuns(folder / KEPT, identity, asked["force"])
-
-    def told(name: str, found: Mapping[str, Any], left: int) -> None:
-        say(f"{name}: {found['seconds']:.3g} s; {left} of {len(settings) * asked['ensemble']} runs left")
-
+    prepare(scene)  # what is wrong with its blocks or loads is told before anything is written, and kernels are compiled once
     with locked(folder):
-        rows = ensemble_rows(
-            source, changes, settings, asked["ensemble"], lambda members: kept.make(run_member, members, asked["workers"], told)
-        )
+        kept = KeptRuns(folder / KEPT, _identity(scene, changes), asked["force"])
+
+        def told(name: str, found: Mapping[str, Any], left: int) -> None:
+            say(f"{name}: {found['seconds']:.3g} s; {left} of {len(settings) * asked['ensemble']} runs left")
+
+        try:
+            rows = ensemble_rows(
+                source, changes, settings, asked["ensemble"], lambda members: kept.make(run_member, members, asked["workers"], told)
+            )
+        except KeyboardInterrupt:
+            say(f"the runs that have ended are in {folder / KEPT}; the same command goes on")
+            raise
         return _write(scene.title, rows, folder)
+
+
+def _identity(scene: Scene, changes: Sequence[str]) -> str:
+    """What makes runs those of this scene, their time step, tolerance and solver apart."""
+    files = file_digests([scene.structure, *scene.structures, *scene.loads], scene.folder)
+    return digest_of([__version__, scene.text, list(changes), files])
 
 
 def _write(title: str, rows: Sequence[EnsembleRow], folder: Path) -> dict[str, Any]:

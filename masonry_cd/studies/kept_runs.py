@@ -78,7 +78,8 @@ class KeptRuns:
             return {}
         first, *lines = self._file.read_text(encoding="utf-8").splitlines() or [""]
         if first != json.dumps(self._identity):
-            raise InputError(f"{self._file}: of another scene, or of one that was changed; choose another folder, or --force to begin anew")
+            of = "of another scene, or of one that was changed, or of another version of the program"
+            raise InputError(f"{self._file}: {of}; choose another folder, or --force to begin anew")
         return dict(found for line in lines if (found := _parsed(line)) is not None)
 
 

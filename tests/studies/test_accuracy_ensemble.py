@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from block_files import cuboid
 from places import EXAMPLES
+from studied import SCENE
 from typer.testing import CliRunner
 
 from masonry_cd.cli.app import app
@@ -152,6 +154,17 @@ def test_bad_options_are_one_line(words: tuple[object, ...], message: str, tmp_p
     assert done.exit_code == 2
     assert message in done.stderr
     assert len(done.stderr.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_blocks_that_are_wrong_are_told_before_anything_is_written(tmp_path: Path):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    block = cuboid((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)) | {"name": "b", "fixed": True}
+    block["faces"] = block["faces"][:-1]
+    (tmp_path / "blocks.json").write_text(json.dumps({"units": "m", "blocks": [block]}))
+    done = masonry_cd("accuracy", tmp_path / "scene.toml", "-o", tmp_path / "out", "--ensemble", 4)
+    assert (done.exit_code, len(done.stderr.splitlines())) == (2, 1)
+    assert 'block "b"' in done.stderr and "open" in done.stderr
     assert not (tmp_path / "out").exists()
 
 
