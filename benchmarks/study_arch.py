@@ -4,9 +4,9 @@
     python -m benchmarks.study_arch --motions 4 --workers 1 2
 
 Records are files NAME_NS.acc (or H1, Lo) with a sample every 5 ms; without a folder of them the motions are artificial, of Eurocode 8. A
-line of the table has the time of the clock of the whole command, and where the time of its workers went: setting a run up, its steps, its
-end (tables, joints), and recording (joints measured after each step, results written). The table of the runs must be the same on any number
-of workers, seconds aside.
+line of the table has the time of the clock of the whole command, the seconds in which its workers were busy, all of them together, and what
+these went to: setting a run up, its steps, its end (tables, joints), and recording (joints measured after each step, results written). The
+table of the runs must be the same on any number of workers, seconds aside.
 """
 
 from __future__ import annotations
@@ -132,12 +132,12 @@ def main() -> int:
                 return 2
         if first is None:
             first = took, table
-            print(head("workers", "runs", "clock [s]", *(f"{name.replace('_', ' ')} [%]" for name in took.parts), "speed-up"))
+            print(head("workers", "runs", "clock [s]", "busy [s]", *(f"{name.replace('_', ' ')} [%]" for name in took.parts), "speed-up"))
         if table != first[1]:
             print(f"the table on {workers} workers differs from that on {first[0].workers}", file=sys.stderr)
             return 2
         shares = [f"{100.0 * spent / took.busy:.1f}" for spent in took.parts.values()]
-        cells = [str(workers), str(took.runs), f"{took.clock:.0f}", *shares, f"{first[0].clock / took.clock:.2f}"]
+        cells = [str(workers), str(took.runs), f"{took.clock:.0f}", f"{took.busy:.0f}", *shares, f"{first[0].clock / took.clock:.2f}"]
         print(f"| {' | '.join(cells)} |", flush=True)
     return 0
 
