@@ -92,8 +92,9 @@ def structure_of(scene: Scene) -> Structure:
         InputError: with file and line of the scene where a key is at fault.
     """
     blocks, notes, bars = make_structures(scene)
+    material = scene.material
     try:
-        return Structure(blocks, tuple(notes), bars, Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints))
+        return Structure(blocks, tuple(notes), bars, Assembly.from_blocks(blocks, material.friction, material.joints, material))
     except InputError as error:
         raise scene.at_fault(error) from None
 

@@ -27,7 +27,7 @@ from masonry_cd.contact.pair_memory import REUSE, PairMemory, check_pairs, is_st
 from masonry_cd.contact.separation import EDGES, FAR_APART, WHOLE, Placed, place_part, separate
 from masonry_cd.jit import borrower, entry
 from masonry_cd.model.blocks import Assembly, Shapes
-from masonry_cd.model.geometry import relative_pose
+from masonry_cd.model.geometry import relative_pose, turned_normal
 
 EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
 FAR = 0.05  # a pair that may move by more than this share of the smaller part's width in a step is looked at as it will be then, too
@@ -70,6 +70,7 @@ class Detector:
         self._part_group = assembly.group_of[shapes.part_block]
         self._by_area = assembly.laws.by_area & (not corners_only)
         self._fixed_part = assembly.fixed[shapes.part_block]
+        self._affine = assembly.deformation is not None
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
         self._corners = np.maximum.reduceat(np.diff(shapes.solids.loop_start), shapes.solids.face_start[:-1])  # (P,) most of a face
         self._work = Workspace.allocate(shapes, int(self._corners.max()))
@@ -96,19 +97,19 @@ class Detector:
 
         Args:
             position: (B, 3) centres of mass [m].
-            rotation: (B, 3, 3) body to world.
+            rotation: (B, 3, 3) body to world, with the strain of blocks that deform.
             velocity: (B, 6), bounds how far blocks can come closer within the step.
             step: time step [s].
             slack: distance that forces not yet known may add within the step [m].
             origin: (3,) displacement of the supports since the start [m].
         """
-        motion = Motion(position, rotation, velocity, float(step), float(slack))
+        motion = Motion(position, rotation, velocity, float(step), float(slack), self._affine)
         count = self._update(motion, origin, False)
         if count < 0:
             self._rebuild(motion, origin)
             count = self._update(motion, origin, True)
         found = ContactSet.allocate(count)
-        write_contacts(self._memory, self._shapes.part_block, position, rotation, found)
+        write_contacts(self._memory, self._shapes.part_block, motion, found)
         return found
 
     def copied(self) -> Detector:
@@ -223,9 +224,9 @@ def update_pairs(
         block_a, block_b = part_block[a], part_block[b]
         width = min(size[a], size[b])
         margin = pair_margin(motion, block_a, block_b, radius[a], radius[b], width)
-        relative_pose(motion.position, motion.rotation, block_a, block_b, now)
+        relative_pose(motion.position, motion.rotation, motion.affine, block_a, block_b, now)
         if is_stuck(memory, k, now, radius[b], width):
-            update_gaps(memory, k, now)
+            update_gaps(memory, k, now, motion.affine)
             tally[KEPT] += 1
         else:
             _look_again(memory, k, shapes, motion, margin, width, by_area[k], work, tally)
@@ -246,7 +247,10 @@ def _look_again(memory, k, shapes, motion, margin, width, by_area, work, tally):
     if feature[0] == FAR_APART and memory.budget[k] - moved > margin:
         tally[APART] += 1
         return
-    own, other = Placed(solids.vertices, solids.normals, WHOLE, WHOLE), place_part(now, b, solids, work.vertices, work.normals)
+    own, other = (
+        Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
+        place_part(now, b, solids, motion.affine, work.vertices, work.normals),
+    )
     if feature[0] == FAR_APART or not moved < REUSE * width:
         tally[SEARCHED] += 1
         apart = separate(a, b, solids, own, other, EDGE_BIAS * width, feature)
@@ -261,7 +265,7 @@ def _look_again(memory, k, shapes, motion, margin, width, by_area, work, tally):
     if found == 0 and margin > FAR * width and not with_area:
         found = _look_ahead(memory, k, shapes, motion, margin, width, work)
     store_points(memory, k, found, work.manifold, with_area, width, work.place)
-    update_gaps(memory, k, now)
+    update_gaps(memory, k, now, motion.affine)
 
 
 @borrower()
@@ -277,7 +281,10 @@ def _look_ahead(memory, k, shapes, motion, margin, width, work):
     solids, feature, pose = shapes.solids, memory.feature[k], memory.built[k]
     a, b = memory.parts[k, 0], memory.parts[k, 1]
     pose_ahead(motion, shapes.part_block[a], shapes.part_block[b], work.ahead_position, work.ahead_rotation, pose)
-    own, other = Placed(solids.vertices, solids.normals, WHOLE, WHOLE), place_part(pose, b, solids, work.vertices, work.normals)
+    own, other = (
+        Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
+        place_part(pose, b, solids, motion.affine, work.vertices, work.normals),
+    )
     _copy(pose, memory.pose[k])
     if separate(a, b, solids, own, other, EDGE_BIAS * width, feature) > margin:
         return 0
@@ -285,15 +292,18 @@ def _look_ahead(memory, k, shapes, motion, margin, width, work):
 
 
 @entry()
-def write_contacts(memory: PairMemory, part_block: np.ndarray, position: np.ndarray, rotation: np.ndarray, rows: ContactSet) -> None:
+def write_contacts(memory: PairMemory, part_block: np.ndarray, motion: Motion, rows: ContactSet) -> None:
     """Fill the rows of a set with the points within the margin, in the world frame, and note the row of each."""
     total = 0
     for k in range(memory.parts.shape[0]):
         if memory.point_count[k] == 0:
             continue
         a, b = part_block[memory.parts[k, 0]], part_block[memory.parts[k, 1]]
-        r, x = rotation[a], position[a]
-        nx, ny, nz = _turned(r, memory.normal[k])
+        r, x, scale = motion.rotation[a], motion.position[a], 1.0
+        if motion.affine:
+            nx, ny, nz, scale = turned_normal(motion.rotation, a, memory.normal[k])
+        else:
+            nx, ny, nz = _turned(r, memory.normal[k])
         for s in range(memory.slot[k], memory.slot[k] + memory.point_count[k]):
             if memory.gap[s] == np.inf:
                 memory.place[s] = -1
@@ -302,7 +312,7 @@ def write_contacts(memory: PairMemory, part_block: np.ndarray, position: np.ndar
             rows.point[total, 0], rows.point[total, 1], rows.point[total, 2] = x[0] + px, x[1] + py, x[2] + pz
             rows.normal[total, 0], rows.normal[total, 1], rows.normal[total, 2] = nx, ny, nz
             rows.bodies[total, 0], rows.bodies[total, 1] = b, a
-            rows.gap[total], rows.area[total] = memory.gap[s], memory.area[s]
+            rows.gap[total], rows.area[total] = scale * memory.gap[s], memory.area[s]
             rows.pair[total], rows.previous[total] = k, memory.place[s]
             memory.place[s] = total
             total += 1

@@ -17,10 +17,11 @@ class Motion(NamedTuple):
     """The configuration of B blocks, how they move, and for how long."""
 
     position: np.ndarray  # (B, 3) centres of mass [m]
-    rotation: np.ndarray  # (B, 3, 3) body to world
+    rotation: np.ndarray  # (B, 3, 3) body to world, with the strain of blocks that deform
     velocity: np.ndarray  # (B, 6) linear [m/s] and angular [rad/s]
     step: float  # [s]
     slack: float  # distance that forces not yet known may add within the step [m]
+    affine: bool  # whether the rotations hold strains
 
 
 @borrower()
@@ -74,7 +75,7 @@ def pose_ahead(motion, a, b, position, rotation, pose):
             rotation[side, 0, d] = c * px + s * (y * pz - z * py) + along * x
             rotation[side, 1, d] = c * py + s * (z * px - x * pz) + along * y
             rotation[side, 2, d] = c * pz + s * (x * py - y * px) + along * z
-    relative_pose(position, rotation, 0, 1, pose)
+    relative_pose(position, rotation, motion.affine, 0, 1, pose)
 
 
 @borrower()

@@ -21,7 +21,7 @@ from masonry_cd.contact.motion import distance_moved
 from masonry_cd.contact.separation import EDGES, FACE_OF_A, FACE_OF_B, FAR_APART, UNKNOWN
 from masonry_cd.jit import borrower
 from masonry_cd.model.blocks import Shapes
-from masonry_cd.model.geometry import Polyhedra
+from masonry_cd.model.geometry import Polyhedra, inverse_row
 
 STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the smaller part's width
 REUSE = 1e-3  # a remembered feature is trusted until the pair has moved by this share of the smaller part's width
@@ -162,8 +162,11 @@ def is_stuck(memory, k, now, radius, width):
 
 
 @borrower()
-def update_gaps(memory, k, now):
-    """Gaps of pair k after a small motion to the pose ``now`` (12,): what they were, and the motion along n of b's point at the contact."""
+def update_gaps(memory, k, now, affine):
+    """Gaps of pair k after a small motion to the pose ``now`` (12,): what they were, and the motion along n of b's point at the contact.
+
+    ``affine``: poses may hold a strain.
+    """
     then, n, local = memory.built[k], memory.normal[k], memory.local
     first = memory.slot[k]
     for s in range(first, first + memory.point_count[k]):
@@ -172,7 +175,8 @@ def update_gaps(memory, k, now):
         for i in range(3):
             moved += n[i] * (now[i] - then[i])
         for j in range(3):
-            y = then[3 + j] * dx + then[6 + j] * dy + then[9 + j] * dz  # in the frame of b
+            rx, ry, rz = inverse_row(then[3:].reshape((1, 3, 3)), 0, j) if affine else (then[3 + j], then[6 + j], then[9 + j])
+            y = rx * dx + ry * dy + rz * dz  # in the frame of b
             for i in range(3):
                 moved += n[i] * (now[3 + 3 * i + j] - then[3 + 3 * i + j]) * y
         memory.gap[s] = memory.height[s] + moved

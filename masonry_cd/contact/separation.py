@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.jit import borrower, entry
-from masonry_cd.model.geometry import Polyhedra
+from masonry_cd.model.geometry import Polyhedra, turned_normal
 
 UNKNOWN, FAR_APART, FACE_OF_A, FACE_OF_B, EDGES = 0, 1, 2, 3, 4  # kinds of separating feature; none is kept of pairs far apart
 
@@ -36,8 +36,11 @@ class Placed(NamedTuple):
 
 
 @borrower()
-def place_part(pose, p, solids, vertices, normals):
-    """Fill ``vertices`` and ``normals``, rows from 0 on, with those of polyhedron p turned and moved by a pose (12,)."""
+def place_part(pose, p, solids, affine, vertices, normals):
+    """Fill ``vertices`` and ``normals``, rows from 0 on, with those of polyhedron p turned and moved by a pose (12,).
+
+    ``affine``: the pose may hold a strain, with which normals do not turn as vectors do.
+    """
     first_vertex, first_face = solids.vertex_start[p], solids.face_start[p]
     for k in range(solids.vertex_start[p + 1] - first_vertex):
         v = solids.vertices[first_vertex + k]
@@ -47,6 +50,9 @@ def place_part(pose, p, solids, vertices, normals):
         v = solids.normals[first_face + k]
         for i in range(3):
             normals[k, i] = pose[3 + 3 * i] * v[0] + pose[4 + 3 * i] * v[1] + pose[5 + 3 * i] * v[2]
+        if affine:
+            turned = pose[3:].reshape((1, 3, 3))
+            normals[k, 0], normals[k, 1], normals[k, 2], _ = turned_normal(turned, 0, v)
     return Placed(vertices, normals, first_vertex, first_face)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 
 class BlockArrays(NamedTuple):
-    """The blocks as the kernels read them: B blocks, F of them free, with n unknowns each."""
+    """The blocks as the kernels read them: B blocks, F of them free, with n unknowns each, of which those here are the first."""
 
     mass: np.ndarray  # (B,) [kg]
     inertia: np.ndarray  # (B, 3, 3) body frame [kg m2]
@@ -16,7 +16,7 @@ class BlockArrays(NamedTuple):
     free_index: np.ndarray  # (B,) place among the free blocks; -1: a support
     support_of: np.ndarray  # (B,) prescribed motion of a support; -1: a free block
     group_of: np.ndarray  # (B,)
-    columns: np.ndarray  # (n,) unknowns of a block among (vx, vy, vz, wx, wy, wz): all six in space, three in a plane
+    columns: np.ndarray  # (k,) of a rigid block among (vx, vy, vz, wx, wy, wz): all six in space, three in a plane
 
 
 class StepConstants(NamedTuple):

@@ -19,6 +19,7 @@ from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.free_motion import Prediction
 from masonry_cd.dynamics.joint_history import with_springs
 from masonry_cd.dynamics.step_problem import StepProblem
+from masonry_cd.dynamics.strain import fill_strain_rows
 from masonry_cd.dynamics.system import Motion, System
 from masonry_cd.friction.problem import FrictionProblem, Solution
 from masonry_cd.jit import borrower, entry
@@ -26,12 +27,15 @@ from masonry_cd.jit import borrower, entry
 
 def assemble(system: System, last: Motion, predicted: Prediction, found: ContactSet) -> StepProblem:
     """The friction problem of the contacts found, and the impulses and velocities of the last step to start from."""
-    room = ContactRows.allocate(len(found.gap), system.rows, len(system.blocks.columns))
+    room = ContactRows.allocate(len(found.gap), system.rows, system.unknowns)
     count = fill_rows(
         found, system.blocks, system.constants, predicted.state.position, predicted.loads.support_after, system.assembly.friction,
         last.impulse, room,
     )  # fmt: skip
     rows = room.first(count)
+    if system.strains is not None:
+        at, axis = predicted.state.position, system.constants.plane_axis
+        fill_strain_rows(system.strains.arrays, found.point, at, predicted.rotation, predicted.maps, axis, rows)
     none = np.zeros((0, system.rows))
     rigid = FrictionProblem(predicted.inverse_mass, predicted.v_free, rows.bodies, rows.jacobian, rows.offset, rows.mu, compliance=none)
     made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0))
@@ -64,7 +68,7 @@ def fill_rows(
     free_index, support_of, group_of, columns = blocks.free_index, blocks.support_of, blocks.group_of, blocks.columns
     step, plane_axis, plane_at, closed = constants.step, constants.plane_axis, constants.plane_at, constants.closed
     frames, jacobian, offset = rows.frame, rows.jacobian, rows.offset
-    m, n = jacobian.shape[2], jacobian.shape[3]
+    m, n = jacobian.shape[2], len(columns)
     arm, row = np.empty(3), np.empty(6)
     count = 0
     for c in range(gap.shape[0]):

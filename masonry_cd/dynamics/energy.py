@@ -7,8 +7,8 @@ With mean velocities over the step, v = (v_old + v_new) / 2, it is exact for the
 
 The kinetic energy changes by p . H v, which is the relative motion of the contacts (lost in friction and impacts) less the part of the
 supports' own motion (work of the base). What a tie stores in its stretch counts as work until it gives it back. elastic is the energy of
-the springs of elastic joints, damping what they lost to the numerical damping of their theta and in breaking. correction is the work of
-lifting blocks out of overlaps, beside the balance.
+the springs of elastic joints and of blocks that deform, damping what these lost to their dashpots, to their theta and in breaking.
+correction is the work of lifting blocks out of overlaps, beside the balance.
 """
 
 from __future__ import annotations
@@ -49,7 +49,10 @@ def account(system: System, last: Motion, made: StepProblem, impulse: np.ndarray
         impact -= 0.5 * float(np.sum(predicted.carried_impulse * (last.v + new.motion.v)))
     if system.laws is not None:
         begun += new.springs.before if last.steps == 0 else 0.0
-        _book_springs(totals, new, totals["elastic"] if last.steps else new.springs.before)
+        _book_springs(totals, new, totals["elastic"] - new.strains.before if last.steps else new.springs.before)
+    totals["elastic"] = new.springs.after + new.strains.elastic
+    totals["damping"] += new.strains.lost
+    begun += new.strains.before if last.steps == 0 else 0.0
     moved = new.motion.state.position - last.state.position
     if new.lifted is not None:
         moved = moved - new.lifted
@@ -70,7 +73,6 @@ def _book_springs(totals: dict[str, float], new: Update, elastic: float) -> None
     work = new.springs
     totals["friction"] += work.friction
     totals["damping"] += work.taken - work.friction - (work.after - elastic)
-    totals["elastic"] = work.after
 
 
 @entry()

@@ -1,7 +1,7 @@
-"""Equilibrium: elastic joints take up the weight before a run.
+"""Equilibrium: elastic joints and blocks that deform take up the weight before a run.
 
-Implicit steps (theta = 1), long for the swing of a block on its joint, each from rest, with the supports held and the gravity of the first
-instant; ties and forces come with the run.
+Implicit steps (theta = 1), long for the swing of a block on its joint or on itself, each from rest, with the supports held and the
+gravity of the first instant; ties and forces come with the run.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ SUNK = 0.1  # share of the smallest width that no block sinks by while it settle
 
 
 def settle(stepper: Stepper) -> int:
-    """Bring a stepper to rest under its weight, and return the steps that took. Without elastic joints there is nothing to do.
+    """Bring a stepper to rest under its weight, and return the steps that took. Where nothing is elastic there is nothing to do.
 
     Raises:
         InputError: the structure does not come to rest, or its motion is not finite.
     """
     assembly = stepper.assembly
-    if not assembly.laws.normal_stiffness.any():
+    if assembly.deformation is None and not assembly.laws.normal_stiffness.any():
         return 0
     trial = _trial(stepper)
     begin, steps, sunk, moved, still = trial.state.position.copy(), 0, 0.0, np.inf, False
@@ -67,12 +67,16 @@ def _trial(stepper: Stepper) -> Stepper:
     }
     held, pull = stepper.system.loads.at_rest()
     laws = replace(a.laws, theta=np.ones_like(a.laws.theta), retardation=np.zeros_like(a.laws.retardation))  # dashpots would slow it
-    damped = replace(a, laws=laws)
+    damped = replace(a, laws=laws, deformation=None if a.deformation is None else a.deformation.without_swing())
     return Stepper(damped, held, pull, settings.model_copy(update=own), stepper.state, plane=stepper.plane)
 
 
 def _step(stepper: Stepper) -> float:
-    """Step in which the heaviest block on the softest joint would swing by RADIANS [s]."""
+    """Step in which the heaviest block would swing by RADIANS on the softest joint, or on a block as soft as the softest [s]."""
     a, free = stepper.assembly, ~stepper.assembly.fixed
-    soft = a.laws.normal_stiffness[a.laws.normal_stiffness > 0.0].min()
-    return RADIANS * float(np.sqrt((a.mass[free] / libm.cbrt(a.volume[free]) ** 2).max() / soft))
+    size = libm.cbrt(a.volume)
+    soft = [float(a.laws.normal_stiffness[a.laws.normal_stiffness > 0.0].min(initial=np.inf))]
+    if a.deformation is not None:
+        own = a.deformation
+        soft.append(float((own.stiffness[:, 0, 0] / own.volume / size[own.block]).min()))
+    return RADIANS * float(np.sqrt((a.mass[free] / size[free] ** 2).max() / min(soft)))

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.dynamics.block_arrays import BlockArrays
+from masonry_cd.dynamics.strain import Strains
 from masonry_cd.dynamics.system import Motion, StepLoads, System
 from masonry_cd.jit import borrower, entry
 from masonry_cd.model.state import State, fill_rotations
@@ -47,6 +48,8 @@ class Prediction(NamedTuple):
     pull: float  # largest acceleration of a block by gravity and forces [m/s2]
     tensions: np.ndarray  # (T,) of the ties [N]
     yielded: np.ndarray  # (T,) by how much they have stretched for good [m]
+    maps: np.ndarray  # (B, 3, 3) body to world with the strains, at q_m; the rotations where no block deforms
+    swelling: float = 0.0  # distance that the strains may close within the step [m]
     force_impulse: np.ndarray | None = None  # (F, n) generalised impulse of the forces on single blocks
     carried_impulse: np.ndarray | None = None  # (F, n) of the last step, as far as it is taken
 
@@ -54,12 +57,28 @@ class Prediction(NamedTuple):
 def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:
     """Move the blocks to q_m, and find their free velocities."""
     h, blocks, state, momentum = system.constants.step, system.blocks, last.state.copy(), last.angular_momentum
-    bodies, n = len(system.reach), len(blocks.columns)
+    bodies, n = len(system.reach), system.unknowns
     rotation, inverse_mass, v_free = np.empty((len(momentum), 3, 3)), np.empty((bodies, n, n)), np.empty((bodies, n))
     at_q_m = Moved(state.position, state.orientation, rotation, inverse_mass, v_free)
     move_freely(blocks, state.velocity, momentum, loads.acceleration, h, system.settings.theta, at_q_m)
-    free = Prediction(loads, state, rotation, inverse_mass, v_free, momentum, system.gravity, last.tensions, last.yielded)
+    free = Prediction(loads, state, rotation, inverse_mass, v_free, momentum, system.gravity, last.tensions, last.yielded, rotation)
+    if system.strains is not None:
+        free = _with_strains(system, system.strains, last, free)
     return _with_carried_impulse(system, _with_forces(system, free), last.carried_impulse)
+
+
+def _with_strains(system: System, strains: Strains, last: Motion, free: Prediction) -> Prediction:
+    """Move the strains to q_m, and fill in their free rates and what stands for their mass; those of rigid blocks stay zero."""
+    k, state = len(system.blocks.columns), free.state
+    inverse, v_free = free.inverse_mass, free.v_free
+    inverse[:, k:, :k] = inverse[:, :k, k:] = 0.0
+    inverse[:, k:, k:] = np.eye(system.unknowns - k)
+    v_free[:, k:] = 0.0
+    inverse[strains.free, k:, k:] = strains.inverse
+    v_free[strains.free, k:] = strains.free_rates(state.strain, last.v)
+    state.strain = strains.at_q_m(state.strain, last.v)
+    swelling = 4.0 * system.constants.step * strains.fastest(last.v, system.reach)
+    return free._replace(maps=strains.deformation.maps(free.rotation, state.strain), swelling=swelling)
 
 
 def _with_forces(system: System, free: Prediction) -> Prediction:
@@ -71,7 +90,8 @@ def _with_forces(system: System, free: Prediction) -> Prediction:
     yielded = forces.yields(*now[:2], free.yielded)
     wrench = forces.wrench(*now, free.loads.number, free.loads.ticks, yielded)[system.free]
     pull = system.gravity + float((np.linalg.norm(wrench[:, :3], axis=1) / system.assembly.mass[system.free]).max())
-    impulse = system.constants.step * wrench[:, system.blocks.columns]
+    impulse = np.zeros_like(free.v_free)
+    impulse[:, : len(system.blocks.columns)] = system.constants.step * wrench[:, system.blocks.columns]
     pushed = _pushed(system, free, impulse, np.einsum("bij,bj->bi", free.inverse_mass, impulse))
     return pushed._replace(pull=pull, tensions=forces.tensions(*now, yielded), yielded=yielded, force_impulse=impulse)
 
@@ -85,8 +105,7 @@ def _with_carried_impulse(system: System, free: Prediction, carried: np.ndarray 
     if carried is None:
         return free
     gain = np.einsum("bij,bj->bi", free.inverse_mass, carried)
-    turning = system.turning
-    speed = np.linalg.norm(gain[:, ~turning], axis=1) + np.linalg.norm(gain[:, turning], axis=1) * system.reach
+    speed = np.linalg.norm(gain[:, system.shifting], axis=1) + np.linalg.norm(gain[:, system.turning], axis=1) * system.reach
     share = np.minimum(1.0, free.pull * system.constants.step / np.maximum(speed, 1e-300))[:, None]
     return _pushed(system, free, share * carried, share * gain)._replace(carried_impulse=share * carried)
 

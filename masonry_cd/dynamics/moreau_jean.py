@@ -35,15 +35,14 @@ from masonry_cd.dynamics.free_motion import Prediction, angular_momenta, predict
 from masonry_cd.dynamics.impacts import open_among, open_contacts, solve_apart
 from masonry_cd.dynamics.islands import Islands
 from masonry_cd.dynamics.joint_history import bonded_shares, pretensioned
-from masonry_cd.dynamics.joint_law import JointMemory
 from masonry_cd.dynamics.new_state import RunStopped, update
 from masonry_cd.dynamics.overlaps import Overlap, still_closing
 from masonry_cd.dynamics.planar import Plane
 from masonry_cd.dynamics.settings import Run
-from masonry_cd.dynamics.snapshot import part, prefixed
+from masonry_cd.dynamics.snapshot import check_motion, motion_arrays, part, prefixed, restored_motion
 from masonry_cd.dynamics.start import motion_at_start
 from masonry_cd.dynamics.step_problem import StepProblem
-from masonry_cd.dynamics.system import EnergyBalance, Loads, Motion, System, plane_of
+from masonry_cd.dynamics.system import Loads, Motion, System, plane_of
 from masonry_cd.friction.infeasibility import Closing
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.model.blocks import Assembly
@@ -97,9 +96,9 @@ class Solved(NamedTuple):
 def detect(system: System, detector: Detector, predicted: Prediction) -> ContactSet:
     """The contacts at q_m. What moves with the supports has not moved for the broad phase."""
     h, support, state = system.constants.step, system.support, predicted.state
-    slack = 4.0 * h * h * predicted.pull + system.stretch
+    slack = 4.0 * h * h * predicted.pull + system.stretch + predicted.swelling
     moved = state.position[support] - system.assembly.centre[support] if support >= 0 else np.zeros(3)
-    return detector.detect(state.position, predicted.rotation, state.velocity, h, slack, moved)
+    return detector.detect(state.position, predicted.maps, state.velocity, h, slack, moved)
 
 
 def solve(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None = None) -> Solved:
@@ -289,13 +288,13 @@ class Stepper:
         added = np.where(free[:, None], velocity, 0.0)
         state.velocity += added
         momentum += angular_momenta(self.system.blocks, rotation_matrices(state.orientation), added)
-        v = self.motion.v + velocity[free][:, self.system.blocks.columns]
+        v = self.motion.v + self.system.unknowns_of(added)
         self.motion = self.motion._replace(state=state, angular_momentum=momentum, v=v, energy=at_start(self.system, state, momentum))
 
     def halt(self) -> None:
         """Take all motion out, and begin again at the time zero."""
         m = self.motion
-        state = State(0.0, m.state.position, m.state.orientation, np.zeros_like(m.state.velocity))
+        state = replace(m.state, time=0.0, velocity=np.zeros_like(m.state.velocity))
         self.motion = m._replace(
             state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None, steps=0, ticks=0
         )
@@ -330,20 +329,8 @@ class Stepper:
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that the next step depends on, as arrays for a checkpoint."""
-        m = self.motion
-        state = {name: getattr(m.state, name) for name in ("position", "orientation", "velocity")}
-        own = {
-            "angular_momentum": m.angular_momentum,
-            "v": m.v,
-            "impulse": m.impulse,
-            "yielded": m.yielded,
-            "steps": np.array([m.steps, self.load_step, m.ticks, m.span]),
-        }
-        own["energy"] = np.array([m.energy.begun, *(m.energy.totals[name] for name in ENERGIES)])
-        if m.carried_impulse is not None:
-            own["carried_impulse"] = m.carried_impulse
-        memories = prefixed("detector", self.detector.snapshot()) | prefixed("joints", m.joints._asdict())
-        return state | own | memories | prefixed("islands", self.islands.snapshot())
+        memories = prefixed("detector", self.detector.snapshot()) | prefixed("islands", self.islands.snapshot())
+        return motion_arrays(self.motion, self.load_step) | memories
 
     def check(self, stored: Stored) -> None:
         """Check what :meth:`restore` takes.
@@ -351,49 +338,14 @@ class Stepper:
         Raises:
             InputError: an array that no run of this scene leaves.
         """
-        system, loads = self.system, self.system.loads
-        blocks, (free, unknowns) = self.assembly.count, self.motion.v.shape
-        stored.real("position", blocks, 3)
-        stored.real("velocity", blocks, 6)
-        stored.real("angular_momentum", blocks, 3)
-        if np.abs((stored.real("orientation", blocks, 4) ** 2).sum(axis=1) - 1.0).max(initial=0.0) > 1e-6:
-            stored.refuse("orientation", "not unit quaternions")
-        stored.real("v", free, unknowns)
         contacts = int((stored.part("detector").whole("place", None, low=-1) >= 0).sum())
-        stored.real("impulse", max(1, contacts), system.rows)
-        if stored.holds("carried_impulse"):
-            stored.real("carried_impulse", free, unknowns)
-        steps, load_step, ticks, span = stored.whole("steps", 4, high=len(loads.acceleration)).tolist()
-        if not (steps <= ticks <= load_step and span in self.settings.spans):
-            stored.refuse("steps", "out of range")
-        stored.real("yielded", len(self.tensions))
-        stored.real("energy", 1 + len(ENERGIES), finite=False)
-        joints = stored.part("joints")
-        remembered = 1 if system.laws is None else max(1, contacts)
-        joints.real("slip", remembered, 3)
-        joints.flags("bonded", remembered)
-        joints.nothing_else()
+        check_motion(stored, self.system, self.motion, contacts)
         self.detector.check(stored.part("detector"), contacts)
-        self.islands.check(stored.part("islands"), unknowns)
+        self.islands.check(stored.part("islands"), self.system.unknowns)
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Go on from what :meth:`snapshot` gave, in a stepper of the same scene."""
-        steps, self.load_step, ticks, span = map(int, arrays["steps"])
-        begun, *energies = arrays["energy"].tolist()
-        self.motion = Motion(
-            state=State(ticks * self.settings.dt, arrays["position"], arrays["orientation"], arrays["velocity"]),
-            angular_momentum=arrays["angular_momentum"],
-            v=arrays["v"],
-            impulse=arrays["impulse"],
-            carried_impulse=arrays.get("carried_impulse"),
-            joints=JointMemory(**part("joints", arrays)),
-            tensions=self.tensions,
-            yielded=arrays["yielded"],
-            energy=EnergyBalance(dict(zip(ENERGIES, energies, strict=True)), begun),
-            steps=steps,
-            ticks=ticks,
-            span=span,
-        )
-        self.system = self.system.with_step(span * self.settings.dt)
+        self.motion, self.load_step = restored_motion(arrays, self.settings.dt, self.tensions)
+        self.system = self.system.with_step(self.motion.span * self.settings.dt)
         self.detector.restore(part("detector", arrays))
         self.islands.restore(part("islands", arrays))

@@ -15,6 +15,7 @@ from masonry_cd.dynamics.free_motion import drift, turned_tensor
 from masonry_cd.dynamics.joint_history import SpringWork, carried_over
 from masonry_cd.dynamics.overlaps import Overlap, correct_overlaps, deepest_overlap
 from masonry_cd.dynamics.step_problem import StepProblem
+from masonry_cd.dynamics.strain import StrainWork
 from masonry_cd.dynamics.system import Motion, System
 from masonry_cd.jit import entry
 
@@ -31,6 +32,7 @@ class Update(NamedTuple):
     deepest: Overlap  # at q_m
     lifted: np.ndarray | None  # (B, 3) shifts that took overlaps away [m]
     springs: SpringWork
+    strains: StrainWork
 
 
 def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray, carried: np.ndarray | None) -> Update:
@@ -58,6 +60,8 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray,
     deepest = deepest_overlap(made)
     lifted = correct_overlaps(system, made, deepest, state)
     drift(state.position, state.orientation, state.velocity, h * system.settings.theta)
+    if system.strains is not None:
+        state.strain = system.strains.after(state.strain, v)
     ticks = predicted.loads.ticks
     state.time = (last.ticks + ticks) * system.settings.dt
     joints, springs = carried_over(system, last, made, v, impulse)
@@ -65,7 +69,8 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray,
         state=state, angular_momentum=momentum, v=v, impulse=every, carried_impulse=carried, joints=joints,
         tensions=predicted.tensions, yielded=predicted.yielded, steps=last.steps + 1, ticks=last.ticks + ticks,
     )  # fmt: skip
-    return Update(motion, kinetic, deepest, lifted, springs)
+    strains = StrainWork() if system.strains is None else system.strains.work(last.state.strain, state.strain, last.v, v)
+    return Update(motion, kinetic + strains.kinetic, deepest, lifted, springs, strains)
 
 
 def _what_broke(system: System, made: StepProblem, velocity: np.ndarray, impulse: np.ndarray) -> str:

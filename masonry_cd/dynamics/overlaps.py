@@ -46,8 +46,16 @@ def correct_overlaps(system: System, made: StepProblem, deepest: Overlap, state:
         return None
     if len(gap) < problem.contacts:
         problem = problem.subset(made.rigid)
-    shift = np.empty_like(problem.v_free)
-    lift(gap, problem.bodies, problem.jacobian, problem.inverse_mass, allowed, shift)
+    k = len(system.blocks.columns)  # no strain is changed
+    shift = np.empty((len(problem.v_free), k))
+    lift(
+        gap,
+        problem.bodies,
+        np.ascontiguousarray(problem.jacobian[..., :k]),
+        np.ascontiguousarray(problem.inverse_mass[:, :k, :k]),
+        allowed,
+        shift,
+    )
     velocity = np.zeros_like(state.velocity)
     velocity[np.ix_(system.free, system.blocks.columns)] = shift
     before = state.position.copy()

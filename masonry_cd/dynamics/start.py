@@ -20,7 +20,7 @@ def motion_at_start(system: System, state: State) -> Motion:
     return Motion(
         state=state,
         angular_momentum=momentum,
-        v=np.ascontiguousarray(state.velocity[system.free][:, system.blocks.columns]),
+        v=system.unknowns_of(state.velocity),
         impulse=np.zeros((1, system.rows)),
         carried_impulse=None,
         joints=JointMemory.empty(0),

@@ -13,6 +13,7 @@ from masonry_cd.dynamics.block_forces import BlockForces
 from masonry_cd.dynamics.joint_law import JointLawArrays, JointMemory, law_arrays
 from masonry_cd.dynamics.planar import Plane, find_plane
 from masonry_cd.dynamics.settings import Run
+from masonry_cd.dynamics.strain import Strains
 from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.state import State
@@ -63,6 +64,7 @@ class System:
     blocks: BlockArrays
     constants: StepConstants
     laws: JointLawArrays | None  # of elastic and bonded joints; None: all joints are rigid and dry
+    strains: Strains | None  # of blocks that deform; None: all are rigid
     reach: np.ndarray  # (F,) farthest corner of each free block from its centre [m]
     width: float  # of the thinnest free block [m]
     inexact: float  # gaps and overlaps up to this count as none, since joints were built with such [m]
@@ -96,6 +98,7 @@ class System:
             blocks=blocks,
             constants=StepConstants(float(settings.dt), axis, at, max(TOUCHING * width, inexact)),
             laws=law_arrays(assembly.laws) if assembly.laws.by_area.any() else None,
+            strains=Strains.of(assembly, plane, float(settings.dt)),
             reach=assembly.reach[free],
             width=width,
             inexact=inexact,
@@ -108,17 +111,34 @@ class System:
 
     def with_step(self, step: float) -> System:
         """The system as steps of length h [s] see it."""
-        return replace(self, constants=self.constants._replace(step=step))
+        strains = None if self.strains is None else self.strains.with_step(step)
+        return replace(self, constants=self.constants._replace(step=step), strains=strains)
+
+    @property
+    def unknowns(self) -> int:
+        """Of a free block, n: those of its motion as a rigid one, then its strain rates."""
+        return len(self.blocks.columns) + (0 if self.strains is None else len(self.strains.arrays.columns))
+
+    @property
+    def shifting(self) -> np.ndarray:
+        """Which unknowns of a block are linear velocities."""
+        return np.flatnonzero(self.blocks.columns < 3)
 
     @property
     def turning(self) -> np.ndarray:
-        """(n,) bool: which unknowns of a block are angular velocities."""
-        return self.blocks.columns >= 3
+        """Which unknowns of a block are angular velocities."""
+        return np.flatnonzero(self.blocks.columns >= 3)
 
     @property
     def turning_axes(self) -> tuple[np.ndarray, ...]:
         """Index of the components of the angular momenta (B, 3) that the unknowns of the free blocks change."""
         return np.ix_(self.free, self.blocks.columns[self.turning] - 3)
+
+    def unknowns_of(self, velocity: np.ndarray) -> np.ndarray:
+        """The unknowns (F, n) of the free blocks in velocities (B, 6) of blocks without strain rates."""
+        out = np.zeros((len(self.reach), self.unknowns))
+        out[:, : len(self.blocks.columns)] = velocity[self.free][:, self.blocks.columns]
+        return out
 
 
 def plane_of(assembly: Assembly, state: State, settings: Run, loads: Loads) -> Plane | None:

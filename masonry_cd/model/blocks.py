@@ -15,6 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.errors import InputError
+from masonry_cd.model.deformation import Deformation, deformation_of
+from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.geometry import Faces, Polyhedra, Polyhedron, mass_properties
 from masonry_cd.model.materials import JointLaw, JointLaws, friction_table, joint_table
 
@@ -89,6 +91,7 @@ class Assembly:
     friction: np.ndarray  # (G, G) coefficient of friction between groups
     laws: JointLaws  # of the joints between groups
     shapes: Shapes = field(repr=False)
+    deformation: Deformation | None = None  # of the blocks that deform; None: all are rigid
 
     @property
     def count(self) -> int:
@@ -109,7 +112,11 @@ class Assembly:
 
     @classmethod
     def from_blocks(
-        cls, blocks: Sequence[Block], friction: float | Mapping[str, float], joints: Mapping[str, JointLaw] | None = None
+        cls,
+        blocks: Sequence[Block],
+        friction: float | Mapping[str, float],
+        joints: Mapping[str, JointLaw] | None = None,
+        material: ElasticBlocks | None = None,
     ) -> Assembly:
         """Collect blocks into an assembly.
 
@@ -117,6 +124,7 @@ class Assembly:
             blocks: checked blocks (see ``structures.geometry.checks``), at least one of them free.
             friction: one coefficient, or coefficients by pair of groups ``"arch-base"`` with ``"default"`` for the rest.
             joints: laws of the joints by pair of groups, likewise; a pair without one is rigid and dry.
+            material: which blocks deform, and how; None: all are rigid.
 
         Raises:
             InputError: a name given twice, no free block, a pair that names an unknown group, or a law that friction does not allow.
@@ -134,20 +142,23 @@ class Assembly:
         centre = np.array([p.centre for p in properties])
         fixed = np.array([block.fixed for block in blocks])
         coefficients = friction_table(friction, groups)
+        group_of = np.array([groups.index(block.group) for block in blocks])
+        inertia = np.array([p.unit_inertia for p in properties]) * density[:, None, None]
         return cls(
             blocks=tuple(blocks),
             names=names,
             groups=groups,
-            group_of=np.array([groups.index(block.group) for block in blocks]),
+            group_of=group_of,
             fixed=fixed,
             support_of=np.where(fixed, 0, -1),
             mass=volume * density,
-            inertia=np.array([p.unit_inertia for p in properties]) * density[:, None, None],
+            inertia=inertia,
             centre=centre,
             volume=volume,
             friction=coefficients,
             laws=joint_table(joints or {}, groups, coefficients),
             shapes=Shapes.of(blocks, centre),
+            deformation=None if material is None else deformation_of(fixed, group_of, groups, inertia, volume, material),
         )
 
     def placed(self, position: np.ndarray, rotation: np.ndarray) -> Assembly:
@@ -173,4 +184,7 @@ class Assembly:
             moved.append(replace(block, vertices=corners[0], parts=parts))
         inertia = np.einsum("bij,bjk,blk->bil", rotation, self.inertia, rotation)
         shapes = self.shapes._replace(solids=turned)
-        return replace(self, blocks=tuple(moved), centre=np.array(position, dtype=float), inertia=inertia, shapes=shapes)
+        deformation = None if self.deformation is None else self.deformation.turned(rotation)
+        return replace(
+            self, blocks=tuple(moved), centre=np.array(position, dtype=float), inertia=inertia, shapes=shapes, deformation=deformation
+        )

@@ -137,17 +137,48 @@ def mass_properties(vertices: np.ndarray, faces: Faces) -> MassProperties:
 
 
 @borrower()
-def relative_pose(position, rotation, a, b, pose):
-    """Fill ``pose`` (12,) with that of body b in the frame of body a: R_a^T (x_b - x_a) [m], then R_a^T R_b row by row.
+def relative_pose(position, rotation, affine, a, b, pose):
+    """Fill ``pose`` (12,) with that of body b in the frame of body a: R_a^-1 (x_b - x_a) [m], then R_a^-1 R_b row by row.
 
-    ``position`` (B, 3) [m] and ``rotation`` (B, 3, 3), body to world. Whole arrays are indexed: a view of a row costs more.
+    ``position`` (B, 3) [m] and ``rotation`` (B, 3, 3), body to world; ``affine``: it may hold strains. Whole arrays are indexed: a view of
+    a row costs more.
     """
     dx, dy, dz = position[b, 0] - position[a, 0], position[b, 1] - position[a, 1], position[b, 2] - position[a, 2]
     for i in range(3):
-        x, y, z = rotation[a, 0, i], rotation[a, 1, i], rotation[a, 2, i]
+        x, y, z = inverse_row(rotation, a, i) if affine else (rotation[a, 0, i], rotation[a, 1, i], rotation[a, 2, i])
         pose[i] = x * dx + y * dy + z * dz
         for j in range(3):
             pose[3 + 3 * i + j] = x * rotation[b, 0, j] + y * rotation[b, 1, j] + z * rotation[b, 2, j]
+
+
+@borrower()
+def inverse_row(maps, b, i):
+    """Row i of the inverse of maps[b], (B, 3, 3), as three numbers."""
+    x, y, z = cofactor_column(maps, b, i)
+    scale = 1.0 / (maps[b, 0, i] * x + maps[b, 1, i] * y + maps[b, 2, i] * z)
+    return scale * x, scale * y, scale * z
+
+
+@borrower()
+def cofactor_column(maps, b, i):
+    """Column i of the cofactors of maps[b], (B, 3, 3), as three numbers: the two other columns' cross product."""
+    j, k = (i + 1) % 3, (i + 2) % 3
+    return (
+        maps[b, 1, j] * maps[b, 2, k] - maps[b, 2, j] * maps[b, 1, k],
+        maps[b, 2, j] * maps[b, 0, k] - maps[b, 0, j] * maps[b, 2, k],
+        maps[b, 0, j] * maps[b, 1, k] - maps[b, 1, j] * maps[b, 0, k],
+    )
+
+
+@borrower()
+def turned_normal(maps, b, n):
+    """The normal n (3,) of a plane of the body frame after maps[b], (B, 3, 3), as three numbers, and by what distances from it grow."""
+    nx, ny, nz = 0.0, 0.0, 0.0
+    for i in range(3):
+        x, y, z = inverse_row(maps, b, i)
+        nx, ny, nz = nx + x * n[i], ny + y * n[i], nz + z * n[i]
+    scale = 1.0 / np.sqrt(nx * nx + ny * ny + nz * nz)
+    return scale * nx, scale * ny, scale * nz, scale
 
 
 @borrower()

@@ -22,7 +22,7 @@ from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.geometry import relative_angle, relative_pose
 from masonry_cd.model.polygon import clip_in_place, plane_distances
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.model.state import State, body_maps
 
 CONTACT_WIDTH = 1e-4  # [m] surfaces farther apart than this count as no longer in contact
 OPENED = 1e-4  # [m] a joint that opens this far is said to open for the first time
@@ -85,9 +85,9 @@ class JointPeaks:
 def measure_joints(joints: Joints, assembly: Assembly, state: State) -> JointMeasures:
     """Measure all joints in a state; see the head of this file."""
     out = np.empty((5, joints.count))
-    rotation = rotation_matrices(state.orientation)
+    maps, affine = body_maps(assembly, state.orientation, state.strain), assembly.deformation is not None
     arrays = (joints.block_a, joints.block_b, joints.normal, joints.polygon_start, joints.polygon)
-    _measure(arrays, assembly.centre, state.position, rotation, out)
+    _measure(arrays, assembly.centre, state.position, maps, affine, out)
     return JointMeasures(*out)
 
 
@@ -98,7 +98,8 @@ def touching_places(joints: Joints, assembly: Assembly, state: State, chosen: np
     """
     out = np.empty((len(chosen), 3))
     arrays = (joints.block_a, joints.block_b, joints.normal, joints.polygon_start, joints.polygon)
-    _touching_places(arrays, chosen, assembly.centre, state.position, rotation_matrices(state.orientation), out)
+    maps, affine = body_maps(assembly, state.orientation, state.strain), assembly.deformation is not None
+    _touching_places(arrays, chosen, assembly.centre, state.position, maps, affine, out)
     return out
 
 
@@ -118,7 +119,7 @@ class _Flat(NamedTuple):
 
 
 @entry()
-def _measure(joints, centre, position, rotation, out):
+def _measure(joints, centre, position, maps, affine, out):
     """Fill out (5, J) with opening, sliding, rotation, contact area, gap; ``joints`` are (block_a, block_b, normal, start, polygon).
 
     All vectors are taken into the body frame of a, where the joint's normal and polygon stay what they were at rest.
@@ -128,7 +129,7 @@ def _measure(joints, centre, position, rotation, out):
     pose = np.empty(12)
     for j in range(block_a.shape[0]):
         a, b, first, corners = block_a[j], block_b[j], start[j], start[j + 1] - start[j]
-        relative_pose(position, rotation, a, b, pose)
+        relative_pose(position, maps, affine, a, b, pose)
         out[2, j] = relative_angle(pose)
         _axes(polygon, first, normal, j, flat.axes)
         size = _flatten(joints, j, centre, pose, flat)
@@ -142,14 +143,14 @@ def _measure(joints, centre, position, rotation, out):
 
 
 @entry()
-def _touching_places(joints, chosen, centre, position, rotation, out):
+def _touching_places(joints, chosen, centre, position, maps, affine, out):
     """Fill out (n, 3) with the mean corner at rest of each chosen joint (n,) where it touches; ``joints`` as in :func:`_measure`."""
     block_a, block_b, normal, start, polygon = joints
     flat, pose = _scratch(start), np.empty(12)
     for i in range(chosen.shape[0]):
         j = chosen[i]
         first, corners = start[j], start[j + 1] - start[j]
-        relative_pose(position, rotation, block_a[j], block_b[j], pose)
+        relative_pose(position, maps, affine, block_a[j], block_b[j], pose)
         _axes(polygon, first, normal, j, flat.axes)
         _flatten(joints, j, centre, pose, flat)
         least, most_open = np.inf, 0.0

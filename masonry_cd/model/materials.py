@@ -17,6 +17,7 @@ from pydantic import Field, WithJsonSchema, field_validator, model_validator
 
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.fields import Number, Table, is_number
+from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.table_schema import one_or_by_name
 
 Value = TypeVar("Value")
@@ -78,7 +79,7 @@ class JointLaw(Table):
         return 0.0 if self.damping_frequency is None else self.damping / (math.pi * self.damping_frequency)
 
 
-class Material(Table):
+class Material(ElasticBlocks):
     """The table ``[material]``."""
 
     density: Annotated[Number, WithJsonSchema({"type": "number", "minimum": LIGHTEST, "maximum": HEAVIEST})] | None = None

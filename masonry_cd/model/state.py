@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,23 +19,33 @@ class State:
         position: (B, 3) centres of mass [m].
         orientation: (B, 4) unit quaternions (w, x, y, z), body to world.
         velocity: (B, 6) linear [m/s] and angular [rad/s] velocity.
+        strain: (B, 6) in the principal axes of the blocks, shear strains as angles; (0, 6) where all are rigid.
     """
 
     time: float
     position: np.ndarray
     orientation: np.ndarray
     velocity: np.ndarray
+    strain: np.ndarray = field(default_factory=lambda: np.zeros((0, 6)))
 
     @classmethod
     def at_rest(cls, assembly: Assembly) -> State:
         """The assembly where it was built, not moving."""
         orientation = np.zeros((assembly.count, 4))
         orientation[:, 0] = 1.0
-        return cls(0.0, assembly.centre.copy(), orientation, np.zeros((assembly.count, 6)))
+        strain = np.zeros((0 if assembly.deformation is None else assembly.count, 6))
+        return cls(0.0, assembly.centre.copy(), orientation, np.zeros((assembly.count, 6)), strain)
 
     def copy(self) -> State:
         """An independent copy."""
-        return State(self.time, self.position.copy(), self.orientation.copy(), self.velocity.copy())
+        return State(self.time, self.position.copy(), self.orientation.copy(), self.velocity.copy(), self.strain.copy())
+
+
+def body_maps(assembly: Assembly, orientation: np.ndarray, strain: np.ndarray) -> np.ndarray:
+    """What takes points of the body frames to the world, (B, 3, 3), with orientations (B, 4) and strains (B, 6); rotations where none
+    deforms."""
+    rotation = rotation_matrices(orientation)
+    return rotation if assembly.deformation is None else assembly.deformation.maps(rotation, strain)
 
 
 def rotation_matrices(orientation: np.ndarray) -> np.ndarray:
