@@ -87,6 +87,29 @@ class Forces:
                 np.add.at(out, self._ends[:, end], np.concatenate([pull, np.cross(arms[:, end], pull)], axis=1))
         return out
 
+    def dyads(
+        self,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        velocity: np.ndarray,
+        step: int,
+        ticks: int = 1,
+        yielded: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Sum over the forces on every block of force, world frame, times its place from the centre, body frame, (B, 3, 3) [N m].
+
+        Arguments as of :meth:`wrench`. It is what strains a block.
+        """
+        out = np.zeros((len(position), 3, 3))
+        for load in self.points:
+            out[load.block] += np.outer(load.factor[step : step + ticks].mean() * load.force, load.arm)
+        if self.ties:
+            tension, along, _ = self._pull(position, rotation, velocity, yielded)
+            force = tension[:, None] * along
+            for end, pull in enumerate((force, -force)):
+                np.add.at(out, self._ends[:, end], pull[:, :, None] * self._arms[:, end, None, :])
+        return out
+
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
         """Largest acceleration [m/s2] by which point loads at t_k .. t_k+n-1 differ from their mean; masses (B,) of free blocks [kg]."""
         largest = 0.0

@@ -90,11 +90,12 @@ def solids_of(blocks: tuple[Block, ...]) -> Solids:
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Positions relative to the base (B, 3) [m] and rotations (B, 3, 3) of all blocks at one time."""
+    """Positions relative to the base (B, 3) [m], rotations (B, 3, 3) and strains of all blocks at one time."""
 
     time: float
     position: np.ndarray
     rotation: np.ndarray
+    gradient: np.ndarray | None = None  # (B, 3, 3) of the displacement within each block, body frame; None where none deforms
 
     @classmethod
     def of(cls, results: Results, solids: Solids, frame: int = -1) -> Pose:
@@ -106,7 +107,7 @@ class Pose:
         frame = frame_index(results, frame)
         position = np.asarray(results.position[frame], dtype=float)
         rotation = rotation_matrices(np.asarray(results.orientation[frame], dtype=float))
-        return cls(float(results.time[frame]), position - base_shift(results, solids, position), rotation)
+        return cls(float(results.time[frame]), position - base_shift(results, solids, position), rotation, results.gradient(frame))
 
     def displacement(self, solids: Solids) -> np.ndarray:
         """(B, 3) of the centres of mass, relative to the base [m]."""
@@ -115,6 +116,8 @@ class Pose:
     def moved(self, solids: Solids, points: np.ndarray, block: np.ndarray, factor: float = 1.0) -> np.ndarray:
         """Points (N, 3) given at rest, carried by their blocks (N,), displacements amplified by a factor [m]."""
         arm = points - solids.centre[block]
+        if self.gradient is not None:
+            arm = arm + np.einsum("nij,nj->ni", self.gradient[block], arm)
         return points + factor * (np.einsum("nij,nj->ni", self.rotation[block], arm) + self.position[block] - points)
 
 

@@ -87,7 +87,7 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
     def at(frame: int) -> Instant:
         position = np.asarray(results.position[frame], dtype=float)
         rotation = rotation_matrices(np.asarray(results.orientation[frame], dtype=float))
-        world = Pose(float(results.time[frame]), position, rotation)
+        world = Pose(float(results.time[frame]), position, rotation, results.gradient(frame))
         points = world.moved(solids, solids.vertices, solids.vertex_block)
         moved = points - solids.vertices - base_shift(results, solids, position)
         down = DamageSnapshot.at(results, frame, thresholds).down

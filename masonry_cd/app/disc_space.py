@@ -12,12 +12,14 @@ from masonry_cd.model.joints import Joints
 
 NUMBER = 8  # bytes
 OF_BLOCK = 3 + 4 + 6  # numbers of a frame: position, orientation, velocity
+OF_STRAIN = 9  # those of its gradient, where blocks deform
 OF_JOINT = 6 + 3  # numbers of a frame: six histories and the place of the force, see io/results.py; a tenth where joints are bonded
 
 
 def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int) -> float:
     """About how large result.h5 will be, its ties and shocks apart [B]."""
-    frame = 1 + OF_BLOCK * assembly.count + (OF_JOINT + bool(assembly.laws.apex.any())) * joints.count
+    of_block = OF_BLOCK + (0 if assembly.deformation is None else OF_STRAIN)
+    frame = 1 + of_block * assembly.count + (OF_JOINT + bool(assembly.laws.apex.any())) * joints.count
     return float(NUMBER) * (frame * frames + len(STEP_FIELDS) * steps)
 
 

@@ -23,6 +23,7 @@ OUTPUTS = {
     "crack_map": "crack map", "times": "crack maps at times", "animation": "animation", "damage": "damage by part", "html": "page",
 }  # fmt: skip
 AXES = "xyz"
+UNKNOWNS = ("three unknowns per block instead of six", "six unknowns per block instead of twelve")
 
 
 def left_out(scene: Scene, stepper: Stepper, report: RunReport) -> list[str]:
@@ -38,7 +39,7 @@ def _plane(scene: Scene, stepper: Stepper) -> str:
         axis, at = AXES[stepper.plane.axis], stepper.plane.at
         return (
             f"third dimension: the scene is its own mirror image about {axis} = {at:.4g} m and moves in that plane; half the contacts, "
-            "two rows per contact instead of three, three unknowns per block instead of six"
+            f"two rows per contact instead of three, {UNKNOWNS[stepper.assembly.deformation is not None]}"
         )
     if not scene.run.planar:
         return "third dimension: kept, since run.planar is false"

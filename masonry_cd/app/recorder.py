@@ -10,7 +10,7 @@ from masonry_cd.contact.find_joints import joint_parts
 from masonry_cd.dynamics.energy import ENERGIES
 from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.dynamics.pauses import ALIKE, Aftermath
-from masonry_cd.io.layout import BONDED, CLOSING, JOINT_PEAKS, SHOCK_PEAKS
+from masonry_cd.io.layout import BONDED, CLOSING, GRADIENT, JOINT_PEAKS, SHOCK_PEAKS
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
 from reports.damage.step_peaks import StepPeaks
@@ -62,6 +62,9 @@ class Recorder:
         """Write the state and the joints."""
         state, writer = self._stepper.state, self._writer
         writer.append({"time": state.time, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
+        deformation = self._stepper.assembly.deformation
+        if deformation is not None:
+            writer.append({GRADIENT: deformation.gradients(state.strain)})
         writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
         force, point = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
         writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1], "joints/force_point": point})

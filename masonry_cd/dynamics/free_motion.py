@@ -75,7 +75,7 @@ def _with_strains(system: System, strains: Strains, last: Motion, free: Predicti
     inverse[:, k:, k:] = np.eye(system.unknowns - k)
     v_free[:, k:] = 0.0
     inverse[strains.free, k:, k:] = strains.inverse
-    v_free[strains.free, k:] = strains.free_rates(state.strain, last.v)
+    strains.set_unknowns(v_free, strains.free_rates(state.strain, last.v))
     state.strain = strains.at_q_m(state.strain, last.v)
     swelling = 4.0 * system.constants.step * strains.fastest(last.v, system.reach)
     return free._replace(maps=strains.deformation.maps(free.rotation, state.strain), swelling=swelling)
@@ -86,12 +86,15 @@ def _with_forces(system: System, free: Prediction) -> Prediction:
     forces = system.loads.forces
     if forces is None:
         return free
-    now = (free.state.position, free.rotation, free.state.velocity)
+    now = (free.state.position, free.maps, free.state.velocity)
     yielded = forces.yields(*now[:2], free.yielded)
     wrench = forces.wrench(*now, free.loads.number, free.loads.ticks, yielded)[system.free]
     pull = system.gravity + float((np.linalg.norm(wrench[:, :3], axis=1) / system.assembly.mass[system.free]).max())
     impulse = np.zeros_like(free.v_free)
     impulse[:, : len(system.blocks.columns)] = system.constants.step * wrench[:, system.blocks.columns]
+    if system.strains is not None:
+        dyads = forces.dyads(*now, free.loads.number, free.loads.ticks, yielded)
+        system.strains.set_unknowns(impulse, system.constants.step * system.strains.forces(dyads, free.rotation))
     pushed = _pushed(system, free, impulse, np.einsum("bij,bj->bi", free.inverse_mass, impulse))
     return pushed._replace(pull=pull, tensions=forces.tensions(*now, yielded), yielded=yielded, force_impulse=impulse)
 

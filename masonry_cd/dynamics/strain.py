@@ -110,6 +110,18 @@ class Strains:
         """Strain rates (D, s) of the blocks that deform, in velocities (F, n) [1/s]."""
         return v[self.free, -len(self.arrays.columns) :]
 
+    def set_unknowns(self, out: np.ndarray, values: np.ndarray) -> None:
+        """Put values (D, s) in the places of the strain rates among unknowns (F, n)."""
+        out[self.free, -len(self.arrays.columns) :] = values
+
+    def forces(self, dyads: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        """What forces do along the strains, (D, s) [N m]: of dyads (B, 3, 3) of force and place, see ``block_forces.py``."""
+        axes, share, own = self.arrays.axes, self.arrays.share, self.deformation.block
+        t = np.einsum("dki,dlk,dlm,dmj->dij", axes, rotation[own], dyads[own], axes)
+        i, j = PAIRS.T
+        every = np.concatenate([t[:, [0, 1, 2], [0, 1, 2]], share * t[:, i, j] + (1.0 - share) * t[:, j, i]], axis=1)
+        return np.asarray(every[:, self.arrays.columns])
+
     def fastest(self, v: np.ndarray, reach: np.ndarray) -> float:
         """Bound on the speed that strain rates in velocities (F, n) give a point of a block [m/s]; ``reach`` (F,) of free blocks [m]."""
         return float((np.sqrt((self.rates(v) ** 2).sum(axis=1)) * reach[self.free]).max(initial=0.0))

@@ -340,9 +340,20 @@ def _eliminate(mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray) -> 
 def _as_bodies(
     mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray, w: np.ndarray, mu: np.ndarray, compliance: np.ndarray
 ) -> FrictionProblem | None:
-    """The problem over bodies of 6 (planar 3) unknowns, or None if M couples bodies or a contact touches none or more than two."""
+    """The problem over bodies of 6 (planar 3) unknowns, or of twice as many, those that deform.
+
+    None if M couples bodies or a contact touches none or more than two.
+    """
+    rigid = 6 if w.shape[1] == 3 else 3
+    found = (_as_bodies_of(n, mass, h, f, w, mu, compliance) for n in (rigid, 2 * rigid))
+    return next((problem for problem in found if problem is not None), None)
+
+
+def _as_bodies_of(
+    n: int, mass: sparse.csr_matrix, h: sparse.csr_matrix, f: np.ndarray, w: np.ndarray, mu: np.ndarray, compliance: np.ndarray
+) -> FrictionProblem | None:
+    """The problem over bodies of n unknowns, or None if it is none."""
     contacts, m = w.shape
-    n = 6 if m == 3 else 3
     if len(f) % n:
         return None
     count = len(f) // n

@@ -3,6 +3,7 @@
 Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
 
     /time (F,)  /position (F, B, 3)  /orientation (F, B, 4) w first  /velocity (F, B, 6) linear, angular
+    /gradient (F, B, 3, 3)   of the displacement of blocks that deform, body frame; zeros of rigid ones; only where blocks deform
     /joints/{block_a, block_b, area, normal, polygon_start, polygon}          what the joints are
     /joints/{opening, sliding, rotation, contact_area, normal_force, shear_force} (F, J)
     /joints/force_point (F, J, 3)    where the force of a joint crosses its plane, NaN where it has none
@@ -35,6 +36,7 @@ from masonry_cd.model.joints import Joints
 FORMAT = 1  # of the layout; raised when an older program would misread it
 FRAME_FIELDS = ("time", "position", "orientation", "velocity")
 JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_force", "shear_force", "force_point")
+GRADIENT = "gradient"  # a history that only runs with blocks that deform have
 BONDED = "bonded"  # a history that only runs with cohesive joints have
 JOINT_PEAKS = ("opening", "sliding", "rotation", "contact_area_loss", "first_opening_time")
 STEP_PEAKS = ("displacement", "drift", "level_displacement", "level_drift", "hinge_opening", "hinge_time", "hinge_place")  # under /peaks

@@ -20,7 +20,17 @@ from masonry_cd.dynamics.pauses import Aftermath
 from masonry_cd.errors import InputError
 from masonry_cd.io.block_arrays import read_blocks
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
-from masonry_cd.io.layout import CLOSING, FORMAT, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS, SHOCK_PEAKS, STEP_PEAKS
+from masonry_cd.io.layout import (
+    CLOSING,
+    FORMAT,
+    FRAME_FIELDS,
+    GRADIENT,
+    JOINT_CONSTANTS,
+    JOINT_HISTORIES,
+    JOINT_PEAKS,
+    SHOCK_PEAKS,
+    STEP_PEAKS,
+)
 from masonry_cd.io.result_checks import check_constants, check_growing, rows_that_read
 from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks, checksum_of_step_peaks
 from masonry_cd.io.tie_bars import TieBar, read_bars
@@ -117,8 +127,12 @@ class Results:
     @cached_property
     def frames(self) -> int:
         """Number of frames whose positions, orientations and joints are all written."""
-        names = [*FRAME_FIELDS, *(f"joints/{name}" for name in JOINT_HISTORIES)]
+        names = [*FRAME_FIELDS, GRADIENT, *(f"joints/{name}" for name in JOINT_HISTORIES)]
         return min(self.rows(name) for name in names if name in self.file)
+
+    def gradient(self, frame: int) -> np.ndarray | None:
+        """Gradients of the displacement within the blocks at a frame, body frames, (B, 3, 3); None where none deforms."""
+        return np.asarray(self.file[GRADIENT][frame], dtype=float) if GRADIENT in self.file else None
 
     @cached_property
     def time(self) -> np.ndarray:

@@ -5,7 +5,8 @@ A point X of the block, seen from its centre in the principal axes P of its iner
     x + R P (I + G(e)) P^T X,        e = (e_xx, e_yy, e_zz, g_yz, g_xz, g_xy),
 
 with the position x and the rotation R of a rigid block and a small strain e that turns with it (the pseudo-rigid bodies of Cohen &
-Muncaster, 1988; Shi's discontinuous deformation analysis, 1988, has the same unknowns). A shear strain g of the axes i and j moves the block by
+Muncaster, 1988; Shi's discontinuous deformation analysis, 1988, has the same unknowns). A shear strain g of the axes i and j moves the
+block by
 
     G_ij = g E_i / (E_i + E_j),        G_ji = g E_j / (E_i + E_j),        E_i = integral of rho X_i^2,
 
@@ -60,10 +61,9 @@ class Deformation:
         fill_maps(self.block, self.axes, self.share, rotation, strain, out)
         return out
 
-    def energy(self, strain: np.ndarray) -> float:
-        """Energy of the strains (B, 6) [J]."""
-        own = strain[self.block]
-        return 0.5 * float(np.einsum("di,dij,dj->", own, self.stiffness, own))
+    def gradients(self, strain: np.ndarray) -> np.ndarray:
+        """Gradients of the displacement within the blocks, body frame, (B, 3, 3), with strains (B, 6); zero of rigid blocks."""
+        return self.maps(np.broadcast_to(np.eye(3), (len(strain), 3, 3)), strain) - np.eye(3)
 
 
 def deformation_of(

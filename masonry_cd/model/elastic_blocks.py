@@ -17,8 +17,9 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.fields import Number, Table
 
-RIGID, UNIFORM = "rigid", "uniform"  # kinds of blocks
-Kind = Literal["rigid", "uniform"]
+RIGID: Literal["rigid"] = "rigid"
+UNIFORM: Literal["uniform"] = "uniform"
+Kind: TypeAlias = Literal["rigid", "uniform"]
 SOFTEST, STIFFEST = 1e3, 1e18  # Young's modulus [Pa]: from what flows to what only rounding tells from rigid
 
 
