@@ -10,6 +10,7 @@ import numpy as np
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.materials import JointLaw
 from masonry_cd.model.state import State, rotation_matrices
 
@@ -67,13 +68,17 @@ def stepper(
     acceleration: np.ndarray | None = None,
     start: State | None = None,
     joints: Mapping[str, JointLaw] | None = None,
+    material: ElasticBlocks | None = None,
     **settings: object,
 ) -> Stepper:
-    """A stepper for a number of steps; ``joints`` are laws by pair of groups, ``settings`` keys of the table [run]."""
+    """A stepper for a number of steps; ``joints`` are laws by pair of groups, ``settings`` keys of the table [run].
+
+    ``material`` says which blocks deform.
+    """
     run = Run.model_validate({"dt": 1e-3, "duration": 1e3, "solver": "nlgs", "tolerance": 1e-10} | settings)
     velocity = still(steps) if support_velocity is None else support_velocity
     pull = gravity(steps) if acceleration is None else acceleration
-    return Stepper(Assembly.from_blocks(blocks, friction, joints), velocity, pull, run, start)
+    return Stepper(Assembly.from_blocks(blocks, friction, joints, material), velocity, pull, run, start)
 
 
 def turned(assembly: Assembly, block: int, axis: tuple[float, float, float], angle: float, pivot: tuple[float, float, float]) -> State:
