@@ -89,6 +89,8 @@ def _laws(stepper: Stepper) -> list[str]:
     lines = (
         [] if np.any(laws.normal_stiffness) else ["springs in joints: none, joints are rigid (no normal_stiffness in [material.joints])"]
     )
+    if stepper.assembly.deformation is None:
+        lines.append("strains of blocks: none, blocks are rigid (no deformable in [material])")
     return lines if np.any(laws.apex) else [*lines, "cohesion: none, joints are dry"]
 
 

@@ -7,63 +7,69 @@ A key takes one value for all blocks, or values by group, ``young.arch = 2e9``, 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from masonry_cd.errors import InputError, suggest
-from masonry_cd.fields import Number, Table
+from masonry_cd.fields import Number, Table, is_number
 
-RIGID: Literal["rigid"] = "rigid"
-UNIFORM: Literal["uniform"] = "uniform"
-Kind: TypeAlias = Literal["rigid", "uniform"]
+RIGID, UNIFORM = "rigid", "uniform"  # kinds of blocks
 SOFTEST, STIFFEST = 1e3, 1e18  # Young's modulus [Pa]: from what flows to what only rounding tells from rigid
 
 
-def _table(value: Any) -> Any:
-    """A mapping with one entry at least, or a single value."""
-    if isinstance(value, Mapping) and not value:
-        raise ValueError("gives no value")
-    return value
+def _by_group(check: Callable[[Any], str], schema: dict[str, Any]) -> tuple[Any, Any]:
+    """Validator and JSON schema of a key of one value, or of values by group; ``check`` says what is wrong with a value, or nothing."""
+
+    def validate(value: Any) -> Any:
+        values = value if isinstance(value, Mapping) else {"": value}
+        if not values:
+            raise ValueError("gives no value")
+        for group, each in values.items():
+            if wrong := check(each):
+                raise ValueError(f'"{group}": {wrong}, got {each!r}' if group else wrong)
+        return value
+
+    return BeforeValidator(validate), WithJsonSchema(
+        {"anyOf": [schema, {"type": "object", "minProperties": 1, "additionalProperties": schema}]}
+    )
 
 
-def _one_or_by_group(value: dict[str, Any]) -> Any:
-    """The JSON schema of a key that takes one value, or values by group."""
-    return WithJsonSchema({"anyOf": [value, {"type": "object", "minProperties": 1, "additionalProperties": value}]})
+def _numbers(low: float, high: float) -> tuple[Any, Any]:
+    """Of numbers between two bounds."""
+
+    def check(value: Any) -> str:
+        if not is_number(value):
+            return "should be a number"
+        return "" if low <= value <= high else f"should be between {low:g} and {high:g}"
+
+    return _by_group(check, {"type": "number", "minimum": low, "maximum": high})
 
 
-def _bounded(low: float, high: float) -> dict[str, Any]:
-    """The JSON schema of a number between two bounds."""
-    return {"type": "number", "minimum": low, "maximum": high}
+def _kind(value: Any) -> str:
+    return "" if value in (RIGID, UNIFORM) else f'should be "{RIGID}" or "{UNIFORM}"'
 
 
-Young: TypeAlias = Annotated[Number, Field(ge=SOFTEST, le=STIFFEST)]
-Poisson: TypeAlias = Annotated[Number, Field(ge=0, le=0.49)]
-Share: TypeAlias = Annotated[Number, Field(ge=0, le=10)]
-Frequency: TypeAlias = Annotated[Number, Field(gt=0, le=1e6)]
+Value: TypeAlias = Number | dict[str, Number]
 
 
 class ElasticBlocks(Table):
     """The keys of ``[material]`` for blocks that deform."""
 
-    deformable: Annotated[
-        Kind | dict[str, Kind], BeforeValidator(_table), _one_or_by_group({"type": "string", "enum": [RIGID, UNIFORM]})
-    ] = RIGID
+    deformable: Annotated[str | dict[str, str], *_by_group(_kind, {"type": "string", "enum": [RIGID, UNIFORM]})] = RIGID
     """"rigid", or "uniform": one strain per block, as in discontinuous deformation analysis; one value, or values by group,
     ``deformable.arch = "uniform"``, and ``default``."""
-    young: Annotated[Young | dict[str, Young], BeforeValidator(_table), _one_or_by_group(_bounded(SOFTEST, STIFFEST))] | None = None
+    young: Annotated[Value, *_numbers(SOFTEST, STIFFEST)] | None = None
     """Young's modulus of blocks that deform [Pa], one value or values by group."""
-    poisson: Annotated[Poisson | dict[str, Poisson], BeforeValidator(_table), _one_or_by_group(_bounded(0, 0.49))] = 0.2
+    poisson: Annotated[Value, *_numbers(0.0, 0.49)] = 0.2
     """Poisson's ratio of blocks that deform, one value or values by group."""
-    damping: Annotated[Share | dict[str, Share], BeforeValidator(_table), _one_or_by_group(_bounded(0, 10))] = 0.0
+    damping: Annotated[Value, *_numbers(0.0, 10.0)] = 0.0
     """Viscous damping of blocks that deform, as a share of the critical damping of a vibration of ``damping_frequency``; proportional to
     the frequency of others. One value or values by group."""
-    damping_frequency: Annotated[Frequency | dict[str, Frequency], BeforeValidator(_table), _one_or_by_group(_bounded(0, 1e6))] | None = (
-        None
-    )
+    damping_frequency: Annotated[Value, *_numbers(1e-3, 1e6)] | None = None
     """At which ``damping`` of the blocks holds [Hz], one value or values by group."""
     strain_theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
     """Of the strains over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""

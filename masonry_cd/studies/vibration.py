@@ -117,8 +117,10 @@ def linear_modes(assembly: Assembly, count: int) -> Companion:
     """The modes of rigid blocks on the joints' own stiffness.
 
     Raises:
-        InputError: a joint without stiffness, or a block tied to no support.
+        InputError: a joint without stiffness, blocks that deform, or a block tied to no support.
     """
+    if assembly.deformation is not None:
+        raise InputError('material.deformable: these modes are those of rigid blocks on elastic joints; set it to "rigid" for them')
     joints, laws, group = find_joints(assembly), assembly.laws, assembly.group_of
     pair = (group[joints.block_a], group[joints.block_b])
     normal, tangential = laws.normal_stiffness[pair], laws.tangential_stiffness[pair]

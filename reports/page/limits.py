@@ -31,7 +31,7 @@ def assumptions(context: PageContext) -> list[str]:
     material = context.tables.get("material")
     found = Material.model_validate(material) if material else None
     return [
-        _blocks(context),
+        _blocks(context, found),
         *([_friction(found.friction), *_joints(found.joints)] if found else []),
         "Blocks hit one another without rebound: an impact takes out what energy it can, and leaves no damage on the blocks.",
         _base(context),
@@ -122,16 +122,28 @@ def _list(lines: Sequence[str]) -> str:
     return f"<ul>{''.join(f'<li>{line}</li>' for line in lines)}</ul>"
 
 
-def _blocks(context: PageContext) -> str:
+def _blocks(context: PageContext, material: Material | None) -> str:
     """The blocks and their density."""
     free = [block for block in context.results.blocks if not block.fixed]
     densities = [block.density for block in free] or [math.nan]
     low, high = min(densities), max(densities)
     density = number(low) if low == high else f"{number(low)} to {number(high)}"
     return (
-        f"The {len(free)} blocks that are free to move are rigid, of uniform density ({density} kg&#47;m³); they touch, slide, rock and "
-        "part only at their faces. Cracks run through joints alone, along the division into blocks that the scene makes."
+        f"The {len(free)} blocks that are free to move are {_kind(context, material)}, of uniform density ({density} kg&#47;m³); "
+        "they touch, slide, rock and part only at their faces. Cracks run through joints alone, along the division into blocks that the "
+        "scene makes."
     )
+
+
+def _kind(context: PageContext, material: Material | None) -> str:
+    """What the free blocks are: rigid, elastic, or some of them."""
+    groups = sorted({block.group for block in context.results.blocks if not block.fixed})
+    every = sorted({block.group for block in context.results.blocks})
+    soft = [] if material is None else [group for group in groups if material.of_group(group, every)]
+    if not soft:
+        return "rigid"
+    where = "" if soft == groups else f" where they belong to {escaped(', '.join(soft))}, else rigid"
+    return f"elastic, with one strain each{where}"
 
 
 def _friction(friction: float | dict[str, float]) -> str:
