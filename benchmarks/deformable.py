@@ -2,10 +2,11 @@ r"""When rigid blocks are enough: motion and cost of rigid blocks, of elastic jo
 
     python -m benchmarks.deformable [arch] [pier] [aqueduct] [wall] [--young 1e8 1e9 1e10] [--out TABLE.md]
 
-**arch, pier** and the demo **aqueduct** move in a plane, **wall** across its own. Each runs with rigid blocks on rigid joints; then, for each
-modulus E, with rigid blocks on elastic joints as soft as the blocks beside them (1 / k is the sum of height / E of both halves, the
-median over the joints, Poisson's ratio 0.2), and with blocks of uniform strain on rigid joints. Largest displacement, opening and sliding are those of all steps.
-The cost is in milliseconds of the processor per step, and beside it that over the rigid row's, so run it on an idle machine.
+**arch, pier** and the demo **aqueduct** move in a plane, **wall** across its own. Each runs with rigid blocks on rigid joints; then, for
+each modulus E, with rigid blocks on elastic joints as soft as the blocks beside them (1 / k is the sum of height / E of both halves, the
+median over the joints, Poisson's ratio 0.2), and with blocks of uniform strain on rigid joints. Largest displacement, opening and sliding
+are those of all steps. The cost is in milliseconds of the processor per step, and beside it that over the rigid row's, so run it on an
+idle machine.
 
 Where the motion is sensitive to the last digit (``docs/accuracy.md``), differences of a row are within the spread of an ensemble.
 """
