@@ -56,6 +56,8 @@ CASES = {
     "church-threads": of("church", "run.threads=2", "run.solver=admm", "run.duration=0.04"),
     "church-nlgs": of("church", "run.threads=2", "run.solver=nlgs", "run.duration=0.015", "run.max_iterations=100"),
     "elastic": of("elastic"),
+    "deformable": of("elastic", "material.deformable=uniform", "material.young=2e9"),
+    "deformable-space": of("tower", "material.deformable=uniform", "material.young=2e9", "run.duration=0.04"),
     "mortar": of("mortar"),
     "islands": of("islands"),
     "islands-whole": of("islands", "run.islands=false", "run.duration=0.2"),

@@ -34,6 +34,7 @@ import numpy as np
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.planar import Plane
 from masonry_cd.jit import borrower, entry
+from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.deformation import SHEARS, Deformation
 from masonry_cd.model.geometry import inverse_row
@@ -96,10 +97,9 @@ class Strains:
     def with_step(self, step: float) -> Strains:
         """The same in steps of length h [s]."""
         theta, beta = self.deformation.theta, self.deformation.retardation
-        mass = self.mass[:, :, None] * np.eye(len(self.arrays.columns))
-        return replace(
-            self, step=step, inverse=np.linalg.inv(mass + (theta * step * (theta * step + beta))[:, None, None] * self.stiffness)
-        )
+        implicit = (theta * step * (theta * step + beta))[:, None, None] * self.stiffness
+        implicit += self.mass[:, :, None] * np.eye(len(self.arrays.columns))
+        return replace(self, step=step, inverse=inverses(implicit, size_tuple(len(self.arrays.columns))))
 
     @property
     def mass(self) -> np.ndarray:

@@ -31,7 +31,8 @@ from masonry_cd.model.elastic_blocks import ElasticBlocks, Elasticity
 
 STRAINS = 6  # of a block
 SHEARS = ((1, 2), (0, 2), (0, 1))  # axes of the shear strains, in their order
-PLANE = 1e-9  # share of the trace below which a product of inertia is rounding
+ROUNDING = 1e-12  # share of the trace below which a product of inertia is rounding
+SWEEPS = 10  # of Jacobi's rotations; they converge quadratically
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,24 +115,30 @@ def hooke(law: Elasticity) -> np.ndarray:
 
 
 def principal_axes(tensor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Principal axes (D, 3, 3), by column, and values (D, 3) of symmetric tensors; axis i is the one nearest to axis i of the frame.
+    """Principal axes (D, 3, 3), by column, and values (D, 3) of symmetric tensors, by Jacobi's rotations.
 
-    An axis of the frame that is one but for rounding stays it, as the normal of a plane scene does.
+    Each rotation is the smaller of the two that take a product of inertia away, so axis i stays near axis i of the frame; and one of the
+    frame that is principal but for rounding stays as it is, as the normal of a scene in a plane.
     """
-    axes, values = np.empty_like(tensor), np.empty(tensor.shape[:2])
-    for d, each in enumerate(tensor):
-        apart = np.where(np.abs(each) > PLANE * np.trace(each), each, 0.0)  # off the diagonal: products of inertia
-        found, vectors = np.linalg.eigh(apart)
-        order = _nearest(np.abs(vectors))
-        signs = np.sign(vectors[[0, 1, 2], order])
-        axes[d], values[d] = vectors[:, order] * np.where(signs == 0.0, 1.0, signs), found[order]
-    return axes, values
+    values, axes = tensor.copy(), np.tile(np.eye(3), (len(tensor), 1, 1))
+    smallest = ROUNDING * np.trace(tensor, axis1=1, axis2=2)
+    for i, j in SWEEPS * SHEARS:
+        product = np.where(np.abs(values[:, i, j]) > smallest, values[:, i, j], 0.0)
+        slope = 0.5 * (values[:, j, j] - values[:, i, i])
+        root = np.abs(slope) + np.sqrt(slope * slope + product * product)
+        tangent = np.where(slope < 0.0, -product, product) / np.where(root > 0.0, root, 1.0)
+        cosine = 1.0 / np.sqrt(1.0 + tangent * tangent)
+        _rotate(values, i, j, cosine, tangent * cosine)
+        _rotate(values.transpose(0, 2, 1), i, j, cosine, tangent * cosine)
+        _rotate(axes, i, j, cosine, tangent * cosine)
+    return axes, np.ascontiguousarray(values[:, [0, 1, 2], [0, 1, 2]])
 
 
-def _nearest(size: np.ndarray) -> list[int]:
-    """The column of a (3, 3) table that each row takes, each column once, so that their product is largest."""
-    orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]
-    return max(orders, key=lambda order: float(size[[0, 1, 2], order].prod()))
+def _rotate(matrix: np.ndarray, i: int, j: int, cosine: np.ndarray, sine: np.ndarray) -> None:
+    """Turn the columns i and j of matrices (D, 3, 3), in place."""
+    first, second = matrix[:, :, i].copy(), matrix[:, :, j].copy()
+    matrix[:, :, i] = cosine[:, None] * first - sine[:, None] * second
+    matrix[:, :, j] = sine[:, None] * first + cosine[:, None] * second
 
 
 @entry()
