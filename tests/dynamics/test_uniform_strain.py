@@ -7,10 +7,12 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from models import GRAVITY, box, gravity, ground, stepper, tower, turned
+from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned
 
+from loads.bars import Forces, PointLoad
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.dynamics.settings import Run
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.state import State, body_maps
@@ -143,6 +145,26 @@ def test_a_push_shears_a_block_by_its_mean_stress(planar: bool) -> None:
     shear = DENSITY * 2.0 * height / 2.0 / (YOUNG / (2.0 * (1.0 + poisson)))
     assert abs(strained(machine, 1)[XZ]) == pytest.approx(shear, rel=1e-6)
     np.testing.assert_allclose(strained(machine, 1)[[YZ, XY]], 0.0, atol=1e-9 * shear)
+
+
+def test_two_forces_that_pull_at_a_block_stretch_it() -> None:
+    """F on either end of a free box, not along its axes only: the mean stress is force times place over the volume."""
+    blocks = [box("base", (-1.0, -1.0, -3.0), (1.0, 1.0, -2.0), fixed=True), box("b", (-0.2, -0.3, -0.5), (0.2, 0.3, 0.5))]
+    steps, force = 60, np.array([300.0, 0.0, 5e4])
+    arm = 0.5 * force / force[2]  # along the force: the pair turns nothing
+    always = np.ones(steps + 1)
+    forces = Forces((PointLoad(1, arm, force, always), PointLoad(1, -arm, -force, always)), ())
+    run = Run(dt=1e-3, duration=1.0, solver="nlgs", tolerance=1e-10, planar=False, gravity=(0.0, 0.0, 0.0))
+    assembly = Assembly.from_blocks(blocks, 0.5, None, soft(poisson=0.25, strain_theta=1.0))
+    machine = Stepper(assembly, still(steps), np.zeros((steps + 1, 3)), run, forces=forces)
+    for _ in range(steps):
+        machine.step()
+    stress = 2.0 * np.outer(force, arm) / (0.4 * 0.6 * 1.0)
+    strain = 1.25 / YOUNG * stress - 0.25 / YOUNG * np.trace(stress) * np.eye(3)
+    expected = [*np.diag(strain), 2.0 * strain[1, 2], 2.0 * strain[0, 2], 2.0 * strain[0, 1]]
+    np.testing.assert_allclose(strained(machine, 1), expected, rtol=1e-4, atol=1e-9)
+    assert machine.energy["force_work"] > 0.0
+    assert abs(machine.energy["balance"]) < 1e-9 * machine.energy["force_work"]
 
 
 def test_strains_turn_with_the_frame() -> None:

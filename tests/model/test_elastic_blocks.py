@@ -1,0 +1,101 @@
+"""Which blocks deform: keys by group, what is refused, and the axes and masses of the strains."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from models import tower
+from pydantic import ValidationError
+
+from masonry_cd.errors import InputError
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.deformation import hooke, principal_axes
+from masonry_cd.model.elastic_blocks import ElasticBlocks, Elasticity
+
+GROUPS = ("base", "arch", "pier-east", "pier-west")
+
+
+def test_values_by_group_by_pattern_and_by_default() -> None:
+    """A name holds before a pattern, and that before the default."""
+    keys = {
+        "deformable": {"arch": "uniform", "pier-*": "uniform", "pier-west": "rigid"},
+        "young": {"default": 1e9, "arch": 5e9},
+        "damping": {"default": 0.0, "arch": 0.1},
+        "damping_frequency": 10.0,
+    }
+    material = ElasticBlocks.model_validate(keys)
+    arch, east = (material.of_group(group, GROUPS) for group in ("arch", "pier-east"))
+    assert arch is not None
+    assert arch.young == 5e9
+    assert arch.retardation == pytest.approx(0.1 / (np.pi * 10.0))
+    assert east == Elasticity(1e9, 0.2, 0.0)
+    assert material.of_group("pier-west", GROUPS) is None
+    assert material.of_group("base", GROUPS) is None
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"deformable": "soft"}, 'should be "rigid" or "uniform"'),
+        ({"deformable": "uniform"}, "needs young beside it"),
+        ({"young": 1e9}, 'young needs deformable = "uniform" beside it'),
+        ({"deformable": "uniform", "young": 10.0}, "should be between 1000 and 1e.18"),
+        ({"deformable": "uniform", "young": {"arch": -1.0}}, '"arch": should be between'),
+        ({"deformable": "uniform", "young": {}}, "gives no value"),
+        ({"deformable": "uniform", "young": True}, "should be a number"),
+        ({"deformable": "uniform", "young": 1e9, "poisson": 0.5}, "should be between 0 and 0.49"),
+        ({"deformable": "uniform", "young": 1e9, "damping": 0.05}, "needs damping_frequency beside it"),
+    ],
+)
+def test_keys_that_make_no_sense_are_refused(keys: dict[str, object], message: str) -> None:
+    """Each by a sentence of its own."""
+    with pytest.raises(ValidationError, match=message):
+        ElasticBlocks.model_validate(keys)
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"deformable": {"arhc": "uniform"}, "young": 1e9}, r'material\.deformable\.arhc: "arhc" is no group.*did you mean "arch"'),
+        ({"deformable": "uniform", "young": {"arch": 1e9}}, r"material\.young: no value for the group pier-east"),
+    ],
+)
+def test_groups_that_do_not_fit_the_blocks_are_refused(keys: dict[str, object], message: str) -> None:
+    """With the key at fault."""
+    with pytest.raises(InputError, match=message):
+        ElasticBlocks.model_validate(keys).of_group("pier-east", GROUPS)
+
+
+def test_a_vibration_without_damping_may_be_asked_for_by_zero() -> None:
+    """A study over damping may begin at none."""
+    keys = {"deformable": "uniform", "young": 1e9, "damping": 0.0, "damping_frequency": 10.0}
+    assert ElasticBlocks.model_validate(keys).of_group("arch", GROUPS) == Elasticity(1e9, 0.2, 0.0)
+
+
+def test_hookes_law_is_that_of_a_bar_whose_sides_are_free() -> None:
+    """Its inverse has 1 / E, - nu / E and 1 / G."""
+    compliance = np.linalg.inv(hooke(Elasticity(2e9, 0.25, 0.0)))
+    np.testing.assert_allclose(compliance[0, :3], np.array([1.0, -0.25, -0.25]) / 2e9, rtol=1e-12)
+    np.testing.assert_allclose(compliance[3:, 3:], 2.5 / 2e9 * np.eye(3), rtol=1e-12)
+
+
+def test_principal_axes_stay_near_those_of_the_frame() -> None:
+    """They diagonalise any symmetric tensor; those of one that is diagonal but for rounding are the frame's."""
+    square = np.random.default_rng(0).normal(size=(50, 3, 3))
+    tensor = np.einsum("dij,dkj->dik", square, square)
+    tensor[0] = np.eye(3) + 1e-14
+    tensor[1] = np.diag([2.0, 1.0, 1.0])
+    axes, values = principal_axes(tensor)
+    np.testing.assert_allclose(np.einsum("dij,dj,dkj->dik", axes, values, axes), tensor, atol=1e-10)
+    np.testing.assert_allclose(np.linalg.det(axes), 1.0, rtol=1e-12)
+    assert np.array_equal(axes[:2], np.tile(np.eye(3), (2, 1, 1)))
+
+
+def test_an_assembly_that_is_moved_takes_the_axes_along() -> None:
+    """As the limit analysis moves it."""
+    made = Assembly.from_blocks(tower(2), 0.5, None, ElasticBlocks(deformable="uniform", young=1e9))
+    quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    moved = made.placed(made.centre, np.tile(quarter, (3, 1, 1)))
+    assert made.deformation is not None
+    assert moved.deformation is not None
+    np.testing.assert_allclose(moved.deformation.axes, quarter @ made.deformation.axes, atol=1e-15)
