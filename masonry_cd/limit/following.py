@@ -18,7 +18,7 @@ from scipy.sparse import coo_matrix, csr_matrix, identity, vstack
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from masonry_cd.limit.least_work import Resistance, least_work
+from masonry_cd.limit.least_work import FAR, Resistance, least_work
 from masonry_cd.limit.mechanism import STILL
 from masonry_cd.limit.moved import Placement
 from masonry_cd.limit.problem import Bars, LimitProblem
@@ -34,7 +34,8 @@ MISSED = 1e-9  # and where they are missed by more, those of points that bear no
 PARALLEL = 1e-9  # normals that differ by less are one
 SHORT = 1e-3  # step, as a share of the mean size of a block, on which it is seen what can be kept
 CLOSE = 1e-3  # share of a step below which a correction is the last
-NEAR = 1e-2  # and in space, whose programmes end at a tolerance; overlaps then count that MISSED allows
+NEARER = 0.25  # share by which the largest correction shrinks from round to round, in space
+NEAR = 0.05  # and in space, whose programmes end at a tolerance that leaves d uncertain by as much; overlaps then count above MISSED
 LOCKED = 0.1  # share of a step that blocks go at least, where their mechanism does not lock
 BEARS = 1e-6  # share of the mean weight of a block above which a point bears
 
@@ -116,14 +117,14 @@ class Motion:
     def _yielded(self, placement: Placement, amount: float) -> tuple[Placement, float]:
         """A placement whose contacts have given way where that costs least work, and by how much they still overlap."""
         exact, close = (EXACT, CLOSE) if len(self.columns) == 3 else (MISSED, NEAR)
-        overlap, before = np.inf, np.zeros((int(self.body.max(initial=-1)) + 1) * len(self.columns))
-        for _ in range(ROUNDS):
+        overlap = np.inf
+        for k in range(ROUNDS):
             residual, matrix, centres = self._equations(placement, self.yielding)
             overlap = -float(residual[self.resistance.opens].min(initial=0.0))
-            step = least_work(matrix, residual, self.resistance, self._along(placement, centres), before, amount)
+            step = least_work(matrix, residual, self.resistance, self._along(placement, centres), amount, FAR * NEARER**k)
             if step is None:
-                return placement, np.inf
-            placement, before = self._shifted(placement, step, centres), before + step
+                return placement, overlap if k else np.inf
+            placement = self._shifted(placement, step, centres)
             if overlap <= exact * self.size and float(np.abs(step).max(initial=0.0)) <= close * amount:
                 break
         return placement, overlap

@@ -56,7 +56,10 @@ def interfaces(assembly: Assembly, joints: Joints, axis: int | None) -> Interfac
     places, shares, owner = [], [], []
     for j in range(joints.count):
         corners = joints.polygon[joints.polygon_start[j] : joints.polygon_start[j + 1]]
-        place, share = (corners, area_shares(corners) if bonded else np.zeros(len(corners))) if axis is None else _ends(corners, joints.normal[j], joints.area[j], axis)
+        if axis is None:
+            place, share = corners, area_shares(corners) if bonded else np.zeros(len(corners))
+        else:
+            place, share = _ends(corners, joints.normal[j], joints.area[j], axis)
         places.append(place)
         shares.append(share)
         owner.append(np.full(len(place), j))

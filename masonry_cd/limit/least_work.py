@@ -25,8 +25,7 @@ SIDES = 8  # directions of slip in space
 FAR = 4.0  # largest correction, over the step
 MOST = 20_000  # iterations of the simplex method
 TOLERANCE = 1e-9  # in space
-IDLE = 1e-7  # cost of a correction, over mean weights: what costs nothing stays where it is
-BENDS = 1e-4  # and in space of half its square: far enough above TOLERANCE that the answer is one
+IDLE = 1e-7  # cost of a correction, in space of half its square, over mean weights: what costs nothing stays where it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +58,11 @@ class _Programme:
     gap: np.ndarray  # (N,) which these rows do not exceed
     cost: np.ndarray  # (D,) of openings, which are gaps and H_n d
     slip_cost: np.ndarray  # (slips,)
-    before: np.ndarray  # (D,) corrections of the rounds before
 
 
 def least_work(
-    matrix: csr_matrix, residual: np.ndarray, resistance: Resistance, along: np.ndarray, before: np.ndarray, amount: float
-) -> np.ndarray | None:  # fmt: skip
+    matrix: csr_matrix, residual: np.ndarray, resistance: Resistance, along: np.ndarray, amount: float, far: float = FAR
+) -> np.ndarray | None:
     """The correction d (D,) of a step, None where there is none.
 
     Args:
@@ -72,8 +70,8 @@ def least_work(
         residual: (R,) [m].
         resistance: what they cost.
         along: (D,) the mechanism.
-        before: (D,) what the rounds before have corrected.
         amount: of the step [m].
+        far: the largest that is looked for in space, over the step.
     """
     ways = _ways(resistance.slides.shape[1])
     sticks = len(resistance.slides)
@@ -89,9 +87,8 @@ def least_work(
     programme = _Programme(
         equal=vstack([first, second], format="csr"), wanted=np.append(-residual[asked] / amount, 0.0), closes=-opens,
         gap=residual[resistance.opens] / amount, cost=opens.T @ resistance.normal, slip_cost=slip.ravel(),
-        before=before / amount,
     )  # fmt: skip
-    found = _exactly(programme) if ways.shape[1] == 1 else _by_cones(programme)
+    found = _exactly(programme) if ways.shape[1] == 1 else _by_cones(programme, far)
     return None if found is None else amount * found
 
 
@@ -112,21 +109,21 @@ def _exactly(programme: _Programme) -> np.ndarray | None:
     return answer.x[:count] - answer.x[count : 2 * count] if answer.status == 0 else None
 
 
-def _by_cones(programme: _Programme) -> np.ndarray | None:
-    """The same by Clarabel, for programmes as large as those in space; among several, the d that leaves the least norm of all rounds."""
+def _by_cones(programme: _Programme, far: float) -> np.ndarray | None:
+    """The best d with |d| <= far by Clarabel, for programmes as large as those in space; among several, that of least norm."""
     import clarabel
 
     count, slips = len(programme.cost), len(programme.slip_cost)
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
-    bends = diags(np.append(np.full(count, BENDS), np.zeros(slips))).tocsc()
+    bends = diags(np.append(np.full(count, IDLE), np.zeros(slips))).tocsc()
     one = identity(count + slips, format="csc")
     closes = hstack([programme.closes, csr_matrix((len(programme.gap), slips))])
     matrix = vstack([programme.equal, closes, -one[count:], one[:count], -one[:count]], format="csc")
-    right = np.concatenate([programme.wanted, programme.gap, np.zeros(slips), np.full(2 * count, FAR)])
+    right = np.concatenate([programme.wanted, programme.gap, np.zeros(slips), np.full(2 * count, far)])
     cones = [clarabel.ZeroConeT(len(programme.wanted)), clarabel.NonnegativeConeT(len(right) - len(programme.wanted))]
-    cost = np.append(programme.cost + BENDS * programme.before, programme.slip_cost)
+    cost = np.append(programme.cost, programme.slip_cost)
     answer = clarabel.DefaultSolver(bends, cost, matrix, right, cones, settings).solve()
     return np.array(answer.x)[:count] if str(answer.status) in ("Solved", "AlmostSolved") else None
 
