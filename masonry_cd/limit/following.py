@@ -123,7 +123,7 @@ class Motion:
             overlap = -float(residual[self.resistance.opens].min(initial=0.0))
             step = least_work(matrix, residual, self.resistance, self._along(placement, centres), amount, FAR * NEARER**k)
             if step is None:
-                return placement, overlap if k else np.inf
+                return placement, overlap if k and overlap <= MISSED * self.size else np.inf
             placement = self._shifted(placement, step, centres)
             if overlap <= exact * self.size and float(np.abs(step).max(initial=0.0)) <= close * amount:
                 break

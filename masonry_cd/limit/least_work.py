@@ -10,6 +10,10 @@ with the gaps g and shifts t that the step has left, openings p, slips s, and a 
 virtual work the sum is what the step adds to the potential energy of the loads and to the heat of friction: a contact that bears little
 opens, one at the limit of friction slides for nothing, and no blocks overlap. A linear programme, by
 HiGHS in a plane and by Clarabel in space, where slips have SIDES directions.
+
+**In space** some corrections cost so little that the interior point method cannot tell them from none: from round to round the blocks wander
+by hundredths of the step, and meet others. So the largest correction that is looked for shrinks from round to round, which Newton's method,
+whose corrections shrink faster, does not notice.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ SLACK = 1e-9  # share of its length by which a tie may be shorter and still pull
 UNSEEN = 1e-4  # width of a contact, as a share of the smallest width of a block, below which the detection of contacts finds none
 CLOSE = 1e-3  # share of the gap of points that touch below which an overlap is rounding
 HALVINGS = 40  # of a step in which blocks meet, at most
-FAR_ENOUGH = 0.5  # share of a step on which they do that is gone at least
+FAR_ENOUGH = 0.5  # share of the way to where they overlap that a step goes at least
 
 
 @dataclass(frozen=True, eq=False)
