@@ -11,9 +11,9 @@ virtual work the sum is what the step adds to the potential energy of the loads 
 opens, one at the limit of friction slides for nothing, and no blocks overlap. A linear programme, by
 HiGHS in a plane and by Clarabel in space, where slips have SIDES directions.
 
-**In space** some corrections cost so little that the interior point method cannot tell them from none: from round to round the blocks wander
-by hundredths of the step, and meet others. So the largest correction that is looked for shrinks from round to round, which Newton's method,
-whose corrections shrink faster, does not notice.
+**In space** some corrections cost so little that the interior point method cannot tell them from none: blocks would wander by hundredths of
+the step from round to round, and meet others. So the largest correction that is looked for shrinks from round to round, which Newton's
+method, whose corrections shrink faster, does not notice.
 """
 
 from __future__ import annotations
