@@ -33,7 +33,7 @@ from masonry_cd.model.joints import Joints
 
 STEPS = 40  # from start to end, about
 MOST = 6  # times so many steps at most
-STALLED, WAY = 10, 0.05  # steps on which the control block goes no farther than this share: the curve makes no way
+STALLED, WAY = 10, 0.05  # steps on which no block goes as far as this share of the farthest way before: the curve makes no way
 MORE = 4.0  # times as far as the last step went, at most
 LEAST = 1e-3  # displacement of the fastest corner that a step tries, as a share of the smallest width
 VANISHES = "the factor vanishes"
@@ -219,11 +219,16 @@ class _Path:
         """Why the curve ends though the factor has not vanished, if it does."""
         if self.displacement(found) >= self.options.limit:
             return f"the control displacement of {self.options.limit:.4g} m is reached"
-        if len(self.stages) > STALLED and self.displacement(found) < (1.0 + WAY) * self.displacement(self.stages[-1 - STALLED]):
-            return f"in {STALLED} steps the control block went less than {WAY:.0%} farther: blocks meet at every step"
+        if len(self.stages) > STALLED and self._farthest(-1 - STALLED, -1) < WAY * self._farthest(0, -1 - STALLED):
+            return f"in {STALLED} steps no block went more than {WAY:.0%} farther: blocks meet at every step"
         if len(self.stages) > MOST * self.options.steps:
             return f"{MOST * self.options.steps} steps are made, and the factor has not vanished"
         return ""
+
+    def _farthest(self, first: int, last: int) -> float:
+        """How far any block has gone from one stage to another [m]."""
+        gone = self.stages[last].assembly.centre - self.stages[first].assembly.centre
+        return float(np.linalg.norm(gone, axis=1).max())
 
     def _amount(self, last: Stage, found: Stage, used: float, amount: float) -> float:
         """The next step [m], so that about as many are made as asked."""

@@ -14,24 +14,28 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lstsq
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import coo_matrix, csr_matrix, identity, vstack
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import lsmr
+from scipy.sparse.linalg import splu
 
-from masonry_cd.limit.least_work import Resistance, least_work
+from masonry_cd.limit.least_work import FAR, Resistance, least_work
 from masonry_cd.limit.mechanism import STILL
 from masonry_cd.limit.moved import Placement
 from masonry_cd.limit.problem import Bars, LimitProblem
 from masonry_cd.limit.solution import Optimum
 from masonry_cd.model.blocks import Assembly
 
-MANY = 500  # unknowns from which sparse least squares are faster
+MANY = 100  # unknowns from which sparse least squares are faster
+SMALL = 1e-9  # of the largest diagonal entry of A^T A: what is added to it
+REFINED = 12  # rounds of least squares at most
 ROUNDS = 12  # of Newton's method at most
 EXACT = 1e-12  # share of the mean size of a block to which constraints are met
 MISSED = 1e-9  # and where they are missed by more, those of points that bear nothing are dropped
 PARALLEL = 1e-9  # normals that differ by less are one
 SHORT = 1e-3  # step, as a share of the mean size of a block, on which it is seen what can be kept
 CLOSE = 1e-3  # share of a step below which a correction is the last
+NEARER = 0.25  # share by which the largest correction shrinks from round to round, in space
+NEAR = 0.05  # and in space, whose programmes end at a tolerance that leaves d uncertain by as much; overlaps then count above MISSED
 LOCKED = 0.1  # share of a step that blocks go at least, where their mechanism does not lock
 BEARS = 1e-6  # share of the mean weight of a block above which a point bears
 
@@ -112,15 +116,16 @@ class Motion:
 
     def _yielded(self, placement: Placement, amount: float) -> tuple[Placement, float]:
         """A placement whose contacts have given way where that costs least work, and by how much they still overlap."""
+        exact, close = (EXACT, CLOSE) if len(self.columns) == 3 else (MISSED, NEAR)
         overlap = np.inf
-        for _ in range(ROUNDS):
+        for k in range(ROUNDS):
             residual, matrix, centres = self._equations(placement, self.yielding)
             overlap = -float(residual[self.resistance.opens].min(initial=0.0))
-            step = least_work(matrix, residual, self.resistance, self._along(placement, centres), amount)
+            step = least_work(matrix, residual, self.resistance, self._along(placement, centres), amount, FAR * NEARER**k)
             if step is None:
-                return placement, np.inf
+                return placement, overlap if k and overlap <= MISSED * self.size else np.inf
             placement = self._shifted(placement, step, centres)
-            if overlap <= EXACT * self.size and float(np.abs(step).max(initial=0.0)) <= CLOSE * amount:
+            if overlap <= exact * self.size and float(np.abs(step).max(initial=0.0)) <= close * amount:
                 break
         return placement, overlap
 
@@ -147,7 +152,7 @@ class Motion:
         velocity[moving, :3] += np.cross(velocity[moving, 3:], placement.position[moving] - centres[self.body[moving]])
         return placement.along(velocity, 1.0)
 
-    def _equations(self, placement: Placement, kept: Kept) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _equations(self, placement: Placement, kept: Kept) -> tuple[np.ndarray, csr_matrix, np.ndarray]:
         """Residuals (R,), their rows over the twists of the bodies, rotations over the size, and the centres of the bodies (M, 3)."""
         count = int(self.body.max(initial=-1)) + 1
         moving = self.body >= 0
@@ -168,25 +173,46 @@ class Motion:
         line = tips[:, 1] - tips[:, 0]
         now = np.linalg.norm(line, axis=1)
         more = self._rows(line / now[:, None], tips, kept.ties, centres)
-        return np.concatenate([residual, now - kept.lengths]), np.vstack([matrix, more]), centres
+        return np.concatenate([residual, now - kept.lengths]), vstack([matrix, more], format="csr"), centres
 
-    def _rows(self, direction: np.ndarray, place: np.ndarray, ends: np.ndarray, centres: np.ndarray) -> np.ndarray:
+    def _rows(self, direction: np.ndarray, place: np.ndarray, ends: np.ndarray, centres: np.ndarray) -> csr_matrix:
         """Rates of relative displacements along directions (R, 3) at places (R, 2, 3) of blocks (R, 2)."""
-        matrix = np.zeros((len(direction), len(centres), 6))
-        for side, sign in ((0, -1.0), (1, 1.0)):
-            body = self.body[ends[:, side]]
-            row = np.flatnonzero(body >= 0)
-            arm = place[row, side] - centres[body[row]]
-            rates = np.concatenate([direction[row], np.cross(arm, direction[row]) / self.size], axis=1)
-            np.add.at(matrix, (row, body[row]), sign * rates)
-        return matrix[:, :, self.columns].reshape(len(direction), -1)
+        body = self.body[ends]
+        row, side = np.nonzero(body >= 0)
+        owner = body[row, side]
+        arm = place[row, side] - centres[owner]
+        rates = np.concatenate([direction[row], np.cross(arm, direction[row]) / self.size], axis=1)[:, self.columns]
+        rates *= np.array([-1.0, 1.0])[side][:, None]
+        count = len(self.columns)
+        column = owner[:, None] * count + np.arange(count)
+        shape = (len(direction), len(centres) * count)
+        return csr_matrix((rates.ravel(), (np.repeat(row, count), column.ravel())), shape)
 
 
-def _least_norm(matrix: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """The solution of least squares and least norm; of large systems, whose rows have few entries, by LSMR."""
+def _least_norm(matrix: csr_matrix, wanted: np.ndarray) -> np.ndarray:
+    """The solution of least squares and least norm."""
     if matrix.shape[1] > MANY:
-        return np.asarray(lsmr(csr_matrix(matrix), wanted, atol=1e-12, btol=1e-12, conlim=1e12, maxiter=2 * matrix.shape[1])[0])
-    return np.asarray(lstsq(matrix, wanted, cond=1e-10, lapack_driver="gelsy")[0])
+        return _least_norm_sparse(matrix, wanted)
+    return np.asarray(lstsq(matrix.toarray(), wanted, cond=1e-10, lapack_driver="gelsy")[0])
+
+
+def _least_norm_sparse(matrix: csr_matrix, wanted: np.ndarray) -> np.ndarray:
+    """The same of large systems, whose rows have few entries: x <- x + (A^T A + d 1)^-1 A^T (b - A x) from x = 0.
+
+    Each round leaves d / (s^2 + d) of what belongs to a singular value s, and nothing moves that belongs to none.
+    """
+    square = (matrix.T @ matrix).tocsc()
+    small = SMALL * float(square.diagonal().max(initial=0.0))
+    if small == 0.0:
+        return np.zeros(matrix.shape[1])
+    factor = splu(square + small * identity(matrix.shape[1], format="csc"), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    out = np.zeros(matrix.shape[1])
+    for _ in range(REFINED):
+        step = factor.solve(matrix.T @ (wanted - matrix @ out))
+        out += step
+        if float(np.abs(step).max()) <= EXACT * float(np.abs(out).max()):
+            break
+    return out
 
 
 def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.ndarray, bars: Bars) -> Motion:

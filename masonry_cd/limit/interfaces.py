@@ -51,10 +51,15 @@ def interfaces(assembly: Assembly, joints: Joints, axis: int | None) -> Interfac
         joints: of them, as built.
         axis: normal of the plane of a planar structure, 0 to 2; None in space.
     """
+    laws = assembly.laws
+    bonded = bool(laws.apex.any() or laws.tension.any())  # only bond asks for the shares of the area
     places, shares, owner = [], [], []
     for j in range(joints.count):
         corners = joints.polygon[joints.polygon_start[j] : joints.polygon_start[j + 1]]
-        place, share = (corners, area_shares(corners)) if axis is None else _ends(corners, joints.normal[j], joints.area[j], axis)
+        if axis is None:
+            place, share = corners, area_shares(corners) if bonded else np.zeros(len(corners))
+        else:
+            place, share = _ends(corners, joints.normal[j], joints.area[j], axis)
         places.append(place)
         shares.append(share)
         owner.append(np.full(len(place), j))
@@ -62,7 +67,6 @@ def interfaces(assembly: Assembly, joints: Joints, axis: int | None) -> Interfac
     share = np.concatenate(shares) if shares else np.zeros(0)
     bodies = np.stack([joints.block_a[joint], joints.block_b[joint]], axis=1)
     groups = assembly.group_of[bodies]
-    laws = assembly.laws
     return Interfaces(
         joint=joint,
         bodies=bodies,

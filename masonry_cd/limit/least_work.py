@@ -10,6 +10,10 @@ with the gaps g and shifts t that the step has left, openings p, slips s, and a 
 virtual work the sum is what the step adds to the potential energy of the loads and to the heat of friction: a contact that bears little
 opens, one at the limit of friction slides for nothing, and no blocks overlap. A linear programme, by
 HiGHS in a plane and by Clarabel in space, where slips have SIDES directions.
+
+**In space** some corrections cost so little that the interior point method cannot tell them from none: blocks would wander by hundredths of
+the step from round to round, and meet others. So the largest correction that is looked for shrinks from round to round, which Newton's
+method, whose corrections shrink faster, does not notice.
 """
 
 from __future__ import annotations
@@ -19,13 +23,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import linprog
-from scipy.sparse import csc_matrix, csr_matrix, diags, hstack, identity, vstack
+from scipy.sparse import csr_matrix, diags, hstack, identity, vstack
 
 SIDES = 8  # directions of slip in space
 FAR = 4.0  # largest correction, over the step
 MOST = 20_000  # iterations of the simplex method
 TOLERANCE = 1e-9  # in space
-IDLE = 1e-7  # cost of a correction, over mean weights: what costs nothing stays where it is
+IDLE = 1e-7  # cost of a correction, in space of half its square, over mean weights: what costs nothing stays where it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +52,21 @@ class Resistance:
         return cls(number[opens, 0], normal[opens], number[sticks, ways], force[sticks, ways], (mu * normal)[sticks])
 
 
-def least_work(matrix: np.ndarray, residual: np.ndarray, resistance: Resistance, along: np.ndarray, amount: float) -> np.ndarray | None:
+@dataclass(frozen=True, eq=False)
+class _Programme:
+    """min (D,) cost . d + slip_cost . e over corrections d and slips e >= 0 by directions, of steps of length one."""
+
+    equal: csr_matrix  # (E, D + slips) rows of shifts and ties, E of them
+    wanted: np.ndarray  # (E,)
+    closes: csr_matrix  # (N, D) -H_n
+    gap: np.ndarray  # (N,) which these rows do not exceed
+    cost: np.ndarray  # (D,) of openings, which are gaps and H_n d
+    slip_cost: np.ndarray  # (slips,)
+
+
+def least_work(
+    matrix: csr_matrix, residual: np.ndarray, resistance: Resistance, along: np.ndarray, amount: float, far: float = FAR
+) -> np.ndarray | None:
     """The correction d (D,) of a step, None where there is none.
 
     Args:
@@ -57,51 +75,60 @@ def least_work(matrix: np.ndarray, residual: np.ndarray, resistance: Resistance,
         resistance: what they cost.
         along: (D,) the mechanism.
         amount: of the step [m].
+        far: the largest that is looked for in space, over the step.
     """
     ways = _ways(resistance.slides.shape[1])
-    count, opens, sticks = matrix.shape[1], len(resistance.opens), len(resistance.slides)
-    gaps = csr_matrix((np.ones(opens), (resistance.opens, np.arange(opens))), (len(matrix), opens))
+    sticks = len(resistance.slides)
     edge = np.arange(sticks * len(ways)).reshape(sticks, len(ways))
     row = np.repeat(resistance.slides[:, None], len(ways), axis=1)  # (S, E, m - 1)
     column = np.repeat(edge[:, :, None], ways.shape[1], axis=2)
-    shifts = csr_matrix((np.broadcast_to(ways, row.shape).ravel(), (row.ravel(), column.ravel())), (len(matrix), edge.size))
-    first = hstack([csr_matrix(matrix), -gaps, -shifts])
-    second = hstack([csr_matrix(along[None]), csr_matrix((1, opens + edge.size))])
-    rows, wanted = vstack([first, second], format="csc"), np.append(-residual / amount, 0.0)
+    shifts = csr_matrix((np.broadcast_to(ways, row.shape).ravel(), (row.ravel(), column.ravel())), (matrix.shape[0], edge.size))
+    asked = np.setdiff1d(np.arange(matrix.shape[0]), resistance.opens)
+    first = hstack([matrix[asked], -shifts[asked]])
+    second = hstack([csr_matrix(along[None]), csr_matrix((1, edge.size))])
+    opens = matrix[resistance.opens]
     slip = np.maximum(resistance.limit[:, None] + resistance.traction @ ways.T, 0.0)
-    cost = np.concatenate([resistance.normal, slip.ravel()])
-    found = _exactly(rows, wanted, cost) if ways.shape[1] == 1 else _by_cones(rows, wanted, cost)
-    return None if found is None else amount * found[:count]
+    programme = _Programme(
+        equal=vstack([first, second], format="csr"), wanted=np.append(-residual[asked] / amount, 0.0), closes=-opens,
+        gap=residual[resistance.opens] / amount, cost=opens.T @ resistance.normal, slip_cost=slip.ravel(),
+    )  # fmt: skip
+    found = _exactly(programme) if ways.shape[1] == 1 else _by_cones(programme, far)
+    return None if found is None else amount * found
 
 
-def _exactly(rows: csc_matrix, wanted: np.ndarray, cost: np.ndarray) -> np.ndarray | None:
-    """Least cost . y with rows (d, y) = wanted, y >= 0 and |d| <= FAR, by HiGHS; among several, d of least sum. None: there is none."""
-    count = rows.shape[1] - len(cost)
-    both = hstack([rows[:, :count], -rows[:, :count], rows[:, count:]], format="csr")
-    bounds = np.zeros((both.shape[1], 2))
+def _exactly(programme: _Programme) -> np.ndarray | None:
+    """The best d with |d| <= FAR, by HiGHS; among several, that of least sum. None: there is none."""
+    count, slips = len(programme.cost), len(programme.slip_cost)
+    moves = programme.equal[:, :count]
+    equal = hstack([moves, -moves, programme.equal[:, count:]], format="csr")
+    below = hstack([programme.closes, -programme.closes, csr_matrix((len(programme.gap), slips))], format="csr")
+    bounds = np.zeros((equal.shape[1], 2))
     bounds[:, 1] = np.inf
     bounds[: 2 * count, 1] = FAR
-    whole = np.concatenate([np.full(2 * count, IDLE), cost])
+    whole = np.concatenate([IDLE + programme.cost, IDLE - programme.cost, programme.slip_cost])
     options = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10, "maxiter": MOST}
-    answer = linprog(whole, A_eq=both, b_eq=wanted, bounds=bounds, method="highs-ds", options=options)
+    answer = linprog(
+        whole, A_ub=below, b_ub=programme.gap, A_eq=equal, b_eq=programme.wanted, bounds=bounds, method="highs-ds", options=options
+    )  # fmt: skip
     return answer.x[:count] - answer.x[count : 2 * count] if answer.status == 0 else None
 
 
-def _by_cones(rows: csc_matrix, wanted: np.ndarray, cost: np.ndarray) -> np.ndarray | None:
-    """The same by Clarabel, for programmes as large as those in space; among several, d of least norm."""
+def _by_cones(programme: _Programme, far: float) -> np.ndarray | None:
+    """The best d with |d| <= far by Clarabel, for programmes as large as those in space; among several, that of least norm."""
     import clarabel
 
-    size, more = rows.shape[1], len(cost)
-    count = size - more
+    count, slips = len(programme.cost), len(programme.slip_cost)
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
-    bends = diags(np.append(np.full(count, IDLE), np.zeros(more))).tocsc()
-    one = identity(size, format="csc")
-    matrix = vstack([rows, -one[count:], one[:count], -one[:count]], format="csc")
-    right = np.concatenate([wanted, np.zeros(more), np.full(2 * count, FAR)])
-    cones = [clarabel.ZeroConeT(len(wanted)), clarabel.NonnegativeConeT(more + 2 * count)]
-    answer = clarabel.DefaultSolver(bends, np.append(np.zeros(count), cost), matrix, right, cones, settings).solve()
+    bends = diags(np.append(np.full(count, IDLE), np.zeros(slips))).tocsc()
+    one = identity(count + slips, format="csc")
+    closes = hstack([programme.closes, csr_matrix((len(programme.gap), slips))])
+    matrix = vstack([programme.equal, closes, -one[count:], one[:count], -one[:count]], format="csc")
+    right = np.concatenate([programme.wanted, programme.gap, np.zeros(slips), np.full(2 * count, far)])
+    cones = [clarabel.ZeroConeT(len(programme.wanted)), clarabel.NonnegativeConeT(len(right) - len(programme.wanted))]
+    cost = np.append(programme.cost, programme.slip_cost)
+    answer = clarabel.DefaultSolver(bends, cost, matrix, right, cones, settings).solve()
     return np.array(answer.x)[:count] if str(answer.status) in ("Solved", "AlmostSolved") else None
 
 

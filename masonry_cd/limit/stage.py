@@ -28,6 +28,7 @@ SLACK = 1e-9  # share of its length by which a tie may be shorter and still pull
 UNSEEN = 1e-4  # width of a contact, as a share of the smallest width of a block, below which the detection of contacts finds none
 CLOSE = 1e-3  # share of the gap of points that touch below which an overlap is rounding
 HALVINGS = 40  # of a step in which blocks meet, at most
+FAR_ENOUGH = 0.5  # share of the way to where they overlap that a step goes at least
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,15 +141,16 @@ class Stages:
         if moved.deepest <= least + self.gap:
             return moved, amount
         low, high, best, over = 0.0, amount, None, moved
+        deep = [(amount, moved.deepest - least)]  # lengths of steps that overlap, and by how much more than at the stage
         for k in range(HALVINGS):
-            share = 0.5 if k % 2 else 0.5 * self.gap / (over.deepest - least)  # overlaps grow with the step where they begin at once
-            middle = low + min(max(share, 1e-4), 0.5) * (high - low)
+            middle = low + _share(low, deep, self.gap, UNSEEN * stage.assembly.width, k) * (high - low)
             moved = self._moved(stage, motion, middle)
             if moved.deepest > least + self.gap:
                 high, over = middle, moved
+                deep.append((high, over.deepest - least))
             else:
                 low, best = middle, moved
-                if moved.deepest > least + CLOSE * self.gap and middle > 0.9 * high:
+                if moved.deepest > least + CLOSE * self.gap and middle > FAR_ENOUGH * high:
                     break
             if high - low < over.deepest - least <= UNSEEN * stage.assembly.width:
                 return over, high  # no motion of that length makes such an overlap: a contact that was too narrow to be found
@@ -161,6 +163,23 @@ class Stages:
         found = moved_joints(placed, self.gap)
         loads = stage.loads.moved(stage.assembly.centre, end.position, end.rotation)
         return Moved(placed, loads, found.joints, found.deepest, motion.progress(end) < LOCKED * amount)
+
+
+def _share(low: float, deep: list[tuple[float, float]], gap: float, unseen: float, k: int) -> float:
+    """Where between ``low`` and the last of the steps that overlap to try next, as a share.
+
+    Every second time in the middle. Otherwise where the line through the last two overlaps, or through the last and none, comes to half the
+    gap. Where that is behind ``low``, the overlap was there and not found: then where the line comes to half of what may go unseen.
+    """
+    if k % 2:
+        return 0.5
+    high, over = deep[-1]
+    longer, more = deep[-2] if len(deep) > 1 else (high + (high - low), 2.0 * over)
+    slope = (more - over) / (longer - high)
+    if slope <= 0.0:
+        return 0.5
+    shares = ((high - (over - depth) / slope - low) / (high - low) for depth in (0.5 * gap, 0.5 * unseen))
+    return next((float(max(share, 1e-4)) for share in shares if 0.0 < share < 0.99), 0.5)
 
 
 def _lengths(bars: Bars) -> np.ndarray:

@@ -98,6 +98,28 @@ def test_a_sliding_block_keeps_its_factor_until_it_tips_over_the_edge():
     assert "displacement of 0.1 m is reached" in curve.end
 
 
+def slider_and_pebbles(count: int) -> Assembly:
+    """A block that slides for 0.1 m and then meets rough pebbles, one after the other, 0.3 mm apart; all faces between them are smooth."""
+    places = 0.4 + 0.0403 * np.arange(count)
+    pebbles = [replace(box(f"p{k}", (x, -0.1, 0.0), (x + 0.04, 0.1, 0.04)), group="pebble") for k, x in enumerate(places)]
+    blocks = [ground(3.0), box("slider", (0.0, -0.1, 0.0), (0.3, 0.1, 0.2)), *pebbles]
+    smooth = {"block-pebble": 0.0, "pebble-pebble": 0.0}
+    return Assembly.from_blocks(blocks, {"default": 0.3, "base-pebble": 0.9, **smooth})
+
+
+@pytest.mark.parametrize(("count", "stalls"), [(12, True), (8, False)])
+def test_a_curve_whose_blocks_meet_at_every_step_ends(count, stalls):
+    assembly = slider_and_pebbles(count)
+    options = CurveOptions(Options(starts=1), limit=0.15, control=1)
+    curve = capacity_curve(assembly, find_joints(assembly), push_loads(assembly), options)
+    assert ("blocks meet at every step" in curve.end) is stalls
+    last = float(curve.displacement[-1])
+    assert (0.1 < last < 0.105) if stalls else (last > 0.15)
+    mass, rough = assembly.mass[1], assembly.mass[2]
+    pushed = int(np.floor((last - 0.1) / 3e-4 + 1e-3)) + 1 if stalls else count
+    assert curve.factor[-1] == pytest.approx((0.3 * mass + 0.9 * pushed * rough) / (mass + pushed * rough), rel=1e-6)
+
+
 def test_a_tie_that_yields_goes_on_pulling_as_it_is_then_directed():
     blocks = [ground(3.0), box("a", (0.0, -0.2, 0.0), (WIDTH, 0.2, HEIGHT)), box("far", (-2.0, -0.2, 0.0), (-1.5, 0.2, 1.5), fixed=True)]
     assembly, joints = joined(blocks, 0.6)
