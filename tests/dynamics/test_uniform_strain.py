@@ -7,7 +7,7 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned
+from models import BOX_FACES, GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
 
 from loads.bars import Forces, PointLoad
 from masonry_cd.dynamics.equilibrium import settle
@@ -145,6 +145,23 @@ def test_a_push_shears_a_block_by_its_mean_stress(planar: bool) -> None:
     shear = DENSITY * 2.0 * height / 2.0 / (YOUNG / (2.0 * (1.0 + poisson)))
     assert abs(strained(machine, 1)[XZ]) == pytest.approx(shear, rel=1e-6)
     np.testing.assert_allclose(strained(machine, 1)[[YZ, XY]], 0.0, atol=1e-9 * shear)
+
+
+@BOTH
+def test_a_bond_under_pressure_has_the_same_stress_everywhere(planar: bool) -> None:
+    """Patch test: whole and half units, whose faces do not match, under a rigid plate that is pressed down, on a smooth base."""
+    steps, press, poisson = 120, 1e5, 0.25
+    blocks = [*wall(2, 3), Block("plate", box("", (-0.1, -0.3, 0.6), (0.9, 0.3, 0.7)).vertices, BOX_FACES, 100.0, "plate")]
+    forces = Forces((PointLoad(len(blocks) - 1, np.zeros(3), np.array([0.0, 0.0, -press]), np.ones(steps + 1)),), ())
+    run = Run(dt=1e-3, duration=1.0, solver="newton", tolerance=1e-13, planar=planar, gravity=(0.0, 0.0, 0.0))
+    material = soft(deformable={"block": "uniform"}, poisson=poisson, strain_theta=1.0, damping=0.5, damping_frequency=100.0)
+    assembly = Assembly.from_blocks(blocks, 0.0, None, material)
+    machine = Stepper(assembly, still(steps), np.zeros((steps + 1, 3)), run, forces=forces)
+    for _ in range(steps):
+        machine.step()
+    strain = -press / (0.8 * 0.2) / YOUNG
+    expected = strain * np.array([-poisson, -poisson, 1.0, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(machine.state.strain[1:-1], np.tile(expected, (len(blocks) - 2, 1)), atol=1e-9 * abs(strain))
 
 
 def test_two_forces_that_pull_at_a_block_stretch_it() -> None:
