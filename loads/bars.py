@@ -87,6 +87,30 @@ class Forces:
                 np.add.at(out, self._ends[:, end], np.concatenate([pull, np.cross(arms[:, end], pull)], axis=1))
         return out
 
+    def virial(
+        self,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        velocity: np.ndarray,
+        step: int,
+        ticks: int = 1,
+        yielded: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Sum over the forces on each block of force (x) arm from the centre of mass, (B, 3, 3) [N m], in the world frame.
+
+        Arguments as of :meth:`wrench`.
+        """
+        out = np.zeros((len(position), 3, 3))
+        for load in self.points:
+            force = load.factor[step : step + ticks].mean() * load.force
+            out[load.block] += np.outer(force, np.sum(rotation[load.block] * load.arm, axis=1))
+        if self.ties:
+            tension, along, arms = self._pull(position, rotation, velocity, yielded)
+            force = tension[:, None] * along
+            for end, pull in enumerate((force, -force)):
+                np.add.at(out, self._ends[:, end], pull[:, :, None] * arms[:, end, None, :])
+        return out
+
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
         """Largest acceleration [m/s2] by which point loads at t_k .. t_k+n-1 differ from their mean; masses (B,) of free blocks [kg]."""
         largest = 0.0

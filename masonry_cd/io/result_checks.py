@@ -13,7 +13,19 @@ import numpy as np
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.hdf5_file import READ_ERRORS
-from masonry_cd.io.layout import BLOCK_ARRAYS, BONDED, CLOSING, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS, STEP_PEAKS
+from masonry_cd.io.layout import (
+    BLOCK_ARRAYS,
+    BONDED,
+    CLOSING,
+    EDGE_STRESS,
+    FRAME_FIELDS,
+    JOINT_CONSTANTS,
+    JOINT_HISTORIES,
+    JOINT_PEAKS,
+    MEAN_NORMAL_FORCE,
+    STEP_PEAKS,
+    STRESS,
+)
 from masonry_cd.io.segments import held, in_pieces
 
 REAL, WHOLE, FLAG, TEXT, BYTES = "f", "iu", "b", "O", "S"  # kinds of numpy's types
@@ -128,7 +140,8 @@ def rows_that_read(file: h5py.File, path: Path) -> dict[str, int]:
 def _growing(blocks: int, joints: int, parts: int) -> Iterator[tuple[str, str, tuple[int, ...]]]:
     """Name, kinds of number and shape of a row of each dataset that grows."""
     yield from zip(FRAME_FIELDS, (REAL,) * 4, ((), (blocks, 3), (blocks, 4), (blocks, 6)), strict=True)
-    for name in (*JOINT_HISTORIES, BONDED):
+    yield STRESS, REAL, (blocks, 6)
+    for name in (*JOINT_HISTORIES, BONDED, MEAN_NORMAL_FORCE, EDGE_STRESS):
         yield f"joints/{name}", REAL, (joints, 3) if name == "force_point" else (joints,)
     yield from (("shocks/name", BYTES, ()), ("shocks/frame", WHOLE, ()), ("shocks/start", REAL, ()), ("shocks/end", REAL, ()))
     for name in JOINT_PEAKS:

@@ -20,7 +20,7 @@ from masonry_cd.dynamics.pauses import Aftermath
 from masonry_cd.errors import InputError
 from masonry_cd.io.block_arrays import read_blocks
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
-from masonry_cd.io.layout import CLOSING, FORMAT, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS, SHOCK_PEAKS, STEP_PEAKS
+from masonry_cd.io.layout import CLOSING, FORMAT, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS, SHOCK_PEAKS, STEP_PEAKS, STRESS
 from masonry_cd.io.result_checks import check_constants, check_growing, rows_that_read
 from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks, checksum_of_step_peaks
 from masonry_cd.io.tie_bars import TieBar, read_bars
@@ -118,7 +118,7 @@ class Results:
     def frames(self) -> int:
         """Number of frames whose positions, orientations and joints are all written."""
         names = [*FRAME_FIELDS, *(f"joints/{name}" for name in JOINT_HISTORIES)]
-        return min(self.rows(name) for name in names if name in self.file)
+        return min(self.rows(name) for name in (*names, STRESS) if name in self.file)
 
     @cached_property
     def time(self) -> np.ndarray:
@@ -171,6 +171,16 @@ class Results:
     def joints(self) -> Joints:
         """The joints at rest."""
         return Joints(**{name: self.file["joints"][name][...] for name in JOINT_CONSTANTS})
+
+    @property
+    def has_stress(self) -> bool:
+        """Whether the run kept the stress of its blocks and joints, which a scene asks for."""
+        return STRESS in self.file
+
+    @property
+    def stress(self) -> h5py.Dataset:
+        """(F or more, B, 6) mean stress since the frame before, see layout.py [Pa], read on indexing."""
+        return self.file[STRESS]
 
     def has_joint_history(self, name: str) -> bool:
         """Whether the run wrote a history of its joints; older versions wrote fewer."""
