@@ -41,6 +41,7 @@ RESULTS = "result.h5"
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
     "damage_shocks.csv", "ties.csv", "crack_map.png", "crack_map.svg", "crack_map.pdf", "crack_map.gif", "report.html", "report.pdf",
+    "stress.csv", "joint_stress.csv", "stress_map.png", "stress_map.svg", "stress_map.pdf",
 )  # fmt: skip
 
 

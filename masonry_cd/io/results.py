@@ -20,7 +20,17 @@ from masonry_cd.dynamics.pauses import Aftermath
 from masonry_cd.errors import InputError
 from masonry_cd.io.block_arrays import read_blocks
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
-from masonry_cd.io.layout import CLOSING, FORMAT, FRAME_FIELDS, JOINT_CONSTANTS, JOINT_HISTORIES, JOINT_PEAKS, SHOCK_PEAKS, STEP_PEAKS, STRESS
+from masonry_cd.io.layout import (
+    CLOSING,
+    FORMAT,
+    FRAME_FIELDS,
+    JOINT_CONSTANTS,
+    JOINT_HISTORIES,
+    JOINT_PEAKS,
+    SHOCK_PEAKS,
+    STEP_PEAKS,
+    STRESS,
+)
 from masonry_cd.io.result_checks import check_constants, check_growing, rows_that_read
 from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks, checksum_of_step_peaks
 from masonry_cd.io.tie_bars import TieBar, read_bars

@@ -16,8 +16,9 @@ polygon, and for X_N off both axes, a and b follow from the moments of the part 
 first, then on the part where it gave compression, until that part stays. A load at u from the edge of a rectangle shortens a compressed
 length L to L/2 + L^2 / (12 (L/2 - u)): by a third at most, and at 3 u it stays.
 
-At an edge (u = 0), as in the hinge of rigid blocks, no finite stress carries a force: the value is infinite, and says so. Joints that still
-hold together (cohesion) carry tension: for them it is Navier's on the whole area.
+At an edge (u = 0), as in the hinge of rigid blocks, no finite stress carries a force: the value is infinite, and says so. Nearer to it than
+1 % of the joint's depth counts as at the edge: no bed is truer than that. Joints that still hold together (cohesion) carry tension: for
+them it is Navier's on the whole area.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from masonry_cd.model.joints import Joints, clip_to_other, flat_polygon, flatten
 from masonry_cd.model.polygon import clip_into
 from masonry_cd.model.state import State, rotation_matrices
 
-AT_EDGE = 1e-6  # share of a joint's size within which a resultant is at its edge
+AT_EDGE = 0.01  # share of a joint's depth, across the nearest side, within which a force is at its edge
 UNLOADED = 10.0  # mean pressure below which a joint counts as unloaded, that of half a millimetre of stone [Pa]
 STAYS = 1e-12  # change of the compressed area, as a share of it, up to which it stays
 MOST = 200  # rounds; each leaves two thirds of a length that is too long
@@ -93,7 +94,7 @@ def largest_compression(polygon, count, force, x, y, bonded, distance, other):
     ``other`` (N, 3) are scratch; each has room for one corner more than the polygon.
     """
     area, cx, cy, xx, yy, xy = _moments(polygon, count)
-    if not bonded and _depth(polygon, count, x / force, y / force) <= AT_EDGE * np.sqrt((xx + yy) / area):
+    if not bonded and _inside(polygon, count, x / force, y / force) <= AT_EDGE:
         return np.inf
     top = 0.0
     for _ in range(MOST):
@@ -140,8 +141,9 @@ def _moments(polygon, count):
 
 
 @borrower()
-def _depth(polygon, count, x, y):
-    """How far a place lies inside the first ``count`` corners of a convex polygon [m]; negative outside."""
+def _inside(polygon, count, x, y):
+    """How far a place lies inside the first ``count`` corners of a convex polygon, from the nearest side as a share of the polygon's depth
+    across that side; negative outside."""
     turn, least = 0.0, np.inf
     for k in range(1, count - 1):
         turn += (polygon[k, 0] - polygon[0, 0]) * (polygon[k + 1, 1] - polygon[0, 1])
@@ -150,7 +152,9 @@ def _depth(polygon, count, x, y):
     for k in range(count):
         j = k + 1 if k + 1 < count else 0
         dx, dy = polygon[j, 0] - polygon[k, 0], polygon[j, 1] - polygon[k, 1]
-        length = np.sqrt(dx * dx + dy * dy)
-        if length > 0.0:
-            least = min(least, sign * (dx * (y - polygon[k, 1]) - dy * (x - polygon[k, 0])) / length)
+        deepest = 0.0
+        for i in range(count):
+            deepest = max(deepest, sign * (dx * (polygon[i, 1] - polygon[k, 1]) - dy * (polygon[i, 0] - polygon[k, 0])))
+        if deepest > 0.0:
+            least = min(least, sign * (dx * (y - polygon[k, 1]) - dy * (x - polygon[k, 0])) / deepest)
     return least

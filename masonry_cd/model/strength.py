@@ -20,7 +20,7 @@ _SCHEMA: dict[str, Any] = {"anyOf": [_VALUE, {"type": "object", "minProperties":
 
 def _strengths(value: object) -> object:
     """One strength, or strengths by group."""
-    groups = value if isinstance(value, Mapping) else {"": value}
+    groups: Mapping[str, Any] = value if isinstance(value, Mapping) else {"": value}
     if not groups:
         raise ValueError("gives no value")
     for group, strength in groups.items():
