@@ -32,7 +32,7 @@ from reports.stress.peaks import StressPeaks, principal, stress_peaks
 FILE = "stress_map.png"
 VECTOR = ("stress_map.svg", "stress_map.pdf")
 COLOURS = ("YlOrRd", 0.0, 0.9)  # of the compression: pale to dark, told apart in grey print
-MOST = 8  # classes
+MOST = 12  # classes
 
 
 class StressScale(ColourClasses):
