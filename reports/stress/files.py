@@ -127,7 +127,8 @@ def stress_lines(found: Mapping[str, Any]) -> list[str]:
         where = " - ".join(found["edge_max_blocks"])
         parts.append(f"largest finite compression at the edge of a joint {pressure(found['edge_max'])}, {where}")
     if found["joints_at_edge"]:
-        parts.append(f"in {found['joints_at_edge']} joints the force came to an edge, where rigid blocks leave no finite stress")
+        many = f"{found['joints_at_edge']} joint{'s' if found['joints_at_edge'] > 1 else ''}"
+        parts.append(f"in {many} the force came to an edge, where rigid blocks leave no finite stress")
     if parts:
         lines.append("; ".join(parts))
     return [*lines, *_strength_lines(found.get("strength"))]
