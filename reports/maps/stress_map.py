@@ -19,7 +19,7 @@ from masonry_cd.io.layout import EDGE_STRESS
 from masonry_cd.io.results import Results
 from masonry_cd.quantities import length, pressure
 from reports.deformed import frame_index
-from reports.drawing.figure import Paint, Sheet, in_metres, next_step, nice
+from reports.drawing.figure import Paint, Sheet, in_metres
 from reports.drawing.render import SAMPLES, Canvas
 from reports.drawing.structure_picture import SUPPORT, box_swatch, no_swatch, rgb, tie_swatch
 from reports.drawing.tie_lines import LABELLED, DrawnTies, ties_at
@@ -32,7 +32,7 @@ from reports.stress.peaks import StressPeaks, principal, stress_peaks
 FILE = "stress_map.png"
 VECTOR = ("stress_map.svg", "stress_map.pdf")
 COLOURS = ("YlOrRd", 0.0, 0.9)  # of the compression: pale to dark, told apart in grey print
-MOST = 12  # classes
+MOST = 9  # classes
 
 
 class StressScale(ColourClasses):
@@ -40,9 +40,8 @@ class StressScale(ColourClasses):
 
     def __init__(self, largest: float) -> None:
         largest = max(largest, 1.0)
-        step = nice(largest / MOST)
-        while largest > MOST * step:
-            step = next_step(step)
+        power = 10.0 ** math.floor(math.log10(largest / MOST))
+        step = next(share * power for share in (1.0, 2.0, 2.5, 5.0, 10.0) if largest <= MOST * share * power * (1 + 1e-9))
         self.unit, factor = ("MPa", 1e-6) if largest >= 1e6 else ("kPa", 1e-3)
         super().__init__([k * step for k in range(math.ceil(largest / step))], COLOURS, factor)
 

@@ -222,7 +222,7 @@ def test_peaks_are_over_all_frames_each_with_its_time(by_hand):
 
 def test_the_map_colours_blocks_by_class(by_hand):
     scale = StressScale(2.1e5)
-    assert scale.unit == "kPa" and [bound * scale.factor for bound in scale.bounds] == pytest.approx([20.0 * k for k in range(11)])
+    assert scale.unit == "kPa" and [bound * scale.factor for bound in scale.bounds] == pytest.approx([25.0 * k for k in range(9)])
     assert (np.diff(scale.colours.astype(int).sum(axis=1)) < 0).all()  # darker and darker, in grey print as well
     assert StressScale(3e6).unit == "MPa" and StressScale(0.0).bounds == [0.0, *StressScale(0.0).bounds[1:]]
     with Results.open(by_hand) as results:
