@@ -2,7 +2,8 @@ r"""The stress map: the structure with its blocks coloured by their largest comp
 
 Without a time it shows the largest of the whole run, block by block, on the shape at the end; with a frame, the stress there. The mean
 hides bending: joints whose edge is compressed above the given strength are drawn dark, or, where no strength is given, those where the
-force came to an edge. Classes have equal widths up to the largest compression of the run; blocks that have fallen keep their colour.
+force came to an edge; of both only those that were open then: in a closed joint, rigid blocks do not fix the place of the force. Classes
+have equal widths up to the largest compression of the run; blocks that have fallen keep their colour.
 View, cut, amplification and window are those of the crack map (:mod:`reports.maps.crack_map`).
 """
 
@@ -27,7 +28,8 @@ from reports.maps.crack_key import SHADOW, STONE, ColourClasses, Marks, band_sig
 from reports.maps.crack_map import subject_of
 from reports.maps.framing import Framing, MapStyle, framing
 from reports.maps.layers import STRONG, Subject, block_layers_of, joint_layers, shadow
-from reports.stress.peaks import StressPeaks, principal, stress_peaks
+from reports.settings import report_of
+from reports.stress.peaks import StressPeaks, above_limit, principal, stress_peaks
 
 FILE = "stress_map.png"
 VECTOR = ("stress_map.svg", "stress_map.pdf")
@@ -51,7 +53,8 @@ class Pressed:
     """What a stress map shows of B blocks and J joints."""
 
     compression: np.ndarray  # (B,) largest, positive; NaN of supports [Pa]
-    strong: np.ndarray  # (J,) joints that are pointed out
+    open_above: np.ndarray  # (J,) joints above their strength, or with a force at an edge where none is given, while open
+    closed_above: np.ndarray  # (J,) and while closed only
     of_run: bool  # over the whole run, not at one frame
     peaks: StressPeaks
 
@@ -64,10 +67,11 @@ class Pressed:
         """
         peaks = stress_peaks(results)
         if frame is None:
-            return cls(peaks.compression, peaks.strong_joints, True, peaks)
-        edge = np.asarray(results.joints_at(EDGE_STRESS, frame), dtype=float)
-        strong = edge > peaks.joint_strength if peaks.compared else np.isinf(edge)
-        return cls(-principal(np.asarray(results.stress[frame], dtype=float))[:, 2], strong, False, peaks)
+            return cls(peaks.compression, peaks.open_above, peaks.closed_above, True, peaks)
+        above = above_limit(np.asarray(results.joints_at(EDGE_STRESS, frame), dtype=float), peaks.joint_strength)
+        gaping = results.joints_at("opening", frame) >= report_of(results.scene).opened
+        compression = -principal(np.asarray(results.stress[frame], dtype=float))[:, 2]
+        return cls(compression, above & gaping, above & ~gaping, False, peaks)
 
     @property
     def scale(self) -> StressScale:
@@ -117,7 +121,7 @@ def _prepared(results: Results, frame: int | None, style: MapStyle) -> tuple[int
     known = np.isfinite(pressed.compression)
     tint = np.where(known[:, None], pressed.scale(np.nan_to_num(pressed.compression)) / 255.0, rgb(STONE))
     none, no = np.zeros(subject.joints.count), np.zeros(subject.joints.count, dtype=bool)
-    return shape, framed, pressed, replace(subject, tint=tint, strong=pressed.strong, marks=Marks(none, none, no, no, no))
+    return shape, framed, pressed, replace(subject, tint=tint, strong=pressed.open_above, marks=Marks(none, none, no, no, no))
 
 
 def _title(results: Results) -> str:
@@ -130,10 +134,11 @@ def _draw_around(sheet: Sheet, results: Results, subject: Subject, pressed: Pres
     sheet.head(_title(results), _facts(results, subject, pressed))
     scale = pressed.scale
     draw_scale(sheet.axes(*boxes[0]), boxes[0], scale, f"Mean compression [{scale.unit}]")
+    what = "edge above strength" if peaks.compared else "force at an edge"
     dark = rgb(STRONG)
-    count = int(pressed.strong.sum())
-    what = "joint edge above strength" if peaks.compared else "force at the joint's edge"
-    rows: list[tuple[Paint, str]] = [(partial(band_sign, first=dark, second=dark), f"{what} ({count})")]
+    rows: list[tuple[Paint, str]] = [(partial(band_sign, first=dark, second=dark), f"open joint, {what} ({int(pressed.open_above.sum())})")]
+    if pressed.closed_above.any():
+        rows.append((no_swatch, f"closed ones likewise, not drawn ({int(pressed.closed_above.sum())})"))
     if peaks.compared:
         above = pressed.compression > peaks.block_strength
         rows.append((no_swatch, f"blocks above strength: {int(above.sum()) or 'none'}"))

@@ -70,16 +70,24 @@ def _blocks(results: Results, peaks: StressPeaks) -> str:
 def _joints(results: Results, peaks: StressPeaks) -> str:
     """The joints with the largest compression at their edge; where a strength is given, those of which a force takes most first."""
     order = np.nan_to_num(peaks.crushed_share if peaks.compared else peaks.force / peaks.area)
-    measure = np.where(peaks.strong_joints, 1e9 + order, np.nan_to_num(np.where(np.isinf(peaks.edge), 0.0, peaks.edge)) / 1e12)
+    measure = np.where(peaks.open_above, 1e9 + order, np.nan_to_num(np.where(np.isinf(peaks.edge), 0.0, peaks.edge)) / 1e12)
     chosen = [j for j in np.argsort(-measure, kind="stable")[:ROWS].tolist() if peaks.edge[j] > 0.0]
     rows, joints = [], results.joints
     for j in chosen:
         names = " – ".join(results.blocks[int(block[j])].name for block in (joints.block_a, joints.block_b))
         edge = "force at the edge" if np.isinf(peaks.edge[j]) else pressure(float(peaks.edge[j]))
-        cells = [edge, number(float(f"{peaks.edge_time[j]:.3g}")), pressure(float(peaks.force[j] / peaks.area[j]))]
+        state = "open" if peaks.open_above[j] else "closed" if peaks.closed_above[j] else "–"
+        cells = [edge, state, number(float(f"{peaks.edge_time[j]:.3g}")), pressure(float(peaks.force[j] / peaks.area[j]))]
         cells += [share_in_words(float(peaks.crushed_share[j]))] if peaks.compared else []
         rows.append([escaped(names), *cells])
-    columns = ["joint", "largest edge compression", "at [s]", "largest mean pressure", *(["taken at strength"] if peaks.compared else [])]
+    columns = [
+        "joint",
+        "largest edge compression",
+        "joint",
+        "at [s]",
+        "largest mean pressure",
+        *(["taken at strength"] if peaks.compared else []),
+    ]
     return table(columns, rows, range(1, len(columns))) if rows else ""
 
 
@@ -94,5 +102,6 @@ def _note(peaks: StressPeaks) -> str:
         "The stress of a block is its mean over the block, which follows from the forces on it; it hides bending, and what a contact does "
         "near it. At the edge of a joint it is that of a linear distribution without tension; where the force stands within 1 % of the "
         f"depth from an edge, rigid blocks leave no finite value.{taken if peaks.compared else ''} Where several distributions of force "
-        "are possible, as in an arch at rest, the run found one. Nothing crushes in the computation.</p>"
+        "are possible, as in walls and in an arch at rest, the run found one; where joints are rigid, the place of the force in a closed "
+        "joint is one of many, that in an open hinge is not. Nothing crushes in the computation.</p>"
     )

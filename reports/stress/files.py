@@ -80,6 +80,7 @@ def stress_summary(results: Results, peaks: StressPeaks) -> dict[str, Any]:
         "tension_max_block": names[pulled],
         "tension_max_time": float(peaks.tension_time[pulled]),
         "joints_at_edge": int(np.isinf(peaks.edge).sum()),
+        "joints_at_edge_open": int(peaks.open_at_edge.sum()),
     }
     if np.isfinite(peaks.finite_edge).any():
         joint = int(np.nanargmax(peaks.finite_edge))
@@ -102,6 +103,7 @@ def _against_strength(results: Results, peaks: StressPeaks) -> dict[str, Any]:
         "blocks_above": len(above),
         "blocks_above_names": [names[b] for b in above[:NAMED]],
         "joints_above": len(cut),
+        "joints_above_open": int(peaks.open_above.sum()),
         "joints_above_numbers": cut[:NAMED].tolist(),
         "crushed_share_max": float(np.nanmax(peaks.crushed_share)) if np.isfinite(peaks.crushed_share).any() else None,
     }
@@ -127,8 +129,11 @@ def stress_lines(found: Mapping[str, Any]) -> list[str]:
         where = " - ".join(found["edge_max_blocks"])
         parts.append(f"largest finite compression at the edge of a joint {pressure(found['edge_max'])}, {where}")
     if found["joints_at_edge"]:
-        many = f"{found['joints_at_edge']} joint{'s' if found['joints_at_edge'] > 1 else ''}"
-        parts.append(f"in {many} the force came to an edge, where rigid blocks leave no finite stress")
+        many, open_ones = found["joints_at_edge"], found["joints_at_edge_open"]
+        parts.append(
+            f"in {many} joint{'s' if many > 1 else ''} the force came to an edge, where rigid blocks leave no finite stress; "
+            f"{open_ones or 'none'} of them {'was' if open_ones == 1 else 'were'} open then"
+        )
     if parts:
         lines.append("; ".join(parts))
     return [*lines, *_strength_lines(found.get("strength"))]
@@ -140,6 +145,7 @@ def _strength_lines(found: Mapping[str, Any] | None) -> list[str]:
         return []
     blocks = f"{found['blocks_above'] or 'none'} of {found['blocks_compared']} blocks"
     joints = f"{found['joints_above'] or 'none'} of {found['joints_compared']} joints"
+    joints += f" ({found['joints_above_open'] or 'none'} of them while open)" if found["joints_above"] else ""
     share = found["crushed_share_max"]
     took = "" if share is None else f"; spread at that strength, the largest force takes {share_in_words(share)} of its joint"
     return [f"strength: {blocks} by their mean and {joints} by their edge come above it{took}"]

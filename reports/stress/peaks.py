@@ -7,6 +7,9 @@ strength f then says is how much of the joint the force N takes at the least, sp
 
     crushed share = N / (f A),        A the area of the joint; the hinge moves in by half of that share of the joint's depth.
 
+Where joints are rigid, the place of the force in a joint that is closed is not unique in a hyperstatic structure: a run finds one, often at
+an edge. In a hinge that gapes it is. So joints above their strength, or with a force at an edge, are told apart by whether they were open.
+
 All values are means over the time between two frames, so the largest are over all steps of the run, but of these means: what rises and
 falls within a frame is averaged. Nothing crushes in the run itself. The strength of a joint is the lower one of its two blocks.
 """
@@ -24,6 +27,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.io.layout import EDGE_STRESS, MEAN_NORMAL_FORCE
 from masonry_cd.io.results import Results
 from masonry_cd.model.strength import strength_by_group
+from reports.settings import report_of
 
 NOTHING = 1e-6  # share of the largest compression below which a tension is rounding
 AT_ONCE = 256  # frames that are read together
@@ -43,6 +47,9 @@ class StressPeaks:
         edge: (J,) largest compression of each joint, infinite where its force came to an edge [Pa].
         edge_time: (J,) [s]; the first of equals.
         finite_edge: (J,) largest compression of each joint while that was finite [Pa].
+        open_above: (J,) joints that came above their strength, or, where none is given, to an edge, while they were open.
+        closed_above: (J,) joints that did so only while they were closed.
+        open_at_edge: (J,) joints whose force came to an edge while they were open.
         force: (J,) largest normal force [N].
         force_time: (J,) [s].
         block_strength: (B,) NaN where there is none [Pa].
@@ -58,6 +65,9 @@ class StressPeaks:
     edge: np.ndarray
     edge_time: np.ndarray
     finite_edge: np.ndarray
+    open_above: np.ndarray
+    closed_above: np.ndarray
+    open_at_edge: np.ndarray
     force: np.ndarray
     force_time: np.ndarray
     block_strength: np.ndarray
@@ -88,11 +98,6 @@ class StressPeaks:
     def compared(self) -> bool:
         """Whether any block has a strength."""
         return bool(np.isfinite(self.block_strength).any())
-
-    @property
-    def strong_joints(self) -> np.ndarray:
-        """(J,) joints to be pointed out: above their strength, or, where there is none to compare with, with a force at an edge."""
-        return self.joint_ratio > 1.0 if self.compared else np.isinf(self.edge)
 
 
 def require_stress(results: Results) -> None:
@@ -137,7 +142,9 @@ def stress_peaks(results: Results) -> StressPeaks:
     require_stress(results)
     blocks, joints, time = len(results.blocks), results.joints.count, np.asarray(results.time, dtype=float)
     largest = {name: _Largest(n) for name, n in (("compression", blocks), ("tension", blocks), ("edge", joints), ("force", joints))}
-    finite = _Largest(joints)
+    finite, above = _Largest(joints), np.zeros((3, joints), dtype=bool)  # at all, while open; at an edge while open
+    of_block, of_joint = strengths(results)
+    opened = report_of(results.scene).opened
     for first in range(1, results.frames, AT_ONCE):  # the first frame is before any step
         last = min(first + AT_ONCE, results.frames)
         values = principal(np.asarray(results.stress[first:last], dtype=float))
@@ -147,12 +154,18 @@ def stress_peaks(results: Results) -> StressPeaks:
         largest["edge"].take(edge, time[first:last])
         largest["force"].take(np.asarray(results.file[f"joints/{MEAN_NORMAL_FORCE}"][first:last], dtype=float), time[first:last])
         finite.take(np.where(np.isinf(edge), np.nan, edge), time[first:last])
+        gaping, over = np.asarray(results.file["joints/opening"][first:last]) >= opened, above_limit(edge, of_joint)
+        above |= np.stack([over, over & gaping, np.isinf(edge) & gaping]).any(axis=1)
     found = {name: item.value for name, item in largest.items()} | {f"{name}_time": item.time for name, item in largest.items()}
-    of_block, of_joint = strengths(results)
     interval = float(np.diff(time).mean()) if len(time) > 1 else float("nan")
-    return StressPeaks(
-        interval=interval, finite_edge=finite.value, block_strength=of_block, joint_strength=of_joint, area=results.joints.area, **found
-    )
+    found |= {"finite_edge": finite.value, "open_above": above[1], "closed_above": above[0] & ~above[1], "open_at_edge": above[2]}
+    found |= {"block_strength": of_block, "joint_strength": of_joint, "area": results.joints.area}
+    return StressPeaks(interval, **found)
+
+
+def above_limit(edge: np.ndarray, strength: np.ndarray) -> np.ndarray:
+    """Where edges (..., J) come above their strength (J,); where no joint has one, whether the force is at an edge."""
+    return edge > strength if np.isfinite(strength).any() else np.isinf(edge)
 
 
 class _Largest:

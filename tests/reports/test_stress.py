@@ -118,11 +118,11 @@ def test_a_strength_asks_for_the_report_and_names_what_lies_above_it(tmp_path):
     lower = dict(zip(map(frozenset, names), peaks.joint_strength.tolist(), strict=True))
     assert lower[frozenset({"base", "b0"})] == 3.0e4 and lower[frozenset({"b0", "b1"})] == 2.8e4  # the lower of both
     assert lower[frozenset({"b1", "b2"})] == 2.8e4 and np.isnan(lower[frozenset({"b2", "b3"})])
-    above = [frozenset(names[j]) for j in np.flatnonzero(peaks.strong_joints)]
+    above = [frozenset(names[j]) for j in np.flatnonzero(peaks.closed_above)]  # nothing opens
     assert set(above) == {frozenset({"base", "b0"}), frozenset({"b0", "b1"})} and found["joints_above"] == 2
     assert found["crushed_share_max"] == pytest.approx(weight_above(0) / 3.0e4, rel=1e-6)
     told = next(line for line in closing_lines(summary) if line.startswith("strength"))
-    assert told.startswith("strength: 1 of 2 blocks by their mean and 2 of 3 joints by their edge come above it")
+    assert told.startswith("strength: 1 of 2 blocks by their mean and 2 of 3 joints (none of them while open) by their edge come above it")
 
 
 def test_nothing_is_kept_that_is_not_asked_for(tmp_path):
@@ -216,7 +216,8 @@ def test_peaks_are_over_all_frames_each_with_its_time(by_hand):
     assert peaks.tension[1:] == pytest.approx([middle + radius, 5e3])
     assert np.isinf(peaks.edge[1]) and peaks.edge[0] == 2e5 and peaks.finite_edge.tolist() == [2e5, 1e5]
     assert peaks.edge_time == pytest.approx([0.1, 0.2])
-    assert found["joints_at_edge"] == 1 and peaks.strong_joints.tolist() == [False, True]
+    assert found["joints_at_edge"] == 1 and peaks.closed_above.tolist() == [False, True]
+    assert not peaks.open_above.any() and found["joints_at_edge_open"] == 0
     assert "in 1 joints" not in " ".join(stress_lines(found)) and "in 1 joint the force came to an edge" in " ".join(stress_lines(found))
 
 
@@ -229,7 +230,7 @@ def test_the_map_colours_blocks_by_class(by_hand):
         whole, last = Pressed.of(results, None), Pressed.of(results, 2)
         facts, arrays = colours(results, np.array([0, 2]))
     assert whole.compression[1] > 2e5 and last.compression[1] == 0.0 and last.compression[2] == 1e5
-    assert last.strong.tolist() == whole.strong.tolist() == [False, True]
+    assert last.closed_above.tolist() == whole.closed_above.tolist() == [False, True]
     assert arrays["pressed"][0].tolist() == [0, 0, 0] and arrays["pressed"][1, 0] == 0 and arrays["pressed"][1, 1] == 1
     assert arrays["pressed_most"][1] == len(facts["compression"]["colours"])
 
