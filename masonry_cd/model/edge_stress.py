@@ -33,7 +33,9 @@ from masonry_cd.model.polygon import clip_into
 from masonry_cd.model.state import State, rotation_matrices
 
 AT_EDGE = 0.01  # share of a joint's depth, across the nearest side, within which a force is at its edge
-UNLOADED = 10.0  # mean pressure below which a joint counts as unloaded, that of half a millimetre of stone [Pa]
+UNLOADED = (
+    500.0  # mean pressure up to which a joint counts as unloaded, that of 2 cm of stone: less is of no strength, and near rounding [Pa]
+)
 STAYS = 1e-12  # change of the compressed area, as a share of it, up to which it stays
 MOST = 200  # rounds; each leaves two thirds of a length that is too long
 

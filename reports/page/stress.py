@@ -83,7 +83,7 @@ def _joints(results: Results, peaks: StressPeaks) -> str:
     columns = [
         "joint",
         "largest edge compression",
-        "joint",
+        "above while",
         "at [s]",
         "largest mean pressure",
         *(["taken at strength"] if peaks.compared else []),
@@ -103,5 +103,5 @@ def _note(peaks: StressPeaks) -> str:
         "near it. At the edge of a joint it is that of a linear distribution without tension; where the force stands within 1 % of the "
         f"depth from an edge, rigid blocks leave no finite value.{taken if peaks.compared else ''} Where several distributions of force "
         "are possible, as in walls and in an arch at rest, the run found one; where joints are rigid, the place of the force in a closed "
-        "joint is one of many, that in an open hinge is not. Nothing crushes in the computation.</p>"
+        "joint is one of many, that in an open hinge is not; elastic joints fix it. Nothing crushes in the computation.</p>"
     )

@@ -125,9 +125,9 @@ def stress_lines(found: Mapping[str, Any]) -> list[str]:
         f"{pressure(found['compression_max'])} in {found['compression_max_block']} at {found['compression_max_time']:.3g} s{pulled}"
     ]
     parts = []
-    if "edge_max" in found:
+    if "edge_max" in found and not found["joints_at_edge"]:
         where = " - ".join(found["edge_max_blocks"])
-        parts.append(f"largest finite compression at the edge of a joint {pressure(found['edge_max'])}, {where}")
+        parts.append(f"largest compression at the edge of a joint {pressure(found['edge_max'])}, {where}")
     if found["joints_at_edge"]:
         many, open_ones = found["joints_at_edge"], found["joints_at_edge_open"]
         parts.append(

@@ -177,6 +177,15 @@ def test_a_resumed_run_has_the_stress_of_an_unbroken_one(tmp_path, after):
     assert one == other and STRESS in one
 
 
+def test_keeping_stress_changes_no_bit_of_the_rest(tmp_path):
+    for stress in ("true", "false"):
+        (tmp_path / stress).mkdir()
+        run_case(prepare(scene(tmp_path / stress, amplitude=0.3, duration=0.3, stress=stress)), tmp_path / stress / "out")
+    kept, plain = (contents(tmp_path / stress / "out" / "result.h5") for stress in ("true", "false"))
+    assert {name for name in kept if name not in plain} == {STRESS, f"joints/{EDGE_STRESS}", f"joints/{MEAN_NORMAL_FORCE}"}
+    assert all(kept[name] == values for name, values in plain.items())
+
+
 def made(path: Path, stress: np.ndarray, edge: np.ndarray) -> Path:
     """A result of two blocks on a base with stresses (F, 3, 6) and edges (F, 2) put in by hand."""
     from made_run import box
