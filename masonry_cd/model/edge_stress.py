@@ -1,8 +1,8 @@
 r"""The largest compression of a joint, from the resultant of its normal forces: linear over its area, without tension.
 
 The points of contact of rigid blocks carry forces; how stress spreads between them the model does not say. Engineers take it linear over
-the joint, and zero where it would be tension (Navier; Heyman, The Stone Skeleton, 1995; the linear distribution of Eurocode 6, EN 1996-1-1,
-for cracked sections). The stress at a place X of the joint's plane is then
+the joint, and zero where it would be tension (Navier; Heyman, The Stone Skeleton, 1995; EN 1996-1-1, 6.2, for the compressed part of a
+wall). The stress at a place X of the joint's plane is then
 
     s(X) = max(0, a + b . X),        int s dA = N,   int s X dA = N X_N,
 
@@ -33,9 +33,7 @@ from masonry_cd.model.polygon import clip_into
 from masonry_cd.model.state import State, rotation_matrices
 
 AT_EDGE = 0.01  # share of a joint's depth, across the nearest side, within which a force is at its edge
-UNLOADED = (
-    500.0  # mean pressure up to which a joint counts as unloaded, that of 2 cm of stone: less is of no strength, and near rounding [Pa]
-)
+UNLOADED = 500.0  # mean pressure up to which a joint counts as unloaded, that of 2 cm of stone [Pa]
 STAYS = 1e-12  # change of the compressed area, as a share of it, up to which it stays
 MOST = 200  # rounds; each leaves two thirds of a length that is too long
 

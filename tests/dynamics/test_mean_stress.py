@@ -252,3 +252,25 @@ def test_no_impulse_of_a_rocking_column_is_left_out():
     assert apart > 0 and abs(carried) > 1e-5 * GRAVITY * mass.sum() * span
     assert force.max() * span + carried == pytest.approx(GRAVITY * mass.sum() * span + momentum, rel=1e-9)
     assert abs(carried) < 0.5 * apart * GRAVITY * mass.sum() * dt  # as bounded
+
+
+def test_the_mean_over_an_impact_does_not_depend_on_the_time_step():
+    """A block falls by 6 cm onto the ground, within the frame of 20 ms that begins after 0.1 s: all its momentum goes into that frame."""
+    side, span, before = 0.5, 0.02, 0.1
+    expected = -0.5 * 2000.0 * side * GRAVITY * (before + span) / span  # half of the pressure at its foot
+    found, forces = [], []
+    for dt in (2e-3, 1e-3, 5e-4):
+        steps = round((before + span) / dt)
+        machine = stepper([ground(), box("b", (-0.5, -0.5, 0.06), (0.5, 0.5, 0.06 + side))], steps, dt=dt, solver="auto")
+        record, largest = MeanStress(machine, find_joints(machine.assembly)), 0.0
+        for k in range(steps):
+            if k == round(before / dt):
+                assert not record.stresses()[1].any()  # it flies
+                record.begin()
+            machine.step()
+            record.take_step(np.full(len(machine.detector.pairs), -1))
+            largest = max(largest, float(machine.solution.impulse[:, 0].sum()) / dt)
+        found.append(record.stresses()[1, ZZ])
+        forces.append(largest)
+    assert found == pytest.approx([expected] * 3, rel=2e-3)
+    assert forces[2] > 2.0 * forces[0] > 20.0 * 2000.0 * side * GRAVITY  # of a step: it grows as steps shrink
