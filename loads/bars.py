@@ -87,7 +87,7 @@ class Forces:
                 np.add.at(out, self._ends[:, end], np.concatenate([pull, np.cross(arms[:, end], pull)], axis=1))
         return out
 
-    def dyads(
+    def virial(
         self,
         position: np.ndarray,
         rotation: np.ndarray,
@@ -96,18 +96,19 @@ class Forces:
         ticks: int = 1,
         yielded: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Sum over the forces on every block of force, world frame, times its place from the centre, body frame, (B, 3, 3) [N m].
+        """Sum over the forces on each block of force (x) arm from the centre of mass, (B, 3, 3) [N m], in the world frame.
 
-        Arguments as of :meth:`wrench`. It is what strains a block.
+        Arguments as of :meth:`wrench`.
         """
         out = np.zeros((len(position), 3, 3))
         for load in self.points:
-            out[load.block] += np.outer(load.factor[step : step + ticks].mean() * load.force, load.arm)
+            force = load.factor[step : step + ticks].mean() * load.force
+            out[load.block] += np.outer(force, np.sum(rotation[load.block] * load.arm, axis=1))
         if self.ties:
-            tension, along, _ = self._pull(position, rotation, velocity, yielded)
+            tension, along, arms = self._pull(position, rotation, velocity, yielded)
             force = tension[:, None] * along
             for end, pull in enumerate((force, -force)):
-                np.add.at(out, self._ends[:, end], pull[:, :, None] * self._arms[:, end, None, :])
+                np.add.at(out, self._ends[:, end], pull[:, :, None] * arms[:, end, None, :])
         return out
 
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:

@@ -23,6 +23,16 @@ def force(value: float) -> str:
     return f"{value:.3g} N"
 
 
+def pressure(value: float) -> str:
+    """A stress with the prefix that reads best: ``1.05 MPa``, ``12 kPa``, ``0.3 Pa``; ``infinite`` where it is."""
+    if math.isinf(value):
+        return "infinite"
+    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
+        if abs(value) >= factor * 0.9995:
+            return f"{value / factor:.3g} {prefix}Pa"
+    return f"{value:.3g} Pa"
+
+
 def in_words(seconds: float) -> str:
     """A time span: ``0.24 s``, ``12.3 s``, ``4 min 5 s``, ``2 h 10 min``."""
     if seconds < 1:

@@ -118,6 +118,37 @@ def draw_animation(results: Results, path: Path, settings: Report, progress: Cal
     return animation(results, path, style_of(settings), progress=progress)
 
 
+def write_stress(
+    results: Results, folder: Path, settings: Report, time: float | None = None, drawn: bool = True
+) -> tuple[list[Path], dict[str, Any]]:
+    """Write stress.csv, joint_stress.csv and, where it is to be ``drawn``, the stress map, of the whole run or at a time [s].
+
+    Returns:
+        the files, and the summary's share.
+
+    Raises:
+        InputError: the run kept no stress.
+    """
+    from reports.stress.files import stress_summary, write_stress
+    from reports.stress.peaks import stress_peaks
+
+    peaks = stress_peaks(results)
+    written = write_stress(results, peaks, folder)
+    found = stress_summary(results, peaks)
+    if drawn and found:
+        written += draw_stress_map(results, folder, settings, time)
+    return written, found
+
+
+def draw_stress_map(results: Results, folder: Path, settings: Report, time: float | None = None) -> list[Path]:
+    """Draw the stress map, of the whole run or at a time [s], as polygons as well where the settings ask for them; return the files."""
+    from reports.maps import stress_map
+
+    frame, style, path = None if time is None else frame_at(results, time), style_of(settings), folder / stress_map.FILE
+    stress_map.stress_sheet(results, frame, style).save(path)
+    return [path, *(stress_map.vector_stress_maps(results, folder, frame, style) if settings.vector else [])]
+
+
 def write_extra(results: Results, folder: Path, names: Sequence[str]) -> list[Path]:
     """Write further reports by their names in :data:`reports.extra.EXTRA`; return the files."""
     written: list[Path] = []
@@ -152,6 +183,8 @@ def write_asked(results: Results, folder: Path, settings: Report, summary: Mappi
             more["parts"] = in_short(damage.parts)
         if settings.html:
             write_page(results, folder / PAGE, settings, summary, damage)
+    if results.has_stress:
+        more["stress"] = write_stress(results, folder, settings)[1]
     if settings.crack_map:
         draw_crack_map(results, folder / "crack_map.png", settings)
     if settings.vector:

@@ -7,9 +7,11 @@ Two meshes, each with its own file, so that either can be switched off: ``blocks
   stored once: NumberOfPoints and the like have one entry, PartOffsets and CellOffsets are zero, and only points and data advance.
 - ``pvd``: blocks.pvd and joints.pvd, lists of one .vtp file per time, for older readers.
 
-Arrays: of points ``displacement`` relative to the base [m]; of block faces ``block``, ``group``, ``fixed``, ``fallen``, ``velocity`` [m/s];
-of joints ``joint``, ``block_a``, ``block_b``, ``area`` [m2], ``opening``, ``sliding`` [m], ``rotation`` [rad], ``contact_area`` [m2],
-``normal_force``, ``shear_force`` [N], ``force_point`` in the world frame [m] and ``state`` (0 intact, 1 opened, 2 slid, 3 separated, at
+Arrays: of points ``displacement`` relative to the base [m]; of block faces ``block``, ``group``, ``fixed``, ``fallen``, ``velocity`` [m/s],
+and, where the run kept it, ``stress`` (xx yy zz xy yz xz, ParaView's symmetric tensor) and ``principal_stress``, the largest tension first
+[Pa], means over the block since the time before; of joints ``joint``, ``block_a``, ``block_b``, ``area`` [m2], ``opening``, ``sliding``
+[m], ``rotation`` [rad], ``contact_area`` [m2], ``normal_force``, ``shear_force`` [N], likewise ``edge_stress`` [Pa], NaN where the force is
+at an edge and the stress infinite, ``force_point`` in the world frame [m] and ``state`` (0 intact, 1 opened, 2 slid, 3 separated, at
 that time). ``names.csv`` lists the names of blocks and groups by their numbers: as field data that lasts through all times, VTK 9.7
 fails to read texts from VTKHDF.
 """
@@ -28,12 +30,13 @@ from masonry_cd.atomic import replacing
 from masonry_cd.csv_files import write_csv
 from masonry_cd.errors import InputError
 from masonry_cd.io.hdf5_file import created
-from masonry_cd.io.layout import JOINT_HISTORIES
+from masonry_cd.io.layout import EDGE_STRESS, JOINT_HISTORIES
 from masonry_cd.io.results import Results
 from masonry_cd.model.state import rotation_matrices
 from reports.damage.definitions import Thresholds, classify
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, base_shift, joint_corners, solids_of
+from reports.stress.peaks import principal
 
 Format = Literal["vtkhdf", "pvd"]
 Arrays = dict[str, np.ndarray]
@@ -93,7 +96,11 @@ def _blocks(results: Results, thresholds: Thresholds) -> Mesh:
         down = DamageSnapshot.at(results, frame, thresholds).down
         velocity = np.asarray(results.velocity[frame, :, :3])
         faces = solids.face_block
-        return points, {"displacement": moved}, {"fallen": down[faces].astype(np.uint8), "velocity": velocity[faces]}
+        data = {"fallen": down[faces].astype(np.uint8), "velocity": velocity[faces]}
+        if results.has_stress:
+            stress = np.asarray(results.stress[frame], dtype=float)
+            data |= {"stress": stress[faces], "principal_stress": principal(stress)[faces]}
+        return points, {"displacement": moved}, data
 
     return Mesh(
         name="blocks",
@@ -119,6 +126,9 @@ def _joints(results: Results, thresholds: Thresholds) -> Mesh:
         on_a, on_b = joint_corners(joints, solids, snapshot.pose)
         points = (on_a + on_b) / 2.0
         data: Arrays = {name: results.joints_at(name, frame) for name in histories}
+        if results.has_stress:
+            edge = results.joints_at(EDGE_STRESS, frame)
+            data[EDGE_STRESS] = np.where(np.isinf(edge), np.nan, edge)  # or no range of colours would fit
         data["state"] = classify(snapshot.opening, snapshot.sliding, snapshot.separated, thresholds).astype(np.uint8)
         return points + base_shift(results, solids, position), {"displacement": points - joints.polygon}, data
 

@@ -54,6 +54,7 @@ def write_run(
     histories: Mapping[str, np.ndarray] | None = None,
     ended: bool = False,
     every: int = 0,
+    stress: np.ndarray | None = None,
 ) -> Path:
     """Write a result with one frame per state, 0.1 s apart; without peaks it is the file of a run that was killed,
     and with a scene it is one that was cut off unless it has ``ended``.
@@ -61,7 +62,7 @@ def write_run(
     With ``every``, each state is that of a step, the first of all left out, and only every so many become frames; without it, largest
     drifts and hinges are not noted, as by older versions.
 
-    ``histories`` (F, J) or (F, J, 3) of the joints by name come beside those that are measured.
+    ``histories`` (F, J) or (F, J, 3) of the joints by name come beside those that are measured, ``stress`` (F, B, 6) of the blocks.
     """
     assembly = Assembly.from_blocks(blocks, 0.6)
     joints = find_joints(assembly)
@@ -81,6 +82,8 @@ def write_run(
             writer.append({"time": 0.1 * k, "position": state.position, "orientation": state.orientation, "velocity": state.velocity})
             writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
             writer.append({f"joints/{name}": rows[k] for name, rows in (histories or {}).items()})
+            if stress is not None:
+                writer.append({"stress": stress[k]})
         if ended:
             writer.write_closing('{"stopped": ""}')
         writer.flush()

@@ -27,6 +27,7 @@ from masonry_cd.jit import why_nothing_is_kept
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State
+from masonry_cd.model.strength import strength_by_group
 from masonry_cd.solvers import cores
 
 if TYPE_CHECKING:
@@ -150,6 +151,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     structure = structure or structure_of(scene)
     try:
         limit_table(scene.limit)
+        strength_by_group(scene.material.compressive_strength, structure.assembly.groups)
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 
@@ -171,7 +173,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     with said_if_slow(f"compiling the kernels{', once' if keeps() else ''}: this takes {for_good if keeps() else again}"):
         joints, built = structure.joints, structure.built_gap
         planar = _is_planar(assembly, loading, scene.run)
-        compile_kernels(scene.run.solver, planar, bool(assembly.laws.by_area.any()))
+        compile_kernels(scene.run.solver, planar, bool(assembly.laws.by_area.any()), scene.stress)
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = structure.falling if gravity else []

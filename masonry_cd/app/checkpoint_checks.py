@@ -10,6 +10,7 @@ import numpy as np
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.arrays import Stored
 from masonry_cd.dynamics.adaptive import AdaptiveSteps
+from masonry_cd.dynamics.mean_stress import check_sums
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
 from masonry_cd.io.layout import JOINT_PEAKS
@@ -18,7 +19,7 @@ from reports.damage.step_peaks import UNKNOWN, shapes
 NUMBERS = {"frames": int, "quiet": int, "mark": str, "rows": dict, "report": dict, "format": int}
 
 
-def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], stepper: Stepper, joints: int) -> None:
+def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], stepper: Stepper, joints: int, stress: bool) -> None:
     """Check the content of a checkpoint.
 
     Args:
@@ -26,6 +27,7 @@ def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], 
         numbers: of the checkpoint.
         stepper: of the scene.
         joints: J.
+        stress: the run keeps stress.
 
     Raises:
         InputError: names what is not so.
@@ -47,6 +49,8 @@ def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], 
         peaks.real(name, joints, finite=name != "first_opening_time")
     peaks.nothing_else()
     _check_step_peaks(stored.part("step_peaks"), stepper, joints)
+    if stress:
+        check_sums(stored.part("stress"), stepper.assembly.count, joints)
     if stepper.settings.adaptive:
         AdaptiveSteps(stepper).check(stored.part("pace"))
     stored.nothing_else()

@@ -13,13 +13,15 @@ from masonry_cd.model.joints import Joints
 NUMBER = 8  # bytes
 OF_BLOCK = 3 + 4 + 6  # numbers of a frame: position, orientation, velocity
 OF_STRAIN = 9  # those of its gradient, where blocks deform
+OF_STRESS = (6, 2)  # numbers of a frame: of a block, and of a joint
 OF_JOINT = 6 + 3  # numbers of a frame: six histories and the place of the force, see io/results.py; a tenth where joints are bonded
 
 
-def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int) -> float:
-    """About how large result.h5 will be, its ties and shocks apart [B]."""
+def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int, stress: bool = False) -> float:
+    """About how large result.h5 will be, its ties and shocks apart [B]; ``stress``: it keeps stress."""
     of_block = OF_BLOCK + (0 if assembly.deformation is None else OF_STRAIN)
     frame = 1 + of_block * assembly.count + (OF_JOINT + bool(assembly.laws.apex.any())) * joints.count
+    frame += (OF_STRESS[0] * assembly.count + OF_STRESS[1] * joints.count) * stress
     return float(NUMBER) * (frame * frames + len(STEP_FIELDS) * steps)
 
 

@@ -8,10 +8,12 @@ import numpy as np
 
 from masonry_cd.contact.find_joints import joint_parts
 from masonry_cd.dynamics.energy import ENERGIES
+from masonry_cd.dynamics.mean_stress import MeanStress
 from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.dynamics.pauses import ALIKE, Aftermath
-from masonry_cd.io.layout import BONDED, CLOSING, GRADIENT, JOINT_PEAKS, SHOCK_PEAKS
+from masonry_cd.io.layout import BONDED, CLOSING, EDGE_STRESS, GRADIENT, JOINT_PEAKS, MEAN_NORMAL_FORCE, SHOCK_PEAKS, STRESS
 from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.model.edge_stress import edge_stresses
 from masonry_cd.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
 from reports.damage.step_peaks import StepPeaks
 
@@ -24,12 +26,21 @@ NAME_BYTES = 160  # of a shock, in UTF-8: 40 letters of any script
 
 
 class Recorder:
-    """Writes what the run yields: scalars of every step, frames at the chosen rate, peaks of the joints."""
+    """Writes what the run yields: scalars of every step, frames at the chosen rate, peaks of the joints; where it is asked for, stress.
 
-    def __init__(self, writer: ResultWriter, stepper: Stepper, joints: Joints, shocks: bool = False) -> None:
+    Args:
+        writer: of the result file.
+        stepper: at the start of the run.
+        joints: of its assembly at rest.
+        shocks: the loads come as shocks in a row.
+        stress: keep the stress of blocks and joints.
+    """
+
+    def __init__(self, writer: ResultWriter, stepper: Stepper, joints: Joints, shocks: bool = False, stress: bool = False) -> None:
         self._writer, self._stepper, self._joints = writer, stepper, joints
         self.frames = 0
         self.peaks = JointPeaks(joints)
+        self.stress = MeanStress(stepper, joints) if stress else None
         support = staying_support(stepper, joints)
         self.step_peaks = StepPeaks(stepper.assembly, joints, support)
         writer.begin_step_peaks(self.step_peaks.arrays, support)
@@ -56,6 +67,8 @@ class Recorder:
         now = measure_joints(self._joints, stepper.assembly, stepper.state)
         self.peaks.update(now, stepper.state.time)
         self.step_peaks.update(now, stepper.state)
+        if self.stress is not None:
+            self.stress.take_step(self._joint_of_pairs())
         return now
 
     def frame(self, now: JointMeasures) -> None:
@@ -68,9 +81,21 @@ class Recorder:
         writer.append({f"joints/{name}": getattr(now, name) for name in ("opening", "sliding", "rotation", "contact_area")})
         force, point = self._stepper.joint_forces(self._joint_of_pairs(), self._joints.count)
         writer.append({"joints/normal_force": force[0], "joints/shear_force": force[1], "joints/force_point": point})
+        bonded = np.zeros(self._joints.count)
         if self._stepper.assembly.laws.apex.any():
-            writer.append({f"joints/{BONDED}": self._stepper.joint_bonds(self._joint_of_pairs(), self._joints)})
+            bonded = self._stepper.joint_bonds(self._joint_of_pairs(), self._joints)
+            writer.append({f"joints/{BONDED}": bonded})
+        if self.stress is not None:
+            self._stress_frame(self.stress, bonded > 0.0)
         self.frames += 1
+
+    def _stress_frame(self, stress: MeanStress, bonded: np.ndarray) -> None:
+        """Write the stress since the last frame; ``bonded`` (J,) are joints that carry tension."""
+        force, moment = stress.joint_forces()
+        edge = edge_stresses(self._joints, self._stepper.assembly, self._stepper.state, force, moment, bonded)
+        own = {f"joints/{MEAN_NORMAL_FORCE}": force, f"joints/{EDGE_STRESS}": edge}
+        self._writer.append({STRESS: stress.stresses()} | own)
+        stress.begin()
 
     def shock(self, shock: Aftermath) -> None:
         """Write when a shock acted, the frame at the end of its rest, and the peaks of the joints so far."""

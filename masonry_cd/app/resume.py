@@ -38,7 +38,7 @@ def choose(case: Case, stepper: Stepper, results: Path, saved: Path) -> str:
         require_same(digests(case), found.inputs, results)
 
         def fits(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
-            check_content(arrays, numbers, stepper, case.joints.count)
+            check_content(arrays, numbers, stepper, case.joints.count, case.scene.stress)
             require_rows(found, numbers["rows"], numbers["mark"])
 
         return checkpoint.mend(saved, fits)

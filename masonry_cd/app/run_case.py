@@ -41,6 +41,7 @@ RESULTS = "result.h5"
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
     "damage_shocks.csv", "ties.csv", "crack_map.png", "crack_map.svg", "crack_map.pdf", "crack_map.gif", "report.html", "report.pdf",
+    "stress.csv", "joint_stress.csv", "stress_map.png", "stress_map.svg", "stress_map.pdf",
 )  # fmt: skip
 
 
@@ -126,7 +127,7 @@ class _Watch:
 
 def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, watch: _Watch, quiet: bool, resume: bool) -> RunReport:
     """Make the steps of a run and write result.h5."""
-    settings, loading = case.scene.run, case.loading
+    scene, settings, loading = case.scene, case.scene.run, case.loading
     paused = loading.shocks or loading.pauses
     pauses = Pauses(case.assembly, loading.pauses, loading.shocks, case.steps) if paused else None
     costs = StepCosts(shaking_classes(loading.support_velocity[: settings.steps + 1], settings.dt), settings.adaptive)
@@ -137,7 +138,7 @@ def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, watc
         watch.check()
 
     with show:
-        return run_steps(stepper, case.joints, writer, case.steps, settings.frame_every, progress, saved, resume, pauses)
+        return run_steps(stepper, case.joints, writer, case.steps, settings.frame_every, progress, saved, resume, pauses, scene.stress)
 
 
 def _write_damage(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
@@ -153,7 +154,7 @@ def _write_damage(case: Case, folder: Path, summary: dict[str, Any], since: floa
 
 def _write_asked(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:
     """Write the tables, pictures and the page that the scene asks for; return the summary with what they add."""
-    if case.scene.report.asks:
+    if case.scene.report.asks or case.scene.stress:
         from reports import outputs
 
         with Results.open(folder / RESULTS) as results:
@@ -181,7 +182,7 @@ def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: f
 def _fits(case: Case, folder: Path, resume: bool) -> None:
     """Refuse results that do not fit on the disc."""
     settings, file = case.scene.run, folder / RESULTS
-    needed = result_bytes(case.assembly, case.joints, case.steps // settings.frame_every + 2, case.steps)
+    needed = result_bytes(case.assembly, case.joints, case.steps // settings.frame_every + 2, case.steps, case.scene.stress)
     try:
         check_disc_space(folder, needed, float(file.stat().st_size) if resume and file.exists() else 0.0)
     except InputError as error:

@@ -40,6 +40,7 @@ def run(
     save_to: Path | None = None,
     resume: bool = False,
     pauses: Pauses | None = None,
+    stress: bool = False,
 ) -> RunReport:
     """Advance to a number of steps of the loads, ticks where the time step adapts, and write the results as they come.
 
@@ -61,7 +62,7 @@ def run(
     Raises:
         InputError: a checkpoint that is missing, unreadable, or of another scene.
     """
-    recorder = Recorder(writer, stepper, joints, pauses is not None and pauses.any_shocks)
+    recorder = Recorder(writer, stepper, joints, pauses is not None and pauses.any_shocks, stress)
     report = RunReport(planar=stepper.plane is not None, fall=_fall(stepper))
     pace = AdaptiveSteps(stepper) if stepper.settings.adaptive else None
     loop = _Loop(stepper, recorder, report, pauses, save_to, pace)
@@ -152,6 +153,7 @@ class _Loop:
         rows, mark = self.recorder.flushed_rows()
         arrays = self.stepper.snapshot() | prefixed("peaks", vars(self.recorder.peaks))
         arrays |= prefixed("step_peaks", self.recorder.step_peaks.arrays)
+        arrays |= {} if self.recorder.stress is None else prefixed("stress", self.recorder.stress.snapshot())
         arrays |= {} if self.pace is None else prefixed("pace", self.pace.snapshot())
         numbers = {"report": asdict(self.report), "rows": rows, "mark": mark, "frames": self.recorder.frames}
         checkpoint.save(path, arrays, numbers | {"quiet": 0 if self.pauses is None else self.pauses.quiet})
@@ -164,7 +166,7 @@ class _Loop:
         """
         arrays, numbers = checkpoint.load(path)
         try:
-            check_content(arrays, numbers, self.stepper, len(self.recorder.peaks.opening))
+            check_content(arrays, numbers, self.stepper, len(self.recorder.peaks.opening), self.recorder.stress is not None)
         except InputError as reason:
             raise InputError(f"{path}: {reason}") from None
         self.stepper.restore(arrays)
@@ -172,6 +174,8 @@ class _Loop:
             self.pace.restore(part("pace", arrays))
         vars(self.recorder.peaks).update(part("peaks", arrays))
         self.recorder.step_peaks.restore(part("step_peaks", arrays))
+        if self.recorder.stress is not None:
+            self.recorder.stress.restore(part("stress", arrays))
         self.recorder.frames = numbers["frames"]
         if self.pauses is not None:
             self.pauses.quiet = numbers["quiet"]

@@ -137,6 +137,11 @@ class Scene:
         graded = self.report.damage or self.report.html
         return graded if self.run.until_still is None else self.run.until_still
 
+    @property
+    def stress(self) -> bool:
+        """Whether the run keeps stress: where a report is asked for, or a strength to compare it with is given."""
+        return self.report.stress or self.material.compressive_strength is not None
+
     def at_fault(self, error: InputError) -> InputError:
         """An error with file and line before it, where its message begins with a key of this scene; else the error itself."""
         message = str(error)

@@ -119,6 +119,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         *_end_lines(s),
         *_part_lines(s),
         *bonds,
+        *_stress_lines(s),
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
         f"largest penetration {length(s['penetration_max'])}{deep}",
         f"solver {solver['name']}{on}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
@@ -158,6 +159,15 @@ def _part_lines(s: dict[str, Any]) -> list[str]:
     from reports.damage.part_files import part_lines
 
     return part_lines(s["parts"])
+
+
+def _stress_lines(s: dict[str, Any]) -> list[str]:
+    """The stress of blocks and joints, where the scene asks for it."""
+    if not s.get("stress"):
+        return []
+    from reports.stress.files import stress_lines
+
+    return stress_lines(s["stress"])
 
 
 def run_warnings(summary: dict[str, Any]) -> list[str]:

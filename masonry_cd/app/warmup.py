@@ -43,12 +43,13 @@ PATIENCE = 60.0  # to wait for the second process, beyond what this one took for
 
 
 @cache
-def compile_kernels(solver: str, planar: bool, by_area: bool) -> None:
-    """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without."""
+def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = False) -> None:
+    """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without;
+    ``stress``: those of the stress of blocks and joints as well."""
     if solver in ("auto", "newton", "interior", "pivoting") and keeps() and not is_kept(planar) and cores() > 1:
         with second_process(planar):
             _shake_cubes("admm", planar, by_area)
-    _shake_cubes(solver, planar, by_area)
+    _shake_cubes(solver, planar, by_area, stress)
     islands.compile_kernels()
 
 
@@ -57,7 +58,7 @@ def keeps() -> bool:
     return has_cache(linearised_bodies)
 
 
-def _shake_cubes(solver: str, planar: bool, by_area: bool) -> None:
+def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False) -> None:
     """The run."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-5)}
@@ -70,7 +71,7 @@ def _shake_cubes(solver: str, planar: bool, by_area: bool) -> None:
     gravity = np.tile([0.0, 0.0, -9.81], (STEPS + 1, 1))
     settings = Run(dt=STEP, duration=STEPS * STEP, solver=solver, tolerance=1e-300, planar=planar)
     with TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", assembly, joints) as writer:
-        run(Stepper(assembly, shaking, gravity, settings), joints, writer, STEPS)
+        run(Stepper(assembly, shaking, gravity, settings), joints, writer, STEPS, stress=stress)
 
 
 # --- the second process ------------------------------------------------------------------------------------------------------------

@@ -25,6 +25,9 @@ def report(
     animation: Annotated[bool, typer.Option("--animation", help="Draw crack_map.gif, the whole run.")] = False,
     vector: Annotated[bool, typer.Option("--vector", help="Draw crack_map.svg and crack_map.pdf, sharp at any size.")] = False,
     energy: Annotated[bool, typer.Option("--energy", help="Draw energy.png: what was put in, where it went, the balance.")] = False,
+    stress_map: Annotated[
+        bool, typer.Option("--stress-map", help="Draw stress_map.png, at --time, or of the whole run; the run must have kept stress.")
+    ] = False,
     extra: Annotated[list[str] | None, typer.Option(metavar="NAME", help="A further report by its name; as often as needed.")] = None,
     html: Annotated[bool, typer.Option("--html", help="Write report.html, a page that shows the run and needs no network.")] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Print that page to report.pdf, by Chromium where it is installed.")] = False,
@@ -42,10 +45,10 @@ def report(
       masonry-cd report out/aqueduct --html --no-crack-map
     """
     with errors_reported():
-        drawn = crack_map or times is not None or animation or vector
+        drawn = crack_map or times is not None or animation or vector or stress_map
         for name, given in (("--view", view), ("--scale", scale), ("--cut", cut), ("--thrust", thrust)):
             exclude((name, given is not None and not (name == "--scale" and (html or pdf))), ("--no-crack-map", not drawn))
-        exclude(("--time", time is not None), ("--no-crack-map", not crack_map))
+        exclude(("--time", time is not None), ("--no-crack-map", not (crack_map or stress_map)))
         from masonry_cd.io.results import Results
         from reports.settings import report_of
 
@@ -55,7 +58,7 @@ def report(
             from reports import outputs
             from reports.damage import joint_files, part_files
 
-            settings = report_of(results.scene, view=view, scale=scale, cut=cut, thrust=thrust, extra=extra or None)
+            settings = report_of(results.scene, view=view, scale=scale, cut=cut, thrust=thrust, vector=vector or None, extra=extra or None)
             outputs.check_again(settings, results)
             frame = outputs.frame_at(results, time)
             chosen = outputs.parse_times(results, times) if times is not None else []
@@ -65,6 +68,9 @@ def report(
             damage = outputs.damage_of(results, settings)
             typer.echo("\n".join(part_files.part_lines(damage.parts)))
             written = [folder / "joints.csv", *part_files.write_part_damage(damage, folder)]
+            if stress_map or results.has_stress:
+                files, summary["stress"] = outputs.write_stress(results, folder, settings, time, stress_map)
+                written += files
             if not (folder / NAME).exists() and results.closing:
                 if settings.damage:
                     summary["parts"] = part_files.in_short(damage.parts)

@@ -24,7 +24,7 @@ class BlockForces(Protocol):
         Positions (B, 3) [m], rotations (B, 3, 3) body to world, velocities (B, 6) [m/s, rad/s], lasting stretch of the ties (T,) [m].
         """
 
-    def dyads(
+    def virial(
         self,
         position: np.ndarray,
         rotation: np.ndarray,
@@ -33,7 +33,7 @@ class BlockForces(Protocol):
         ticks: int = 1,
         yielded: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Sum over the forces on every block of force, world frame, times its place from the centre, body frame, (B, 3, 3) [N m]."""
+        """Sum over the forces on each block of force (x) arm from the centre of mass, (B, 3, 3) [N m]; arguments as of :meth:`wrench`."""
 
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
         """Largest acceleration [m/s2] by which forces given in time differ from their mean over some steps; masses (B,) [kg]."""

@@ -114,10 +114,10 @@ class Strains:
         """Put values (D, s) in the places of the strain rates among unknowns (F, n)."""
         out[self.free, -len(self.arrays.columns) :] = values
 
-    def forces(self, dyads: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-        """What forces do along the strains, (D, s) [N m]: of dyads (B, 3, 3) of force and place, see ``block_forces.py``."""
-        axes, share, own = self.arrays.axes, self.arrays.share, self.deformation.block
-        t = np.einsum("dki,dlk,dlm,dmj->dij", axes, rotation[own], dyads[own], axes)
+    def forces(self, virial: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        """What forces do along the strains, (D, s) [N m]: of sums of force (x) arm (B, 3, 3), with rotations (B, 3, 3)."""
+        turn, share = self._turned(rotation), self.arrays.share
+        t = np.einsum("dki,dkl,dlj->dij", turn, virial[self.deformation.block], turn)
         i, j = PAIRS.T
         every = np.concatenate([t[:, [0, 1, 2], [0, 1, 2]], share * t[:, i, j] + (1.0 - share) * t[:, j, i]], axis=1)
         return np.asarray(every[:, self.arrays.columns])
@@ -142,12 +142,37 @@ class Strains:
 
     def work(self, before: np.ndarray, after: np.ndarray, v: np.ndarray, v_new: np.ndarray) -> StrainWork:
         """The energies over a step between strains (B, 6) and velocities (F, n)."""
-        theta, beta = self.deformation.theta, self.deformation.retardation
         e, e_new, rate, rate_new = self._own(before), self._own(after), self.rates(v), self.rates(v_new)
-        stretch = theta * e_new + (1.0 - theta) * e + beta[:, None] * (theta * rate_new + (1.0 - theta) * rate)
+        stretch = self._mean(e, e_new) + self.deformation.retardation[:, None] * self._mean(rate, rate_new)
         taken = 0.5 * self.step * float(np.einsum("di,dij,dj->", rate + rate_new, self.stiffness, stretch))
         elastic = [0.5 * float(np.einsum("di,dij,dj->", each, self.stiffness, each)) for each in (e, e_new)]
         return StrainWork(0.5 * float((self.mass * rate_new**2).sum()), elastic[1], elastic[0], taken - (elastic[1] - elastic[0]))
+
+    def stresses(self, at_q_m: np.ndarray, v: np.ndarray, v_new: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        """Stress over a step, viscosity included, of the blocks that deform, (D, 3, 3) [Pa], in the world frame.
+
+        Strains (B, 6) and rotations (B, 3, 3) at q_m; velocities (F, n) at the beginning and the end of the step.
+        """
+        theta, h, rate, rate_new = self.deformation.theta, self.step, self.rates(v), self.rates(v_new)
+        middle = self._own(at_q_m)
+        stretch = self._mean(middle - (1.0 - theta) * h * rate, middle + theta * h * rate_new)
+        stretch += self.deformation.retardation[:, None] * self._mean(rate, rate_new)
+        every = np.zeros((len(middle), 6))
+        every[:, self.arrays.columns] = np.einsum("dij,dj->di", self.stiffness, stretch) / self.deformation.volume[:, None]
+        own, (i, j) = np.zeros((len(middle), 3, 3)), PAIRS.T
+        own[:, [0, 1, 2], [0, 1, 2]] = every[:, :3]
+        own[:, i, j] = own[:, j, i] = every[:, 3:]
+        turn = self._turned(rotation)
+        return np.asarray(np.einsum("dik,dkl,djl->dij", turn, own, turn))
+
+    def _mean(self, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+        """What the force of a step takes of a quantity."""
+        theta = self.deformation.theta
+        return np.asarray(theta * after + (1.0 - theta) * before)
+
+    def _turned(self, rotation: np.ndarray) -> np.ndarray:
+        """Principal axes in the world (D, 3, 3), by column, with rotations (B, 3, 3)."""
+        return np.einsum("dij,djk->dik", rotation[self.deformation.block], self.arrays.axes)
 
     def _own(self, strain: np.ndarray) -> np.ndarray:
         """The unknown strains (D, s) among all (B, 6)."""

@@ -62,6 +62,26 @@ class Plots:
             frame = frame_at(found, time) % found.frames
             return images.fromarray(sheet_of(found, frame, framing(found, [frame], style_of(settings))).pixels())
 
+    def stress_map(self, time: float | None = None, **keys: Any) -> Image:
+        """The structure with its blocks coloured by their compression: the largest of the run, or that at the frame next to a time [s].
+
+        Args:
+            time: of the frame; None: of the whole run, block by block.
+            keys: of ``[report]`` in the place of the scene's: view, scale, cut.
+
+        Raises:
+            InputError: an unknown key, a time outside the run, a cut outside the structure, or a run that kept no stress.
+        """
+        from PIL import Image as images
+
+        from reports.maps.stress_map import stress_sheet
+        from reports.outputs import frame_at, style_of
+
+        settings = parse_table(Report, self._settings.model_dump(exclude_unset=True) | keys, "report")
+        with self._results() as found:
+            frame = None if time is None else frame_at(found, time)
+            return images.fromarray(stress_sheet(found, frame, style_of(settings)).pixels())
+
     def energy(self) -> Figure:
         """What was put in, where it went, and the balance, over time."""
         from reports.extra.energy import energy_figure

@@ -29,6 +29,8 @@ from reports.deformed import solids_of
 from reports.outputs import damage_of, frame_at
 from reports.page.motion import read_motion, rotation_vectors
 from reports.settings import Report, report_of
+from reports.stress.files import block_columns, joint_columns
+from reports.stress.peaks import principal, require_stress, stress_peaks
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -42,7 +44,10 @@ MEASURES = {  # of joints over time, and their units
     "normal_force": "N",
     "shear_force": "N",
     "bonded": "",
+    "mean_normal_force": "N",
+    "edge_stress": "Pa",
 }
+STRESSES = ("xx", "yy", "zz", "xy", "yz", "xz", "s1", "s2", "s3")
 MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 VELOCITIES = ("vx", "vy", "vz", "wx", "wy", "wz")
 PER_STEP = {  # and their types
@@ -234,7 +239,8 @@ class Run:
         """How a measure of the joints goes: a row per frame, a column per joint.
 
         Args:
-            measure: opening, sliding [m], rotation [rad], contact_area [m2], normal_force, shear_force [N], or bonded, a share of the area.
+            measure: opening, sliding [m], rotation [rad], contact_area [m2], normal_force, shear_force [N], or bonded, a share of the area;
+                of runs that kept stress mean_normal_force [N] and edge_stress [Pa], means since the frame before.
 
         Raises:
             InputError: no such measure, or one that the run did not write.
@@ -247,9 +253,53 @@ class Run:
             values = found.joint_history(measure)
         return frame_of(dict(enumerate(values.T)), self.time, "time", unit=MEASURES[measure])
 
+    def stress(self, time: float | None = None) -> DataFrame:
+        """The mean stress of the blocks at the frame next to a time [s], the last one by default; ``attrs["time"]`` is that of the frame.
+
+        A row per block: xx, yy, zz, xy, yz, xz in the world frame, and the principal stresses s1, s2, s3, the largest tension first [Pa]:
+        means over the block, since the frame before. NaN of supports, and before the first step.
+
+        Raises:
+            InputError: a time outside the run, or a run that kept no stress: ``report.stress = true`` in its scene asks for it.
+
+        >>> import masonry_cd as mc
+        >>> run = mc.run(mc.scene("examples/trilithon.toml", "run.duration=0.1", "report.stress=true"), progress=False)
+        >>> bool(run.stress(0.1).loc["left", "zz"] < run.stress(0.1).loc["lintel", "zz"] < 0.0)
+        True
+        """
+        with self.results() as found:
+            require_stress(found)
+            frame = frame_at(found, time) % found.frames
+            tensor = np.asarray(found.stress[frame], dtype=float)
+            columns = _columns(STRESSES, np.concatenate([tensor, principal(tensor)], axis=1))
+            names = [block.name for block in found.blocks]
+        return frame_of(columns, names, "block", unit="Pa", time=float(self.time[frame]))
+
+    @cached_property
+    def block_stress(self) -> DataFrame:
+        """A row per block: its largest compression and tension over the run, when, and the strength; as in stress.csv.
+
+        Raises:
+            InputError: the run kept no stress.
+        """
+        with self.results() as found:
+            columns = block_columns(found, stress_peaks(found))
+        return frame_of(columns, columns.pop("block"), "block")
+
+    @cached_property
+    def joint_stress(self) -> DataFrame:
+        """A row per joint: the largest compression at its edge and its largest normal force over the run; as in joint_stress.csv.
+
+        Raises:
+            InputError: the run kept no stress.
+        """
+        with self.results() as found:
+            columns = joint_columns(found, stress_peaks(found))
+        return frame_of(columns, columns.pop("joint"), "joint")
+
     @property
     def plot(self) -> Plots:
-        """Its pictures: ``run.plot.crack_map()``, ``.energy()``, ``.history()``, ``.page()``."""
+        """Its pictures: ``run.plot.crack_map()``, ``.stress_map()``, ``.energy()``, ``.history()``, ``.page()``."""
         return Plots(self.results, self._report, lambda: self.summary, lambda: self.damage)
 
     @property

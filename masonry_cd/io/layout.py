@@ -9,6 +9,10 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /joints/force_point (F, J, 3)    where the force of a joint crosses its plane, NaN where it has none
     /joints/bonded (F, J)   share of the area that is bonded; only where joints are
     /joints/peak/{opening, sliding, rotation, contact_area_loss, first_opening_time} (J,)   over all steps
+    /stress (F, B, 6)   mean stress of the blocks since the frame before, xx yy zz xy yz xz, tension positive [Pa]; NaN of supports and in
+        the first frame; only where the scene asks for it, as the next two:
+    /joints/mean_normal_force (F, J)   mean normal force since the frame before [N]
+    /joints/edge_stress (F, J)   largest compression by that force, see masonry_cd/model/edge_stress.py [Pa]; infinite at an edge
     /peaks/{displacement (B,), drift (P,), level_displacement (P, L), level_drift (P, L)}   over all steps, of blocks, parts and levels
     /peaks/{hinge_opening (J,), hinge_time (J,), hinge_place (J, 3)}   likewise, of joints while they were hinges
     /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]
@@ -38,6 +42,8 @@ FRAME_FIELDS = ("time", "position", "orientation", "velocity")
 JOINT_HISTORIES = ("opening", "sliding", "rotation", "contact_area", "normal_force", "shear_force", "force_point")
 GRADIENT = "gradient"  # a history that only runs with blocks that deform have
 BONDED = "bonded"  # a history that only runs with cohesive joints have
+STRESS = "stress"  # a history that only runs have whose scene asks for it, as those of the joints:
+MEAN_NORMAL_FORCE, EDGE_STRESS = "mean_normal_force", "edge_stress"
 JOINT_PEAKS = ("opening", "sliding", "rotation", "contact_area_loss", "first_opening_time")
 STEP_PEAKS = ("displacement", "drift", "level_displacement", "level_drift", "hinge_opening", "hinge_time", "hinge_place")  # under /peaks
 SHOCK_PEAKS = ("drift", "hinge_opening")  # under /shocks/peaks

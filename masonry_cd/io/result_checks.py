@@ -17,12 +17,15 @@ from masonry_cd.io.layout import (
     BLOCK_ARRAYS,
     BONDED,
     CLOSING,
+    EDGE_STRESS,
     FRAME_FIELDS,
     GRADIENT,
     JOINT_CONSTANTS,
     JOINT_HISTORIES,
     JOINT_PEAKS,
+    MEAN_NORMAL_FORCE,
     STEP_PEAKS,
+    STRESS,
 )
 from masonry_cd.io.segments import held, in_pieces
 
@@ -139,7 +142,8 @@ def _growing(blocks: int, joints: int, parts: int) -> Iterator[tuple[str, str, t
     """Name, kinds of number and shape of a row of each dataset that grows."""
     yield from zip(FRAME_FIELDS, (REAL,) * 4, ((), (blocks, 3), (blocks, 4), (blocks, 6)), strict=True)
     yield GRADIENT, REAL, (blocks, 3, 3)
-    for name in (*JOINT_HISTORIES, BONDED):
+    yield STRESS, REAL, (blocks, 6)
+    for name in (*JOINT_HISTORIES, BONDED, MEAN_NORMAL_FORCE, EDGE_STRESS):
         yield f"joints/{name}", REAL, (joints, 3) if name == "force_point" else (joints,)
     yield from (("shocks/name", BYTES, ()), ("shocks/frame", WHOLE, ()), ("shocks/start", REAL, ()), ("shocks/end", REAL, ()))
     for name in JOINT_PEAKS:

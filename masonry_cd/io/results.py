@@ -30,6 +30,7 @@ from masonry_cd.io.layout import (
     JOINT_PEAKS,
     SHOCK_PEAKS,
     STEP_PEAKS,
+    STRESS,
 )
 from masonry_cd.io.result_checks import check_constants, check_growing, rows_that_read
 from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks, checksum_of_step_peaks
@@ -127,8 +128,8 @@ class Results:
     @cached_property
     def frames(self) -> int:
         """Number of frames whose positions, orientations and joints are all written."""
-        names = [*FRAME_FIELDS, GRADIENT, *(f"joints/{name}" for name in JOINT_HISTORIES)]
-        return min(self.rows(name) for name in names if name in self.file)
+        names = [*FRAME_FIELDS, *(f"joints/{name}" for name in JOINT_HISTORIES)]
+        return min(self.rows(name) for name in (*names, GRADIENT, STRESS) if name in self.file)
 
     def gradient(self, frame: int) -> np.ndarray | None:
         """Gradients of the displacement within the blocks at a frame, body frames, (B, 3, 3); None where none deforms."""
@@ -185,6 +186,16 @@ class Results:
     def joints(self) -> Joints:
         """The joints at rest."""
         return Joints(**{name: self.file["joints"][name][...] for name in JOINT_CONSTANTS})
+
+    @property
+    def has_stress(self) -> bool:
+        """Whether the run kept the stress of its blocks and joints, which a scene asks for."""
+        return STRESS in self.file
+
+    @property
+    def stress(self) -> h5py.Dataset:
+        """(F or more, B, 6) mean stress since the frame before, see layout.py [Pa], read on indexing."""
+        return self.file[STRESS]
 
     def has_joint_history(self, name: str) -> bool:
         """Whether the run wrote a history of its joints; older versions wrote fewer."""

@@ -106,7 +106,7 @@ def touching_places(joints: Joints, assembly: Assembly, state: State, chosen: np
 # The kernels below run over all joints in every step: they index whole arrays, since a view of a row costs more than its arithmetic.
 
 
-class _Flat(NamedTuple):
+class FlatPolygon(NamedTuple):
     """The polygon of one joint in its plane, and scratch for clipping it; for M corners at most."""
 
     corner: np.ndarray  # (M, 2) along the axes of the plane, from the first corner [m]
@@ -125,14 +125,14 @@ def _measure(joints, centre, position, maps, affine, out):
     All vectors are taken into the body frame of a, where the joint's normal and polygon stay what they were at rest.
     """
     block_a, block_b, normal, start, polygon = joints
-    flat = _scratch(start)
+    flat = flat_polygon(start)
     pose = np.empty(12)
     for j in range(block_a.shape[0]):
         a, b, first, corners = block_a[j], block_b[j], start[j], start[j + 1] - start[j]
         relative_pose(position, maps, affine, a, b, pose)
         out[2, j] = relative_angle(pose)
-        _axes(polygon, first, normal, j, flat.axes)
-        size = _flatten(joints, j, centre, pose, flat)
+        plane_axes(polygon, first, normal, j, flat.axes)
+        size = flatten(joints, j, centre, pose, flat)
         least, most_open = np.inf, 0.0
         for k in range(corners):
             least, most_open = min(least, flat.apart[k]), max(most_open, flat.apart[k])
@@ -146,13 +146,13 @@ def _measure(joints, centre, position, maps, affine, out):
 def _touching_places(joints, chosen, centre, position, maps, affine, out):
     """Fill out (n, 3) with the mean corner at rest of each chosen joint (n,) where it touches; ``joints`` as in :func:`_measure`."""
     block_a, block_b, normal, start, polygon = joints
-    flat, pose = _scratch(start), np.empty(12)
+    flat, pose = flat_polygon(start), np.empty(12)
     for i in range(chosen.shape[0]):
         j = chosen[i]
         first, corners = start[j], start[j + 1] - start[j]
         relative_pose(position, maps, affine, block_a[j], block_b[j], pose)
-        _axes(polygon, first, normal, j, flat.axes)
-        _flatten(joints, j, centre, pose, flat)
+        plane_axes(polygon, first, normal, j, flat.axes)
+        flatten(joints, j, centre, pose, flat)
         least, most_open = np.inf, 0.0
         for k in range(corners):
             least, most_open = min(least, flat.apart[k]), max(most_open, flat.apart[k])
@@ -169,18 +169,18 @@ def _touching_places(joints, chosen, centre, position, maps, affine, out):
 
 
 @kernel()
-def _scratch(start):
+def flat_polygon(start):
     """Room for the polygon with the most corners."""
     most = 0
     for j in range(start.shape[0] - 1):
         most = max(most, start[j + 1] - start[j])
     long = 4 * most + 8
-    return _Flat(np.empty((most, 2)), np.empty(most), np.empty((most, 2)), np.empty((2, 3)),
+    return FlatPolygon(np.empty((most, 2)), np.empty(most), np.empty((most, 2)), np.empty((2, 3)),
                  np.empty((long, 3)), np.empty((long, 3)), np.empty(long))  # fmt: skip
 
 
 @borrower()
-def _flatten(joints, j, centre, pose, flat):
+def flatten(joints, j, centre, pose, flat):
     """Fill ``flat`` with the corners of joint j and how far they are apart in a relative pose; returns the joint's size [m]."""
     block_a, block_b, normal, start, polygon = joints
     a, b, first = block_a[j], block_b[j], start[j]
@@ -201,7 +201,7 @@ def _flatten(joints, j, centre, pose, flat):
 
 
 @borrower()
-def _axes(polygon, first, normal, j, axes):
+def plane_axes(polygon, first, normal, j, axes):
     """Fill ``axes`` (2, 3) with two unit vectors in the plane of joint j: along its first edge, and n x that."""
     length = 0.0
     for d in range(3):
@@ -227,6 +227,17 @@ def _largest_shift(flat, corners, limit):
 @borrower()
 def _contact_area(flat, corners, most_open):
     """Area of a's polygon inside b's moved polygon, where the joint is open by no more than CONTACT_WIDTH [m2]."""
+    polygon = flat.polygon
+    count = clip_to_other(flat, corners)
+    if most_open > CONTACT_WIDTH:
+        plane_distances(polygon, count, (0.0, 0.0, -1.0), (0.0, 0.0, CONTACT_WIDTH), flat.distance)
+        count = clip_in_place(polygon, count, flat.distance, 0.0, flat.other)
+    return abs(_signed_area(polygon, count))
+
+
+@borrower()
+def clip_to_other(flat, corners):
+    """Fill ``flat.polygon`` with what of a's polygon lies inside b's moved one; returns the number of its corners."""
     polygon, corner, shift = flat.polygon, flat.corner, flat.shift
     count = corners
     for k in range(corners):
@@ -238,10 +249,7 @@ def _contact_area(flat, corners, most_open):
         x1, y1 = corner[j, 0] + shift[j, 0], corner[j, 1] + shift[j, 1]
         plane_distances(polygon, count, (-sign * (y1 - y0), sign * (x1 - x0), 0.0), (x0, y0, 0.0), flat.distance)
         count = clip_in_place(polygon, count, flat.distance, 0.0, flat.other)
-    if most_open > CONTACT_WIDTH:
-        plane_distances(polygon, count, (0.0, 0.0, -1.0), (0.0, 0.0, CONTACT_WIDTH), flat.distance)
-        count = clip_in_place(polygon, count, flat.distance, 0.0, flat.other)
-    return abs(_signed_area(polygon, count))
+    return count
 
 
 @borrower()

@@ -18,6 +18,7 @@ from pydantic import Field, WithJsonSchema, field_validator, model_validator
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.fields import Number, Table, is_number
 from masonry_cd.model.elastic_blocks import ElasticBlocks
+from masonry_cd.model.strength import Strength
 from masonry_cd.table_schema import one_or_by_name
 
 Value = TypeVar("Value")
@@ -86,6 +87,9 @@ class Material(ElasticBlocks):
     """Of every block that brings none of its own [kg/m3]; a block file whose blocks all state theirs needs none."""
     friction: Annotated[Number | dict[str, Number], WithJsonSchema(_FRICTION)]
     """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
+    compressive_strength: Strength = None
+    """Of the blocks [Pa], with which reports compare their stress: one value, or values by group, ``compressive_strength.arch = 5e6``,
+    which may be patterns, and ``default``. Nothing crushes: the run itself does not know of it."""
     joints: Annotated[dict[str, JointLaw], Field(json_schema_extra=one_or_by_name(JointLaw))] = Field(default_factory=dict)
     """Laws of the joints by pair of groups, ``[material.joints.arch-base]``, and ``default``, which plain keys stand for. A joint
     without a law is rigid and dry."""

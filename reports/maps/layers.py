@@ -19,6 +19,7 @@ from reports.maps.framing import Framing, largest_displacement
 BAND = 6.0  # width of a closed joint's band [pixels]
 BAND_OF_BLOCK = 0.2  # ... but no more than this share of a block's smallest extent
 LEAST_BAND = 2.5  # ... and no less than this [pixels]
+STRONG = "#1b2a6b"  # of joints that a map points out
 CAP = 0.82  # faces of a cut are darker than others by this factor
 
 
@@ -35,6 +36,8 @@ class Subject:
     drawn: np.ndarray  # (V, 3) vertices where they are drawn [m]
     provisional: str  # of the last frame: why it is not the end, in words
     suffered: str  # of the last frame: the damage over all steps, in words
+    tint: np.ndarray | None = None  # (B, 3) colours of the blocks, 0..1; None: by their state
+    strong: np.ndarray | None = None  # (J,) joints drawn in one dark colour; None: those that opened or slid, by how far
 
     @property
     def pose(self) -> Pose:
@@ -73,7 +76,7 @@ def some_polygons(surface: Surface, chosen: np.ndarray) -> Surface:
 
 def block_colours(subject: Subject) -> np.ndarray:
     """(B, 3) colours of the blocks, 0..1."""
-    colours = np.where(subject.down[:, None], rgb(FALLEN), rgb(STONE))
+    colours = np.where(subject.down[:, None], rgb(FALLEN), rgb(STONE)) if subject.tint is None else subject.tint.copy()
     colours[subject.solids.fixed] = rgb(SUPPORT)
     return np.asarray(colours)
 
@@ -100,9 +103,9 @@ def block_layers_of(subject: Subject) -> list[Layer]:
 
 def joint_layers(subject: Subject, scales: tuple[Scale, Scale]) -> list[Surface]:
     """One surface for the bands of opened and slid joints, one for the parted faces of blocks that still stand."""
-    joints, marks, solids, framed = subject.joints, subject.marks, subject.solids, subject.framed
+    joints, solids, framed = subject.joints, subject.solids, subject.framed
     standing = standing_faces(subject)
-    layers = coloured_bands(subject, marks.opened | marks.slid, *band_colours(marks, scales))
+    layers = coloured_bands(subject, *marked_joints(subject, scales))
     if np.any(standing):
         width = band_width(subject)
         dark = np.tile((255 * rgb(PARTED)).astype(np.uint8), (joints.count, 1))
@@ -134,6 +137,15 @@ def band_width(subject: Subject) -> float:
     solids, pixel = subject.solids, subject.framed.pixel
     smallest = float(np.median(solids.sizes[~solids.fixed].min(axis=1))) if not solids.fixed.all() else np.inf
     return max(LEAST_BAND * pixel, min(BAND * pixel, BAND_OF_BLOCK * smallest))
+
+
+def marked_joints(subject: Subject, scales: tuple[Scale, Scale]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which joints are drawn (J,) bool, and the two colours (J, 3) that the dashes of each alternate between."""
+    marks = subject.marks
+    if subject.strong is None:
+        return (marks.opened | marks.slid, *band_colours(marks, scales))
+    dark = np.tile((255 * rgb(STRONG)).astype(np.uint8), (subject.joints.count, 1))
+    return subject.strong, dark, dark
 
 
 def band_colours(marks: Marks, scales: tuple[Scale, Scale]) -> tuple[np.ndarray, np.ndarray]:

@@ -22,7 +22,7 @@ from reports.deformed import frame_index
 from reports.drawing.figure import Sheet
 from reports.drawing.render import AMBIENT, LIGHTS, Surface, View
 from reports.drawing.structure_picture import EDGE, mottle, rgb
-from reports.drawing.tie_lines import PULLING, SLACK, ties_at
+from reports.drawing.tie_lines import PULLING, SLACK, DrawnTies, ties_at
 from reports.maps.bands import Bands, dashes, face_plates, joint_bands
 from reports.maps.crack_key import PARTED, draw_scales
 from reports.maps.crack_map import draw_around, subject_of, thrust_layer
@@ -31,9 +31,9 @@ from reports.maps.framing import MapStyle, framing
 from reports.maps.layers import (
     CAP,
     Subject,
-    band_colours,
     band_width,
     block_colours,
+    marked_joints,
     shadow,
     some_polygons,
     standing_faces,
@@ -73,26 +73,40 @@ def vector_maps(results: Results, folder: Path, style: MapStyle, frame: int = -1
     Raises:
         InputError: no such frame, view or plane, or a folder that cannot be written into.
     """
-    import matplotlib
-
     frame = frame_index(results, frame)
     framed = framing(results, [frame], style)
     subject = subject_of(results, frame, framed)
-    painting, force = _painted(results, frame, subject)
     sheet = Sheet(framed.plan)
     ties = ties_at(results, subject.solids, subject.pose, framed.factor)
+    force = draw_polygons(sheet, results, frame, subject, ties)
     key = draw_around(sheet, subject, results.title, force, len(ties.ends))
     draw_scales(sheet, key)
+    return save_vector(sheet, [folder / name for name in NAMES], results.title or "Crack map")
+
+
+def draw_polygons(sheet: Sheet, results: Results, frame: int, subject: Subject, ties: DrawnTies) -> float | None:
+    """Draw the model into a sheet as polygons; return the force of the widest ribbon [N], None where forces are not drawn."""
+    painting, force = _painted(results, frame, subject)
     axes = _place(sheet, painting, subject)
     for (start, end), text, tension in zip(ties.ends, ties.texts, ties.tension, strict=True):
-        _draw_tie(axes, framed.view.plane(np.stack([start, end])), text, tension > 0.0)
-    paths = [folder / name for name in NAMES]
+        _draw_tie(axes, subject.framed.view.plane(np.stack([start, end])), text, tension > 0.0)
+    return force
+
+
+def save_vector(sheet: Sheet, paths: list[Path], title: str) -> list[Path]:
+    """Write a sheet of polygons as SVG and PDF, by the endings of the paths; return these.
+
+    Raises:
+        InputError: a file that cannot be written.
+    """
+    import matplotlib
+
     with matplotlib.rc_context(FIXED_TEXTS):
         for path in paths:
             undated: dict[str, Any] = {"Date": None} if path.suffix == ".svg" else {"CreationDate": None}
             try:
                 with replacing(path) as part:
-                    sheet.figure.savefig(part, format=path.suffix[1:], metadata={"Title": results.title or "Crack map"} | undated)
+                    sheet.figure.savefig(part, format=path.suffix[1:], metadata={"Title": title} | undated)
             except OSError as error:
                 raise InputError(f"{path}: cannot be written: {error.strerror}") from None
     return paths
@@ -143,7 +157,8 @@ def _add_faces(painting: _Painting, subject: Subject, normals: np.ndarray, rank:
 def _add_joints(painting: _Painting, subject: Subject, rank: np.ndarray) -> None:
     """The bands of opened and slid joints, and the dark faces of separated ones, after both of their blocks."""
     joints, solids, framed, width = subject.joints, subject.solids, subject.framed, band_width(subject)
-    marked, standing = subject.marks.opened | subject.marks.slid, standing_faces(subject)
+    marked, first, second = marked_joints(subject, subject.framed.scales)
+    standing = standing_faces(subject)
     after = np.maximum(rank[joints.block_a], rank[joints.block_b]) + 0.5
     dark = np.tile((255 * rgb(PARTED)).astype(np.uint8), (joints.count, 1))
     hidden_a, hidden_b = hidden_sides(subject)
@@ -151,7 +166,7 @@ def _add_joints(painting: _Painting, subject: Subject, rank: np.ndarray) -> None
     pieces = []
     if marked.any():
         bands = joint_bands(joints, marked, solids, subject.pose, framed.factor, width)
-        pieces.append((bands, (hidden_a | hidden_b)[marked[corner_joint]], band_colours(subject.marks, framed.scales)))
+        pieces.append((bands, (hidden_a | hidden_b)[marked[corner_joint]], (first, second)))
     if np.any(standing):
         plates = face_plates(joints, standing, solids, subject.pose, framed.factor, 0.7 * width)
         hidden = np.concatenate([side[drawn[corner_joint]] for side, drawn in zip((hidden_a, hidden_b), standing, strict=True)])
@@ -204,8 +219,8 @@ def _add_cut(painting: _Painting, subject: Subject, cut: Cut, last: float) -> No
     caps, width = caps_of(subject.solids, subject.drawn, cut), band_width(subject)
     surface = Surface(caps.points, caps.loops, caps.loop_start, caps.block)
     painting.add(surface, CAP * block_colours(subject)[caps.block], np.full(len(caps.block), last + 1.0), outlined=True)
-    bands = trace_bands(subject, subject.marks.opened | subject.marks.slid, width)
-    lines, _ = dashes(bands, *band_colours(subject.marks, subject.framed.scales), width)
+    marked, first, second = marked_joints(subject, subject.framed.scales)
+    lines, _ = dashes(trace_bands(subject, marked, width), first, second, width)
     painting.add(lines, lines.colours / 255.0, np.full(len(lines.loop_start) - 1, last + 2.0))
 
 

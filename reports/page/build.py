@@ -25,7 +25,7 @@ from reports.drawing.figure import nice
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of, within_sight
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
 from reports.maps.framing import COLLAPSE, MOST, SEEN
-from reports.page import downloads, findings, limits, motion, series, title_block, trust, words
+from reports.page import downloads, findings, limits, motion, series, stress, title_block, trust, words
 from reports.page.document import filled, write_document
 from reports.page.pack import packed, packed_length
 from reports.ties import tie_lines, tie_tensions
@@ -138,9 +138,10 @@ def _data(
     arrays["vertices"] = _vertices(solids, np.array([seen["low"], seen["high"]]))
     down, apart = motion.read_losses(results, solids, moved, classes[0])
     flags = {"fallen": motion.bits(down), "separated": motion.bits(apart)}
-    contents, text = packed(arrays | units | flags | tie_tensions(results, moved.time), histories)
+    classes_of_stress, pressed = stress.colours(results, moved.frames)
+    contents, text = packed(arrays | units | flags | pressed | tie_tensions(results, moved.time), histories)
     facts |= {"contents": contents, "frames": len(moved.frames), "frames_written": results.frames, "scales": scales}
-    return facts | seen, text
+    return facts | seen | classes_of_stress, text
 
 
 def _seen(solids: Solids, moved: motion.Motion) -> dict[str, Any]:
@@ -258,6 +259,7 @@ def _body(context: words.PageContext, facts: Mapping[str, Any], text: str, table
         "parts": findings.parts(context),
         "capacity": findings.capacity(context),
         "ties": findings.ties(context),
+        "stress": stress.stress(context),
         "limits": limits.limits(context),
         "trust": trust.trust(context),
         "grades": limits.grades(context),

@@ -106,6 +106,8 @@ def largest_pressure(results: Results) -> tuple[float, int, float] | None:
 
 def _pressure(results: Results) -> str:
     """What to compare with the strength of the masonry."""
+    if results.has_stress:
+        return 'What the forces mean for the stone says the section <a href="#stress-title">Stress</a>.'
     found = largest_pressure(results)
     if found is None:
         return "Compressive stresses are to be checked by other means."

@@ -15,6 +15,8 @@ function paintBlocks(frame) {
   for (let b = 0; b < motion.blocks; b++) {
     let colour = data.fixed[b] ? support : motion.flag("fallen", b, frame) ? fallen : stone;
     if (state.blocksBy === "group") colour = facts.families[data.family[b]].colour;
+    const pressed = state.blocksBy === "compression" ? data.pressed_most[b] : state.blocksBy === "compression-now" ? data.pressed[frame * motion.blocks + b] : 0;
+    if (pressed) colour = facts.compression.colours[pressed - 1];
     const mottle = 1 + 0.025 * (2 * ((b * 0.6180339887498949) % 1) - 1);
     viewer.paint.set(channels(colour).map((c) => Math.min(255, c * mottle)), 4 * b);
   }
@@ -274,6 +276,7 @@ function watchControls() {
     by(id).value = state[key];
     by(id).addEventListener("change", (event) => { state[key] = event.target.value; legend(); changed(true); });
   }
+  if (!data.pressed) for (const option of document.querySelectorAll("#blocks-by [value^=compression]")) option.remove();
   by("with-ties").hidden = !data.tie_tension;
   for (const id of ["edges", "rest", "tension"]) { by(id).checked = state[id]; by(id).addEventListener("change", (event) => { state[id] = event.target.checked; changed(); }); }
   by("component").addEventListener("change", (event) => { state.component = event.target.value; showChosen(); });
@@ -302,9 +305,13 @@ function legend() {
     const { bounds, colours } = facts.scales[name], boxes = bounds.map((bound, k) => `<li class="${name}" style="--hue:${colours[k]}">${short(1e3 * bound, 3)}</li>`);
     return `<div><b>${name} of the joint [mm], from</b><ol>${boxes.join("")}</ol></div>`;
   });
+  if (state.blocksBy.startsWith("compression")) {
+    const { bounds, colours, unit } = facts.compression, boxes = bounds.map((bound, k) => `<li style="--hue:${colours[k]}">${short(bound, 3)}</li>`);
+    bars.push(`<div><b>mean compression of the block [${unit}], from</b><ol>${boxes.join("")}</ol></div>`);
+  }
   const { stone, support, fallen, parted } = facts.colours, mid = (name) => facts.scales[name].colours[facts.scales[name].colours.length >> 1];
   const signs = [[`background:${mid("opening")}`, "open: solid"], [`background:repeating-linear-gradient(90deg,${mid("sliding")} 0 6px,#fff 6px 11px)`, "slid: dashed"], [`background:repeating-linear-gradient(90deg,${mid("opening")} 0 6px,${mid("sliding")} 6px 11px)`, "open and slid"], [`background:${parted}`, "separated"]];
-  const blocks = state.blocksBy === "group" ? facts.families.slice(0, 24).map((f) => [f.colour, f.text]) : [[stone, "block"], [fallen, "fallen block"], [support, "support"]];
+  const blocks = state.blocksBy.startsWith("compression") ? [[support, "support"]] : state.blocksBy === "group" ? facts.families.slice(0, 24).map((f) => [f.colour, f.text]) : [[stone, "block"], [fallen, "fallen block"], [support, "support"]];
   const boxes = blocks.map(([colour, text]) => `<span><i class="box" style="background:${colour}"></i>${safe(text)}</span>`);
   by("legend").innerHTML = `${bars.join("")}<p>${(state.jointsBy === "none" ? [] : signs).map(([style, text]) => `<span><i style="${style}"></i>${text}</span>`).join("")}${boxes.join("")}</p>`;
 }

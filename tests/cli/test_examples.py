@@ -191,3 +191,16 @@ def test_the_study_of_an_arch_has_runs_that_can_be_made() -> None:
     assert (tables["loads"][0]["ag"], tables["loads"][0]["seed"]) == (8.0, 7)
     row = run_task(Task("last", tables | {"run": tables["run"] | {"duration": 0.1}}, 60.0)).row
     assert (row["status"], row["steps"]) == ("done", 25)
+
+
+def test_the_buttresses_of_the_arch_bear_its_weight_far_below_the_strength_of_the_stone(tmp_path):
+    summary = run("arch_stress.toml", tmp_path, "run.duration=0.04", "loads[0].amplitude=0", "run.tolerance=1e-9")
+    with Results.open(tmp_path / "result.h5") as results:
+        lowest = [block.name in ("buttress1.1", "buttress2.1") for block in results.blocks]
+        vertical = results.stress[results.frames - 1][lowest, 2]
+    reaction, weight = base_reaction(tmp_path)
+    area, height = 1.4 * 1.0, 0.75  # of a buttress, and of its lowest block
+    assert reaction == pytest.approx(weight, rel=1e-6)
+    assert -vertical.sum() * area == pytest.approx(weight - area * height * 2200.0 * GRAVITY, rel=1e-4)  # above the middles of the two
+    found = summary["stress"]["strength"]
+    assert found["blocks_above"] == 0 < found["crushed_share_max"] < found["ratio_max"] * 2 < 0.2

@@ -1,0 +1,107 @@
+"""The stress of blocks and joints on the page: tables of the largest, against the strength, and colours for the model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.io.results import Results
+from masonry_cd.quantities import length, pressure
+from reports.maps.stress_map import StressScale
+from reports.page.findings import section, table
+from reports.page.words import PageContext, escaped, number
+from reports.stress.files import share_in_words, stress_lines, stress_summary
+from reports.stress.peaks import StressPeaks, principal, stress_peaks
+
+ROWS = 8  # of a table at most
+
+
+def colours(results: Results, frames: np.ndarray) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """For the model: the classes of the compression, and the class of each block at some frames (F, B) and over the run (B,).
+
+    Classes count from one; 0 is none, as of supports. Nothing where the run kept no stress.
+    """
+    if not results.has_stress:
+        return {}, {}
+    peaks = stress_peaks(results)
+    scale = StressScale(float(np.nan_to_num(peaks.compression).max(initial=0.0)))
+
+    def classes(compression: np.ndarray) -> np.ndarray:
+        ranks = np.searchsorted(scale.bounds, np.nan_to_num(compression), side="right").clip(1)
+        return np.where(np.isnan(compression), 0, ranks).astype(np.uint8)
+
+    of_frames = np.array([classes(-principal(np.asarray(results.stress[frame], dtype=float))[:, 2]) for frame in frames.tolist()])
+    facts = {
+        "unit": scale.unit,
+        "bounds": [bound * scale.factor for bound in scale.bounds],
+        "colours": ["#" + "".join(f"{c:02x}" for c in colour) for colour in scale.colours.tolist()],
+    }
+    return {"compression": facts}, {"pressed": np.ascontiguousarray(of_frames), "pressed_most": classes(peaks.compression)}
+
+
+def stress(context: PageContext) -> str:
+    """The section on stress; nothing where the run kept none."""
+    results = context.results
+    if not results.has_stress:
+        return ""
+    peaks = stress_peaks(results)
+    found = stress_summary(results, peaks)
+    if not found:
+        return ""
+    lines = "".join(f"<p>{escaped(line[0].upper() + line[1:])}.</p>" for line in stress_lines(found))
+    return section("stress", "Stress", lines + _blocks(results, peaks) + _joints(results, peaks) + _note(peaks))
+
+
+def _blocks(results: Results, peaks: StressPeaks) -> str:
+    """The blocks with the largest compression, those nearest to their strength first where it is given."""
+    measure = np.nan_to_num(peaks.block_ratio if peaks.compared else peaks.compression)
+    chosen = [b for b in np.argsort(-measure, kind="stable")[:ROWS].tolist() if measure[b] > 0.0]
+    rows = []
+    for b in chosen:
+        pulled = pressure(float(peaks.tension[b])) if peaks.pulled[b] else "–"
+        cells = [pressure(float(peaks.compression[b])), number(float(f"{peaks.compression_time[b]:.3g}")), pulled]
+        cells += [number(float(f"{peaks.block_ratio[b]:.3g}"))] if peaks.compared else []
+        rows.append([escaped(results.blocks[b].name), *cells])
+    columns = ["block", "largest mean compression", "at [s]", "largest mean tension", *(["share of strength"] if peaks.compared else [])]
+    return table(columns, rows, range(1, len(columns))) if rows else ""
+
+
+def _joints(results: Results, peaks: StressPeaks) -> str:
+    """The joints with the largest compression at their edge; where a strength is given, those of which a force takes most first."""
+    order = np.nan_to_num(peaks.crushed_share if peaks.compared else peaks.force / peaks.area)
+    measure = np.where(peaks.open_above, 1e9 + order, np.nan_to_num(np.where(np.isinf(peaks.edge), 0.0, peaks.edge)) / 1e12)
+    chosen = [j for j in np.argsort(-measure, kind="stable")[:ROWS].tolist() if peaks.edge[j] > 0.0]
+    rows, joints = [], results.joints
+    for j in chosen:
+        names = " – ".join(results.blocks[int(block[j])].name for block in (joints.block_a, joints.block_b))
+        edge = "force at the edge" if np.isinf(peaks.edge[j]) else pressure(float(peaks.edge[j]))
+        state = "open" if peaks.open_above[j] else "closed" if peaks.closed_above[j] else "–"
+        cells = [edge, state, number(float(f"{peaks.edge_time[j]:.3g}")), pressure(float(peaks.force[j] / peaks.area[j]))]
+        cells += [share_in_words(float(peaks.crushed_share[j]))] if peaks.compared else []
+        rows.append([escaped(names), *cells])
+    columns = [
+        "joint",
+        "largest edge compression",
+        "above while",
+        "at [s]",
+        "largest mean pressure",
+        *(["taken at strength"] if peaks.compared else []),
+    ]
+    return table(columns, rows, range(1, len(columns))) if rows else ""
+
+
+def _note(peaks: StressPeaks) -> str:
+    """What the numbers mean, and what they do not say."""
+    taken = (
+        " Taken at strength: the share of a joint that its largest force needs at the least, spread evenly; a hinge moves in by half of "
+        "that share of the depth."
+    )
+    return (
+        f'<p class="note">All values are means over the {length(peaks.interval, "s")} between two frames; no step of the run is left out. '
+        "The stress of a block is its mean over the block, which follows from the forces on it; it hides bending, and what a contact does "
+        "near it. At the edge of a joint it is that of a linear distribution without tension; where the force stands within 1 % of the "
+        f"depth from an edge, rigid blocks leave no finite value.{taken if peaks.compared else ''} Where several distributions of force "
+        "are possible, as in walls and in an arch at rest, the run found one; where joints are rigid, the place of the force in a closed "
+        "joint is one of many, that in an open hinge is not; elastic joints fix it. Nothing crushes in the computation.</p>"
+    )

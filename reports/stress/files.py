@@ -1,0 +1,156 @@
+"""The stress of a run in files: stress.csv of blocks, joint_stress.csv of joints, their share of summary.json, and closing lines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.csv_files import write_csv
+from masonry_cd.io.layout import EDGE_STRESS
+from masonry_cd.io.results import Results
+from masonry_cd.quantities import length, pressure
+from reports.stress.peaks import StressPeaks
+
+BLOCKS, JOINTS = "stress.csv", "joint_stress.csv"
+BLOCK_COLUMNS = (
+    "block", "group", "max_compression", "max_compression_time", "max_tension", "max_tension_time", "xx", "yy", "zz", "xy", "yz", "xz",
+    "strength", "ratio",
+)  # fmt: skip
+JOINT_COLUMNS = (
+    "joint", "block_a", "block_b", "area", "max_edge_stress", "max_edge_stress_time", "max_finite_edge_stress", "end_edge_stress",
+    "max_normal_force", "max_normal_force_time", "strength", "ratio", "crushed_share",
+)  # fmt: skip
+NAMED = 5  # blocks and joints that the summary names at most
+
+
+def block_columns(results: Results, peaks: StressPeaks) -> dict[str, Any]:
+    """The columns of stress.csv, (B,) each; xx to xz are those of the last frame."""
+    end = np.asarray(results.stress[results.frames - 1], dtype=float)
+    values = (
+        [block.name for block in results.blocks], [block.group for block in results.blocks], peaks.compression, peaks.compression_time,
+        peaks.tension, peaks.tension_time, *end.T, peaks.block_strength, peaks.block_ratio,
+    )  # fmt: skip
+    return dict(zip(BLOCK_COLUMNS, values, strict=True))
+
+
+def joint_columns(results: Results, peaks: StressPeaks) -> dict[str, Any]:
+    """The columns of joint_stress.csv, (J,) each."""
+    joints, names = results.joints, [block.name for block in results.blocks]
+    values = (
+        np.arange(joints.count), [names[a] for a in joints.block_a], [names[b] for b in joints.block_b], joints.area, peaks.edge,
+        peaks.edge_time, peaks.finite_edge, results.joints_at(EDGE_STRESS, -1), peaks.force, peaks.force_time, peaks.joint_strength,
+        peaks.joint_ratio, peaks.crushed_share,
+    )  # fmt: skip
+    return dict(zip(JOINT_COLUMNS, values, strict=True))
+
+
+def write_stress(results: Results, peaks: StressPeaks, folder: Path) -> list[Path]:
+    """Write both tables, supports left out; return the files."""
+    paths = [folder / BLOCKS, folder / JOINTS]
+    free = [not block.fixed for block in results.blocks]
+    for path, columns, kept in ((paths[0], block_columns(results, peaks), free), (paths[1], joint_columns(results, peaks), None)):
+        rows = zip(*columns.values(), strict=True)
+        write_csv(path, columns, (map(_cell, row) for k, row in enumerate(rows) if kept is None or kept[k]))
+    return paths
+
+
+def _cell(value: object) -> object:
+    """A number with ten digits; nothing where it is unknown."""
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.10g}"
+    return value
+
+
+def stress_summary(results: Results, peaks: StressPeaks) -> dict[str, Any]:
+    """The share of stress in summary.json; empty for a run without a step."""
+    if not np.isfinite(peaks.compression).any():
+        return {}
+    names = [block.name for block in results.blocks]
+    block, pulled = int(np.nanargmax(peaks.compression)), int(np.nanargmax(peaks.tension))
+    out: dict[str, Any] = {
+        "interval": peaks.interval,
+        "compression_max": float(peaks.compression[block]),
+        "compression_max_block": names[block],
+        "compression_max_time": float(peaks.compression_time[block]),
+        "tension_max": float(peaks.tension[pulled]) if peaks.pulled[pulled] else 0.0,
+        "tension_max_block": names[pulled],
+        "tension_max_time": float(peaks.tension_time[pulled]),
+        "joints_at_edge": int(np.isinf(peaks.edge).sum()),
+        "joints_at_edge_open": int(peaks.open_at_edge.sum()),
+    }
+    if np.isfinite(peaks.finite_edge).any():
+        joint = int(np.nanargmax(peaks.finite_edge))
+        out |= {"edge_max": float(peaks.finite_edge[joint]), "edge_max_joint": joint, "edge_max_blocks": _pair(results, joint)}
+    if peaks.compared:
+        out["strength"] = _against_strength(results, peaks)
+    return out
+
+
+def _against_strength(results: Results, peaks: StressPeaks) -> dict[str, Any]:
+    """What lies above its strength, the gravest first."""
+    names = [block.name for block in results.blocks]
+    above, cut = np.flatnonzero(peaks.block_ratio > 1.0), np.flatnonzero(peaks.joint_ratio > 1.0)
+    above, cut = above[np.argsort(-peaks.block_ratio[above], kind="stable")], cut[np.argsort(-peaks.crushed_share[cut], kind="stable")]
+    return {
+        "least": float(np.nanmin(peaks.block_strength)),
+        "blocks_compared": int((np.isfinite(peaks.block_ratio)).sum()),
+        "joints_compared": int(np.isfinite(peaks.joint_strength).sum()),
+        "ratio_max": float(np.nanmax(peaks.block_ratio)) if np.isfinite(peaks.block_ratio).any() else None,
+        "blocks_above": len(above),
+        "blocks_above_names": [names[b] for b in above[:NAMED]],
+        "joints_above": len(cut),
+        "joints_above_open": int(peaks.open_above.sum()),
+        "joints_above_numbers": cut[:NAMED].tolist(),
+        "crushed_share_max": float(np.nanmax(peaks.crushed_share)) if np.isfinite(peaks.crushed_share).any() else None,
+    }
+
+
+def _pair(results: Results, joint: int) -> list[str]:
+    """The names of the blocks of a joint."""
+    joints = results.joints
+    return [results.blocks[int(joints.block_a[joint])].name, results.blocks[int(joints.block_b[joint])].name]
+
+
+def stress_lines(found: Mapping[str, Any]) -> list[str]:
+    """The stress of a run in words, from its share of the summary."""
+    if not found:
+        return []
+    pulled = f", largest tension {pressure(found['tension_max'])} in {found['tension_max_block']}" if found["tension_max"] > 0.0 else ""
+    lines = [
+        f"stress, means over the {length(found['interval'], 's')} between frames: largest compression of a block "
+        f"{pressure(found['compression_max'])} in {found['compression_max_block']} at {found['compression_max_time']:.3g} s{pulled}"
+    ]
+    parts = []
+    if "edge_max" in found and not found["joints_at_edge"]:
+        where = " - ".join(found["edge_max_blocks"])
+        parts.append(f"largest compression at the edge of a joint {pressure(found['edge_max'])}, {where}")
+    if found["joints_at_edge"]:
+        many, open_ones = found["joints_at_edge"], found["joints_at_edge_open"]
+        parts.append(
+            f"in {many} joint{'s' if many > 1 else ''} the force came to an edge, where rigid blocks leave no finite stress; "
+            f"{open_ones or 'none'} of them {'was' if open_ones == 1 else 'were'} open then"
+        )
+    if parts:
+        lines.append("; ".join(parts))
+    return [*lines, *_strength_lines(found.get("strength"))]
+
+
+def _strength_lines(found: Mapping[str, Any] | None) -> list[str]:
+    """What lies above its strength, in words."""
+    if not found:
+        return []
+    blocks = f"{found['blocks_above'] or 'none'} of {found['blocks_compared']} blocks"
+    joints = f"{found['joints_above'] or 'none'} of {found['joints_compared']} joints"
+    joints += f" ({found['joints_above_open'] or 'none'} of them while open)" if found["joints_above"] else ""
+    share = found["crushed_share_max"]
+    took = "" if share is None else f"; spread at that strength, the largest force takes {share_in_words(share)} of its joint"
+    return [f"strength: {blocks} by their mean and {joints} by their edge come above it{took}"]
+
+
+def share_in_words(share: float) -> str:
+    """A share as a percentage."""
+    return f"{100 * share:.2g} %"
