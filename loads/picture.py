@@ -65,7 +65,9 @@ def record_picture(
     try:
         with replacing(path) as part:
             figure.savefig(part, dpi=110)
-    except (OSError, ValueError) as failure:
+    except OSError as failure:
+        raise InputError(f"{path}: the picture cannot be written: {(failure.strerror or str(failure)).lower()}") from None
+    except ValueError as failure:  # an ending that no picture has
         raise InputError(f"{path}: the picture cannot be written ({' '.join(str(failure).split())[:100]})") from None
 
 

@@ -36,6 +36,16 @@ def _cut(text: str, most: int) -> str:
     return text if len(text) <= most else text[:most] + " ..."
 
 
+def in_plain_words(failure: OSError) -> str:
+    """What the system refused, as ``out/blocks.json: permission denied``: without its number, and with the file in front."""
+    if isinstance(failure, BrokenPipeError):
+        return "the program that reads the output has gone (broken pipe)"
+    if not failure.strerror:
+        return str(failure)
+    why = failure.strerror[0].lower() + failure.strerror[1:]
+    return f"{failure.filename}: {why}" if failure.filename else why
+
+
 def suggest(word: str, known: Iterable[str]) -> str:
     """Return ' (did you mean "x"?)' when a known word is close to the given one, else an empty string."""
     close = difflib.get_close_matches(word, list(known), n=1)

@@ -116,6 +116,11 @@ def why_nothing_is_kept() -> str:
     return f"numba {numba.__version__} is newer than {'.'.join(map(str, NEWEST))}, the last that was tried" if PLAIN else ""
 
 
+def lost() -> OSError | None:
+    """Why some of what this process compiled could not be kept, though there is a folder for it; None where all is."""
+    return None if PLAIN or not numba_internals.unkept else numba_internals.unkept[0]
+
+
 def kept(kernel: Any) -> list[tuple[Any, ...]]:
     """The kinds of arguments for which the cache holds an entry, as it is to be compiled on this machine; NamedTuples hold those of their
     fields."""

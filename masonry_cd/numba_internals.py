@@ -22,6 +22,7 @@ from numba.core.typed_passes import NativeLowering
 from numba.core.types.misc import unliteral
 from numba.experimental.function_type import lower_constant_dispatcher
 
+unkept: list[OSError] = []  # why entries of a cache could not be written, a full disc for example
 HASH = hash(Flags())  # that of all settings, by numba's definition
 
 
@@ -77,9 +78,11 @@ class _StampedCache(caching.FunctionCache):
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep an entry, where the disc has room for it."""
-        with contextlib.suppress(OSError):
+        """Keep an entry, where the disc has room for it; why it has not is noted in ``unkept``."""
+        try:
             super().save_overload(sig, data)
+        except OSError as failure:
+            unkept.append(failure)
 
 
 class SharedFiles(caching.IndexDataCacheFile):

@@ -6,10 +6,10 @@ import math
 
 
 def length(value: float, unit: str = "m") -> str:
-    """A number with the prefix that reads best: ``1.2 mm``, ``0.5 m``, ``30 us``; what is but rounding as ``under 1 nm``."""
+    """A number with the prefix that reads best: ``1.2 mm``, ``0.5 m``, ``4.59 km``, ``30 us``; what is but rounding as ``under 1 nm``."""
     if not math.isfinite(value):
         return f"{value} {unit}"
-    for factor, prefix in ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")):
+    for factor, prefix in ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")):
         if abs(value) >= factor * 0.9995:
             return f"{value / factor:.3g} {prefix}{unit}"
     return f"under 1 n{unit}" if value else f"0 {unit}"

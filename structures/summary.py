@@ -17,7 +17,29 @@ import numpy as np
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.joints import Joints
+from masonry_cd.quantities import length
 from structures.standing import in_words, standing
+
+SMALL, LARGE = 0.3, 300.0  # extent of a structure beyond which its unit is doubted [m]
+
+
+def odd_size(blocks: Sequence[Block]) -> list[str]:
+    """A line where the free blocks of a structure are so small or large in all that their unit is likely another."""
+    free = [block.vertices for block in blocks if not block.fixed]
+    return _odd(_extent(free)) if free else []
+
+
+def _odd(extent: Sequence[float]) -> list[str]:
+    size = max(extent)
+    if SMALL <= size <= LARGE:
+        return []
+    than = f"smaller than {SMALL:g} m" if size < SMALL else f"larger than {LARGE:g} m"
+    return [f"structure: {length(size)} in its largest extent, {than}: is it given in metres? A file's unit is its key units"]
+
+
+def _extent(corners: Sequence[np.ndarray]) -> list[float]:
+    """Of the box around corners, each (V, 3) [m]."""
+    return [float(x) for x in np.ptp(np.concatenate(corners), axis=0)]
 
 
 def report(blocks: Sequence[Block]) -> dict[str, Any]:
@@ -33,7 +55,6 @@ def report(blocks: Sequence[Block]) -> dict[str, Any]:
     stands = standing(assembly)
     contacts, free = len(stands.contacts.gap), ~assembly.fixed
     mass, volume = assembly.mass[free], assembly.volume[free]
-    corners = np.concatenate([block.vertices for block in blocks if not block.fixed])
     order = np.flatnonzero(free)[np.argsort(volume, kind="stable")]
     return {
         "blocks": int(free.sum()),
@@ -45,7 +66,7 @@ def report(blocks: Sequence[Block]) -> dict[str, Any]:
         "mass": float(mass.sum()),
         "volume": float(volume.sum()),
         "centre_of_mass": [float(x) for x in mass @ assembly.centre[free] / mass.sum()],
-        "extent": [float(x) for x in np.ptp(corners, axis=0)],
+        "extent": _extent([block.vertices for block in blocks if not block.fixed]),
         "hyperstaticity": 3 * contacts - 6 * int(free.sum()),
         "smallest": _one(assembly, int(order[0])),
         "largest": _one(assembly, int(order[-1])),
@@ -78,7 +99,7 @@ def lines(made: Mapping[str, Any]) -> list[str]:
 
 def warnings(made: Mapping[str, Any]) -> list[str]:
     """What of a report may not stand as it is built, a line each."""
-    return in_words(made["loose"], made["hanging"], made["adrift"], made["side"])
+    return _odd(made["extent"]) + in_words(made["loose"], made["hanging"], made["adrift"], made["side"])
 
 
 def _one(assembly: Assembly, index: int) -> dict[str, Any]:

@@ -205,3 +205,20 @@ def test_a_damaged_cache_is_compiled_anew(run_kernel, tmp_path):
 def test_plain_njit_gives_the_same_and_keeps_nothing(run_kernel, tmp_path):
     assert run_kernel(2.0, MASONRY_CD_PLAIN_NJIT="1")[0] == 4.0
     assert not list((tmp_path / "cache").rglob("*.nbc"))
+
+
+FULL_DISC = """
+import resource
+from kernel_above import scaled_twice
+from masonry_cd.jit import lost
+scaled_twice(1.0), lost() is None or print("lost too early")
+resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))  # no file may grow: what is written fails as on a full disc
+print(scaled_twice(1), lost().strerror)
+"""
+
+
+def test_what_a_full_disc_does_not_take_is_known(run_kernel, tmp_path):
+    run_kernel(2.0)
+    settings = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)]), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    done = subprocess.run([sys.executable, "-c", FULL_DISC], env=settings, capture_output=True, text=True, check=True)
+    assert done.stdout == "4.0 File too large\n"

@@ -6,10 +6,12 @@ Structures and loads are imported inside the functions, when a scene has passed 
 from __future__ import annotations
 
 import math
+import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,8 +24,8 @@ from masonry_cd.contact.find_joints import built_gap, find_joints
 from masonry_cd.dynamics.pauses import HOLD, STILL
 from masonry_cd.dynamics.planar import find_plane
 from masonry_cd.dynamics.settings import Run
-from masonry_cd.errors import InputError
-from masonry_cd.jit import why_nothing_is_kept
+from masonry_cd.errors import InputError, in_plain_words
+from masonry_cd.jit import lost, why_nothing_is_kept
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State
@@ -37,7 +39,6 @@ if TYPE_CHECKING:
 
 TOLD = 1e-8  # share of the smallest width: inexact joints as built are reported from there on; less is rounding
 CORNERS = 4.0  # contacts of a joint
-SMALL, LARGE = 0.3, 300.0  # extent of a structure beyond which its units are doubted [m]
 IN_SPACE = 'run.solver "pivoting" is for scenes that move in a plane; in space "interior" stands in for it'
 FALLING = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
 
@@ -84,6 +85,13 @@ class Structure:
         from structures.standing import standing
 
         return standing(self.assembly).warnings() if self.assembly.fixed.any() else [FALLING]
+
+    @cached_property
+    def odd_size(self) -> list[str]:
+        """A line where the structure is so small or large that its unit is likely another."""
+        from structures.summary import odd_size
+
+        return odd_size(self.blocks)
 
 
 def structure_of(scene: Scene) -> Structure:
@@ -167,10 +175,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
         raise InputError(f"{scene.origin.path}: loads: the base is shaken, but no block of the structure is fixed{remedy}")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
-    for_good = "one to three minutes on two cores and is kept for later runs"
-    no_folder = "no folder takes numba's cache; NUMBA_CACHE_DIR names one that does"
-    again = f"two to four minutes in each run, as {why_nothing_is_kept() or no_folder}"
-    with said_if_slow(f"compiling the kernels{', once' if keeps() else ''}: this takes {for_good if keeps() else again}"):
+    with _compiling():
         joints, built = structure.joints, structure.built_gap
         planar = _is_planar(assembly, loading, scene.run)
         compile_kernels(scene.run.solver, planar, bool(assembly.laws.by_area.any()), scene.stress)
@@ -178,7 +183,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = structure.falling if gravity else []
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
-    warnings = (*_odd_size(assembly), *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
+    warnings = (*structure.odd_size, *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
     notes = structure.notes
     if built > TOLD * assembly.width:
         notes = (*notes, f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
@@ -191,17 +196,22 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     return Case(scene, assembly, joints, loading, steps, still, notes, warnings, tuple(coarse), built, time.perf_counter() - begin)
 
 
-def _odd_size(assembly: Assembly) -> list[str]:
-    """A line where a structure is so small or large that its units are likely others."""
-    free = [block.vertices for block in assembly.blocks if not block.fixed]
-    if not free:
-        return []
-    corners = np.concatenate(free)
-    size = float(np.ptp(corners, axis=0).max())
-    if SMALL <= size <= LARGE:
-        return []
-    than = f"smaller than {SMALL:g} m" if size < SMALL else f"larger than {LARGE:g} m"
-    return [f"structure: {size:.3g} m in its largest extent, {than}: is it given in metres? A file's unit is its key units"]
+@contextmanager
+def _compiling() -> Iterator[None]:
+    """Say that kernels are compiled in the body where that takes long, whether later runs find them, and where they could not be kept."""
+    for_good = "one to three minutes on two cores and is kept for later runs"
+    no_folder = "no folder takes numba's cache; NUMBA_CACHE_DIR names one that does"
+    again = f"two to four minutes in each run, as {why_nothing_is_kept() or no_folder}"
+    with said_if_slow(f"compiling the kernels{', once' if keeps() else ''}: this takes {for_good if keeps() else again}"):
+        yield
+    failure = lost()
+    if failure is not None:
+        _say_once(f"compiled kernels could not be kept, the next run compiles them again: {in_plain_words(failure)}")
+
+
+@cache
+def _say_once(line: str) -> None:
+    print(f"masonry-cd: warning: {line}", file=sys.stderr, flush=True)
 
 
 def _still_speed(settings: Run, joints: Joints) -> float:

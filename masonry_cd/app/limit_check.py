@@ -57,7 +57,7 @@ def check_mechanism(
     Raises:
         InputError: a record that cannot be read.
     """
-    from loads.code_check import code_check
+    from loads.code_check.check import code_check
 
     push = math.hypot(*gravity) * np.asarray(loads.direction)
     moves = analysis.governing.mechanism

@@ -22,7 +22,7 @@ from masonry_cd.app.resume import choose
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Scene
-from masonry_cd.app.step_costs import StepCosts, shaking_classes
+from masonry_cd.app.step_costs import StepCosts, motion_classes
 from masonry_cd.app.summary import as_json, run_summary, run_warnings, write_json
 from masonry_cd.atomic import part_of
 from masonry_cd.dynamics.equilibrium import settle
@@ -130,7 +130,7 @@ def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, watc
     scene, settings, loading = case.scene, case.scene.run, case.loading
     paused = loading.shocks or loading.pauses
     pauses = Pauses(case.assembly, loading.pauses, loading.shocks, case.steps) if paused else None
-    costs = StepCosts(shaking_classes(loading.support_velocity[: settings.steps + 1], settings.dt), settings.adaptive)
+    costs = StepCosts(motion_classes(loading.support_velocity[: settings.steps + 1], settings.dt), settings.adaptive)
     show = Progress(settings.steps, quiet, costs=costs, tick=settings.dt if settings.adaptive else None)
 
     def progress(done: int) -> None:

@@ -1,15 +1,17 @@
-r"""How long the rest of a run will take: what a step costs follows the shaking, so the intensity of the loads still to come counts.
+r"""How long the rest of a run will take: what a step costs follows the motion of the base, so what is still to come of it counts.
 
-The steps of the loads fall into classes by how strongly the base works about them: with a(t) the largest acceleration of a support, d(t)
-the largest difference of their velocities, by which they move apart, and e(t) the maximum of either over the MEMORY before t, since blocks
-go on rocking for a while,
+The steps of the loads fall into classes by what the base does about them. With a(t) the acceleration that all supports share and d(t) the
+largest difference of their velocities, by which they move apart, each at its largest over the MEMORY before t, since blocks go on rocking
+for a while, as shares of their peaks:
 
-    rest   e < 2 % of its peak,     weak   e < 25 %,     strong   the others,
+    strong   a > 25 %,     weak   a > 2 %,     settling   d > 2 %, where nothing shakes,     rest and after   the others,
 
-of the two the stronger. A footing that sinks at an even speed shakes nothing, and yet its structure is on the move.
+before any of these and later. A footing that sinks shakes nothing, and yet its structure is on the move; and a structure that has cracked
+costs more than one that has not, at rest too.
 
-What a step of each class costs is measured as the run goes, late steps counting more than early ones. A class that has not come yet is
-taken from the one next to it by the USUAL ratios.
+What a step of each class costs is measured as the run goes, late steps counting more than early ones. It is trusted as far as there are
+steps of the class: DOUBT more count as the USUAL ratios would have them, of what all steps so far cost. So neither a class that is still to
+come nor the first few steps of one, in which a structure takes up its load anew, throws the estimate.
 """
 
 from __future__ import annotations
@@ -18,28 +20,39 @@ import numpy as np
 
 MEMORY = 0.5  # [s]
 BOUNDS = (0.02, 0.25)  # of weak and of strong shaking, as shares of the peak
-USUAL = (1.0, 3.0, 6.0)  # cost of a step of each class, of one at rest
-LATE = 0.1  # share of the run over which what a step cost is forgotten
+REST, WEAK, STRONG, SETTLING, AFTER = range(5)
+USUAL = np.array([1.0, 3.0, 6.0, 2.3, 3.0])  # cost of a step of each class, of one at rest
+DOUBT = 20.0  # steps
+LATE = 0.2  # share of the run over which what a step cost is forgotten
 
 
-def shaking_classes(support_velocity: np.ndarray, dt: float) -> np.ndarray:
-    """The class of each step of the loads (N,): 0 rest, 1 weak, 2 strong; all at rest where no support moves.
+def motion_classes(support_velocity: np.ndarray, dt: float) -> np.ndarray:
+    """The class of each step of the loads (N,); all at rest where no support moves.
 
     Args:
         support_velocity: (N + 1, S, 3) at the steps [m/s].
         dt: [s].
     """
+    steps = len(support_velocity) - 1
+    acceleration = np.diff(support_velocity, axis=0)
+    low, high = (extreme(acceleration, axis=1, initial=edge) for extreme, edge in ((np.min, np.inf), (np.max, -np.inf)))
+    shared = np.where(low > 0.0, low, np.where(high < 0.0, high, 0.0)) if support_velocity.shape[1] else np.zeros((steps, 3))
+    apart = np.ptp(support_velocity[1:], axis=1) if support_velocity.shape[1] else np.zeros((steps, 3))
+    found = np.searchsorted(BOUNDS, _envelope(shared, dt), side="right").astype(np.int8)
+    found[(found == REST) & (_envelope(apart, dt) > BOUNDS[0])] = SETTLING
+    found[(found == REST) & (np.maximum.accumulate(found) > REST)] = AFTER
+    return found
+
+
+def _envelope(motion: np.ndarray, dt: float) -> np.ndarray:
+    """Of motions (N, 3), the largest component over the MEMORY before each step, as a share of the peak (N,); 0 of none."""
     from scipy.ndimage import maximum_filter1d
 
-    steps = len(support_velocity) - 1
-    width = max(1, min(steps, round(MEMORY / dt)))
-    found = np.zeros(steps, dtype=np.int8)
-    for strength in (np.abs(np.diff(support_velocity, axis=0)), np.ptp(support_velocity[1:], axis=1, keepdims=True)):
-        largest = strength.max(axis=(1, 2), initial=0.0)
-        if largest.any():
-            envelope = maximum_filter1d(largest, width, origin=(width - 1) // 2, mode="constant")
-            found = np.maximum(found, np.searchsorted(BOUNDS, envelope / largest.max(), side="right").astype(np.int8))
-    return found
+    largest = np.abs(motion).max(axis=1, initial=0.0)
+    if not largest.any():
+        return largest
+    width = max(1, min(len(motion), round(MEMORY / dt)))
+    return np.asarray(maximum_filter1d(largest, width, origin=(width - 1) // 2, mode="constant") / largest.max())
 
 
 class StepCosts:
@@ -70,11 +83,8 @@ class StepCosts:
 
     def seconds_left(self) -> float:
         """For the steps that are still to come [s]; 0 before the first."""
-        seen = np.flatnonzero(self._steps > 0.0)
-        if not len(seen):
+        if not self._steps.any():
             return 0.0
-        cost = np.divide(self._seconds, self._steps, out=np.zeros(len(USUAL)), where=self._steps > 0.0)
-        for kind in range(len(USUAL)):
-            near = int(seen[np.argmin(np.abs(seen - kind))])
-            cost[kind] = cost[near] * USUAL[kind] / USUAL[near]
+        at_rest = self._seconds.sum() / (self._steps @ USUAL)
+        cost = (self._seconds + DOUBT * at_rest * USUAL) / (self._steps + DOUBT)
         return float(self._left @ cost)

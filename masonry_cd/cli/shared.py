@@ -43,7 +43,7 @@ def errors_reported() -> Iterator[None]:
 
     Numbers beyond their range are refused, or reported by name: what numpy says of them besides, by line of this program, helps no user.
     """
-    from masonry_cd.errors import InputError
+    from masonry_cd.errors import InputError, in_plain_words
 
     try:
         with warnings.catch_warnings():
@@ -53,7 +53,7 @@ def errors_reported() -> Iterator[None]:
         typer.echo(f"masonry-cd: error: {error}", err=True)
         raise typer.Exit(2) from None
     except OSError as error:
-        typer.echo(f"masonry-cd: error: {error}", err=True)
+        typer.echo(f"masonry-cd: error: {in_plain_words(error)}", err=True)
         raise typer.Exit(1) from None
     except MemoryError as error:
         typer.echo(f"masonry-cd: error: not enough memory: {error}", err=True)

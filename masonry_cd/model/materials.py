@@ -51,9 +51,11 @@ class JointLaw(Table):
 
     @model_validator(mode="after")
     def _damps_at_a_frequency(self) -> JointLaw:
-        if (self.damping > 0.0) != (self.damping_frequency is not None):
-            have, lack = ("damping", "damping_frequency") if self.damping_frequency is None else ("damping_frequency", "damping")
-            raise ValueError(f"{have} needs {lack} beside it: a share of critical, and the frequency at which it is that share")
+        both = "beside it: a share of critical, and the frequency at which it is that share"
+        if self.damping > 0.0 and self.damping_frequency is None:
+            raise ValueError(f"damping needs damping_frequency {both}")
+        if self.damping_frequency is not None and "damping" not in self.model_fields_set:  # damping = 0 says none, as a study may
+            raise ValueError(f"damping_frequency needs damping {both}")
         if self.damping > 0.0 and self.normal_stiffness is None:
             raise ValueError("damping needs normal_stiffness beside it: a rigid joint does not vibrate")
         return self

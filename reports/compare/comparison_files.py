@@ -27,8 +27,10 @@ def write_comparison(comparison: Comparison, folder: Path) -> list[Path]:
 
 
 def markdown(comparison: Comparison) -> str:
-    """The table in Markdown, its columns aligned so that it reads well as plain text."""
-    cells = [comparison.header, *([name, unit, *map(_short, values)] for name, unit, values in comparison.rows)]
+    """The table in Markdown, its columns aligned so that it reads well as plain text; lengths in millimetres."""
+    cells = [comparison.header]
+    for name, unit, values in comparison.rows:
+        cells.append([name, "mm", *map(_millimetres, values)] if unit == "m" else [name, unit, *map(_short, values)])
     cells = [[cell.replace("|", "\\|") for cell in row] for row in cells]
     width = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))]
     lines = ["| " + " | ".join(cell.ljust(w) for cell, w in zip(row, width, strict=True)) + " |" for row in cells]
@@ -43,6 +45,15 @@ def _short(value: Any) -> str:
     if isinstance(value, (float, np.floating)):
         return f"{value:.3g}"
     return str(value)
+
+
+def _millimetres(value: float | None) -> str:
+    """A cell of a length [m] for reading; what is below a micrometre is as good as nothing, as on the page."""
+    if value is None or np.isnan(value):
+        return MISSING
+    if 0.0 < abs(value) < 1e-6:
+        return "<0.001"
+    return f"{1e3 * value:.0f}" if abs(value) >= 1.0 else f"{1e3 * value:.3g}"
 
 
 def _exact(value: Any) -> str:

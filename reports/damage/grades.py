@@ -129,9 +129,9 @@ def grade_of(width: float, drift: float, lost: float, grades: Grades, what: str 
     """
     reached = []
     measures = (
+        ("lost volume", lost, grades.lost, percent, ""),  # first: where several give the grade, what has fallen says most
         (what, width, grades.width, length, where),
         ("drift", drift, grades.drift, percent, ""),
-        ("lost volume", lost, grades.lost, percent, ""),
     )
     for name, value, bounds, text, place in measures:
         number = max((k for k, bound in enumerate(bounds, start=1) if value >= bound), default=0)

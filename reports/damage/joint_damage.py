@@ -148,8 +148,9 @@ def summary(table: JointDamage) -> dict[str, int]:
 def in_words(table: JointDamage) -> str:
     """How many joints opened, slid and came apart over the run, in a line."""
     counts = summary(table)
+    joints = "1 joint" if counts["joints_only_opened"] == 1 else f"{counts['joints_only_opened']} joints"
     return (
-        f"{counts['joints_only_opened']} joints opened, {counts['joints_only_slid']} slid, "
+        f"{joints} opened, {counts['joints_only_slid']} slid, "
         f"{counts['joints_opened_and_slid']} opened and slid, {counts['joints_separated']} separated"
     )
 

@@ -22,6 +22,7 @@ SUPPORT = "#a9adb0"
 PALETTE = ("#e6d9bd", "#9fc3dd", "#e9a77c", "#b9d3a4", "#cbb3d9", "#f3dc84", "#8fb8b0", "#dba3ad", "#b7a58a", "#c6d9ea")
 EDGE = "#4a4640"
 AROUND = 0.35  # of the structure's largest extent: how far a level ground is drawn around it
+FAR = 1.25  # of the size of a structure: how far from it blocks still draw a wide ground out, a block across the end of a picture too
 MOTTLE = 0.025  # blocks of one colour differ by this share, as stones do
 
 
@@ -85,7 +86,7 @@ def within_sight(solids: Solids, vertices: np.ndarray, seen: np.ndarray | None =
     """Vertices (V, 3) of all blocks, level supports drawn in to what lies near the free blocks, at rest and where they are [m].
 
     A ground is made wide, for what falls; as wide as it is it would fill the picture. Blocks flung farther than the structure is large
-    do not draw it out. ``seen`` (N, 3) are other places of free blocks, instead of those where they are.
+    and a quarter do not draw it out. ``seen`` (N, 3) are other places of free blocks, instead of those where they are.
     """
     owner = solids.vertex_block
     free = ~solids.fixed[owner]
@@ -94,7 +95,7 @@ def within_sight(solids: Solids, vertices: np.ndarray, seen: np.ndarray | None =
     rest, there = solids.vertices[free, :2], (vertices[free] if seen is None else seen)[:, :2]
     low, high = rest.min(axis=0), rest.max(axis=0)
     size = float(np.ptp(solids.vertices[free], axis=0).max())
-    there = np.clip(there, low - size, high + size)
+    there = np.clip(there, low - FAR * size, high + FAR * size)
     low, high = np.minimum(low, there.min(axis=0)) - AROUND * size, np.maximum(high, there.max(axis=0)) + AROUND * size
     out = vertices.copy()
     for block in np.flatnonzero(solids.fixed):

@@ -18,8 +18,9 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.io.results import Results
+from reports.damage.definitions import Thresholds
 from reports.damage.end_state import end_state
-from reports.damage.joint_damage import in_words, joint_damage
+from reports.damage.joint_damage import displacement_max, in_words, joint_damage
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import frame_index, solids_of
 from reports.drawing.figure import Sheet, in_metres
@@ -107,8 +108,13 @@ def subject_of(results: Results, frame: int, framed: Framing) -> Subject:
         marks=Marks.of(snapshot),
         drawn=within_sight(solids, snapshot.pose.moved(solids, solids.vertices, solids.vertex_block, framed.factor)),
         provisional=end_state(results, thresholds).provisional if last else "",
-        suffered=in_words(joint_damage(results, thresholds)) if last and framed.alone else "",
+        suffered=_suffered(results, thresholds) if last and framed.alone else "",
     )
+
+
+def _suffered(results: Results, thresholds: Thresholds) -> str:
+    """The largest displacement and the damage over all time steps, in words."""
+    return f"largest displacement {in_metres(displacement_max(results))}, {in_words(joint_damage(results, thresholds))}"
 
 
 def thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surface, float]:
@@ -126,13 +132,13 @@ def thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surfac
 
 
 def _facts(subject: Subject) -> str:
-    """Time, view, amplification and the largest displacement, in a line."""
+    """Time, view, amplification, how far blocks are displaced at this time, and what they suffered, in two lines."""
     framed = subject.framed
     shape = "true shape" if framed.factor == 1 else f"displacements × {framed.factor:g}"
     cut = f", cut at {framed.cut.text}" if framed.cut else ""
     return (
         f"t = {subject.pose.time:.4g} s{' (last frame)' if subject.last else ''} · {framed.view.name} view{cut} · {shape}, relative to the "
-        f"base · largest displacement {in_metres(subject.largest)}"
+        f"base, at this time at most {in_metres(subject.largest)}"
         + (f"\nover all time steps: {subject.suffered}" if subject.suffered else "")
         + (f" · {subject.provisional}" if subject.provisional else "")
     )

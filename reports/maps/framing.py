@@ -101,8 +101,9 @@ def framing(results: Results, frames: Sequence[int], style: MapStyle) -> Framing
     factor = style.scale if style.scale is not None else amplification(poses[farthest], solids, fell, max(rest.width, rest.height))
     free, window = ~solids.fixed[solids.vertex_block], rest
     for pose in poses:
-        moved = pose.moved(solids, solids.vertices[free], solids.vertex_block[free], factor)
-        window = window.joined(followed(rest, view.plane(moved), COLLAPSE if fell.any() else REACH))
+        owner = solids.vertex_block[free]
+        moved = pose.moved(solids, solids.vertices[free], owner, factor)
+        window = window.joined(followed(rest, view.plane(moved), owner, COLLAPSE if fell.any() else REACH))
     plan = layout(window.width / window.height)
     return Framing(style, view, cut, factor, window.fitted(plan.pixels), plan, alone=len(frames) == 1)
 
@@ -120,11 +121,19 @@ def amplification(pose: Pose, solids: Solids, down: np.ndarray, size: float) -> 
     return float(np.clip(nice(SEEN * size / largest), 1.0, MOST))
 
 
-def followed(rest: Window, moved: np.ndarray, share: float = REACH) -> Window:
-    """The window at rest, extended to points (N, 2) that have moved out of it, but for those flung farther than a share of its size."""
+def followed(rest: Window, moved: np.ndarray, owner: np.ndarray, share: float = REACH) -> Window:
+    """The window at rest, extended to the blocks that have moved out of it, whole, but for those flung farther than a share of its size.
+
+    Args:
+        rest: the window.
+        moved: (N, 2) vertices in the plane of the picture [m].
+        owner: (N,) the block of each.
+        share: of the larger side of the window.
+    """
     reach, pad = share * max(rest.width, rest.height), 0.03 * max(rest.width, rest.height)
     low, high = np.array([rest.left, rest.bottom]), np.array([rest.right, rest.top])
-    near = moved[((moved > low - reach) & (moved < high + reach)).all(axis=1)]
+    within = ((moved > low - reach) & (moved < high + reach)).all(axis=1)
+    near = moved[np.isin(owner, owner[within])]
     if not len(near):
         return rest
     (left, bottom), (right, top) = near.min(axis=0) - pad, near.max(axis=0) + pad

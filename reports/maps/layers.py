@@ -51,7 +51,7 @@ class Subject:
 
     @property
     def largest(self) -> float:
-        """Largest displacement of a free block relative to the base [m]."""
+        """Largest displacement of a free block relative to the base at this frame [m]."""
         return largest_displacement(self.pose, self.solids)
 
 

@@ -25,6 +25,7 @@ from structures import size
 from structures.geometry.checks import check
 from structures.geometry.prism import prism_xz, rectangle
 from structures.layout.arch_profiles import AGREE, RingTable, joints_of
+from structures.layout.wall_plan import AROUND
 from structures.schema import Length
 
 
@@ -65,7 +66,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     polygons = voussoirs(intrados, extrados)
     blocks = [_block(f"v{i + 1}", polygon, arch.width, density, "arch") for i, polygon in enumerate(polygons)]
     if arch.buttress_width is not None:
-        blocks += _buttresses(arch, intrados[0], extrados[0], density)
+        blocks += _buttresses(arch, intrados[0], extrados[0], float(extrados[:, 1].max()), density)
     elif arch.buttress_height is not None or arch.buttress_courses is not None:
         raise InputError("structure.buttress_width: missing; it makes the buttresses whose height or courses are given")
     elif arch.abutment is not None:
@@ -102,11 +103,12 @@ def seat(intrados: np.ndarray, extrados: np.ndarray, towards: np.ndarray, depth:
     return np.array([inside, outside, outside + depth * back, inside + depth * back])
 
 
-def _buttresses(arch: ArchTable, inner: np.ndarray, outer: np.ndarray, density: float) -> list[Block]:
+def _buttresses(arch: ArchTable, inner: np.ndarray, outer: np.ndarray, top: float, density: float) -> list[Block]:
     """A pier of whole blocks under either springing, each on half of the ground, a fixed slab.
 
     Args:
         inner, outer: ends of the left springing joint (2,) [m].
+        top: of the ring [m].
 
     Raises:
         InputError: the springing joint is wider than the buttress.
@@ -123,10 +125,11 @@ def _buttresses(arch: ArchTable, inner: np.ndarray, outer: np.ndarray, density: 
     if outer[1] > AGREE * arch.thickness:  # the skewback
         corners = [(near, beds[-2]), (near, 0.0), (outer[0], outer[1]), (far, outer[1]), (far, beds[-2])]
         pieces[-1] = np.array(corners if bed < wide * (1.0 - AGREE) else corners[:3] + corners[4:])
-    slab = rectangle(far - height, 0.0, -height - 0.5 * wide, -height)  # to midspan, where the two meet: what falls lands on the ground
+    margin = AROUND * (height + top)
+    slab = rectangle(far - margin, 0.0, -height - 0.5 * wide, -height)  # to midspan, where the two meet: what falls lands on the ground
     blocks = []
     for number, side in enumerate(([1.0, 1.0], [-1.0, 1.0]), start=1):
         for k, piece in enumerate(pieces, start=1):
             blocks.append(_block(f"buttress{number}.{k}", piece * side, arch.width, density, f"buttress{number}"))
-        blocks.append(_block(f"base{number}", slab * side, 1.0 * arch.width + 2.0 * height, density, "base", fixed=True))
+        blocks.append(_block(f"base{number}", slab * side, arch.width + 2.0 * margin, density, "base", fixed=True))
     return blocks

@@ -20,6 +20,7 @@ from scipy import sparse
 from typer.testing import CliRunner
 
 from masonry_cd import __version__
+from masonry_cd.app import case
 from masonry_cd.app.progress import Interrupt
 from masonry_cd.app.recorder import Recorder
 from masonry_cd.app.summary import closing_lines
@@ -675,6 +676,41 @@ def test_a_folder_that_may_not_be_written_is_refused_before_the_run(block_on_pla
     assert result.stderr == f"masonry-cd: error: {tmp_path}: nothing may be written there; -o names another folder\n"
 
 
+def test_a_place_without_a_disc_is_refused_before_the_run(block_on_plate):
+    result = masonry_cd("run", block_on_plate(), "-o", "/proc/out")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == "masonry-cd: error: /proc: nothing may be written there; -o names another folder\n"
+
+
+@pytest.mark.parametrize("words", [("init", "arch", "-o", "{}/arch.toml"), ("schema", "-o", "{}/schema.json")])
+def test_what_the_system_refuses_is_one_line_with_the_file_in_front(tmp_path, words):
+    """A file lies where a folder would have to."""
+    (tmp_path / "taken").write_text("")
+    result = masonry_cd(*(word.format(tmp_path / "taken") for word in words))
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert re.fullmatch(rf"masonry-cd: error: {tmp_path}/taken\S*: (not a directory|file exists)\n", result.stderr)
+
+
+def test_a_kernel_that_the_disc_does_not_take_is_told_once(block_on_plate, tmp_path, monkeypatch):
+    monkeypatch.setattr(case, "lost", lambda: OSError(28, "No space left on device", "x.nbc"))
+    scene, said = block_on_plate(), "masonry-cd: warning: compiled kernels could not be kept, the next run compiles them again: x.nbc: "
+    first, second = (masonry_cd("run", scene, "-o", tmp_path / name) for name in "ab")
+    assert (first.exit_code, second.exit_code) == (0, 0)
+    assert [line for line in first.stderr.splitlines() if "kept" in line] == [f"{said}no space left on device"]
+    assert "could not be kept" not in second.stderr
+
+
+def test_build_asks_for_the_unit_of_an_odd_size_as_run_does(tmp_path):
+    """A drawing in millimetres that is read as metres."""
+    changes = ("--set", "structure.span=5000", "--set", "structure.thickness=400", "--set", "structure.width=1000")
+    result = masonry_cd("build", EXAMPLES / "arch.toml", "-o", tmp_path, "--no-picture", *changes)
+    assert result.exit_code == 0
+    lines = [line for line in result.stderr.splitlines() if " in its largest extent, " in line]
+    assert [line.split(": ", 2)[2] for line in lines] == [
+        "structure: 5.8 km in its largest extent, larger than 300 m: is it given in metres? A file's unit is its key units"
+    ]
+
+
 def test_a_reader_that_goes_away_leaves_one_line(block_on_plate, tmp_path):
     """As in: masonry-cd run ... | head -1"""
     command = [sys.executable, "-m", "masonry_cd", "run", str(block_on_plate(duration="duration = 0.02")), "-o", str(tmp_path / "out")]
@@ -683,4 +719,4 @@ def test_a_reader_that_goes_away_leaves_one_line(block_on_plate, tmp_path):
     ended = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, check=False)
     os.close(write)
     lines = [line for line in ended.stderr.splitlines() if not line.startswith("compiling the kernels")]
-    assert (ended.returncode, lines) == (1, ["masonry-cd: error: [Errno 32] Broken pipe"])
+    assert (ended.returncode, lines) == (1, ["masonry-cd: error: the program that reads the output has gone (broken pipe)"])

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from loads.code_check import code_check
+from loads.code_check.check import code_check
 from loads.code_check.table import CheckTable
 from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum

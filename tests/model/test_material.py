@@ -39,6 +39,13 @@ def test_a_dashpot_is_given_by_its_share_of_critical_at_a_frequency():
     assert not laws.retardation[1, 1]
 
 
+def test_damping_of_zero_is_none_whatever_the_frequency():
+    """As in a study over damping, whose first level is none."""
+    laws = joint_table({"default": JointLaw(normal_stiffness=1e9, damping=0.0, damping_frequency=10.0)}, GROUPS, MU)
+    assert not laws.retardation.any()
+    assert not joint_table({"default": JointLaw(damping=0.0, damping_frequency=10.0)}, GROUPS, MU).by_area.any(), "a rigid joint stays one"
+
+
 @pytest.mark.parametrize(
     ("law", "mu", "message"),
     [

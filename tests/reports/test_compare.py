@@ -72,10 +72,19 @@ def test_the_table_as_csv_markdown_and_picture(tmp_path: Path) -> None:
     lines = paths[1].read_text().splitlines()
     assert len({len(line) for line in lines}) == 1 and all(line.count("|") == 5 for line in lines)
     assert "| material.friction " in paths[1].read_text()
+    (sliding,) = (line.replace(" ", "") for line in lines if line.startswith("| residual sliding"))
+    assert sliding == "|residualsliding|mm|6|30|"
     import matplotlib.image
 
     image = matplotlib.image.imread(paths[2])
     assert image.shape[1] == 1300 and image[..., :3].std() > 0.05
+
+
+def test_lengths_are_rounded_to_sense(tmp_path: Path) -> None:
+    (run,) = comparison.compare([made(tmp_path / "a", 0.006), made(tmp_path / "b", 0.03)]).runs[:1]
+    values = (1.93e-9, 0.0, 0.000189, -0.0049, 4.55, None)
+    table = comparison_files.markdown(comparison.Comparison([run], [("opening", "m", [value]) for value in values]))
+    assert [line.split("|")[3].strip() for line in table.splitlines()[2:]] == ["<0.001", "0", "0.189", "-4.9", "4550", "–"]
 
 
 def test_folders_of_equal_names_are_distinguished(tmp_path: Path) -> None:

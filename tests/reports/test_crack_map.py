@@ -79,9 +79,17 @@ def test_small_displacements_are_amplified_and_large_ones_are_not(tmp_path: Path
 
 def test_a_block_flung_far_does_not_make_the_structure_a_dot() -> None:
     rest = render.Window(-1.0, 1.0, 0.0, 3.0)
-    window = framing.followed(rest, np.array([[-0.5, 0.0], [80.0, 0.5], [0.2, 2.9]]))
+    window = framing.followed(rest, np.array([[-0.5, 0.0], [80.0, 0.5], [0.2, 2.9]]), np.arange(3))
     assert window.left == rest.left and window.top == rest.top
     assert window.width <= rest.width + framing.REACH * rest.height + 1e-9
+
+
+def test_a_block_is_in_the_picture_whole_or_not_at_all() -> None:
+    """One lies across the limit, 3 m beside the structure."""
+    rest = render.Window(-1.0, 1.0, 0.0, 3.0)
+    corners = np.array([[3.8, 0.0], [4.2, 0.0], [4.2, 0.4], [3.8, 0.4]])
+    window = framing.followed(rest, corners, np.zeros(4, dtype=int), framing.COLLAPSE)
+    assert window.right > 4.2
 
 
 @pytest.mark.parametrize(("out", "held"), [(0.9, True), (3.0, False)])
@@ -227,6 +235,6 @@ def test_a_wide_ground_is_drawn_around_the_structure_and_what_has_fallen() -> No
 
     assert drawn(0.0) == pytest.approx((-0.7, 1.7))
     assert drawn(1.5) == pytest.approx((-0.7, 3.2))
-    assert drawn(30.0) == pytest.approx((-0.7, 3.7))  # flung away: by the size of the structure and no farther
+    assert drawn(30.0) == pytest.approx((-0.7, 4.2))  # flung away: by the size of the structure and a quarter, no farther
     tilted = solids.vertices + np.where(slab, 0.1 * solids.vertices[:, 0], 0.0)[:, None] * [0.0, 0.0, 1.0]
     assert (within_sight(solids, tilted) == tilted).all()

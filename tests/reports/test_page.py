@@ -332,6 +332,16 @@ def test_no_tile_stands_alone_on_a_wide_page(page):
     page.size(1500, 1000)
 
 
+def test_all_columns_of_the_joints_are_seen_at_1400_pixels(page):
+    """With names and numbers as long as those of the demo."""
+    page.size(1400, 1000)
+    page.run("document.querySelectorAll('#damage tbody td:nth-child(-n+3)').forEach((d) => { d.textContent = 'spandrel4.14' })")
+    page.run("document.querySelectorAll('#damage tbody td.number').forEach((d) => { d.textContent = '0.0804' })")
+    table, place = page.run("const t = document.getElementById('damage'); return [t.scrollWidth, t.parentElement.clientWidth]")
+    page.size(1500, 1000)
+    assert table <= place
+
+
 def test_it_prints(page):
     assert page.pdf().startswith(b"%PDF")
 

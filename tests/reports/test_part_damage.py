@@ -180,6 +180,8 @@ def test_grades_are_the_highest_reached_and_the_users(tmp_path: Path) -> None:
     assert [grades.grade_of(w, 0.0, 0.0, default).name for w in (9e-5, 1e-4, 5e-3, 16e-3, 3.0)] == ["D0", "D1", "D2", "D3", "D4"]
     assert [grades.grade_of(0.0, d, 0.0, default).name for d in (2e-3, 3e-3, 6e-3, 2.0)] == ["D0", "D2", "D3", "D4"]
     assert [grades.grade_of(0.0, 0.0, s, default).name for s in (0.0, 1e-3, 0.05, 0.5)] == ["D0", "D3", "D4", "D5"]
+    fallen = grades.grade_of(0.03, 0.0, 0.35, default, "sliding", "joint 1")  # both are D4
+    assert (fallen.name, fallen.reason) == ("D4", "lost volume 35 % (D4 from 5 %)")
     own = grades.read_grades({"width": [1, 2, 3, 4, 5], "labels": list("abcdef")})
     grade = grades.grade_of(2.5, 4e-3, 0.0, own)
     assert (grade.name, grade.label, grade.reason) == ("D2", "c", "crack 2.5 m (D2 from 2 m)")

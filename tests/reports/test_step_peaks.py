@@ -17,7 +17,10 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
 from reports.damage import part_damage, part_files
 from reports.damage.definitions import Thresholds
-from reports.damage.joint_damage import displacement_max
+from reports.damage.joint_damage import displacement_max, displacements
+from reports.drawing.figure import in_metres
+from reports.maps.framing import MapStyle
+from reports.maps.vector_map import vector_maps
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, *(box(f"p{k}", (-0.5, -0.5, k), (0.5, 0.5, k + 1), "pier") for k in range(3))]
@@ -53,6 +56,18 @@ def test_a_hinge_between_two_frames_is_found_where_every_step_is_noted(tmp_path:
     top = damage.levels[-1]
     assert (top["largest_displacement"], top["residual_x"]) == (pytest.approx(moved, rel=1e-9), pytest.approx(0.0, abs=1e-12))
     assert largest == pytest.approx(np.hypot(moved, 1.5 * (np.cos(angle) - 1) + 0.5 * np.sin(angle)), rel=1e-9)
+
+
+def test_the_heading_of_a_crack_map_tells_what_is_left_from_the_largest_of_all_steps(tmp_path: Path) -> None:
+    """The summary, the page and the map have one largest displacement; what the frame shows besides goes by another name."""
+    states = [at_rest(PIER), leaning(0.6), leaning(0.1)]
+    with Results.open(write_run(tmp_path / "result.h5", PIER, states, every=2)) as results:
+        largest, left = displacement_max(results), displacements(results)[-1]
+        (drawn, _) = vector_maps(results, tmp_path, MapStyle())
+    assert (in_metres(largest), in_metres(left)) == ("16.6 mm", "2.76 mm")  # sqrt(1.5^2 + 0.5^2) m times the angle
+    text = drawn.read_text()
+    assert "relative to the base, at this time at most 2.76 mm" in text
+    assert "over all time steps: largest displacement 16.6 mm, " in text
 
 
 def test_hinges_count_from_the_opening_that_the_report_asks_for(tmp_path: Path) -> None:

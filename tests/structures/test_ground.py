@@ -52,6 +52,18 @@ def test_structures_with_a_ground_of_their_own_or_without_supports_get_no_other(
     assert [block.name for block in build(table)] == [block.name for block in build(table, ground=False)]
 
 
+@pytest.mark.parametrize(
+    "table",
+    [THIN, THIN | {"buttress_width": 0.7, "buttress_height": 2.4}, VAULT, *({"kind": kind} for kind in ("wall", "dome", "column"))],
+)
+def test_the_ground_reaches_one_and_a_half_heights_around(table):
+    blocks = build(table)
+    free, fixed = (np.concatenate([block.vertices for block in blocks if block.fixed == kind]) for kind in (False, True))
+    far = 1.5 * np.ptp(free[:, 2]) * (1.0 - 1e-9)
+    assert (free[:, :2].min(axis=0) - fixed[:, :2].min(axis=0) >= far).all()
+    assert (fixed[:, :2].max(axis=0) - free[:, :2].max(axis=0) >= far).all()
+
+
 def test_ties_and_foundations_are_those_without_a_ground():
     """The slab is neither an end of a tie nor cut."""
     tied = THIN | {"ties": [{"along": "x", "height": 0.3, "diameter": 0.02}]}
