@@ -16,6 +16,7 @@ from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.edge_stress import edge_stresses, linear_stress
+from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State
 
@@ -26,10 +27,18 @@ STEPS = 20
 class Measured:
     """Blocks after some steps, and their stress over these."""
 
-    def __init__(self, blocks: list[Block], pull: tuple[float, float, float] = (0.0, 0.0, -GRAVITY), forces=None, start=None, **settings):
+    def __init__(
+        self,
+        blocks: list[Block],
+        pull: tuple[float, float, float] = (0.0, 0.0, -GRAVITY),
+        forces: Forces | None = None,
+        start: State | None = None,
+        material: ElasticBlocks | None = None,
+        **settings: object,
+    ) -> None:
         run = Run.model_validate({"dt": 1e-3, "duration": 1.0, "solver": "interior", "tolerance": 1e-13} | settings)
-        self.assembly = Assembly.from_blocks(blocks, 0.6)
-        self.machine = Stepper(self.assembly, still(STEPS + 1), gravity(STEPS + 1, pull), run, start, forces)
+        self.assembly = Assembly.from_blocks(blocks, 0.6, None, material)
+        self.machine = Stepper(self.assembly, still(6 * STEPS), gravity(6 * STEPS, pull), run, start, forces)
         self.joints = find_joints(self.assembly)
         self.record = MeanStress(self.machine, self.joints)
         self.stress = self.after(STEPS)
@@ -69,6 +78,20 @@ def test_a_column_bears_the_weight_above_the_middle_of_each_block(solver, planar
     expected[:, ZZ] = -2000.0 * GRAVITY * height * (count - np.arange(count) - 0.5)
     assert np.abs(measured.stress[1:] - expected).max() < 1e-9 * -expected.min()
     assert np.isnan(measured.stress[0]).all()  # the ground
+
+
+@pytest.mark.parametrize("planar", [True, False])
+def test_blocks_that_deform_have_the_stress_of_their_strain(planar):
+    """At rest that is what the forces say of rigid ones: the weight above the middle, and the share of a push that it carries."""
+    height, push = 0.25, 2.0
+    material = ElasticBlocks(deformable="uniform", young=1e9, poisson=0.25, strain_theta=1.0)
+    measured = Measured(tower(2, 0.5, height), (push, 0.0, -GRAVITY), material=material, planar=planar)
+    stress = measured.after(5 * STEPS)  # the swing of the first steps has died away
+    above = 2000.0 * height * (1.5 - np.arange(2))
+    assert stress[1:, ZZ] == pytest.approx(-GRAVITY * above, rel=1e-5)  # the strain itself, which moves the forces, is 1e-5
+    assert stress[1:, XZ] == pytest.approx(push * above, rel=1e-5)
+    across = [YY, XY, YZ] if planar else [XY, YZ]  # in space friction holds the sides of the lower block
+    assert np.abs(stress[1:, across]).max() < 1e-6 * push * above.max()
 
 
 def test_a_push_on_the_top_shears_what_is_below():
