@@ -94,7 +94,7 @@ def _with_forces(system: System, free: Prediction) -> Prediction:
     impulse[:, : len(system.blocks.columns)] = system.constants.step * wrench[:, system.blocks.columns]
     if system.strains is not None:
         virial = forces.virial(*now, free.loads.number, free.loads.ticks, yielded)
-        system.strains.set_unknowns(impulse, system.constants.step * system.strains.forces(virial, free.rotation))
+        system.strains.set_unknowns(impulse, system.constants.step * system.strains.forces(virial, free.rotation, free.maps))
     pushed = _pushed(system, free, impulse, np.einsum("bij,bj->bi", free.inverse_mass, impulse))
     return pushed._replace(pull=pull, tensions=forces.tensions(*now, yielded), yielded=yielded, force_impulse=impulse)
 

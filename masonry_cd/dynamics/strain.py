@@ -114,10 +114,11 @@ class Strains:
         """Put values (D, s) in the places of the strain rates among unknowns (F, n)."""
         out[self.free, -len(self.arrays.columns) :] = values
 
-    def forces(self, virial: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-        """What forces do along the strains, (D, s) [N m]: of sums of force (x) arm (B, 3, 3), with rotations (B, 3, 3)."""
-        turn, share = self._turned(rotation), self.arrays.share
-        t = np.einsum("dki,dkl,dlj->dij", turn, virial[self.deformation.block], turn)
+    def forces(self, virial: np.ndarray, rotation: np.ndarray, maps: np.ndarray) -> np.ndarray:
+        """What forces do along the strains, (D, s) [N m]: of sums of force (x) arm (B, 3, 3), with rotations and maps (B, 3, 3)."""
+        own, share = self.deformation.block, self.arrays.share
+        back = inverses(maps[own], size_tuple(3))  # arms without the strain, in the body frames
+        t = np.einsum("dki,dkl,dml,dmj->dij", self._turned(rotation), virial[own], back, self.arrays.axes)
         i, j = PAIRS.T
         every = np.concatenate([t[:, [0, 1, 2], [0, 1, 2]], share * t[:, i, j] + (1.0 - share) * t[:, j, i]], axis=1)
         return np.asarray(every[:, self.arrays.columns])
