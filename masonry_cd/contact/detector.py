@@ -70,7 +70,7 @@ class Detector:
         self._part_group = assembly.group_of[shapes.part_block]
         self._by_area = assembly.laws.by_area & (not corners_only)
         self._fixed_part = assembly.fixed[shapes.part_block]
-        self._affine = assembly.deformation is not None
+        self._affine = assembly.affine
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
         self._corners = np.maximum.reduceat(np.diff(shapes.solids.loop_start), shapes.solids.face_start[:-1])  # (P,) most of a face
         self._work = Workspace.allocate(shapes, int(self._corners.max()))
@@ -300,7 +300,7 @@ def write_contacts(memory: PairMemory, part_block: np.ndarray, motion: Motion, r
             continue
         a, b = part_block[memory.parts[k, 0]], part_block[memory.parts[k, 1]]
         r, x, scale = motion.rotation[a], motion.position[a], 1.0
-        if motion.affine:
+        if len(motion.affine) == 2:
             nx, ny, nz, scale = turned_normal(motion.rotation, a, memory.normal[k])
         else:
             nx, ny, nz = _turned(r, memory.normal[k])

@@ -21,7 +21,7 @@ class Motion(NamedTuple):
     velocity: np.ndarray  # (B, 6) linear [m/s] and angular [rad/s]
     step: float  # [s]
     slack: float  # distance that forces not yet known may add within the step [m]
-    affine: bool  # whether the rotations hold strains
+    affine: tuple[int, ...]  # two zeros where rotations hold strains, else one
 
 
 @borrower()

@@ -165,7 +165,7 @@ def is_stuck(memory, k, now, radius, width):
 def update_gaps(memory, k, now, affine):
     """Gaps of pair k after a small motion to the pose ``now`` (12,): what they were, and the motion along n of b's point at the contact.
 
-    ``affine``: poses may hold a strain.
+    ``affine``: two zeros where poses hold strains, else one.
     """
     then, n, local = memory.built[k], memory.normal[k], memory.local
     first = memory.slot[k]
@@ -175,7 +175,7 @@ def update_gaps(memory, k, now, affine):
         for i in range(3):
             moved += n[i] * (now[i] - then[i])
         for j in range(3):
-            rx, ry, rz = inverse_row(then[3:].reshape((1, 3, 3)), 0, j) if affine else (then[3 + j], then[6 + j], then[9 + j])
+            rx, ry, rz = inverse_row(then[3:].reshape((1, 3, 3)), 0, j) if len(affine) == 2 else (then[3 + j], then[6 + j], then[9 + j])
             y = rx * dx + ry * dy + rz * dz  # in the frame of b
             for i in range(3):
                 moved += n[i] * (now[3 + 3 * i + j] - then[3 + 3 * i + j]) * y

@@ -39,7 +39,7 @@ class Placed(NamedTuple):
 def place_part(pose, p, solids, affine, vertices, normals):
     """Fill ``vertices`` and ``normals``, rows from 0 on, with those of polyhedron p turned and moved by a pose (12,).
 
-    ``affine``: the pose may hold a strain, with which normals do not turn as vectors do.
+    ``affine``: two zeros where the pose holds a strain, with which normals do not turn as vectors do, else one.
     """
     first_vertex, first_face = solids.vertex_start[p], solids.face_start[p]
     for k in range(solids.vertex_start[p + 1] - first_vertex):
@@ -50,7 +50,7 @@ def place_part(pose, p, solids, affine, vertices, normals):
         v = solids.normals[first_face + k]
         for i in range(3):
             normals[k, i] = pose[3 + 3 * i] * v[0] + pose[4 + 3 * i] * v[1] + pose[5 + 3 * i] * v[2]
-        if affine:
+        if len(affine) == 2:
             turned = pose[3:].reshape((1, 3, 3))
             normals[k, 0], normals[k, 1], normals[k, 2], _ = turned_normal(turned, 0, v)
     return Placed(vertices, normals, first_vertex, first_face)

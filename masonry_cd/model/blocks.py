@@ -99,6 +99,11 @@ class Assembly:
         return len(self.names)
 
     @property
+    def affine(self) -> tuple[int, ...]:
+        """Two zeros where blocks deform, else one: kernels know the length when they are compiled, so that rigid blocks cost no more."""
+        return (0,) if self.deformation is None else (0, 0)
+
+    @property
     def reach(self) -> np.ndarray:
         """Farthest corner of each block from its centre of mass, (B,) [m]."""
         out = np.zeros(self.count)

@@ -53,7 +53,7 @@ def edge_stresses(
     """
     out = np.zeros(joints.count)
     arrays = (joints.block_a, joints.block_b, joints.normal, joints.polygon_start, joints.polygon)
-    maps, affine = body_maps(assembly, state.orientation, state.strain), assembly.deformation is not None
+    maps, affine = body_maps(assembly, state.orientation, state.strain), assembly.affine
     _edge_stresses(arrays, assembly.centre, state.position, maps, affine, force, moment, bonded, out)
     return out
 

@@ -140,12 +140,12 @@ def mass_properties(vertices: np.ndarray, faces: Faces) -> MassProperties:
 def relative_pose(position, rotation, affine, a, b, pose):
     """Fill ``pose`` (12,) with that of body b in the frame of body a: R_a^-1 (x_b - x_a) [m], then R_a^-1 R_b row by row.
 
-    ``position`` (B, 3) [m] and ``rotation`` (B, 3, 3), body to world; ``affine``: it may hold strains. Whole arrays are indexed: a view of
-    a row costs more.
+    ``position`` (B, 3) [m] and ``rotation`` (B, 3, 3), body to world; ``affine``: two zeros where it holds strains, else one. Whole arrays
+    are indexed: a view of a row costs more.
     """
     dx, dy, dz = position[b, 0] - position[a, 0], position[b, 1] - position[a, 1], position[b, 2] - position[a, 2]
     for i in range(3):
-        x, y, z = inverse_row(rotation, a, i) if affine else (rotation[a, 0, i], rotation[a, 1, i], rotation[a, 2, i])
+        x, y, z = inverse_row(rotation, a, i) if len(affine) == 2 else (rotation[a, 0, i], rotation[a, 1, i], rotation[a, 2, i])
         pose[i] = x * dx + y * dy + z * dz
         for j in range(3):
             pose[3 + 3 * i + j] = x * rotation[b, 0, j] + y * rotation[b, 1, j] + z * rotation[b, 2, j]

@@ -85,7 +85,7 @@ class JointPeaks:
 def measure_joints(joints: Joints, assembly: Assembly, state: State) -> JointMeasures:
     """Measure all joints in a state; see the head of this file."""
     out = np.empty((5, joints.count))
-    maps, affine = body_maps(assembly, state.orientation, state.strain), assembly.deformation is not None
+    maps, affine = body_maps(assembly, state.orientation, state.strain), assembly.affine
     arrays = (joints.block_a, joints.block_b, joints.normal, joints.polygon_start, joints.polygon)
     _measure(arrays, assembly.centre, state.position, maps, affine, out)
     return JointMeasures(*out)
@@ -98,7 +98,7 @@ def touching_places(joints: Joints, assembly: Assembly, state: State, chosen: np
     """
     out = np.empty((len(chosen), 3))
     arrays = (joints.block_a, joints.block_b, joints.normal, joints.polygon_start, joints.polygon)
-    maps, affine = body_maps(assembly, state.orientation, state.strain), assembly.deformation is not None
+    maps, affine = body_maps(assembly, state.orientation, state.strain), assembly.affine
     _touching_places(arrays, chosen, assembly.centre, state.position, maps, affine, out)
     return out
 
@@ -235,7 +235,7 @@ def _contact_area(flat, corners, most_open):
     return abs(_signed_area(polygon, count))
 
 
-@borrower()
+@kernel(inline="always")
 def clip_to_other(flat, corners):
     """Fill ``flat.polygon`` with what of a's polygon lies inside b's moved one; returns the number of its corners."""
     polygon, corner, shift = flat.polygon, flat.corner, flat.shift
