@@ -26,9 +26,9 @@ from reports.deformed import frame_index, solids_of
 from reports.drawing.figure import Sheet, in_metres
 from reports.drawing.render import SAMPLES, Canvas, Surface
 from reports.drawing.structure_picture import within_sight
-from reports.drawing.tie_lines import ties_at
+from reports.drawing.tie_lines import DrawnTies, ties_at
 from reports.maps.crack_key import Key, Marks, draw_scales, draw_signs
-from reports.maps.cut import clipped
+from reports.maps.cut import clipped, clipped_ties
 from reports.maps.framing import Framing, MapStyle, framing
 from reports.maps.layers import Subject, block_layers_of, joint_layers, shadow
 from reports.maps.thrust import WIDEST, ribbons
@@ -67,7 +67,7 @@ def sheet_and_key(results: Results, frame: int, framed: Framing, canvas: Canvas)
     if framed.style.thrust:
         thrust, force = thrust_layer(results, frame, subject)
         layers.append(thrust)
-    ties = ties_at(results, subject.solids, subject.pose, framed.factor)
+    ties = ties_of(results, subject)
     layers += ties.layers(framed.view, float((subject.drawn @ framed.view.towards).max()) + 0.02 * framed.window.height)
     sheet = Sheet(framed.plan)
     sheet.model(ties.labelled(canvas.draw(layers, framed.window), framed.view, framed.window))
@@ -93,6 +93,12 @@ def draw_around(sheet: Sheet, subject: Subject, title: str, force: float | None,
     )
     draw_signs(sheet, key)
     return key
+
+
+def ties_of(results: Results, subject: Subject) -> DrawnTies:
+    """The ties of a frame, as far as the cut leaves them."""
+    ties, cut = ties_at(results, subject.solids, subject.pose, subject.framed.factor), subject.framed.cut
+    return ties if cut is None else clipped_ties(ties, cut)
 
 
 def subject_of(results: Results, frame: int, framed: Framing) -> Subject:

@@ -19,6 +19,7 @@ from masonry_cd.model.joints import Joints
 from masonry_cd.model.polygon import clip_loops, next_in_loop
 from reports.deformed import Solids
 from reports.drawing.render import Lines, Surface, View
+from reports.drawing.tie_lines import DrawnTies
 from reports.maps.bands import Bands
 
 AXES = "xyz"
@@ -104,6 +105,18 @@ def clipped_lines(lines: Lines, cut: Cut) -> Lines:
     ends = lines.points[a] + share[:, None] * (lines.points[b] - lines.points[a])
     points = np.stack([lines.points[a], ends], axis=1).reshape(-1, 3)
     return Lines(points, np.arange(len(points)).reshape(-1, 2), lines.colour, lines.width)
+
+
+def clipped_ties(ties: DrawnTies, cut: Cut) -> DrawnTies:
+    """What the plane leaves of ties."""
+    d = cut.distance(ties.ends.reshape(-1, 3)).reshape(-1, 2)
+    kept = np.flatnonzero((d > 0).any(axis=1))
+    ends, d = ties.ends[kept].copy(), d[kept]
+    for k in range(2):
+        crossed = d[:, k] < 0
+        share = d[crossed, 1 - k] / (d[crossed, 1 - k] - d[crossed, k])
+        ends[crossed, k] = ends[crossed, 1 - k] + share[:, None] * (ends[crossed, k] - ends[crossed, 1 - k])
+    return DrawnTies(ends, tuple(ties.texts[i] for i in kept.tolist()), ties.tension[kept])
 
 
 @dataclass(frozen=True, eq=False)

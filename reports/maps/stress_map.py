@@ -23,9 +23,9 @@ from reports.deformed import frame_index
 from reports.drawing.figure import Paint, Sheet, in_metres
 from reports.drawing.render import SAMPLES, Canvas
 from reports.drawing.structure_picture import SUPPORT, box_swatch, no_swatch, rgb, tie_swatch
-from reports.drawing.tie_lines import LABELLED, DrawnTies, ties_at
+from reports.drawing.tie_lines import LABELLED, DrawnTies
 from reports.maps.crack_key import SHADOW, STONE, ColourClasses, Marks, band_sign, draw_scale, draw_scale_bar
-from reports.maps.crack_map import subject_of
+from reports.maps.crack_map import subject_of, ties_of
 from reports.maps.framing import Framing, MapStyle, framing
 from reports.maps.layers import STRONG, Subject, block_layers_of, joint_layers, shadow
 from reports.settings import report_of
@@ -88,7 +88,7 @@ def stress_sheet(results: Results, frame: int | None, style: MapStyle, samples: 
     _, framed, pressed, subject = _prepared(results, frame, style)
     with Canvas(framed.view, framed.plan.pixels, samples) as canvas:
         layers = [shadow(subject), *block_layers_of(subject), *joint_layers(subject, framed.scales)]
-        ties = ties_at(results, subject.solids, subject.pose, framed.factor)
+        ties = ties_of(results, subject)
         layers += ties.layers(framed.view, float((subject.drawn @ framed.view.towards).max()) + 0.02 * framed.window.height)
         sheet = Sheet(framed.plan)
         sheet.model(ties.labelled(canvas.draw(layers, framed.window), framed.view, framed.window))
@@ -106,7 +106,7 @@ def vector_stress_maps(results: Results, folder: Path, frame: int | None, style:
 
     shape, framed, pressed, subject = _prepared(results, frame, style)
     sheet = Sheet(framed.plan)
-    ties = ties_at(results, subject.solids, subject.pose, framed.factor)
+    ties = ties_of(results, subject)
     draw_polygons(sheet, results, shape, subject, ties)
     _draw_around(sheet, results, subject, pressed, ties)
     return save_vector(sheet, [folder / name for name in VECTOR], _title(results))

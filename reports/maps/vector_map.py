@@ -22,10 +22,10 @@ from reports.deformed import frame_index
 from reports.drawing.figure import Sheet
 from reports.drawing.render import AMBIENT, LIGHTS, Surface, View
 from reports.drawing.structure_picture import EDGE, mottle, rgb
-from reports.drawing.tie_lines import PULLING, SLACK, DrawnTies, ties_at
+from reports.drawing.tie_lines import PULLING, SLACK, DrawnTies
 from reports.maps.bands import Bands, dashes, face_plates, joint_bands
 from reports.maps.crack_key import PARTED, draw_scales
-from reports.maps.crack_map import draw_around, subject_of, thrust_layer
+from reports.maps.crack_map import draw_around, subject_of, thrust_layer, ties_of
 from reports.maps.cut import Cut, caps_of, clipped
 from reports.maps.framing import MapStyle, framing
 from reports.maps.layers import (
@@ -77,7 +77,7 @@ def vector_maps(results: Results, folder: Path, style: MapStyle, frame: int = -1
     framed = framing(results, [frame], style)
     subject = subject_of(results, frame, framed)
     sheet = Sheet(framed.plan)
-    ties = ties_at(results, subject.solids, subject.pose, framed.factor)
+    ties = ties_of(results, subject)
     force = draw_polygons(sheet, results, frame, subject, ties)
     key = draw_around(sheet, subject, results.title, force, len(ties.ends))
     draw_scales(sheet, key)

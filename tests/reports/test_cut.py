@@ -16,9 +16,10 @@ from masonry_cd.model.blocks import Block
 from masonry_cd.model.polygon import loop_area
 from reports.deformed import Pose, Solids
 from reports.drawing.render import Lines, Surface, view_named
+from reports.drawing.tie_lines import DrawnTies
 from reports.maps.bands import band_corners
 from reports.maps.crack_map import crack_map
-from reports.maps.cut import caps_of, clipped, clipped_lines, cut_named, traces
+from reports.maps.cut import Cut, caps_of, clipped, clipped_lines, clipped_ties, cut_named, traces
 from reports.maps.framing import MapStyle
 
 BASE = box("base", (-2, -1, -0.5), (2, 1, 0), "base", fixed=True)
@@ -119,3 +120,12 @@ def test_a_crack_inside_shows_in_the_cut_only(tmp_path: Path) -> None:
             image = pixels(tmp_path / f"{name}.png")
             seen.append(int(shares(model_area(image, 1.0), opening_scale().colours).sum()))
     assert seen[1] > 20 * max(seen[0], 50)
+
+
+def test_ties_end_at_the_plane_and_those_before_it_are_left_out() -> None:
+    ends = np.array([[[0.0, 0.0, 1.0], [4.0, 0.0, 1.0]], [[3.0, 0.0, 1.0], [4.0, 2.0, 1.0]], [[0.0, 1.0, 1.0], [1.0, 1.0, 1.0]]])
+    ties = DrawnTies(ends, ("crossing", "before", "behind"), np.array([1.0, 2.0, 3.0]))
+    left = clipped_ties(ties, Cut("x", 2.0, np.array([-1.0, 0.0, 0.0])))
+    assert left.texts == ("crossing", "behind")
+    assert left.tension.tolist() == [1.0, 3.0]
+    assert left.ends.tolist() == [[[0.0, 0.0, 1.0], [2.0, 0.0, 1.0]], [[0.0, 1.0, 1.0], [1.0, 1.0, 1.0]]]
