@@ -19,6 +19,7 @@ long as w h < 2 with w = sqrt(k / m_e), and less where it is damped.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -77,14 +78,8 @@ class Forces:
             yielded: (T,) by how much each tie has stretched for good [m]; None: by nothing.
         """
         out = np.zeros((len(position), 6))
-        for load in self.points:
-            force = load.factor[step : step + ticks].mean() * load.force
-            out[load.block] += np.concatenate([force, np.cross(np.sum(rotation[load.block] * load.arm, axis=1), force)])
-        if self.ties:
-            tension, along, arms = self._pull(position, rotation, velocity, yielded)
-            force = tension[:, None] * along
-            for end, pull in enumerate((force, -force)):
-                np.add.at(out, self._ends[:, end], np.concatenate([pull, np.cross(arms[:, end], pull)], axis=1))
+        for blocks, force, arm in self._acting(position, rotation, velocity, slice(step, step + ticks), yielded):
+            np.add.at(out, blocks, np.concatenate([force, np.cross(arm, force)], axis=1))
         return out
 
     def virial(
@@ -101,15 +96,22 @@ class Forces:
         Arguments as of :meth:`wrench`.
         """
         out = np.zeros((len(position), 3, 3))
+        for blocks, force, arm in self._acting(position, rotation, velocity, slice(step, step + ticks), yielded):
+            np.add.at(out, blocks, force[:, :, None] * arm[:, None, :])
+        return out
+
+    def _acting(
+        self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, steps: slice, yielded: np.ndarray | None
+    ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """What acts: blocks (N,), forces (N, 3) [N], arms from the centres of mass (N, 3) [m] of point loads and of both ends of ties."""
         for load in self.points:
-            force = load.factor[step : step + ticks].mean() * load.force
-            out[load.block] += np.outer(force, np.sum(rotation[load.block] * load.arm, axis=1))
+            force = load.factor[steps].mean() * load.force
+            yield np.array([load.block]), force[None], np.sum(rotation[load.block] * load.arm, axis=1)[None]
         if self.ties:
             tension, along, arms = self._pull(position, rotation, velocity, yielded)
             force = tension[:, None] * along
-            for end, pull in enumerate((force, -force)):
-                np.add.at(out, self._ends[:, end], pull[:, :, None] * arms[:, end, None, :])
-        return out
+            yield self._ends[:, 0], force, arms[:, 0]
+            yield self._ends[:, 1], -force, arms[:, 1]
 
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
         """Largest acceleration [m/s2] by which point loads at t_k .. t_k+n-1 differ from their mean; masses (B,) of free blocks [kg]."""
