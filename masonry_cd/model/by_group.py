@@ -44,6 +44,11 @@ def numbers(low: float, high: float, unit: str = "") -> tuple[Any, Any]:
     return by_group(check, {"type": "number", "minimum": low, "maximum": high})
 
 
+def members(word: str, groups: Sequence[str]) -> list[int]:
+    """The groups that a name, or a pattern with ``*``, stands for."""
+    return [i for i, group in enumerate(groups) if (fnmatchcase(group, word) if ANY in word else group == word)]
+
+
 def of_group(values: Any, group: str, groups: Sequence[str], key: str, otherwise: Any = None) -> Any:
     """The value for a group, ``otherwise`` where none is given.
 
@@ -60,7 +65,7 @@ def of_group(values: Any, group: str, groups: Sequence[str], key: str, otherwise
     if not isinstance(values, Mapping):
         return otherwise if values is None else values
     for name in values:
-        if name != "default" and not any(fnmatchcase(each, name) for each in groups):
+        if name != "default" and not members(name, groups):
             raise InputError(f'material.{key}.{name}: "{name}" is no group of blocks{suggest(name, groups)}; groups: {", ".join(groups)}')
-    names = [group, *(name for name in values if ANY in name and fnmatchcase(group, name)), "default"]
+    names = [group, *(name for name in values if members(name, [group])), "default"]
     return next((values[name] for name in names if name in values), otherwise)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import Annotated, Any, TypeVar
 
 import numpy as np
@@ -17,12 +16,12 @@ from pydantic import Field, WithJsonSchema, field_validator, model_validator
 
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.fields import Number, Table, is_number
+from masonry_cd.model.by_group import ANY, members
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.strength import Strength
 from masonry_cd.table_schema import one_or_by_name
 
 Value = TypeVar("Value")
-ANY = "*"  # in a pattern for groups: anything
 LIGHTEST, HEAVIEST = 30, 30000  # density [kg/m3]: from insulation to more than any metal
 ROUGHEST = 20  # coefficient of friction: beyond, an angle was meant
 _COEFFICIENT = {"type": "number", "minimum": 0, "maximum": ROUGHEST}
@@ -217,15 +216,10 @@ def _by_pair(pairs: Mapping[str, Value], groups: Sequence[str], key: str) -> lis
     return out
 
 
-def _members(word: str, groups: Sequence[str]) -> list[int]:
-    """The groups that a name, or a pattern with ``*``, stands for."""
-    return [i for i, group in enumerate(groups) if (fnmatchcase(group, word) if ANY in word else group == word)]
-
-
 def _split_pair(pair: str, groups: Sequence[str], key: str) -> tuple[list[int], list[int]]:
     """The groups of ``"a-b"``, where the names themselves may hold a dash, and may be patterns with ``*``."""
     for i, letter in enumerate(pair):
-        if letter == "-" and (first := _members(pair[:i], groups)) and (second := _members(pair[i + 1 :], groups)):
+        if letter == "-" and (first := members(pair[:i], groups)) and (second := members(pair[i + 1 :], groups)):
             return first, second
-    unknown = next((word for word in pair.split("-") if not _members(word, groups)), pair)
+    unknown = next((word for word in pair.split("-") if not members(word, groups)), pair)
     raise InputError(f'{key}.{pair}: "{unknown}" is no group of blocks{suggest(unknown, groups)}; groups: {", ".join(groups)}')

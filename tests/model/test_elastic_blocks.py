@@ -33,6 +33,13 @@ def test_values_by_group_by_pattern_and_by_default() -> None:
     assert material.of_group("base", GROUPS) is None
 
 
+def test_a_group_whose_name_has_brackets_goes_by_its_name() -> None:
+    """Only a star makes a pattern."""
+    material = ElasticBlocks.model_validate({"deformable": {"pier[1]": "uniform"}, "young": {"pier[1]": 2e9}})
+    assert material.of_group("pier[1]", ["base", "pier[1]"]) == Elasticity(2e9, 0.2, 0.0)
+    assert material.of_group("base", ["base", "pier[1]"]) is None
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
