@@ -33,7 +33,10 @@ from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.jit import has_cache, kept
 from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.elastic_blocks import ElasticBlocks
+from masonry_cd.model.joints import touching_places
 from masonry_cd.model.materials import JointLaw
+from masonry_cd.model.state import State
 from masonry_cd.solvers import Options, cores, interior
 from masonry_cd.solvers.linearised_bodies import linearised_bodies
 
@@ -43,13 +46,13 @@ PATIENCE = 60.0  # to wait for the second process, beyond what this one took for
 
 
 @cache
-def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = False) -> None:
+def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = False, deforms: bool = False) -> None:
     """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without;
-    ``stress``: those of the stress of blocks and joints as well."""
-    if solver in ("auto", "newton", "interior", "pivoting") and keeps() and not is_kept(planar) and cores() > 1:
-        with second_process(planar):
-            _shake_cubes("admm", planar, by_area)
-    _shake_cubes(solver, planar, by_area, stress)
+    ``stress``: those of the stress of blocks and joints as well; ``deforms``: for blocks of uniform strain."""
+    if solver in ("auto", "newton", "interior", "pivoting") and keeps() and not is_kept(planar, deforms) and cores() > 1:
+        with second_process(planar, deforms):
+            _shake_cubes("admm", planar, by_area, deforms=deforms)
+    _shake_cubes(solver, planar, by_area, stress, deforms)
     islands.compile_kernels()
 
 
@@ -58,14 +61,16 @@ def keeps() -> bool:
     return has_cache(linearised_bodies)
 
 
-def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False) -> None:
+def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False, deforms: bool = False) -> None:
     """The run."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-5)}
     blocks = [Block(name, corners + [x, 0.0, z], FACES, 2000.0, fixed=name == "base") for name, (x, z) in places.items()]
     laws = {"default": JointLaw(normal_stiffness=1e9, cohesion=1.0)} if by_area else None
-    assembly = Assembly.from_blocks(blocks, 0.5, laws)
+    material = ElasticBlocks(deformable="uniform", young=1e9) if deforms else None
+    assembly = Assembly.from_blocks(blocks, 0.5, laws, material)
     joints = find_joints(assembly)
+    touching_places(joints, assembly, State.at_rest(assembly), np.arange(joints.count))  # which a run asks for at its first hinge
     shaking = np.zeros((STEPS + 1, 1, 3))
     shaking[:, 0, 0] = 0.01 * np.arange(STEPS + 1)
     gravity = np.tile([0.0, 0.0, -9.81], (STEPS + 1, 1))
@@ -77,18 +82,24 @@ def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False)
 # --- the second process ------------------------------------------------------------------------------------------------------------
 
 
-def is_kept(planar: bool) -> bool:
+def is_kept(planar: bool, deforms: bool = False) -> bool:
     """Whether the largest kernel is in the cache."""
     problems = [kinds[1] for kinds in kept(linearised_bodies)]  # numba's types of ProblemArrays
-    return any(len(problem.m) == (2 if planar else 3) for problem in problems)
+    return any((len(problem.m), len(problem.n)) == _rows_and_unknowns(planar, deforms) for problem in problems)
+
+
+def _rows_and_unknowns(planar: bool, deforms: bool) -> tuple[int, int]:
+    """Of a contact, and of a block."""
+    m, n = (2, 3) if planar else (3, 6)
+    return m, 2 * n if deforms else n
 
 
 @contextmanager
-def second_process(planar: bool) -> Iterator[subprocess.Popen[bytes] | None]:
+def second_process(planar: bool, deforms: bool = False) -> Iterator[subprocess.Popen[bytes] | None]:
     """Compile the largest kernel in a process of its own meanwhile, and in the end wait for it. It ends with this one at the latest."""
     begin = time.monotonic()
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    call = f"from masonry_cd.app import warmup; warmup.be_second_process({planar})"
+    call = f"from masonry_cd.app import warmup; warmup.be_second_process({planar}, {deforms})"
     try:
         other = subprocess.Popen(
             [sys.executable, "-P", "-c", call], env=environment, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
@@ -106,10 +117,10 @@ def second_process(planar: bool) -> Iterator[subprocess.Popen[bytes] | None]:
             other.kill()
 
 
-def be_second_process(planar: bool) -> None:
+def be_second_process(planar: bool, deforms: bool) -> None:
     """Compile the largest kernel; leave when the input ends, which happens when the first process does, in whatever way."""
     threading.Thread(target=_leave_at_end_of_input, daemon=True).start()
-    compile_largest(planar)
+    compile_largest(planar, deforms)
 
 
 def _leave_at_end_of_input() -> None:
@@ -117,9 +128,9 @@ def _leave_at_end_of_input() -> None:
     os._exit(1)
 
 
-def compile_largest(planar: bool) -> None:
+def compile_largest(planar: bool, deforms: bool = False) -> None:
     """Have the largest kernel compiled, by an iteration on a block that falls onto a support."""
-    m, n = (2, 3) if planar else (3, 6)
+    m, n = _rows_and_unknowns(planar, deforms)
     jacobian = np.zeros((1, 2, m, n))
     jacobian[0, 0, :, :m] = np.eye(m)
     body, contact = np.zeros((1, n)), np.zeros((1, m))

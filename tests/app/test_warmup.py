@@ -38,6 +38,21 @@ def test_a_run_compiles_nothing(block_on_plate, tmp_path, planar):
     assert before["masonry_cd.solvers.admm_kernels.admm_bodies"] > 0
 
 
+def test_a_run_of_blocks_that_deform_compiles_nothing(block_on_plate, tmp_path):
+    changes = [
+        "run.solver=nlgs",
+        "run.settle=false",
+        "material.friction=0.2",
+        "run.duration=0.1",
+        "material.deformable=uniform",
+        "material.young=1e9",
+    ]
+    prepared = prepare(read_scene(block_on_plate(), changes))
+    before = versions()
+    assert run_case(prepared, tmp_path / "out")["steps"] == 100
+    assert versions() - before == Counter()
+
+
 @pytest.mark.parametrize("planar", [True, False])
 def test_the_second_process_compiles_what_a_run_needs(planar):
     warmup.compile_kernels("auto", planar, False)
