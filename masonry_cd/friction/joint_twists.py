@@ -5,9 +5,9 @@ blocks at the first of them, r_a and r_b from their centres, its velocity t and 
 
     t_i = d_i . (v_a + omega_a x r_a - v_b - omega_b x r_b),        omega_i = d_i . (omega_a - omega_b),
 
-and a contact that lies at a from there, in the frame too, has the velocity u = t + omega x a. Its impulse p adds (p, a x p) to the wrench of the
-joint, which goes back to the blocks in the same way. So a contact needs three numbers in place of the 36 of its rows of H, and a joint
-fifteen: of four contacts, a sixth of the data and a quarter of the operations.
+and a contact that lies at a from there, in the frame too, has the velocity u = t + omega x a. Its impulse p adds (p, a x p) to the wrench
+of the joint, which goes back to the blocks in the same way. So a contact needs three numbers in place of the 36 of its rows of H, and a
+joint fifteen: of four contacts, a sixth of the data and a quarter of the operations.
 
 In a plane, where a joint has two contacts, nothing would be won; blocks that deform, and problems from files whose H is not that of rigid
 bodies, have no such frames. There each contact is a joint of its own, with its rows of H.
