@@ -4,7 +4,7 @@ r"""Limit analysis against the dynamics: the factor of a push that each kind of 
     python -m benchmarks.limit --walls               dry walls of Ferris & Tin-Loi: associated, least found, published
     python -m benchmarks.limit dome arch --share 0.005
     python -m benchmarks.limit church --along y --jobs 8 -o church.json
-    python -m benchmarks.limit --sizes 3.0 2.0 1.3   churches by the length of their blocks: seconds, iterations, gap
+    python -m benchmarks.limit --sizes 2.6 1.7 1.3   churches by the length of their blocks: seconds, iterations, gap
 
 **By the dynamics** a push is held from rest, on rigid joints, and the factor at which blocks begin to move is bracketed by trials, to a
 share of the factor (:mod:`benchmarks.held_push`). ``--jobs`` makes several at a time; ``-o`` keeps what is known so far. A hair above its
