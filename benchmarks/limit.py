@@ -156,6 +156,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     unknown = [kind for kind in asked.kinds if kind not in TABLES]
     if unknown or not math.isfinite(asked.share) or asked.share <= 0.0:
         parser.error(f"no such kind: {', '.join(unknown)}" if unknown else "--share is above 0")
+    if asked.jobs < 1 or asked.starts < 0 or not asked.within > 0.0:
+        parser.error("--jobs is 1 or more, --starts 0 or more, --within above 0")
+    if asked.between and not 0.0 < asked.between[0] <= asked.between[1] < math.inf:
+        parser.error("--between takes two factors above 0, the smaller one first")
     if asked.walls:
         print(head("wall", "associated", "least found", "published", "dynamics stands, moves"))
         for number in dry_walls.ROWS:

@@ -29,3 +29,11 @@ def test_what_is_no_kind_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
         limit.main(["pyramid"])
     assert refused.value.code == 2
     assert "no such kind: pyramid" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("wrong", [["--jobs", "0"], ["--within", "nan"], ["--starts", "-1"], ["--between", "0.3", "0.2"]])
+def test_trials_that_would_never_end_are_refused(wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as refused:
+        limit.main(["arch", *wrong])
+    assert refused.value.code == 2
+    assert wrong[0] in capsys.readouterr().err
