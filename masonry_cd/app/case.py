@@ -103,7 +103,8 @@ def structure_of(scene: Scene) -> Structure:
     blocks, notes, bars = make_structures(scene)
     material = scene.material
     try:
-        return Structure(blocks, tuple(notes), bars, Assembly.from_blocks(blocks, material.friction, material.joints, material))
+        assembly = Assembly.from_blocks(blocks, material.friction, material.joints, material, material.rolling_friction)
+        return Structure(blocks, tuple(notes), bars, assembly)
     except InputError as error:
         raise scene.at_fault(error) from None
 

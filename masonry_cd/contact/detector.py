@@ -4,6 +4,7 @@ r"""Contact detection between convex parts: which surfaces may touch within the 
     pair_memory    what is known of a pair from the last step; pairs that stick are done with here
     separation     the faces or edges that separate the others, the last ones first
     manifold       the points of contact of these
+    round_contact  spheres: where they come nearest to others, and to polyhedra
 
 Points are contacts where the gap may close within the step.
 
@@ -24,6 +25,7 @@ from masonry_cd.contact.broad_phase import SKIN, Listing, list_holds, list_pairs
 from masonry_cd.contact.manifold import Manifold, contact_points
 from masonry_cd.contact.motion import Motion, distance_moved, pair_margin, pose_ahead
 from masonry_cd.contact.pair_memory import REUSE, PairMemory, check_pairs, is_stuck, store_points, update_gaps
+from masonry_cd.contact.round_contact import POINTS, find_round_contact
 from masonry_cd.contact.separation import EDGES, FAR_APART, WHOLE, Placed, place_part, separate
 from masonry_cd.jit import borrower, entry
 from masonry_cd.model.blocks import Assembly, Shapes
@@ -72,7 +74,8 @@ class Detector:
         self._fixed_part = assembly.fixed[shapes.part_block]
         self._affine = assembly.affine
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
-        self._corners = np.maximum.reduceat(np.diff(shapes.solids.loop_start), shapes.solids.face_start[:-1])  # (P,) most of a face
+        self._corners = _most_corners(shapes)
+        self._rolling = assembly.rolling if not corners_only else np.zeros_like(assembly.rolling)
         self._work = Workspace.allocate(shapes, int(self._corners.max()))
         self._listing = Listing.none(assembly.count, len(shapes.part_block))
         self._remember(PairMemory.none())
@@ -154,7 +157,7 @@ class Detector:
     def _update(self, motion: Motion, origin: np.ndarray, just_listed: bool) -> int:
         """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed anew."""
         known = (self._listing, self._memory, self._shapes)
-        return int(update_pairs(*known, motion, origin, just_listed, self._pair_by_area, self._work, self.tally))
+        return int(update_pairs(*known, motion, origin, just_listed, self._pair_by_area, self._pair_arm, self._work, self.tally))
 
     def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
@@ -164,14 +167,29 @@ class Detector:
         self.rebuilds += 1
 
     def _remember(self, memory: PairMemory) -> None:
-        """Have a memory of new pairs, and the law of each: whether it goes by area."""
+        """Have a memory of new pairs, and the law of each: whether it goes by area, and the arm of its rolling friction."""
         self._memory = memory
         groups = self._part_group[memory.parts]
         self._pair_by_area = self._by_area[groups[:, 0], groups[:, 1]]
+        self._pair_arm = self._rolling[groups[:, 0], groups[:, 1]] * effective_radius(*self._shapes.rounding[memory.parts].T)
 
     def _capacity(self, pairs: np.ndarray) -> np.ndarray:
         """Most points (P,) of each pair: a polygon of i corners cut by one of k has i + k at most; and the centroid."""
         return self._corners[pairs].sum(axis=1) + 1
+
+
+def effective_radius(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """1 / (1 / R_a + 1 / R_b) of pairs of spheres of those radii [m]; 0 stands for a polyhedron, which is flat, or of two for no sphere."""
+    return np.where(np.minimum(first, second) > 0.0, first * second / np.maximum(first + second, 1e-300), np.maximum(first, second))
+
+
+def _most_corners(shapes: Shapes) -> np.ndarray:
+    """Most corners of a face of each part, (P,); of a sphere what its contact with another may have points."""
+    starts, out = shapes.solids.face_start, np.full(len(shapes.part_block), POINTS)
+    flat = shapes.rounding == 0.0
+    if flat.any():
+        out[flat] = np.maximum.reduceat(np.diff(shapes.solids.loop_start), starts[:-1][flat])
+    return out
 
 
 class Workspace(NamedTuple):
@@ -203,13 +221,15 @@ def update_pairs(
     origin: np.ndarray,
     just_listed: bool,
     by_area: np.ndarray,
+    arm: np.ndarray,
     work: Workspace,
     tally: np.ndarray,
 ) -> int:
     """Bring the points of all P pairs up to date, and the gap of each, inf where it is beyond the margin.
 
     ``origin`` (3,) is the displacement of the supports since the start [m]; ``just_listed``: the list holds, where motions are not finite
-    too; ``by_area`` (P,) whether the law of the joint goes by area; ``tally`` (4,) counts what was done.
+    too; ``by_area`` (P,) whether the law of the joint goes by area; ``arm`` (P,) of the rolling friction [m]; ``tally`` (4,) counts what
+    was done.
 
     Returns:
         how many points are within the margin; -1, and nothing is done, where the list of pairs no longer holds.
@@ -228,6 +248,9 @@ def update_pairs(
         if is_stuck(memory, k, now, radius[b], width):
             update_gaps(memory, k, now, motion.affine)
             tally[KEPT] += 1
+        elif len(shapes.rounded) == 2 and shapes.rounding[a] + shapes.rounding[b] > 0.0:
+            looked = find_round_contact(memory, k, shapes, motion, margin, arm[k], work)
+            tally[SEARCHED if looked else APART] += 1
         else:
             _look_again(memory, k, shapes, motion, margin, width, by_area[k], work, tally)
         for s in range(slot[k], slot[k] + count[k]):
