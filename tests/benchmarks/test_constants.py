@@ -10,12 +10,12 @@ from masonry_cd.solvers import auto
 
 
 def test_all_that_is_spent_is_counted() -> None:
-    """The thrown walls take ADMM and Newton, and one measurement of the error after each turn."""
+    """The thrown walls take ADMM and Newton by turns, and one measurement of the error after each."""
     methods, measured = auto.METHODS, auto.natural_map_error
     found = measure(SCENES["thrown walls"])
     admm, newton, *others = found.iterations
     assert admm > 0 and newton > 0 and not any(others)
-    assert found.measurements == 6
+    assert 2 * found.steps <= found.measurements <= 3 * found.steps  # two turns a wall, and a third where ADMM goes on
     assert found.cost > 0.0
     assert (found.steps, found.missed) == (3, 0)
     assert (auto.METHODS, auto.natural_map_error) == (methods, measured)
