@@ -179,7 +179,14 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     with _compiling():
         joints, built = structure.joints, structure.built_gap
         planar = _is_planar(assembly, loading, scene.run)
-        compile_kernels(scene.run.solver, planar, bool(assembly.laws.by_area.any()), scene.stress, assembly.deformation is not None)
+        compile_kernels(
+            scene.run.solver,
+            planar,
+            bool(assembly.laws.by_area.any()),
+            scene.stress,
+            deforms=assembly.deformation is not None,
+            spheres=bool(assembly.shapes.rounding.any()),
+        )
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = structure.falling if gravity else []

@@ -42,17 +42,19 @@ from masonry_cd.solvers.linearised_bodies import linearised_bodies
 
 STEPS, STEP = 6, 1e-3  # [s]
 FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+BALLS = "balls"  # group of the sphere, which is rigid where blocks deform
 PATIENCE = 60.0  # to wait for the second process, beyond what this one took for its share [s]
 
 
 @cache
-def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = False, deforms: bool = False) -> None:
+def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = False, deforms: bool = False, spheres: bool = False) -> None:
     """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without;
-    ``stress``: those of the stress of blocks and joints as well; ``deforms``: for blocks of uniform strain."""
+    ``stress``: those of the stress of blocks and joints as well; ``deforms``: for blocks of uniform strain; ``spheres``: for scenes with
+    some."""
     if solver in ("auto", "newton", "interior", "pivoting") and keeps() and not is_kept(planar, deforms) and cores() > 1:
         with second_process(planar, deforms):
-            _shake_cubes("admm", planar, by_area, deforms=deforms)
-    _shake_cubes(solver, planar, by_area, stress, deforms)
+            _shake_cubes("admm", planar, by_area, deforms=deforms, spheres=spheres)
+    _shake_cubes(solver, planar, by_area, stress, deforms, spheres)
     islands.compile_kernels()
 
 
@@ -61,14 +63,16 @@ def keeps() -> bool:
     return has_cache(linearised_bodies)
 
 
-def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False, deforms: bool = False) -> None:
+def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False, deforms: bool = False, spheres: bool = False) -> None:
     """The run."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
-    places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-5)}
+    places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-3)}
     blocks = [Block(name, corners + [x, 0.0, z], FACES, 2000.0, fixed=name == "base") for name, (x, z) in places.items()]
     laws = {"default": JointLaw(normal_stiffness=1e9, cohesion=1.0)} if by_area else None
-    material = ElasticBlocks(deformable="uniform", young=1e9) if deforms else None
-    assembly = Assembly.from_blocks(blocks, 0.5, laws, material)
+    if spheres:
+        blocks.append(Block.sphere("ball", np.array([0.7, 0.5, 3.3]), 0.3, 2000.0, BALLS))
+    material = ElasticBlocks(deformable={BALLS: "rigid", "default": "uniform"} if spheres else "uniform", young=1e9) if deforms else None
+    assembly = Assembly.from_blocks(blocks, 0.5, laws, material, 0.01 if spheres else 0.0)
     joints = find_joints(assembly)
     touching_places(joints, assembly, State.at_rest(assembly), np.arange(joints.count))  # which a run asks for at its first hinge
     shaking = np.zeros((STEPS + 1, 1, 3))
@@ -76,7 +80,9 @@ def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False,
     gravity = np.tile([0.0, 0.0, -9.81], (STEPS + 1, 1))
     settings = Run(dt=STEP, duration=STEPS * STEP, solver=solver, tolerance=1e-300, planar=planar)
     with TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", assembly, joints) as writer:
-        run(Stepper(assembly, shaking, gravity, settings), joints, writer, STEPS, stress=stress)
+        machine = Stepper(assembly, shaking, gravity, settings)
+        machine.kick(np.where(np.array(assembly.names) == "falling", 1.0, 0.0)[:, None] * [0.0, 0.0, -0.5, 0.0, 0.0, 0.0])  # it lands
+        run(machine, joints, writer, STEPS, stress=stress)
 
 
 # --- the second process ------------------------------------------------------------------------------------------------------------
