@@ -63,7 +63,7 @@ def in_words(loose: Sequence[str], hanging: Sequence[str], adrift: Sequence[str]
 def standing(assembly: Assembly) -> Standing:
     """Judge a structure by its contacts at rest."""
     found = contacts_at_rest(assembly)
-    spheres = assembly.shapes.rounding[np.unique(assembly.shapes.part_block, return_index=True)[1]] > 0.0
+    spheres = np.array([block.radius > 0.0 for block in assembly.blocks])
     pairs = np.unique(found.bodies, axis=0).reshape(-1, 2)
     graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (assembly.count, assembly.count))
     touched = np.zeros(assembly.count, dtype=bool)
@@ -72,7 +72,7 @@ def standing(assembly: Assembly) -> Standing:
     free = ~assembly.fixed & ~spheres
     held = np.isin(label, label[assembly.fixed])
     loose = free & ~touched
-    hanging = _hanging(assembly, found, (0, 0, 1)) & ~loose & ~spheres
+    hanging = _hanging(assembly, found, (0, 0, 1)) & free & ~loose
     return Standing(
         contacts=found,
         pieces=len(np.unique(label[free | touched])),

@@ -87,12 +87,13 @@ def _structure(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 def _block(given: Any, index: int) -> Block:
     """One block: as it is, from (vertices, faces), or from a dict with the keys of a block file."""
     from masonry_cd.model.blocks import Block
+    from masonry_cd.model.sphere import ball_centre
 
     if isinstance(given, Block):
         table: Mapping[str, Any] = {key: getattr(given, key) for key in FIELDS if key not in ROUND}
         if given.radius:
             flat = {key: table[key] for key in table if key not in SHELL}
-            table = {**flat, "centre": given.vertices[0], "radius": given.radius}
+            table = {**flat, "centre": ball_centre(given.vertices), "radius": given.radius}
         if given.fixed and given.group == Block.group:  # that of blocks that name none; of supports it is another
             table = {**table, "group": None}
     elif isinstance(given, Mapping):

@@ -7,7 +7,7 @@ may be a pattern, ``*arch-*base``; a pair by name holds before one by patterns.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
@@ -26,6 +26,7 @@ LIGHTEST, HEAVIEST = 30, 30000  # density [kg/m3]: from insulation to more than 
 ROUGHEST = 20  # coefficient of friction: beyond, an angle was meant
 _COEFFICIENT = {"type": "number", "minimum": 0, "maximum": ROUGHEST}
 _FRICTION: dict[str, Any] = {"anyOf": [_COEFFICIENT, {"type": "object", "minProperties": 1, "additionalProperties": _COEFFICIENT}]}
+NO_SHARE = "an arm over a radius should be a number between 0 and 1"
 _SHARE = {"type": "number", "minimum": 0, "maximum": 1}
 _ROLLING: dict[str, Any] = {"anyOf": [_SHARE, {"type": "object", "minProperties": 1, "additionalProperties": _SHARE}]}
 Stiffness = Annotated[Number, Field(ge=1.0, le=1e20)]  # on 1 Pa such joints shorten by a metre, and by less than rounding
@@ -121,30 +122,37 @@ class Material(ElasticBlocks):
     @field_validator("rolling_friction", mode="before")
     @classmethod
     def _shares(cls, value: Any) -> Any:
-        pairs = value if isinstance(value, Mapping) else {"": value}
-        if not pairs:
-            raise ValueError("gives no value")
-        for pair, share in pairs.items():
-            if not (is_number(share) or isinstance(share, float)) or not 0 <= share <= 1:
-                name = f'"{pair}": ' if pair else ""
-                raise ValueError(f"{name}an arm over a radius should be a number between 0 and 1")
-        return {pair: float(share) for pair, share in pairs.items()} if isinstance(value, Mapping) else float(pairs[""])
+        return _numbers_by_pair(value, lambda share, _: "" if _is_number(share) and 0 <= share <= 1 else NO_SHARE)
 
     @field_validator("friction", mode="before")
     @classmethod
     def _coefficients(cls, value: Any) -> Any:
-        pairs = value if isinstance(value, Mapping) else {"": value}
-        if not pairs:
-            raise ValueError("gives no value")
-        for pair, mu in pairs.items():
-            name = f'"{pair}": ' if pair else ""
-            if not (is_number(mu) or isinstance(mu, float)):
-                raise ValueError(f"{name}should be a number")
-            if not 0 <= mu <= ROUGHEST:
-                raise ValueError(
-                    f"{name}a coefficient of friction (no angle) should be between 0 and {ROUGHEST}" + (f", got {mu:g}" if pair else "")
-                )
-        return {pair: float(mu) for pair, mu in pairs.items()} if isinstance(value, Mapping) else float(pairs[""])
+        return _numbers_by_pair(value, _no_coefficient)
+
+
+def _numbers_by_pair(value: Any, wrong: Callable[[Any, str], str]) -> float | dict[str, float]:
+    """One number, or numbers by pair of groups; ``wrong`` says of a number, and its pair or "", what is wrong with it, or nothing."""
+    pairs = value if isinstance(value, Mapping) else {"": value}
+    if not pairs:
+        raise ValueError("gives no value")
+    for pair, number in pairs.items():
+        if said := wrong(number, pair):
+            raise ValueError(f'"{pair}": {said}' if pair else said)
+    return {pair: float(number) for pair, number in pairs.items()} if isinstance(value, Mapping) else float(value)
+
+
+def _no_coefficient(mu: Any, pair: str) -> str:
+    """What is wrong with a coefficient of friction, or nothing."""
+    if not _is_number(mu):
+        return "should be a number"
+    if not 0 <= mu <= ROUGHEST:
+        return f"a coefficient of friction (no angle) should be between 0 and {ROUGHEST}" + (f", got {mu:g}" if pair else "")
+    return ""
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value is a number, infinite ones and NaN among them."""
+    return is_number(value) or isinstance(value, float)
 
 
 @dataclass(frozen=True, eq=False)
