@@ -32,6 +32,7 @@ from benchmarks import dry_walls
 from benchmarks.held_push import GRAVITY, Bracket, Trial, bracket
 from benchmarks.sitting import head
 from masonry_cd.contact.find_joints import find_joints
+from masonry_cd.errors import InputError
 from masonry_cd.limit.analysis import Analysis, Options, analyse
 from masonry_cd.limit.mechanism import STATES
 from masonry_cd.limit.problem import Bars, Loads
@@ -118,9 +119,10 @@ def wall_row(number: int, share: float) -> str:
     assembly = Assembly.from_blocks(dry_walls.dry_wall(number), dry_walls.FRICTION)
     found = analyse(assembly, find_joints(assembly), push(assembly), Options(starts=3))
     factor = found.associated.factor
-    least = found.least.optimum.factor if found.least else factor
-    seen = bracket(assembly, WAYS["x"], (least, factor), share)
-    return f"| {number} | {factor:.5f} | {least:.4f} | {dry_walls.LEAST.get(number, '')} | {_ends(seen)} |"
+    lowest = found.least.optimum.factor if found.least else factor
+    seen = bracket(assembly, WAYS["x"], (lowest, factor), share)
+    least = f"{lowest:.4f}" if found.least else ""
+    return f"| {number} | {factor:.5f} | {least} | {dry_walls.LEAST.get(number, '')} | {_ends(seen)} |"
 
 
 def size_row(length: float, sides: int) -> str:
@@ -169,7 +171,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         heads = ("blocks", "points", "factor", "iterations", "seconds", "with the check at rest", "gap", "residual")
         print(head("block length [m]", *heads))
         for length in asked.sizes:
-            print(size_row(length, asked.sides), flush=True)
+            try:
+                print(size_row(length, asked.sides), flush=True)
+            except InputError as error:
+                parser.error(f"--sizes {length:g}: {error}")
         return
     print(head("structure", "push", "blocks", "least found", "associated", "dynamics stands, moves", "associated mechanism"))
     between = tuple(asked.between) if asked.between else None
