@@ -20,7 +20,7 @@ springs soft enough no piece has one: there is one solution, and the path leads 
 where the path meets a fold, which the sign of the ratio of the determinants tells, K falls as much, and changes by the root of GROWTH
 from then on.
 
-Over the demo (``python -m benchmarks.profile``) ``interior`` takes 61 factorisations a step, and this 20 with 25 pivots on each.
+Over the demo (``python -m benchmarks.profile``) ``interior`` takes 61 factorisations a step, and this 17 with some 25 pivots on each.
 What it does not solve is left to the interior point method, as are problems in space, where the cone of friction is round, and those given
 by W alone.
 """
