@@ -112,10 +112,10 @@ def next_kink(problem, springs, stiffness, rate, taken):
             continue
         if d_n < 0.0 and x_n < -first * d_n:
             first, which, new = max(-x_n / d_n, 0.0), c, OPEN
-        if status[c] == SLIP:  # until |x_t| falls to mu x_n
+        if status[c] == SLIP:  # until |x_t| falls to mu x_n; never without friction, or rounding would have it stick and slip by turns
             side = 1.0 if x_t > 0.0 else -1.0
             beyond, fall = side * x_t - problem.mu[c] * x_n, problem.mu[c] * d_n - side * d_t
-            if fall > 0.0 and beyond < first * fall:
+            if problem.mu[c] > 0.0 and fall > 0.0 and beyond < first * fall:
                 first, which, new = max(beyond, 0.0) / fall, c, STICK
             continue
         for side in (-1.0, 1.0):  # until it rises to that
