@@ -22,11 +22,12 @@ import numpy as np
 
 from masonry_cd.arrays import Stored
 from masonry_cd.contact.broad_phase import SKIN, Listing, list_holds, list_pairs
-from masonry_cd.contact.manifold import Manifold, contact_points
+from masonry_cd.contact.manifold import contact_points
 from masonry_cd.contact.motion import Motion, distance_moved, pair_margin, pose_ahead
 from masonry_cd.contact.pair_memory import REUSE, PairMemory, check_pairs, is_stuck, store_points, update_gaps
 from masonry_cd.contact.round_contact import POINTS, find_round_contact
 from masonry_cd.contact.separation import EDGES, FAR_APART, WHOLE, Placed, place_part, separate
+from masonry_cd.contact.workspace import Workspace
 from masonry_cd.jit import borrower, entry
 from masonry_cd.model.blocks import Assembly, Shapes
 from masonry_cd.model.geometry import relative_pose, turned_normal
@@ -34,6 +35,7 @@ from masonry_cd.model.geometry import relative_pose, turned_normal
 EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
 FAR = 0.05  # a pair that may move by more than this share of the smaller part's width in a step is looked at as it will be then, too
 
+CORNERS, BY_AREA, ROUND_PAIR = 0, 1, 2  # kinds of pairs: points at corners; at centroids too, with areas; of a sphere
 APART, KEPT, CLIPPED, SEARCHED = 0, 1, 2, 3  # what was done with a pair: nothing, points carried along, points found, feature found
 
 
@@ -70,7 +72,7 @@ class Detector:
         shapes = assembly.shapes
         self._shapes = shapes
         self._part_group = assembly.group_of[shapes.part_block]
-        self._by_area = assembly.laws.by_area & (not corners_only)
+        self._law_by_area = assembly.laws.by_area & (not corners_only)
         self._fixed_part = assembly.fixed[shapes.part_block]
         self._affine = assembly.affine
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
@@ -157,7 +159,10 @@ class Detector:
     def _update(self, motion: Motion, origin: np.ndarray, just_listed: bool) -> int:
         """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed anew."""
         known = (self._listing, self._memory, self._shapes)
-        return int(update_pairs(*known, motion, origin, just_listed, self._pair_by_area, self._pair_arm, self._work, self.tally))
+        count = int(update_pairs(*known, motion, origin, just_listed, self._kind, self._work, self.tally))
+        if count >= 0 and self._round:
+            count += update_round_pairs(*known[1:], motion, self._kind, self._arm, self._work, self.tally)
+        return count
 
     def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
@@ -167,11 +172,13 @@ class Detector:
         self.rebuilds += 1
 
     def _remember(self, memory: PairMemory) -> None:
-        """Have a memory of new pairs, and the law of each: whether it goes by area, and the arm of its rolling friction."""
+        """Have a memory of new pairs, the kind of each, and the arm of its rolling friction [m]."""
         self._memory = memory
-        groups = self._part_group[memory.parts]
-        self._pair_by_area = self._by_area[groups[:, 0], groups[:, 1]]
-        self._pair_arm = self._rolling[groups[:, 0], groups[:, 1]] * effective_radius(*self._shapes.rounding[memory.parts].T)
+        first, second = self._part_group[memory.parts].T
+        round_pair = (self._shapes.rounding[memory.parts] > 0.0).any(axis=1)
+        self._kind = np.where(round_pair, ROUND_PAIR, np.where(self._law_by_area[first, second], BY_AREA, CORNERS))
+        self._arm = self._rolling[first, second] * effective_radius(*self._shapes.rounding[memory.parts].T)
+        self._round = bool(round_pair.any())
 
     def _capacity(self, pairs: np.ndarray) -> np.ndarray:
         """Most points (P,) of each pair: a polygon of i corners cut by one of k has i + k at most; and the centroid."""
@@ -192,26 +199,6 @@ def _most_corners(shapes: Shapes) -> np.ndarray:
     return out
 
 
-class Workspace(NamedTuple):
-    """Scratch arrays for one pair after another."""
-
-    now: np.ndarray  # (12,) pose of b in the frame of a
-    vertices: np.ndarray  # (V, 3) of b in the frame of a [m]
-    normals: np.ndarray  # (F, 3)
-    manifold: Manifold
-    place: np.ndarray  # (N,) contacts of the last set that its points continue
-    ahead_position: np.ndarray  # (2, 3) of both bodies a step later [m]
-    ahead_rotation: np.ndarray  # (2, 3, 3)
-
-    @classmethod
-    def allocate(cls, shapes: Shapes, corners: int) -> Workspace:
-        """Room for parts, by the largest number of corners of a face."""
-        manifold = Manifold.allocate(corners)
-        vertices, faces = (int(np.diff(start).max()) for start in (shapes.solids.vertex_start, shapes.solids.face_start))
-        place = np.empty(len(manifold.point), dtype=np.int64)
-        return cls(np.empty(12), np.empty((vertices, 3)), np.empty((faces, 3)), manifold, place, np.empty((2, 3)), np.empty((2, 3, 3)))
-
-
 @entry()
 def update_pairs(
     listing: Listing,
@@ -220,16 +207,14 @@ def update_pairs(
     motion: Motion,
     origin: np.ndarray,
     just_listed: bool,
-    by_area: np.ndarray,
-    arm: np.ndarray,
+    kind: np.ndarray,
     work: Workspace,
     tally: np.ndarray,
 ) -> int:
-    """Bring the points of all P pairs up to date, and the gap of each, inf where it is beyond the margin.
+    """Bring the points of all P pairs but those with spheres up to date, and the gap of each, inf where it is beyond the margin.
 
     ``origin`` (3,) is the displacement of the supports since the start [m]; ``just_listed``: the list holds, where motions are not finite
-    too; ``by_area`` (P,) whether the law of the joint goes by area; ``arm`` (P,) of the rolling friction [m]; ``tally`` (4,) counts what
-    was done.
+    too; ``kind`` (P,) of each pair; ``tally`` (4,) counts what was done.
 
     Returns:
         how many points are within the margin; -1, and nothing is done, where the list of pairs no longer holds.
@@ -240,6 +225,8 @@ def update_pairs(
     parts, slot, count, gap, now = memory.parts, memory.slot, memory.point_count, memory.gap, work.now
     within = 0
     for k in range(parts.shape[0]):
+        if kind[k] == ROUND_PAIR:
+            continue
         a, b = parts[k, 0], parts[k, 1]
         block_a, block_b = part_block[a], part_block[b]
         width = min(size[a], size[b])
@@ -248,14 +235,41 @@ def update_pairs(
         if is_stuck(memory, k, now, radius[b], width):
             update_gaps(memory, k, now, motion.affine)
             tally[KEPT] += 1
-        elif len(shapes.rounded) == 2 and shapes.rounding[a] + shapes.rounding[b] > 0.0:
-            looked = find_round_contact(memory, k, shapes, motion, margin, arm[k], work)
-            tally[SEARCHED if looked else APART] += 1
         else:
-            _look_again(memory, k, shapes, motion, margin, width, by_area[k], work, tally)
+            _look_again(memory, k, shapes, motion, margin, width, kind[k] == BY_AREA, work, tally)
         for s in range(slot[k], slot[k] + count[k]):
             if gap[s] > margin:
                 gap[s] = np.inf
+            else:
+                within += 1
+    return within
+
+
+@entry()
+def update_round_pairs(
+    memory: PairMemory, shapes: Shapes, motion: Motion, kind: np.ndarray, arm: np.ndarray, work: Workspace, tally: np.ndarray
+) -> int:
+    """As :func:`update_pairs`, for the pairs of which one part at least is a sphere; ``arm`` (P,) of the rolling friction [m].
+
+    Apart, since the compiler makes slower code of the loop over polyhedra where it holds this too.
+    """
+    within = 0
+    for k in range(memory.parts.shape[0]):
+        if kind[k] != ROUND_PAIR:
+            continue
+        a, b = memory.parts[k, 0], memory.parts[k, 1]
+        block_a, block_b, width = shapes.part_block[a], shapes.part_block[b], min(shapes.size[a], shapes.size[b])
+        margin = pair_margin(motion, block_a, block_b, shapes.radius[a], shapes.radius[b], width)
+        relative_pose(motion.position, motion.rotation, motion.affine, block_a, block_b, work.now)
+        if is_stuck(memory, k, work.now, shapes.radius[b], width):
+            update_gaps(memory, k, work.now, motion.affine)
+            tally[KEPT] += 1
+        else:
+            looked = find_round_contact(memory, k, shapes, motion, margin, arm[k], work)
+            tally[SEARCHED if looked else APART] += 1
+        for s in range(memory.slot[k], memory.slot[k] + memory.point_count[k]):
+            if memory.gap[s] > margin:
+                memory.gap[s] = np.inf
             else:
                 within += 1
     return within

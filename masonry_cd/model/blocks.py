@@ -94,7 +94,6 @@ class Shapes(NamedTuple):
     radius: np.ndarray  # (P,) largest distance of the part's surface from the block's centre of mass [m]
     size: np.ndarray  # (P,) smallest width of the part over its face normals, or the diameter of a sphere [m]
     rounding: np.ndarray  # (P,) radius of a sphere, 0 of polyhedra [m]
-    rounded: tuple[int, ...]  # two zeros where there are spheres, else one: kernels know the length when they are compiled
 
     @classmethod
     def of(cls, blocks: Sequence[Block], centre: np.ndarray) -> Shapes:
@@ -110,7 +109,6 @@ class Shapes(NamedTuple):
             radius=np.array([np.linalg.norm(own, axis=1).max() for own in local]) + rounding,
             size=np.array([2.0 * r or _width(own, n) for own, n, r in zip(local, normals, rounding, strict=True)]),
             rounding=rounding,
-            rounded=(0, 0) if rounding.any() else (0,),
         )
 
 
