@@ -1,4 +1,4 @@
-r"""Does each tuned constant of ``auto`` earn its place? Scenes are solved with it and without it, and what they cost is compared.
+r"""Does each tuned constant of ``auto``, and of its methods, earn its place? Scenes are solved with it and without it, and costs compared.
 
     python -m benchmarks.constants
     python -m benchmarks.constants TRIAL FAR --scenes arch demo
@@ -134,6 +134,7 @@ SCENES: dict[str, Scene] = {
     "church": _file("benchmarks/bits/church.toml"),
     "large church": _file("examples/church_sine.toml", "run.duration=0.1"),
     "sliding church": _file("examples/church_sine.toml", "run.duration=0.8"),
+    "Arles": _file("examples/aqueduct_arles.toml", "run.duration=0.8"),
     "debris": _file("benchmarks/bits/debris.toml"),
     "islands": _file("benchmarks/bits/islands.toml"),
     "elastic": _file("benchmarks/bits/elastic.toml"),
@@ -162,18 +163,20 @@ SWITCHED: dict[str, Any] = {
     "BUDGET": 1e12,
     "COLD_BUDGET": 1e12,
     "ROUGH": -1.0,  # pivoting is not asked
+    "interior.CLOSE": 1e-6,  # the path by its length is followed as far as it leads
 }
 
 
 @contextmanager
 def switched(name: str, value: Any) -> Iterator[None]:
-    """``auto`` with another value of one of its constants."""
-    kept = getattr(auto, name)
-    setattr(auto, name, value)
+    """``auto``, or the method before the dot, with another value of one of its constants."""
+    module, constant = getattr(auto, name.split(".")[0]) if "." in name else auto, name.split(".")[-1]
+    kept = getattr(module, constant)
+    setattr(module, constant, value)
     try:
         yield
     finally:
-        setattr(auto, name, kept)
+        setattr(module, constant, kept)
 
 
 @contextmanager

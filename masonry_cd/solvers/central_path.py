@@ -241,16 +241,21 @@ def start_direction(linear, way, m, k):
 
 
 @borrower()
+def contact_step(w, p, gamma, dw, dp, dgamma, mu, m):
+    """Largest step along a direction that keeps one contact inside its cones, at most 1e10; vectors (m,)."""
+    longest = -w[0] / dw[0] if dw[0] < 0.0 else 1e10
+    w2, p2, dw2, dp2 = (w[2], p[2], dw[2], dp[2]) if m == 3 else (0.0, 0.0, 0.0, 0.0)
+    longest = min(longest, max_step_to_cone(gamma, w[1], w2, dgamma, dw[1], dw2))
+    return min(longest, max_step_to_cone(mu * p[0], p[1], p2, mu * dp[0], dp[1], dp2))
+
+
+@borrower()
 def longest_step(here, way, cones):
     """Largest step along a direction that keeps every contact inside its cones."""
     (w, p, gamma, _), (dw, dp, dgamma, _) = here, way
-    mu, m, longest = cones.mu, len(cones.m), 1e10
-    for c in range(len(mu)):
-        if dw[c, 0] < 0.0:
-            longest = min(longest, -w[c, 0] / dw[c, 0])
-        w2, p2, dw2, dp2 = (w[c, 2], p[c, 2], dw[c, 2], dp[c, 2]) if m == 3 else (0.0, 0.0, 0.0, 0.0)
-        longest = min(longest, max_step_to_cone(gamma[c], w[c, 1], w2, dgamma[c], dw[c, 1], dw2))
-        longest = min(longest, max_step_to_cone(mu[c] * p[c, 0], p[c, 1], p2, mu[c] * dp[c, 0], dp[c, 1], dp2))
+    longest = 1e10
+    for c in range(len(cones.mu)):
+        longest = min(longest, contact_step(w[c], p[c], gamma[c], dw[c], dp[c], dgamma[c], cones.mu[c], len(cones.m)))
     return longest
 
 

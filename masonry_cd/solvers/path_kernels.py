@@ -17,6 +17,7 @@ from masonry_cd.solvers.central_path import (
     begin_inside,
     complementarity,
     cones_of,
+    contact_step,
     interior_direction,
     linearise_products,
     longest_step,
@@ -25,6 +26,8 @@ from masonry_cd.solvers.central_path import (
     take_impulse,
 )
 from masonry_cd.solvers.linearised import keep_better
+
+BEYOND = 1.02  # of a step, inside the cones
 
 
 class PathWays(NamedTuple):
@@ -117,26 +120,51 @@ def turn_across(ways, here, cones):
 
 @kernel()
 def step_ahead(here, ways, cones, level, tau, changes, wide):
-    """ahead = back + h tangent + h^2 bend with the largest h that stays inside the cones and near the path.
+    """ahead = back + h tangent + h^2 bend with the largest h of 2 (0.97 where tau falls), 3/4 of it, and so on, that stays inside the cones
+    and near the path.
 
     ``changes`` are those of tau that go along, drop, sign and curve: drop + h sign + h^2 curve. Near: no product of a contact is off tau
-    times its level by more than ``wide`` times that. Returns the relative change of tau.
+    times its level by more than ``wide`` times that. The contact that forbade the last h is asked first, since it mostly forbids the next
+    one too. Returns the relative change of tau.
     """
-    (drop, sign, curve), m, trial = changes, len(cones.m), np.empty(len(cones.k))
-    way, h = ways.ahead, 2.0 if sign > 0.0 else 0.97
-    for _ in range(40):
-        combine_ways(ways.back, h * sign, ways.tangent, h * h, ways.bend, way)
+    (drop, sign, curve), contacts, room = changes, len(level), np.empty((3, len(cones.k)))
+    h, again, change, forbids = (2.0 if sign > 0.0 else 0.97), 0, 0.0, True
+    for turn in range(40):
+        h *= 0.75 if turn > 0 else 1.0
         change = drop + h * sign + h * h * curve
-        if change > -0.98 and longest_step(here, way, cones) > 1.02:
-            off = 0.0
-            for c in range(len(level)):
-                w, p, gamma = here.w[c] + way.w[c], here.p[c] + way.p[c], here.gamma[c] + way.gamma[c]
-                complementarity(w, p, gamma, cones.mu[c], m, trial)
-                off = max(off, off_path(trial, tau * (1.0 + change) * level[c]))
-            if off < wide:
+        forbids = change <= -0.98
+        if forbids:
+            continue
+        for k in range(contacts):
+            c = again if k == 0 else (k - 1 if k <= again else k)
+            if not _allows(here, ways, cones, c, (h * sign, h * h), tau * (1.0 + change) * level[c], wide, room):
+                forbids, again = True, c
                 break
-        h *= 0.75
+        if not forbids:
+            break
+    combine_ways(ways.back, h * sign, ways.tangent, h * h, ways.bend, ways.ahead)
     return change
+
+
+@borrower()
+def _allows(here, ways, cones, c, along, goal, wide, room):
+    """Whether contact c stays inside the cones, a little beyond the step too, and near the path with products of ``goal`` at its end.
+
+    The step is back + along[0] tangent + along[1] bend; ``room`` (3, k) is scratch.
+    """
+    (back, tangent, bend, _), (first, second), m, mu = ways, along, len(cones.m), cones.mu[c]
+    w, p, product = room[0], room[1], room[2]
+    for i in range(m):
+        w[i] = back.w[c, i] + first * tangent.w[c, i] + second * bend.w[c, i]
+        p[i] = back.p[c, i] + first * tangent.p[c, i] + second * bend.p[c, i]
+    turn = back.gamma[c] + first * tangent.gamma[c] + second * bend.gamma[c]
+    if contact_step(here.w[c], here.p[c], here.gamma[c], w, p, turn, mu, m) <= BEYOND:
+        return False
+    for i in range(m):
+        w[i] += here.w[c, i]
+        p[i] += here.p[c, i]
+    complementarity(w, p, here.gamma[c] + turn, mu, m, product)
+    return off_path(product, goal) < wide
 
 
 @kernel()
