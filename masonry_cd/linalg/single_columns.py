@@ -149,6 +149,11 @@ def forward_columns(symbolic, low, x, size_n):
     n, below = len(size_n), symbolic.below
     lows = low.reshape((len(below), n, n))
     for j in range(len(symbolic.column) - 1):
+        nothing = True  # where only a few rows of x are not zero, few columns have anything to pass on
+        for q in range(n):
+            nothing = nothing and x[j, q] == 0.0
+        if nothing:
+            continue
         for t in range(symbolic.start[j], symbolic.start[j + 1]):
             i = below[t]
             for p in range(n):
@@ -174,8 +179,8 @@ def backward_columns(symbolic, inverse, up, x, y, size_n):
     for j in range(size - 1, -1, -1):
         for t in range(symbolic.start[j], symbolic.start[j + 1]):
             i = below[t]
-            for q in range(n):
-                total = x[j, q]
-                for p in range(n):
-                    total -= ups[t, p, q] * x[i, p]
-                x[j, q] = total
+            for q in range(n):  # summed first: the next block of the column waits for one subtraction then
+                total = ups[t, 0, q] * x[i, 0]
+                for p in range(1, n):
+                    total += ups[t, p, q] * x[i, p]
+                x[j, q] -= total
