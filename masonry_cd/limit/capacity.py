@@ -30,6 +30,7 @@ from masonry_cd.limit.solution import Unbounded
 from masonry_cd.limit.stage import FIRST, LONGEST, SHORTEST, Stage, Stages
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
+from masonry_cd.quantities import length
 
 STEPS = 40  # from start to end, about
 MOST = 6  # times so many steps at most
@@ -218,7 +219,7 @@ class _Path:
     def _enough(self, found: Stage) -> str:
         """Why the curve ends though the factor has not vanished, if it does."""
         if self.displacement(found) >= self.options.limit:
-            return f"the control displacement of {self.options.limit:.4g} m is reached"
+            return f"the control displacement of {length(self.options.limit)} is reached"
         if len(self.stages) > STALLED and self._farthest(-1 - STALLED, -1) < WAY * self._farthest(0, -1 - STALLED):
             return f"in {STALLED} steps no block went more than {WAY:.0%} farther: blocks meet at every step"
         if len(self.stages) > MOST * self.options.steps:
@@ -236,7 +237,9 @@ class _Path:
         slope = (found.factor - last.factor) / used
         left = max(self.options.steps - len(self.stages), 1)
         wanted = 2.0 * amount if slope >= 0.0 else BEYOND * found.factor / (-slope * left)
-        return float(np.clip(wanted, 0.5 * amount, min(2.0 * amount, LONGEST * self.width)))
+        wanted = float(np.clip(wanted, 0.5 * amount, min(2.0 * amount, LONGEST * self.width)))
+        gone = (self.displacement(found) - self.displacement(last)) / used  # of the control point, by way of the fastest corner
+        return min(wanted, BEYOND * (self.options.limit - self.displacement(found)) / gone) if gone > 0.0 else wanted
 
     def _remarks(self) -> tuple[str, ...]:
         """What was not reached on the way."""

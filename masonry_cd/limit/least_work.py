@@ -8,8 +8,9 @@ forces r of the mechanism,
 
 with the gaps g and shifts t that the step has left, openings p, slips s, and a the mechanism, along which the step has gone already. By
 virtual work the sum is what the step adds to the potential energy of the loads and to the heat of friction: a contact that bears little
-opens, one at the limit of friction slides for nothing, and no blocks overlap. A linear programme, by
-HiGHS in a plane and by Clarabel in space, where slips have SIDES directions.
+opens, one at the limit of friction slides for nothing, and no blocks overlap. A point that slides in the mechanism goes on for nothing,
+too, but not back: what it has slipped in all, s_k, it has slipped along its direction, or it costs 2 mu r_kn. A linear programme, by
+HiGHS in a plane and by Clarabel in space, where slips of points that stick have SIDES directions.
 
 **In space** some corrections cost so little that the interior point method cannot tell them from none: blocks would wander by hundredths of
 the step from round to round, and meet others. So the largest correction that is looked for shrinks from round to round, which Newton's
@@ -35,22 +36,30 @@ IDLE = 1e-7  # cost of a correction, in space of half its square, over mean weig
 
 @dataclass(frozen=True, eq=False)
 class Resistance:
-    """What the R rows of a step's equations are, and what giving way costs there."""
+    """What the R rows of a step's equations are, and what giving way costs there, N gaps, S points that stick and Q that slide."""
 
     opens: np.ndarray  # (N,) rows of gaps
     normal: np.ndarray  # (N,) forces there, over the mean weight of a block
     slides: np.ndarray  # (S, m - 1) rows of shifts of points that stick
     traction: np.ndarray  # (S, m - 1) forces along them
     limit: np.ndarray  # (S,) mu r_n
+    goes_on: np.ndarray  # (Q,) rows of slips along their directions in the mechanism
+    back: np.ndarray  # (Q,) what it costs to slip the other way: 2 mu r_n
 
     @classmethod
-    def of_points(cls, rows: np.ndarray, force: np.ndarray, mu: np.ndarray) -> Resistance:
-        """Of points whose ``rows`` (N, 3, 3) are asked for where they are not zero, with forces (N, m) in their frames."""
+    def of_points(cls, rows: np.ndarray, force: np.ndarray, mu: np.ndarray, slides: np.ndarray) -> Resistance:
+        """Of points whose ``rows`` (N, 3, 3) are asked for where they are not zero, with forces (N, m) in their frames.
+
+        Those that slide, ``slides`` (N,), have the direction of their slip in the second row and none in the third.
+        """
         asked = np.asarray(rows.any(axis=2))
         number = np.cumsum(asked.ravel()).reshape(asked.shape) - 1
-        opens, sticks, ways = np.flatnonzero(asked[:, 0]), np.flatnonzero(asked[:, 1:].any(axis=1)), slice(1, force.shape[1])
+        opens, tangential, ways = np.flatnonzero(asked[:, 0]), asked[:, 1:].any(axis=1), slice(1, force.shape[1])
+        sticks, goes_on = np.flatnonzero(tangential & ~slides), np.flatnonzero(tangential & slides)
         normal = np.maximum(force[:, 0], 0.0)
-        return cls(number[opens, 0], normal[opens], number[sticks, ways], force[sticks, ways], (mu * normal)[sticks])
+        limit = mu * normal
+        stuck = number[sticks, ways], force[sticks, ways], limit[sticks]
+        return cls(number[opens, 0], normal[opens], *stuck, number[goes_on, 1], 2.0 * limit[goes_on])
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,14 +93,16 @@ def least_work(
     row = np.repeat(resistance.slides[:, None], len(ways), axis=1)  # (S, E, m - 1)
     column = np.repeat(edge[:, :, None], ways.shape[1], axis=2)
     shifts = csr_matrix((np.broadcast_to(ways, row.shape).ravel(), (row.ravel(), column.ravel())), (matrix.shape[0], edge.size))
+    shifts = hstack([shifts, _either_way(resistance.goes_on, matrix.shape[0])], format="csr")
     asked = np.setdiff1d(np.arange(matrix.shape[0]), resistance.opens)
     first = hstack([matrix[asked], -shifts[asked]])
-    second = hstack([csr_matrix(along[None]), csr_matrix((1, edge.size))])
+    second = hstack([csr_matrix(along[None]), csr_matrix((1, shifts.shape[1]))])
     opens = matrix[resistance.opens]
-    slip = np.maximum(resistance.limit[:, None] + resistance.traction @ ways.T, 0.0)
+    slip = np.maximum(resistance.limit[:, None] + resistance.traction @ ways.T, 0.0).ravel()
+    turned = np.stack([np.zeros_like(resistance.back), resistance.back], axis=1).ravel()
     programme = _Programme(
         equal=vstack([first, second], format="csr"), wanted=np.append(-residual[asked] / amount, 0.0), closes=-opens,
-        gap=residual[resistance.opens] / amount, cost=opens.T @ resistance.normal, slip_cost=slip.ravel(),
+        gap=residual[resistance.opens] / amount, cost=opens.T @ resistance.normal, slip_cost=np.concatenate([slip, turned]),
     )  # fmt: skip
     found = _exactly(programme) if ways.shape[1] == 1 else _by_cones(programme, far)
     return None if found is None else amount * found
@@ -131,6 +142,12 @@ def _by_cones(programme: _Programme, far: float) -> np.ndarray | None:
     cost = np.append(programme.cost, programme.slip_cost)
     answer = clarabel.DefaultSolver(bends, cost, matrix, right, cones, settings).solve()
     return np.array(answer.x)[:count] if str(answer.status) in ("Solved", "AlmostSolved") else None
+
+
+def _either_way(rows: np.ndarray, count: int) -> csr_matrix:
+    """(count, 2 Q) slips along the directions of Q rows, and against them."""
+    place = np.arange(2 * len(rows))
+    return csr_matrix((np.tile([1.0, -1.0], len(rows)), (np.repeat(rows, 2), place)), (count, len(place)))
 
 
 def _ways(tangents: int) -> np.ndarray:
