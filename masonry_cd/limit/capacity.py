@@ -35,6 +35,10 @@ from masonry_cd.quantities import length
 STEPS = 40  # from start to end, about
 MOST = 6  # times so many steps at most
 STALLED, WAY = 10, 0.05  # steps on which no block goes as far as this share of the farthest way before: the curve makes no way
+PASSING, RISES = (
+    1e-4,
+    1e-3,
+)  # step, as a share of the smallest width, on which a factor that rises by more makes the stage before one of no rest
 MORE = 4.0  # times as far as the last step went, at most
 LEAST = 1e-3  # displacement of the fastest corner that a step tries, as a share of the smallest width
 VANISHES = "the factor vanishes"
@@ -149,6 +153,8 @@ class _Path:
             found, used, end = self._next(last, amount)
             if found is None:
                 break
+            if self._passes(last, found, used):
+                self.stages.pop()
             self.stages.append(found)
             self.make.lengthen(found)
             end = end or self._enough(found)
@@ -167,6 +173,11 @@ class _Path:
             remarks=self._remarks(),
             seconds=time.perf_counter() - self.begin,
         )
+
+    def _passes(self, last: Stage, found: Stage, used: float) -> bool:
+        """Whether a stage is left at once for one that bears more: contacts that had parted close again."""
+        first = len(self.stages) == 1 or len(self.stages) - 1 in self.jumps
+        return not first and used <= PASSING * self.width and found.factor > (1.0 + RISES) * last.factor
 
     def displacement(self, stage: Stage) -> float:
         """Of the control point [m]."""

@@ -95,7 +95,7 @@ def test_a_sliding_block_keeps_its_factor_until_it_tips_over_the_edge():
     assert curve.stages[-1].assembly.centre[1, 2] == pytest.approx(0.1, abs=1e-9)  # it slides and does not climb
     assert curve.displacement[-1] >= 0.1
     assert curve.ultimate is None
-    assert "displacement of 0.1 m is reached" in curve.end
+    assert "displacement of 100 mm is reached" in curve.end
 
 
 def slider_and_pebbles(count: int) -> Assembly:
