@@ -143,6 +143,7 @@ class _Path:
         except Unbounded as failure:
             raise InputError(f"limit: no answer: {failure}") from None
         self.stages, self.jumps = [first], list[int]()
+        self.make.accept(first)
         self.control = self._control(first)
 
     def followed(self) -> CapacityCurve:
@@ -156,7 +157,7 @@ class _Path:
             if self._passes(last, found, used):
                 self.stages.pop()
             self.stages.append(found)
-            self.make.lengthen(found)
+            self.make.accept(found)
             end = end or self._enough(found)
             amount = self._amount(last, found, used, amount)
         displacement = np.array([self.displacement(stage) for stage in self.stages])
@@ -220,7 +221,7 @@ class _Path:
         best, high = edge(self.make, last, moving, used, borne_before=True)
         if best is not None:
             self.stages.append(best)
-            self.make.lengthen(best)
+            self.make.accept(best)
         found, end = passed(self.make, self.make.step(last, moving, high)[0])
         if found is not None:
             self.jumps.append(len(self.stages))

@@ -190,10 +190,11 @@ def test_what_has_no_factor_to_follow_is_refused():
         capacity_curve(leaning, joints, push_loads(leaning))
 
 
-def test_a_dry_wall_whose_contacts_give_way_goes_on_and_the_dynamics_bracket_it():
-    assembly, joints = joined(dry_wall(1), FRICTION)
+@pytest.mark.parametrize(("wall", "first"), [(1, 0.63898), (4, 0.263736)])  # wall 4 goes on sliding though hinges alone would be an answer
+def test_a_dry_wall_whose_contacts_give_way_goes_on_and_the_dynamics_bracket_it(wall, first):
+    assembly, joints = joined(dry_wall(wall), FRICTION)
     curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(Options(starts=1), limit=0.05))
-    assert curve.factor[0] == pytest.approx(0.63898, abs=1e-5)
+    assert curve.factor[0] == pytest.approx(first, abs=1e-5)
     assert curve.end == "the control displacement of 50 mm is reached"
     assert curve.displacement[-1] < 0.06
     for bracket in brackets(curve, np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -GRAVITY])):
