@@ -1,12 +1,13 @@
 """Structures whose load factors :mod:`benchmarks.limit` compares: one of each kind, and two that are put together from pieces of kinds.
 
-The corner of two walls is half the plan of a tower, bonded; pushed along x, its wall along y leans outwards and away from the other. The
-cross vault on piers is that of the kind, whose four fixed supports give way to piers of free blocks on the ground.
+The corner of two walls is half the plan of a tower, bonded or with a straight joint; pushed along x, its wall along y leans outwards and
+away from the other. The cross vault on piers is that of the kind, whose four fixed supports give way to piers of free blocks on the ground.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -47,13 +48,13 @@ def of_table(table: dict[str, Any]) -> list[Block]:
     return structures.build_with_notes(table, DENSITY, Path())[0]
 
 
-def corner() -> list[Block]:
-    """Two bonded walls that meet at the origin, one along x and one along y, on the ground."""
+def corner(bonded: bool = True) -> list[Block]:
+    """Two walls that meet at the origin, one along x and one along y, on the ground."""
     walls = [
         wall_plan.Wall("along", "along", 0, -SIDE, 0.0, -THICK, 0.0, 0.0, HIGH),
         wall_plan.Wall("across", "across", 1, -SIDE, 0.0, -THICK, 0.0, 0.0, HIGH),
     ]
-    blocks = wall_plan.build(walls, wall_plan.levels(walls, COURSE), 2.0 * COURSE, DENSITY)
+    blocks = wall_plan.build(walls, wall_plan.levels(walls, COURSE), 2.0 * COURSE, DENSITY, bonded)
     return [*blocks, wall_plan.ground(blocks, COURSE, DENSITY)]
 
 
@@ -72,7 +73,11 @@ def cross_vault_on_piers() -> list[Block]:
     return [*blocks, wall_plan.ground(blocks, 0.5, DENSITY)]
 
 
-MADE: dict[str, Callable[[], list[Block]]] = {"corner": corner, "cross vault on piers": cross_vault_on_piers}
+MADE: dict[str, Callable[[], list[Block]]] = {
+    "corner": corner,
+    "corner, straight joint": partial(corner, bonded=False),
+    "cross vault on piers": cross_vault_on_piers,
+}
 NAMES = (*TABLES, *MADE)
 USUAL = tuple(name for name in NAMES if name != "large church")  # which takes as long as all others
 
