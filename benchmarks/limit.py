@@ -27,9 +27,9 @@ from typing import Any
 
 import numpy as np
 
-import structures
 from benchmarks import dry_walls
 from benchmarks.held_push import GRAVITY, Bracket, Trial, bracket
+from benchmarks.limit_structures import NAMES, USUAL, church, made, of_table
 from benchmarks.sitting import head
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.errors import InputError
@@ -38,28 +38,7 @@ from masonry_cd.limit.mechanism import STATES
 from masonry_cd.limit.problem import Bars, Loads
 from masonry_cd.model.blocks import Assembly
 
-FRICTION, DENSITY = 0.6, 2000.0
-
-
-def church(length: float) -> dict[str, Any]:
-    """A church with aisles and a tower, of blocks of a length; 2.6 m makes 710."""
-    table = {"kind": "church", "block_length": length, "course_height": 0.5 * length, "aisles": True, "length": 26.0, "height": 11.0}
-    return table | {"thickness": 1.1, "windows": 3, "tower_height": 22.0}
-
-
-TABLES: dict[str, dict[str, Any]] = {
-    "arch": {"kind": "arch", "span": 4.0, "thickness": 0.6, "width": 1.0, "voussoirs": 21},
-    "aqueduct": {"kind": "aqueduct", "spans": 2, "clear_span": 4.0, "pier_width": 1.6, "ring_thickness": 0.5, "width": 2.0},
-    "wall": {"kind": "wall", "length": 3.0, "height": 2.0, "thickness": 0.4, "course_height": 0.25},
-    "column": {"kind": "column", "height": 5.0, "diameter": 0.9, "drums": 6, "sides": 8},
-    "tower": {"kind": "tower", "side": 3.0, "height": 9.0, "thickness": 0.6, "course_height": 0.75, "belfry_width": 0.0, "door_width": 0.0},
-    "barrel vault": {"kind": "vault", "form": "barrel", "span": 4.0, "thickness": 0.5, "voussoirs": 13, "length": 2.0, "unit_length": 1.0},
-    "cross vault": {"kind": "vault", "form": "cross", "span": 4.0, "thickness": 0.5, "voussoirs": 9},
-    "dome": {"kind": "dome", "span": 5.0, "thickness": 0.6, "sides": 8, "rows": 5, "oculus": 1.0},
-    "church": {"kind": "church", "block_length": 3.0, "course_height": 1.25},
-    "large church": church(2.6),
-}
-USUAL = [name for name in TABLES if name != "large church"]  # which takes as long as all others
+FRICTION = 0.6
 WAYS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0)}
 
 
@@ -80,13 +59,13 @@ class Asked:
     within: float = math.inf  # seconds of the clock
     starts: int = 2  # of the search for the least factor
     between: tuple[float, float] | None = None  # where the dynamics is looked for; None: by the two factors of limit analysis
+    friction: float = FRICTION
     file: Path | None = None  # for what is known so far
 
 
 def row(name: str, way: str, asked: Asked, rows: list[dict[str, Any]]) -> str:
     """A row of the table: limit analysis and dynamics of a structure; its numbers go to ``rows``, which are written as trials end."""
-    blocks, _ = structures.build_with_notes(TABLES[name], DENSITY, Path())
-    assembly = Assembly.from_blocks(blocks, FRICTION)
+    assembly = Assembly.from_blocks(made(name), asked.friction)
     found = analyse(assembly, find_joints(assembly), push(assembly, WAYS[way]), Options(starts=asked.starts))
     if not found.stands:
         return f"| {name} | {way} | {assembly.count} | does not stand | | | |"
@@ -127,8 +106,7 @@ def wall_row(number: int, share: float) -> str:
 
 def size_row(length: float, sides: int) -> str:
     """A church with blocks of a length: what the cone programmes take, or pyramids with so many sides."""
-    blocks, _ = structures.build_with_notes(church(length), DENSITY, Path())
-    assembly = Assembly.from_blocks(blocks, FRICTION)
+    assembly = Assembly.from_blocks(of_table(church(length)), FRICTION)
     joints = find_joints(assembly)
     begin = time.perf_counter()
     found: Analysis = analyse(assembly, joints, push(assembly, WAYS["y"]), Options(sides, starts=0))
@@ -143,23 +121,26 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables asked for."""
     raw = argparse.RawTextHelpFormatter
     parser = argparse.ArgumentParser(prog="python -m benchmarks.limit", description=__doc__, formatter_class=raw)
-    parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(TABLES)}; all when none is named")
+    parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(NAMES)}; all when none is named")
     parser.add_argument("--share", type=float, default=0.01, help="width of the bracket of the dynamics, as a share of the factor")
     parser.add_argument("--along", choices=WAYS, help="one direction of the push; both when not given")
     parser.add_argument("--jobs", type=int, default=1, help="trials of the dynamics at a time, each in a process of its own")
     parser.add_argument("--within", type=float, default=math.inf, help="seconds of the clock for the trials of each row")
     parser.add_argument("--between", type=float, nargs=2, metavar="FACTOR", help="where to look; by limit analysis when not given")
     parser.add_argument("--starts", type=int, default=2, help="of the search for the least factor")
+    parser.add_argument("--friction", type=float, default=FRICTION, help="of the joints; where it is great, nothing slides")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="JSON with all trials, written as they go")
     parser.add_argument("--sizes", type=float, nargs="+", metavar="LENGTH", help="of the blocks of churches [m]: what the solver takes")
     parser.add_argument("--sides", type=int, default=0, help="of pyramids in the place of cones, with --sizes")
     parser.add_argument("--walls", action="store_true", help="the dry walls of Ferris & Tin-Loi, three starts each")
     asked = parser.parse_args(arguments)
-    unknown = [kind for kind in asked.kinds if kind not in TABLES]
+    unknown = [kind for kind in asked.kinds if kind not in NAMES]
     if unknown or not math.isfinite(asked.share) or asked.share <= 0.0:
         parser.error(f"no such kind: {', '.join(unknown)}" if unknown else "--share is above 0")
     if asked.jobs < 1 or asked.starts < 0 or not asked.within > 0.0:
         parser.error("--jobs is 1 or more, --starts 0 or more, --within above 0")
+    if not 0.0 <= asked.friction < math.inf:
+        parser.error("--friction is 0 or more")
     if asked.between and not 0.0 < asked.between[0] <= asked.between[1] < math.inf:
         parser.error("--between takes two factors above 0, the smaller one first")
     if asked.walls:
@@ -178,7 +159,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         return
     print(head("structure", "push", "blocks", "least found", "associated", "dynamics stands, moves", "associated mechanism"))
     between = tuple(asked.between) if asked.between else None
-    how = Asked(asked.share, asked.jobs, asked.within, asked.starts, between, asked.output)
+    how = Asked(asked.share, asked.jobs, asked.within, asked.starts, between, asked.friction, asked.output)
     rows: list[dict[str, Any]] = []
     for kind in asked.kinds or USUAL:
         for way in [asked.along] if asked.along else WAYS:

@@ -99,6 +99,7 @@ class StaticLoads:
     constant: np.ndarray  # (B, 6) of point loads [N, N m]
     live: np.ndarray  # (B, 6)
     bars: Bars
+    tie_names: tuple[str, ...]  # of the bars; those of one name are one tie
     support_velocity: np.ndarray | None
     arms: Arms  # where the point loads act
     notes: tuple[str, ...]
@@ -149,8 +150,8 @@ def static_loads(
     left = [f"loads[{i}] ({t.kind})" for i, t in enumerate(asked) if not isinstance(t, used) and i != at and t.kind != "gravity"]
     notes = (f"{', '.join(left)}: left out, a limit analysis is static",) if left else ()
     vector = None if direction is None else direction.vector
-    arms = _arms(points, limit.live)
-    return StaticLoads(kind, words, vector, weight, constant, live, _bars(ties, assembly), support, arms, notes)
+    arms, names = _arms(points, limit.live), tuple(tie.name for tie in ties)
+    return StaticLoads(kind, words, vector, weight, constant, live, _bars(ties, assembly), names, support, arms, notes)
 
 
 def _pattern(

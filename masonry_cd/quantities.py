@@ -23,6 +23,11 @@ def force(value: float) -> str:
     return f"{value:.3g} N"
 
 
+def counted(number: int, noun: str) -> str:
+    """A number of things whose plural ends in s: ``1 joint``, ``12 joints``."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
 def pressure(value: float) -> str:
     """A stress with the prefix that reads best: ``1.05 MPa``, ``12 kPa``, ``0.3 Pa``; ``infinite`` where it is."""
     if math.isinf(value):

@@ -22,13 +22,14 @@ from masonry_cd.limit.mechanism import STATES
 from masonry_cd.limit.problem import plane_of
 from masonry_cd.model.blocks import Assembly, refuse_spheres
 from masonry_cd.model.joints import Joints
-from masonry_cd.quantities import force, in_words
+from masonry_cd.quantities import counted, force, in_words
 
 if TYPE_CHECKING:
     from loads.code_check.steps import CodeCheck
     from loads.statics import LimitTable, StaticLoads
+    from reports.limit.ties import LimitTie
 
-OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "check.json", "check.csv", "mechanism.png", "thrust.png", "limit.html")
+OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "ties.csv", "check.json", "check.csv", "mechanism.png", "thrust.png", "limit.html")
 EVERY = (*OUTPUTS, *CURVE_OUTPUTS)  # that a folder of an analysis may hold
 TURNS = 30  # most rounds in which the angle of a tilt is found
 SAME_TILT = 1e-9  # change of lambda at which it is
@@ -55,6 +56,16 @@ class LimitCase:
     def collapse(self) -> Collapse:
         """What moves, and the forces then."""
         return self.analysis.collapse(self.joints.count)
+
+    @cached_property
+    def ties(self) -> list[LimitTie]:
+        """The ties and what they pull then; none of a structure that does not stand."""
+        from reports.limit.ties import limit_ties
+
+        if not self.analysis.stands:
+            return []
+        bars, weight = self.loads.bars, self.analysis.problem.weight
+        return limit_ties(self.loads.tie_names, bars, self.collapse.bars, self.assembly.names, weight)
 
 
 def limit_case(path: Path | str, changes: Sequence[str] = (), curve: bool = False) -> LimitCase:
@@ -153,6 +164,7 @@ def summary(case: LimitCase) -> dict[str, Any]:
         "least": None,
         "starts": analysis.starts,
         "mechanism": _mechanism(case),
+        "ties": [tie.row() for tie in case.ties],
         "check": None if case.check is None else case.check.numbers(),
         "certificate": asdict(answer.certificate) if analysis.stands else None,
         "solver": {"method": answer.optimum.method, "iterations": answer.optimum.iterations, "seconds": answer.seconds},
@@ -194,7 +206,8 @@ def found_lines(case: LimitCase) -> list[str]:
     """What was found; the first line says of what."""
     analysis, answer, least = case.analysis, case.analysis.associated, case.analysis.least
     space = "in a plane" if analysis.problem.axis is not None else "in space"
-    out = [f"{case.assembly.count} blocks, {case.joints.count} joints, {analysis.problem.points.count} contact points, {space}"]
+    counts = counted(case.assembly.count, "block"), counted(case.joints.count, "joint")
+    out = [f"{', '.join(counts)}, {counted(analysis.problem.points.count, 'contact point')}, {space}"]
     if not analysis.stands:
         borne = f", it bears {100.0 * analysis.standing:.3g} % of them" if analysis.standing > 1e-6 else ""
         out.append(f"does not stand under its dead loads{borne}: {_who(case)} give way")
@@ -224,8 +237,11 @@ def _how_lines(case: LimitCase) -> list[str]:
     """The mechanism and the certificate, a line each."""
     moves, answer = case.collapse.mechanism, case.analysis.associated
     made = answer.certificate
+    from reports.limit.ties import tie_lines
+
     return [
         f"mechanism: {_who(case)} move; joints: " + ", ".join(f"{moves.count(state)} {state}" for state in STATES[1:]),
+        *tie_lines(case.ties, NAMED),
         f"certificate: static {made.static:.8g}, kinematic {made.kinematic:.8g}, gap {made.gap:.1e}; residuals: "
         f"equilibrium {made.equilibrium:.1e}, friction {made.friction:.1e}, flow {made.flow:.1e}; "
         f"{answer.optimum.method}, {in_words(answer.seconds)}",
@@ -258,6 +274,7 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
     from reports.limit.check_files import write_check
     from reports.limit.page import LimitPage, write_limit_page
     from reports.limit.tables import write_tables
+    from reports.limit.ties import write_limit_ties
 
     folder.mkdir(parents=True, exist_ok=True)
     for name in EVERY:
@@ -265,7 +282,7 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
     facts = summary(case)
     write_json(facts, folder / "limit.json")
     collapse = case.collapse
-    written = [folder / "limit.json", *write_tables(collapse, case.assembly, case.joints, folder)]
+    written = [folder / "limit.json", *write_tables(collapse, case.assembly, case.joints, folder), *write_limit_ties(case.ties, folder)]
     if case.check is not None:
         write_json(case.check.numbers(), folder / "check.json")
         write_check(case.check.numbers(), folder / "check.csv")
@@ -285,13 +302,13 @@ def draw(case: LimitCase, folder: Path, view: str = "auto") -> list[Path]:
     Raises:
         InputError: an unknown view, no off-screen OpenGL.
     """
-    from reports.limit.picture import mechanism_picture, thrust_picture
+    from reports.limit.picture import Subject, mechanism_picture, thrust_picture
 
-    what, facts = (case.collapse, case.assembly.blocks, case.joints), _facts(case)
-    mechanism_picture(*what, folder / "mechanism.png", f"{case.scene.title}: mechanism", facts, view)
+    what, facts = Subject(case.collapse, case.assembly.blocks, case.joints, case.ties), _facts(case)
+    mechanism_picture(what, folder / "mechanism.png", f"{case.scene.title}: mechanism", facts, view)
     if not case.analysis.stands:
         return [folder / "mechanism.png"]
-    thrust_picture(*what, folder / "thrust.png", f"{case.scene.title}: forces at collapse", facts, view)
+    thrust_picture(what, folder / "thrust.png", f"{case.scene.title}: forces at collapse", facts, view)
     drawn = [folder / "mechanism.png", folder / "thrust.png"]
     if case.curve is None:
         return drawn

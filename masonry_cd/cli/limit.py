@@ -23,9 +23,10 @@ def limit(
 
     What is multiplied is the scene's load of kind push, tilt, settlement or spreading, or what its table [limit] names: push = "x",
     tilt = "x", or live = [0] for point loads. In a plane the least factor without dilation is searched for as well.
-    DIR gets limit.json, blocks.csv, joints.csv, mechanism.png, thrust.png and limit.html, a page with all of it; with a table [limit.check]
-    also check.json and check.csv, the check of the mechanism by a code; with --curve, or a table [limit.curve], the capacity curve: the
-    factor that the moved structure still bears, over the displacement of a block, until none is left.
+    DIR gets limit.json, blocks.csv, joints.csv, mechanism.png, thrust.png and limit.html, a page with all of it; with ties also
+    ties.csv, what they pull at collapse; with a table [limit.check] check.json and check.csv, the check of the mechanism by a code;
+    with --curve, or a table [limit.curve], the capacity curve: the factor that the moved structure still bears, over the displacement
+    of a block, until none is left.
 
     \b
     Examples:

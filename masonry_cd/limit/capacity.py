@@ -30,10 +30,15 @@ from masonry_cd.limit.solution import Unbounded
 from masonry_cd.limit.stage import FIRST, LONGEST, SHORTEST, Stage, Stages
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
+from masonry_cd.quantities import length
 
 STEPS = 40  # from start to end, about
 MOST = 6  # times so many steps at most
 STALLED, WAY = 10, 0.05  # steps on which no block goes as far as this share of the farthest way before: the curve makes no way
+PASSING, RISES = (
+    1e-4,
+    1e-3,
+)  # step, as a share of the smallest width, on which a factor that rises by more makes the stage before one of no rest
 MORE = 4.0  # times as far as the last step went, at most
 LEAST = 1e-3  # displacement of the fastest corner that a step tries, as a share of the smallest width
 VANISHES = "the factor vanishes"
@@ -138,6 +143,7 @@ class _Path:
         except Unbounded as failure:
             raise InputError(f"limit: no answer: {failure}") from None
         self.stages, self.jumps = [first], list[int]()
+        self.make.accept(first)
         self.control = self._control(first)
 
     def followed(self) -> CapacityCurve:
@@ -148,8 +154,10 @@ class _Path:
             found, used, end = self._next(last, amount)
             if found is None:
                 break
+            if self._passes(last, found, used):
+                self.stages.pop()
             self.stages.append(found)
-            self.make.lengthen(found)
+            self.make.accept(found)
             end = end or self._enough(found)
             amount = self._amount(last, found, used, amount)
         displacement = np.array([self.displacement(stage) for stage in self.stages])
@@ -166,6 +174,11 @@ class _Path:
             remarks=self._remarks(),
             seconds=time.perf_counter() - self.begin,
         )
+
+    def _passes(self, last: Stage, found: Stage, used: float) -> bool:
+        """Whether a stage is left at once for one that bears more: contacts that had parted close again."""
+        first = len(self.stages) == 1 or len(self.stages) - 1 in self.jumps
+        return not first and used <= PASSING * self.width and found.factor > (1.0 + RISES) * last.factor
 
     def displacement(self, stage: Stage) -> float:
         """Of the control point [m]."""
@@ -208,7 +221,7 @@ class _Path:
         best, high = edge(self.make, last, moving, used, borne_before=True)
         if best is not None:
             self.stages.append(best)
-            self.make.lengthen(best)
+            self.make.accept(best)
         found, end = passed(self.make, self.make.step(last, moving, high)[0])
         if found is not None:
             self.jumps.append(len(self.stages))
@@ -218,7 +231,7 @@ class _Path:
     def _enough(self, found: Stage) -> str:
         """Why the curve ends though the factor has not vanished, if it does."""
         if self.displacement(found) >= self.options.limit:
-            return f"the control displacement of {self.options.limit:.4g} m is reached"
+            return f"the control displacement of {length(self.options.limit)} is reached"
         if len(self.stages) > STALLED and self._farthest(-1 - STALLED, -1) < WAY * self._farthest(0, -1 - STALLED):
             return f"in {STALLED} steps no block went more than {WAY:.0%} farther: blocks meet at every step"
         if len(self.stages) > MOST * self.options.steps:
@@ -236,7 +249,9 @@ class _Path:
         slope = (found.factor - last.factor) / used
         left = max(self.options.steps - len(self.stages), 1)
         wanted = 2.0 * amount if slope >= 0.0 else BEYOND * found.factor / (-slope * left)
-        return float(np.clip(wanted, 0.5 * amount, min(2.0 * amount, LONGEST * self.width)))
+        wanted = float(np.clip(wanted, 0.5 * amount, min(2.0 * amount, LONGEST * self.width)))
+        gone = (self.displacement(found) - self.displacement(last)) / used  # of the control point, by way of the fastest corner
+        return min(wanted, BEYOND * (self.options.limit - self.displacement(found)) / gone) if gone > 0.0 else wanted
 
     def _remarks(self) -> tuple[str, ...]:
         """What was not reached on the way."""

@@ -34,7 +34,7 @@ MISSED = 1e-9  # and where they are missed by more, those of points that bear no
 PARALLEL = 1e-9  # normals that differ by less are one
 SHORT = 1e-3  # step, as a share of the mean size of a block, on which it is seen what can be kept
 CLOSE = 1e-3  # share of a step below which a correction is the last
-NEARER = 0.25  # share by which the largest correction shrinks from round to round, in space
+NEARER = 0.1  # share by which the largest correction shrinks from round to round, in space
 NEAR = 0.05  # and in space, whose programmes end at a tolerance that leaves d uncertain by as much; overlaps then count above MISSED
 LOCKED = 0.1  # share of a step that blocks go at least, where their mechanism does not lock
 BEARS = 1e-6  # share of the mean weight of a block above which a point bears
@@ -228,7 +228,8 @@ def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.
     points = problem.points
     apart = _at(placed, velocity, points.bodies, points.point)
     opens = np.einsum("pi,pi->p", points.frame[:, 0], apart)
-    slip = np.linalg.norm(np.einsum("pdi,pi->pd", points.frame[:, 1:], apart), axis=1)
+    along = np.einsum("pdi,pi->pd", points.frame[:, 1:], apart)
+    slip = np.linalg.norm(along, axis=1)
     sliding = slip > STILL
     bears = np.abs(best.force[:, 0]) > BEARS
     lifted = (opens > STILL) & ~bears  # what bears and opens dilates
@@ -236,25 +237,29 @@ def motion(problem: LimitProblem, placed: Assembly, best: Optimum, velocity: np.
     frames = np.zeros((points.count, 3, 3))
     frames[:, : problem.directions] = points.frame
     frames[sliding | lifted, 1:] = 0.0
+    giving = frames.copy()
+    goes_on = sliding & bears
+    giving[goes_on, 1] = np.einsum("pd,pdi->pi", along, points.frame[:, 1:])[goes_on] / slip[goes_on, None]
     faces = _carriers(placed, points.bodies, points.frame[:, 0])
     line = bars.points[:, 1] - bars.points[:, 0]
     longer = np.sum(line * _at(placed, velocity, bars.blocks, bars.points), axis=1) / np.linalg.norm(line, axis=1)
     taut = (best.bars > BEARS) & (np.abs(longer) <= STILL)
 
-    def kept(keep: np.ndarray, carrier: np.ndarray) -> Kept:
+    def kept(rows: np.ndarray, keep: np.ndarray, carrier: np.ndarray) -> Kept:
         ends = points.bodies[keep]
         local = points.point[keep][:, None] - placed.centre[ends]
         arms = bars.points - placed.centre[bars.blocks]
-        return Kept(ends, local, frames[keep], carrier[keep], bars.blocks[taut], arms[taut], np.linalg.norm(line[taut], axis=1))
+        return Kept(ends, local, rows[keep], carrier[keep], bars.blocks[taut], arms[taut], np.linalg.norm(line[taut], axis=1))
 
     touching = body[points.bodies[:, 0]] != body[points.bodies[:, 1]]
     between = touching & ~lifted
     rigid = _as_bodies(velocity, placed, body)
     carrier = np.where(sliding, faces, 0)
-    resistance = Resistance.of_points(frames[touching], best.force[touching], problem.mu[touching])
+    resistance = Resistance.of_points(giving[touching], best.force[touching], problem.mu[touching], goes_on[touching])
     return Motion(
-        start=Placement.as_built(placed), velocity=rigid, body=body, kept=kept(between, carrier), bearing=kept(between & bears, carrier),
-        yielding=kept(touching, faces), resistance=resistance, size=problem.length, columns=problem.columns,
+        start=Placement.as_built(placed), velocity=rigid, body=body, kept=kept(frames, between, carrier),
+        bearing=kept(frames, between & bears, carrier), yielding=kept(giving, touching, faces), resistance=resistance, size=problem.length,
+        columns=problem.columns,
     )  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -83,6 +84,7 @@ class Stages:
         self.options, self.axis, self.gap = options, plane_of(assembly, loads), touching_gap(assembly)
         self._bonded = {(int(a), int(b)) for a, b in zip(joints.block_a, joints.block_b, strict=True)}
         self._rest = _lengths(loads.bars)
+        self._slid: dict[frozenset[int], float] = {}  # normal forces between two blocks at the stage before, if it slid
         self.unsettled = 0  # searches for the factor without dilation that came to no end
         self.stopped = 0  # programmes whose solver ended before its tolerance
         self.uncorrected = 0  # steps tried in which no contacts could be made to give way
@@ -98,13 +100,31 @@ class Stages:
         best, _ = largest_factor(problem, self.options)
         self.stopped += bool(best.stopped)
         associated, moves = best.factor, mechanism(problem, placed, joints, best.velocity)
-        if self.options.starts and (moves.sliding > STILL).any():
-            search = least_factor_in_space if self.axis is None else least_factor
-            least = search(problem, best, 1, self.options.seed)
-            self.unsettled += least is None
+        if self.options.starts:
+            least = self._without_dilation(problem, best, bool((moves.sliding > STILL).any()))
             if least is not None:
-                best, moves = least.optimum, mechanism(problem, placed, joints, least.optimum.velocity)
+                best, moves = least, mechanism(problem, placed, joints, least.velocity)
         return Stage(placed, loads, pulling, joints, problem, best, moves, associated, deepest)
+
+    def _without_dilation(self, problem: LimitProblem, associated: Optimum, slides: bool) -> Optimum | None:
+        """The answer without dilation, None where there is none beside the associated one, whose mechanism ``slides`` or does not.
+
+        The search begins from the forces of the stage before, where that slid: the blocks go on as they went, though the associated
+        mechanism, even one of hinges alone, may be an answer, too. Where this comes to no end it begins from the associated forces.
+        """
+        search = least_factor_in_space if self.axis is None else least_factor
+        begins = [associated] if slides else []
+        if self._slid:
+            pairs = [frozenset(map(int, pair)) for pair in problem.points.bodies]
+            count = Counter(pairs)
+            normal = np.array([self._slid.get(pair, 0.0) / count[pair] for pair in pairs])
+            begins.insert(0, replace(associated, force=np.column_stack([normal - problem.apex, associated.force[:, 1:]])))
+        for begin in begins:
+            least = search(problem, begin, 1, self.options.seed)
+            if least is not None:
+                return least.optimum if least.optimum.factor <= associated.factor else None
+        self.unsettled += slides
+        return None
 
     def bears(self, moved: Moved) -> bool:
         """Whether any factor of the load is borne by blocks where they are."""
@@ -138,9 +158,14 @@ class Stages:
         worked = np.flatnonzero(stage.mechanism.state > 0)
         self._bonded -= {(int(stage.joints.block_a[j]), int(stage.joints.block_b[j])) for j in worked}
 
-    def lengthen(self, stage: Stage) -> None:
-        """Ties that have yielded on the way to a stage stay as long as they are."""
+    def accept(self, stage: Stage) -> None:
+        """Take a stage into the curve: ties that have yielded stay as long as they are, and where it slides, so may the next."""
         self._rest = np.maximum(self._rest, _lengths(stage.loads.bars))
+        self._slid = {}
+        if (stage.mechanism.sliding > STILL).any():
+            for pair, force in zip(stage.problem.points.bodies, stage.best.force[:, 0] + stage.problem.apex, strict=True):
+                key = frozenset(map(int, pair))
+                self._slid[key] = self._slid.get(key, 0.0) + float(max(force, 0.0))
 
     def step(self, stage: Stage, motion: Motion, amount: float) -> tuple[Moved, float]:
         """The blocks when the fastest corner has gone ``amount`` [m], or less where blocks meet before; and how far it has gone."""

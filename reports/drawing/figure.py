@@ -22,6 +22,7 @@ from reports.drawing.render import View
 WIDTH = 1800  # of the sheet
 MARGIN = 40
 TITLE = 118  # height of title and facts
+FACTS = ((14.0, 2), (12.0, 3), (10.5, 4))  # sizes of the letters of facts [points], and the lines that have room below the title
 STRIP = 220  # height of the keys below, with their margins
 COLUMN = 430  # width of the keys beside
 TRIAD = 80.0  # width of the axes beside a scale bar
@@ -159,12 +160,38 @@ class Sheet:
         self._image = image
 
     def head(self, title: str, facts: str) -> None:
-        """Title and facts at the top."""
+        """Title and facts at the top; lines of facts that are wider than the sheet are broken between words."""
         axes = self.axes(MARGIN, self.plan.size[1] - TITLE, self.plan.size[0] - 2 * MARGIN, TITLE)
+        for size, most in FACTS:
+            lines = self._broken(facts, size)
+            if len(lines) <= most:
+                break
+        crowded = len(lines) > 2
         axes.text(
-            0, 72, textwrap.shorten(title, 95, placeholder=" …"), fontsize=23, weight="bold", color=INK, va="center", parse_math=False
-        )
-        axes.text(0, 30, facts, fontsize=14, color=FAINT, va="center", parse_math=False)
+            0, 92 if crowded else 72, textwrap.shorten(title, 95, placeholder=" …"), fontsize=23, weight="bold", color=INK, va="center",
+            parse_math=False,
+        )  # fmt: skip
+        axes.text(0, 36 if crowded else 30, "\n".join(lines), fontsize=size, color=FAINT, va="center", parse_math=False)
+
+    def _broken(self, text: str, size: float) -> list[str]:
+        """The lines of a text in letters of a size [points], broken where they would not fit between the margins."""
+        lines = []
+        for line in text.split("\n"):
+            words = line.split(" ")
+            while words:
+                count = len(words)
+                while count > 1 and self._wide(" ".join(words[:count]), size) > self.plan.size[0] - 2 * MARGIN:
+                    count -= 1
+                lines.append(" ".join(words[:count]))
+                words = words[count:]
+        return lines
+
+    def _wide(self, text: str, size: float) -> float:
+        """Width of a text [pixels]."""
+        from matplotlib.font_manager import FontProperties
+
+        renderer = self.figure.canvas.get_renderer()
+        return float(renderer.get_text_width_height_descent(text, FontProperties(size=size), ismath=False)[0])
 
     def scale_bar(self, axes: Any, metres_per_pixel: float, left: float, bottom: float, longest: float = 300.0) -> None:
         """A bar of a round length, in two halves."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -15,10 +16,14 @@ from reports.deformed import Solids
 from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
 from reports.drawing.render import Layer, Lines, View, Window, render
 from reports.drawing.structure_picture import SUPPORT, around, block_layers, rgb, structure_window, within_sight
+from reports.drawing.tie_lines import PULLING, DrawnTies
 from reports.limit.picture import COLOURS as STATE_COLOURS
 from reports.limit.picture import DOT, MOVES, REST, STANDS, dots, view_of_motion
 
 LETTERS = "abcdefgh"
+DOTTED = STATES[1:4]  # states of joints that are marked by a dot
+SLACK = 1e-9  # tension, over the mean weight of a block, below which a tie pulls nothing
+WIDE = 150  # letters of the line below the title
 PIXELS = 460  # width of the picture of a marked point
 DPI = 150
 UNITS = ((0.02, 1e3, "mm"), (0.2, 1e2, "cm"), (np.inf, 1.0, "m"))  # displacements below, factor, name
@@ -49,8 +54,17 @@ def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: s
     height = 1.0 + 4.6 + 0.5 + below
     figure: Any = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
-    figure.text(0.02, 1.0 - 0.32 / height, title, fontsize=15, fontweight="bold", color=INK, va="center", parse_math=False)
-    figure.text(0.02, 1.0 - 0.66 / height, facts, fontsize=10.5, color=FAINT, va="center", parse_math=False)
+    figure.text(
+        0.02,
+        1.0 - 0.32 / height,
+        textwrap.shorten(title, 100, placeholder=" …"),
+        fontsize=15,
+        fontweight="bold",
+        color=INK,
+        va="center",
+        parse_math=False,
+    )
+    figure.text(0.02, 1.0 - 0.55 / height, textwrap.fill(facts, WIDE), fontsize=10.5, color=FAINT, va="top", parse_math=False)
     axes = figure.add_axes((0.08, (below + 0.65) / height, 0.89, 4.35 / height))
     _curve(axes, curve, judged)
     for k, (mark, image) in enumerate(zip(marks, images, strict=True)):
@@ -59,9 +73,20 @@ def curve_picture(curve: CapacityCurve, judged: np.ndarray, path: Path, title: s
         one.set_axis_off()
         words = f"{LETTERS[k]}   factor {curve.shown_factor(mark):.3g}"
         figure.text(0.017 + (k + 0.03) * each / width, (below - 0.18) / height, words, fontsize=11, color=INK, va="center")
-    for k, state in enumerate(STATES[1:3]):
-        figure.text(0.84 + 0.08 * k, (below + 0.14) / height, f"● {state}", fontsize=10, color=STATE_COLOURS[state], va="center")
+    _key(figure, (below + 0.14) / height, curve)
     save(figure, path)
+
+
+def _key(figure: Any, height: float, curve: CapacityCurve) -> None:
+    """What the signs of the marked points mean, in a line that ends at the right edge."""
+    worked = {state for mark in curve.marks for _, _, state in curve.stages[mark].at_work()}
+    signs = [(f"● {state}", STATE_COLOURS[state]) for state in DOTTED if state in worked]
+    if len(curve.stages[0].loads.bars.strength):
+        signs.append(("— tie, grey where it is slack", PULLING))
+    right = 0.97
+    for words, colour in reversed(signs):
+        figure.text(right, height, words, fontsize=10, color=colour, va="center", ha="right")
+        right -= 0.0068 * len(words) + 0.02
 
 
 def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
@@ -90,7 +115,7 @@ def _curve(axes: Any, curve: CapacityCurve, judged: np.ndarray) -> None:
         )
     axes.margins(x=0.02)
     axes.set_ylim(bottom=min(0.0, float(curve.factor.min())) - 0.02 * float(curve.factor.max()), top=1.12 * float(curve.factor.max()))
-    axes.legend(loc="upper right", fontsize=10, frameon=False)
+    axes.legend(loc="best", fontsize=10, frameon=False)
 
 
 def _line(axes: Any, x: np.ndarray, curve: CapacityCurve) -> None:
@@ -126,10 +151,19 @@ def _image(stage: Stage, solids: Solids, built: Solids, looking: View, window: W
     colours[solids.fixed] = rgb(SUPPORT)
     reach = 1.0 + float(np.ptp(solids.vertices @ looking.towards)) + float(np.ptp(built.vertices @ looking.towards))
     layers: list[Layer] = [*block_layers(solids, within_sight(solids, solids.vertices), colours, looking, window)]
-    layers.append(Lines(built.vertices - reach * looking.towards, built.edges(), REST, 1.0))
+    layers.append(Lines(within_sight(built, built.vertices) - reach * looking.towards, built.edges(), REST, 1.0))
     radius = 0.75 * DOT * window.width / pixels[0]
+    ahead = (4.0 * radius if looking.is_oblique else reach) * looking.towards  # blocks hide what lies behind them, but not in a front view
     at_work = {(a, b): state for a, b, state in stage.at_work()}
-    for name in ("hinge", "slide", "hinge and slide"):
+    for name in DOTTED:
         which = [j for j in range(joints.count) if at_work.get((int(joints.block_a[j]), int(joints.block_b[j]))) == name]
-        layers.append(dots(moves.hinge[which] + reach * looking.towards, STATE_COLOURS[name], looking, radius))
-    return render(layers, looking, window, pixels)
+        layers.append(dots(moves.hinge[which] + ahead, STATE_COLOURS[name], looking, radius))
+    nearest = float((solids.vertices @ looking.towards).max()) + reach
+    return render([*layers, *_ties(stage).layers(looking, nearest)], looking, window, pixels)
+
+
+def _ties(stage: Stage) -> DrawnTies:
+    """The ties where they are, without labels; those that are slack pull nothing."""
+    tension = np.zeros(len(stage.pulling))
+    tension[stage.pulling] = stage.best.bars
+    return DrawnTies(stage.loads.bars.points, ("",) * len(tension), np.where(tension > SLACK, tension, 0.0))

@@ -8,6 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.quantities import force
 from reports.page.document import filled, header, pictures, plain_style, write_document
 from reports.page.findings import section, table
 from reports.page.title_block import rows_of
@@ -60,6 +61,7 @@ def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None
         "check": _check(summary["check"]),
         "pictures": pictures({picture: CAPTIONS[picture.name] for picture in drawn if picture.exists()}),
         "mechanism": _mechanism(summary),
+        "ties": _ties(summary),
         "certificate": _certificate(summary),
         "scene": escaped(page.scene),
     }
@@ -120,6 +122,21 @@ def _mechanism(summary: Mapping[str, Any]) -> str:
     tables = "Velocities of all blocks are in <code>blocks.csv</code>, rates and forces of all joints in <code>joints.csv</code>."
     body = f"<p>{fall} Of {summary['joints']} joints: {counts}. {tables}</p>"
     return section("mechanism", "Mechanism", f"{body}<p>{len(names)} blocks move: {escaped(some)}.</p>")
+
+
+def _ties(summary: Mapping[str, Any]) -> str:
+    """What the ties pull at collapse."""
+    ties = summary["ties"]
+    if not ties:
+        return ""
+    rows = [
+        [
+            escaped(tie["tie"]), escaped(f"{tie['block_a']} to {tie['block_b']}"), force(tie["tension_n"]),
+            "never" if tie["yield_force_n"] is None else force(tie["yield_force_n"]), "yes" if tie["yields"] else "no",
+        ]
+        for tie in ties
+    ]  # fmt: skip
+    return section("ties", "Ties at collapse", table(("tie", "between", "pulls", "yields at", "it yields"), rows, (2, 3)))
 
 
 def _certificate(summary: Mapping[str, Any]) -> str:

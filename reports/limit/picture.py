@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,12 +16,24 @@ from masonry_cd.limit.analysis import Collapse
 from masonry_cd.limit.mechanism import STATES, STILL, Mechanism
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.joints import Joints
-from masonry_cd.quantities import force
+from masonry_cd.quantities import counted, force
 from reports.deformed import Solids
 from reports.drawing.figure import INK, Box, Paint, Sheet, layout
 from reports.drawing.render import Layer, Lines, Surface, View, Window, render, view_named
-from reports.drawing.structure_picture import SUPPORT, around, auto_view, block_layers, box_swatch, rgb, structure_window, within_sight
-from reports.maps.thrust import COLOUR, joint_ribbons
+from reports.drawing.structure_picture import (
+    SUPPORT,
+    around,
+    auto_view,
+    block_layers,
+    box_swatch,
+    rgb,
+    structure_window,
+    tie_swatch,
+    within_sight,
+)
+from reports.drawing.tie_lines import LABELLED, DrawnTies
+from reports.limit.ties import LimitTie, drawn_ties
+from reports.maps.thrust import COLOUR, THINNEST, joint_ribbons
 
 AMPLITUDE = 0.07  # largest displacement drawn, as a share of the structure's size
 COLOURS = {"hinge": "#d55e00", "slide": "#0072b2", "hinge and slide": "#cc79a7", "open": "#009e73"}
@@ -31,16 +44,24 @@ SIDES = 16  # of a dot
 GLASS = 0.25  # opacity of the blocks around the line of thrust
 
 
-def mechanism_picture(
-    collapse: Collapse, blocks: Sequence[Block], joints: Joints, path: Path, title: str, facts: str, view: str = "auto"
-) -> None:
-    """Draw the moved blocks, hinges, slips and openings into a PNG.
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What the pictures show."""
+
+    collapse: Collapse
+    blocks: Sequence[Block]
+    joints: Joints
+    ties: Sequence[LimitTie] = ()
+
+
+def mechanism_picture(subject: Subject, path: Path, title: str, facts: str, view: str = "auto") -> None:
+    """Draw the moved blocks, hinges, slips, openings and ties into a PNG.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
     """
-    solids, moves = Solids.from_blocks(blocks), collapse.mechanism
-    looking = view_of_motion(solids, collapse.mechanism, view)
+    solids, moves, joints = Solids.from_blocks(subject.blocks), subject.collapse.mechanism, subject.joints
+    looking = view_of_motion(solids, moves, view)
     free = ~solids.fixed[solids.vertex_block]
     reach = AMPLITUDE * float(np.ptp(solids.vertices[free], axis=0).max())
     moved = moved_points(moves, solids.centre, solids.vertices, solids.vertex_block, reach)
@@ -54,25 +75,25 @@ def mechanism_picture(
     layers.append(Lines(within_sight(solids, solids.vertices) - behind, solids.edges(), REST, 1.2))
     depth = 0.0 if looking.is_oblique else float(np.ptp(moved @ looking.towards))  # a front view shows joints through the thickness
     layers += _joint_layers(moves, joints, solids, reach, looking, window.width / plan.pixels[0], depth)
+    ties = drawn_ties(subject.ties, lambda points, block: moved_points(moves, solids.centre, points, block, reach))
     sheet = Sheet(plan)
-    sheet.model(render(layers, looking, window, plan.pixels))
+    sheet.model(_with_ties(layers, ties, looking, window, plan.pixels))
     sheet.head(title, facts)
-    rows: list[tuple[Paint, str]] = [(partial(box_swatch, colour=MOVES), f"moves: {int(moves.moving.sum())} blocks")]
-    rows += [(partial(_line_swatch, colour=COLOURS[name]), f"{name}: {moves.count(name)} joints") for name in STATES[1:]]
+    rows: list[tuple[Paint, str]] = [(partial(box_swatch, colour=MOVES), f"moves: {counted(int(moves.moving.sum()), 'block')}")]
+    rows += [(partial(_line_swatch, colour=COLOURS[name]), f"{name}: {counted(moves.count(name), 'joint')}") for name in STATES[1:]]
+    rows += _tie_rows(ties)
     note = f"largest displacement drawn as {reach:.3g} m; thin lines: as built"
     _key(sheet, rows, note, looking, window)
     sheet.save(path)
 
 
-def thrust_picture(
-    collapse: Collapse, blocks: Sequence[Block], joints: Joints, path: Path, title: str, facts: str, view: str = "auto"
-) -> None:
-    """Draw the line of thrust at collapse, and where the resultants cross the joints, into a PNG.
+def thrust_picture(subject: Subject, path: Path, title: str, facts: str, view: str = "auto") -> None:
+    """Draw the line of thrust at collapse, where the resultants cross the joints, and the ties into a PNG.
 
     Raises:
         InputError: an unknown view, no off-screen OpenGL, or a path that cannot be written.
     """
-    solids = Solids.from_blocks(blocks)
+    solids, collapse, joints = Solids.from_blocks(subject.blocks), subject.collapse, subject.joints
     looking = view_of_motion(solids, collapse.mechanism, view)
     window = structure_window(solids, looking)
     plan = layout(window.width / window.height)
@@ -80,7 +101,7 @@ def thrust_picture(
     pixel = window.width / plan.pixels[0]
     place, strength = np.nan_to_num(collapse.force_point), np.maximum(collapse.normal_force, 0.0)
     ribbons, largest = joint_ribbons((joints.block_a, joints.block_b), place, strength, solids, looking, pixel)
-    crossed = (strength > 0.08 * max(largest, 1e-300)) & np.isfinite(collapse.force_point).all(axis=1)
+    crossed = (strength >= THINNEST * max(largest, 1e-300)) & np.isfinite(collapse.force_point).all(axis=1)
     ahead = 2.0 * window.height * looking.towards
     shade = np.tile((255 * rgb(STANDS)).astype(np.uint8), (len(solids.face_block), 1))
     layers: list[Layer] = [
@@ -89,14 +110,30 @@ def thrust_picture(
         dots(place[crossed] + ahead, INK, looking, 0.5 * DOT * pixel),
         Surface(solids.vertices, solids.loops, solids.loop_start, shade, opacity=GLASS),
     ]
+    ties = drawn_ties(subject.ties, lambda points, block: points)
     sheet = Sheet(plan)
-    sheet.model(render(layers, looking, window, plan.pixels))
+    sheet.model(_with_ties(layers, ties, looking, window, plan.pixels))
     sheet.head(title, facts)
     colour = "#" + "".join(f"{part:02x}" for part in COLOUR)
     rows: list[tuple[Paint, str]] = [(partial(_line_swatch, colour=colour), f"normal force, at most {force(largest)}")]
     rows.append((partial(_dot_swatch, colour=INK), "resultant in a joint"))
-    _key(sheet, rows, "forces at collapse: where they are not unique, one of many sets", looking, window)
+    rows += _tie_rows(ties)
+    note = f"forces at collapse: where they are not unique, one of many sets; those below {THINNEST:.0%} of the largest are not drawn"
+    _key(sheet, rows, note, looking, window)
     sheet.save(path)
+
+
+def _with_ties(layers: list[Layer], ties: DrawnTies, view: View, window: Window, pixels: tuple[int, int]) -> np.ndarray:
+    """The image of layers, and before them the ties with their labels."""
+    nearest = max((float((layer.points @ view.towards).max()) for layer in layers if len(layer.points)), default=0.0)
+    return ties.labelled(render([*layers, *ties.layers(view, nearest + 1.0)], view, window, pixels), view, window)
+
+
+def _tie_rows(ties: DrawnTies) -> list[tuple[Paint, str]]:
+    """What the key says of ties."""
+    if not len(ties.ends):
+        return []
+    return [(tie_swatch, "tie, with what it pulls" if len(ties.ends) <= LABELLED else "tie, some with what they pull")]
 
 
 def view_of_motion(solids: Solids, moves: Mechanism, view: str) -> View:
@@ -169,7 +206,7 @@ def _key(sheet: Sheet, rows: Sequence[tuple[Paint, str]], note: str, view: View,
     """The signs, a note, and the scale bar."""
     boxes = sheet.plan.keys(2)
     axes = sheet.axes(*boxes[0])
-    sheet.swatches(axes, rows, 0, boxes[0][3] - 6)
+    sheet.swatches(axes, rows, 0, boxes[0][3] - 6, pitch=28.0)  # room for six
     axes, top, width = sheet.axes(*boxes[1]), boxes[1][3], boxes[1][2]
     sheet.scale_bar(axes, window.width / sheet.plan.pixels[0], 10, top - 44, width - 60)
     columns = (38 if sheet.plan.beside else 80) - (10 if view.is_oblique else 0)  # the triad stands beside it

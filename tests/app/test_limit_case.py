@@ -67,7 +67,7 @@ def test_the_command_writes_what_it_finds(tmp_path):
     assert sum(row["state"] == "hinge" for row in joints) == made["mechanism"]["joints_hinge"]
     weight = sum(float(row["normal_force_n"]) for row in joints if row["block_a"] == "ground" or row["block_b"] == "ground")
     assert weight == pytest.approx(9.81 * 2000.0 * 0.2 * 0.4 * 0.175 * 38.5, rel=0.2)
-    assert {name for name in OUTPUTS if not (folder / name).exists()} == {"check.json", "check.csv"}  # no check is asked for
+    assert {name for name in OUTPUTS if not (folder / name).exists()} == {"check.json", "check.csv", "ties.csv"}  # no check, no tie
     drawn = pixels(folder / "mechanism.png")
     assert (drawn == [0xD5, 0x5E, 0x00]).all(axis=2).sum() > 100  # hinges are marked
     again = CliRunner().invoke(app, ["limit", str(path), "-o", str(folder)])
@@ -127,6 +127,34 @@ def test_without_being_asked_no_curve_is_followed(tmp_path):
     found = limit_case(scene(tmp_path, pillar(), PUSH))
     assert found.curve is None
     assert not any("capacity curve" in line for line in lines(found))
+
+
+TIE = '[[loads]]\nkind = "tie"\nname = "rod"\nblocks = ["a", "ground"]\npoints = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]\n'
+
+
+def test_ties_are_told_written_and_drawn_with_what_they_pull(tmp_path):
+    tables = f"{TIE}area = 1e-4\nmodulus = 2e11\nyield_force = 500.0\n[limit]\npush = 'x'\n"
+    case = limit_case(scene(tmp_path, pillar(), tables))
+    factor = (2000.0 * 9.81 * 0.3 * 0.25 + 500.0 * math.sqrt(0.5) * 1.5) / (2000.0 * 9.81 * 0.3 * 0.75)  # about the edge at x = 0.5
+    assert case.analysis.associated.factor == pytest.approx(factor, rel=1e-6)
+    assert 'tie "rod": 500 N, yields at collapse' in lines(case)
+    assert summary(case)["ties"] == [
+        {
+            "tie": "rod",
+            "block_a": "a",
+            "block_b": "ground",
+            "bars": 1,
+            "tension_n": pytest.approx(500.0),
+            "yield_force_n": 500.0,
+            "yields": True,
+        }
+    ]
+    write(case, tmp_path / "out")
+    assert (tmp_path / "out" / "ties.csv").read_text().splitlines()[1] == "rod,a,ground,1,500,500,True"
+    assert "Ties at collapse" in (tmp_path / "out" / "limit.html").read_text()
+    purple = np.array([0x6A, 0x1B, 0x7A])
+    for name in ("mechanism.png", "thrust.png"):
+        assert (np.abs(pixels(tmp_path / "out" / name).astype(int) - purple).max(axis=-1) < 8).sum() > 500
 
 
 @pytest.mark.parametrize("loads", [PUSH, TILT])

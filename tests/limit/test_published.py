@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from limit_loads import pushed
+from limit_loads import joined, push_loads, pushed
 from models import box
+from scipy.linalg import null_space
+from scipy.optimize import brentq
 
 from benchmarks.dry_walls import ASSOCIATED, FRICTION, LEAST, dry_wall
-from masonry_cd.limit.analysis import Options
+from masonry_cd.limit.analysis import STANDS, Analysis, Options, at_rest
+from masonry_cd.limit.problem import LimitProblem, limit_problem
 from masonry_cd.model.blocks import Block
 from structures.geometry.prism import prism_xz
 
@@ -68,6 +73,46 @@ def test_minimum_thickness_of_an_arch_by_bisection():
     assert 0.5 * (thin + thick) == pytest.approx(0.10672, abs=1e-4)
 
 
+def edges(problem: LimitProblem) -> np.ndarray:
+    """Rows n + mu t and n - mu t of all points, times which no velocities of a mechanism are below zero."""
+    lean = problem.mu[:, None] * problem.jacobian[1::2].toarray()
+    return np.concatenate([problem.jacobian[0::2].toarray() + lean, problem.jacobian[0::2].toarray() - lean])
+
+
+def power(ratio: float, count: int, mu: float, fall: Analysis) -> float:
+    """Power of the weights of an arch of a thickness in the mechanism with the hinges and slips of another's that is nearest to it."""
+    blocks, joints = joined(arch(count, ratio), mu)
+    problem = limit_problem(blocks, joints, push_loads(blocks))
+    velocity = fall.associated.optimum.velocity
+    kept = edges(fall.problem) @ velocity < 1e-7 * np.abs(velocity).max()
+    free = null_space(edges(problem)[kept], rcond=1e-9)
+    assert 1 <= free.shape[1] <= 2  # two where the mechanism is symmetric
+    return float(problem.dead @ (free @ (free.T @ velocity)))
+
+
+def minimum_thickness(count: int, mu: float, ratio: float) -> tuple[float, int]:
+    """The least thickness over radius that stands, from below, with the thickness as the unknown of the virtual work, and the rounds.
+
+    What falls at a thickness falls by a mechanism, whose joints do no work any more at a greater one. That is the next: Newton's method.
+    """
+    for rounds in range(20):
+        fall = pushed(arch(count, ratio), mu)
+        if fall.stands:
+            return ratio, rounds
+        ratio = float(brentq(power, ratio, 1.5 * ratio, (count, mu, fall), xtol=1e-10)) + 1e-9
+    raise AssertionError("no end")
+
+
+@pytest.mark.parametrize(
+    ("count", "mu", "start", "ratio"),
+    [(11, 10.0, 0.08, 0.10459), (15, 10.0, 0.08, 0.10607), (27, 10.0, 0.08, 0.10672), (27, 0.32, 0.15, 0.1838), (27, 0.39, 0.08, 0.1116)],
+)
+def test_minimum_thickness_of_an_arch_as_an_unknown(count, mu, start, ratio):
+    found, rounds = minimum_thickness(count, mu, start)
+    assert found == pytest.approx(ratio, abs=1e-4)
+    assert 1 <= rounds <= 4
+
+
 @pytest.mark.parametrize(("count", "ratio"), [(11, 0.10459), (13, 0.10253), (15, 0.10607), (21, 0.10669), (51, 0.10736)])
 def test_arches_stand_above_their_minimum_thickness_and_fall_below(count, ratio):
     assert pushed(arch(count, ratio + 1e-4), 10.0).stands
@@ -87,6 +132,15 @@ def test_minimum_thickness_by_friction(mu, ratio):
 )
 def test_horizontal_capacity_of_arches(ratio, push):
     assert pushed(arch(27, ratio), 10.0).associated.factor == pytest.approx(push, abs=1e-4)
+
+
+@pytest.mark.parametrize(("ratio", "push"), [(0.125, 0.0655), (0.3, 0.5194)])
+def test_horizontal_capacity_of_arches_by_what_stands_under_a_push_that_is_held(ratio, push):
+    assembly, joints = joined(arch(27, ratio), 10.0)
+    loads = push_loads(assembly)
+    for factor, stands in ((push - 1e-4, True), (push + 1e-4, False)):
+        held = replace(loads, dead=loads.dead + factor * loads.live)
+        assert (at_rest(assembly, joints, held)[1].factor > 1.0 - STANDS) == stands
 
 
 def test_a_wall_beside_a_lone_block_out_of_its_plane_bears_as_much():
