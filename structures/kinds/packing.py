@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -25,9 +25,7 @@ from structures.geometry.checks import check
 from structures.geometry.prism import between, box
 from structures.layout import wall_plan
 from structures.layout.loose_grains import Plan, count_for, loose, numbers_of
-from structures.schema import Length, Table
-
-Share = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+from structures.schema import Length, Share, Table
 
 
 class PackingTable(Table):
