@@ -20,6 +20,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from masonry_cd.dynamics.pauses import fall_heights
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
@@ -64,6 +65,15 @@ class Solids:
         np.minimum.at(low, self.vertex_block, self.vertices)
         np.maximum.at(high, self.vertex_block, self.vertices)
         return high - low
+
+    @cached_property
+    def fall_heights(self) -> np.ndarray:
+        """(B,) heights of which a drop is a share [m]."""
+        own = self.sizes[:, 2]
+        if self.round is None:
+            return own
+        free = ~self.fixed[self.vertex_block]
+        return fall_heights(own, self.centre[:, 2] - self.vertices[free, 2].min(), self.round)
 
     @cached_property
     def face_normals(self) -> np.ndarray:

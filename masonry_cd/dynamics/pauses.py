@@ -6,7 +6,8 @@ of the run; in a pause of the loads, during which nothing changes, it jumps to t
     max (|v| + |w| r)  over the blocks that stand   <   the pause's speed       for its ``hold`` steps in a row,
 
 r being the farthest corner of a block from its centre. A block that has fallen (it has dropped by more than DROP of its height,
-or is turned by more than TILT) may roll on the ground for as long as it likes.
+or is turned by more than TILT) may roll on the ground for as long as it likes. Spheres are fill, which settles and rolls without harm: one
+has fallen when it has dropped by more than DROP of how high it lay above the foot of the structure, as what runs out of a wall does.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Protocol
 
 import numpy as np
 
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.state import State, rotation_matrices
 
 DROP = 0.5  # of a block's height
@@ -94,7 +95,7 @@ class Pauses:
         self.stops = sorted({step for pair in ends for step in pair})  # of the loads, at which something begins or ends
         self._assembly, self._pauses, self._shocks = assembly, pauses, shocks
         self._over = [*(shock.first for shock in shocks[1:]), steps][: len(shocks)]  # where the rest after each shock ends
-        self._height = np.array([np.ptp(block.vertices[:, 2]) for block in assembly.blocks])
+        self._heights = heights_of(assembly.blocks, assembly.centre, assembly.fixed)
         self._reach = assembly.reach
 
     @property
@@ -117,20 +118,42 @@ class Pauses:
 
     def _fastest(self, state: State) -> float:
         """The largest speed of a point of a block that stands [m/s]."""
-        standing = ~self._assembly.fixed & ~fallen(self._assembly, self._height, state)
+        standing = ~self._assembly.fixed & ~fallen(self._assembly, self._heights, state)
         speed = np.linalg.norm(state.velocity[:, :3], axis=1) + np.linalg.norm(state.velocity[:, 3:], axis=1) * self._reach
         return float(speed[standing].max(initial=0.0))
 
 
-def fallen(assembly: Assembly, height: np.ndarray, state: State) -> np.ndarray:
-    """(B,) True where a block of some height (B,) [m] has dropped or is turned, relative to the base, by more than DROP or TILT say.
+@dataclass(frozen=True)
+class Heights:
+    """Of which a drop is a share, (B,) [m]; and which blocks may turn as they like, (B,): spheres."""
+
+    height: np.ndarray
+    rolls: np.ndarray
+
+
+def heights_of(blocks: Sequence[Block], centre: np.ndarray, fixed: np.ndarray) -> Heights:
+    """Those of B blocks with centres (B, 3) [m] at rest, of which some are supports (B,)."""
+    low, high = (np.array([end(block.vertices[:, 2]) for block in blocks]) for end in (np.min, np.max))
+    rolls = np.array([block.radius > 0.0 for block in blocks])
+    foot = float(low[~fixed].min(initial=np.inf))
+    return Heights(fall_heights(high - low, centre[:, 2] - foot, rolls), rolls)
+
+
+def fall_heights(height: np.ndarray, above_foot: np.ndarray, rolls: np.ndarray) -> np.ndarray:
+    """That of a block itself; of a sphere that of its centre above the foot of the structure, if that is more; (B,) each [m]."""
+    return np.where(rolls, np.maximum(height, above_foot), height)
+
+
+def fallen(assembly: Assembly, heights: Heights, state: State) -> np.ndarray:
+    """(B,) True where a block of some height has dropped or is turned, relative to the base, by more than DROP or TILT say.
 
     The base is the support that has moved least, the first of equals, so that one which settles takes no block with it.
     """
     moved = state.position[:, 2] - assembly.centre[:, 2]
     base = float(moved[_staying(assembly, state)]) if assembly.fixed.any() else 0.0
     turn = 0.5 * (np.trace(rotation_matrices(state.orientation), axis1=1, axis2=2) - 1.0)  # cosine
-    return np.asarray((base - moved > DROP * height) | (turn < math.cos(math.radians(TILT))))
+    turned = (turn < math.cos(math.radians(TILT))) & ~heights.rolls
+    return np.asarray((base - moved > DROP * heights.height) | turned)
 
 
 def _staying(assembly: Assembly, state: State) -> int:
