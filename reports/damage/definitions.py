@@ -14,8 +14,9 @@ further beyond its threshold names it (a hinge that slipped a little has opened)
 
 A free block has **fallen** when, relative to the base, its centre of mass has dropped by more than ``drop`` (half) of its height, or it is
 turned by more than ``tilt`` (45 degrees), or all of its joints are separated. A block that has fallen is **lost** to its part, with its
-volume; its joints are no cracks any more. A sphere is fill: it rolls, and settles by more than its own height, without harm. It has fallen
-when it has dropped by more than ``drop`` of the height that it lay at above the foot of the structure, as rubble does that runs out of a wall.
+volume; its joints are no cracks any more. A sphere is fill: it rolls, and settles by more than its own height, without harm. It has
+fallen when it has dropped by more than ``drop`` of the height that it lay at above the foot of the structure, as rubble does that runs
+out of a wall.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Packings: spheres of given sizes in a box or a cylinder, laid loosely one above another, to be poured by gravity.
 
 The container stands on a fixed floor at z = 0, about the origin, and is open at the top: four walls, or a ring of plates, are fixed blocks.
-Without walls the spheres fall on the floor as a heap. A fixed ring that a settlement lifts (``supports = "walls"``, ``direction = "z"``) leaves
-a heap, too. The spheres do not touch at first (:mod:`structures.layout.loose_grains`): the run lets them fall.
+Without walls the spheres fall on the floor as a heap. A ring that a settlement lifts (``supports = "walls"``, ``direction = "z"``) leaves a
+heap, too. The spheres do not touch at first (:mod:`structures.layout.loose_grains`): the run lets them fall.
 
 The default is some 570 spheres of 0.1 m in a box of 1 m by 1 m. Groups: ``spheres``, or one for each diameter, ``spheres.1``,
 ``spheres.2`` ..., ``walls`` and ``base``.
@@ -111,15 +111,13 @@ def _box(keys: PackingTable, thick: float, high: float, density: float) -> list[
         "y0": ((-x, -y - thick), (x, -y)),
         "y1": ((-x, y), (x, y + thick)),
     }
-    return [
-        Block(f"wall.{name}", *box((*low, 0.0), (*up, high)), density, "walls", fixed=True) for name, (low, up) in made.items()
-    ]
+    return [Block(f"wall.{name}", *box((*low, 0.0), (*up, high)), density, "walls", fixed=True) for name, (low, up) in made.items()]
 
 
 def _ring(keys: PackingTable, thick: float, high: float, density: float) -> list[Block]:
     """Plates round a circle, which each of them touches."""
-    turn = 2.0 * math.pi * np.arange(keys.sides + 1) / keys.sides
-    corner = np.stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)], axis=1) / math.cos(math.pi / keys.sides)
+    turns = [2.0 * math.pi * k / keys.sides for k in range(keys.sides + 1)]
+    corner = np.array([[math.cos(turn), math.sin(turn), 0.0] for turn in turns]) / math.cos(math.pi / keys.sides)
     inner, outer = 0.5 * keys.diameter * corner, (0.5 * keys.diameter + thick) * corner
     up = np.array([0.0, 0.0, high])
     foot = [np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]) for k in range(keys.sides)]

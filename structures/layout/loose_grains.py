@@ -92,7 +92,7 @@ def loose(plan: Plan, diameters: Sequence[float], numbers: Sequence[int], seed: 
 
 
 def _cells(plan: Plan, least: float) -> tuple[np.ndarray, tuple[float, float, float]]:
-    """Low corners of the cells of a layer (n, 2), and the measures of a cell [m], in plan at least ``least`` where the container allows it."""
+    """Low corners of the cells of a layer (n, 2), and the measures of a cell, which are at least ``least`` where there is room [m]."""
     if plan.round and plan.length < 2.0 * math.sqrt(2.0) * least:  # one in the middle
         edge = plan.length / math.sqrt(2.0)
         return np.array([[-0.5 * edge, -0.5 * edge]]), (edge, edge, least)

@@ -4,7 +4,7 @@ Masons fill a core as they go up: course by course, before the next through-ston
 and rolls down over the others, over the through-stones laid so far and along the leaves until it can sink no farther (Visscher & Bolsterli,
 Nature 239, 1972). The height at which the centre of a sphere of radius r rests above a point (x, y) of the plan is
 
-    h(x, y) = max(floor + r, z_i + sqrt((r + r_i)^2 - d_i^2) of spheres at a distance d_i in plan, z_top + sqrt(r^2 - e^2) of through-stones),
+    h(x, y) = max(floor + r,  z_i + sqrt((r + r_i)^2 - d_i^2) of spheres at a distance d_i in plan,  z_s + sqrt(r^2 - e^2) of stones),
 
 e the distance from the side of a stone, and where it rests is a minimum of h, found by going down in ever smaller steps. It touches what
 carries it and overlaps nothing; the run then needs a few hundredths of a second for what friction does not hold. Pouring them in the run
@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -79,7 +80,7 @@ def fill(slot: Slot, stones: np.ndarray, beds: Sequence[float], diameters: Seque
     cells = max(1, math.ceil((slot.x1 - slot.x0) / cell))
     heap = Heap(np.zeros((most, 3)), np.zeros(most), np.full(cells, -1), np.full(most, -1), cell)
     sizes: list[int] = []
-    for low, high in zip(beds[:-1], beds[1:], strict=True):
+    for low, high in pairwise(beds):
         course = 0.5 * (low + high)
         laid, to_come = stones[stones[:, 2] < course], stones[stones[:, 2] >= course]
         missed = 0
@@ -150,7 +151,7 @@ def drop(ball: Dropped, heap: Heap, slot: Slot, stones: np.ndarray, directions: 
 
 @kernel()
 def _rest_height(x, y, r, ceiling, heap, slot, stones):
-    """Height at which the centre of a sphere of radius r rests above a point of the plan, on what begins below a ceiling [m]: stones, centres of spheres."""
+    """Height at which the centre of a sphere of radius r rests above a point of the plan, on what begins below a ceiling [m]."""
     height = slot.floor + r
     for s in range(stones.shape[0]):
         aside = max(stones[s, 0] - x, x - stones[s, 1], 0.0)
