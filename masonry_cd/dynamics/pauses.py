@@ -7,7 +7,7 @@ of the run; in a pause of the loads, during which nothing changes, it jumps to t
 
 r being the farthest corner of a block from its centre. A block that has fallen (it has dropped by more than DROP of its height,
 or is turned by more than TILT) may roll on the ground for as long as it likes. Spheres are fill, which settles and rolls without harm: one
-has fallen when it has dropped by more than DROP of how high it lay above the foot of the structure, as what runs out of a wall does.
+has fallen when it has dropped and lies outside the plan of the structure as built, as what runs out of a wall does.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ class Pauses:
         self.stops = sorted({step for pair in ends for step in pair})  # of the loads, at which something begins or ends
         self._assembly, self._pauses, self._shocks = assembly, pauses, shocks
         self._over = [*(shock.first for shock in shocks[1:]), steps][: len(shocks)]  # where the rest after each shock ends
-        self._heights = heights_of(assembly.blocks, assembly.centre, assembly.fixed)
+        self._built = standing_of(assembly)
         self._reach = assembly.reach
 
     @property
@@ -118,42 +118,54 @@ class Pauses:
 
     def _fastest(self, state: State) -> float:
         """The largest speed of a point of a block that stands [m/s]."""
-        standing = ~self._assembly.fixed & ~fallen(self._assembly, self._heights, state)
+        standing = ~self._assembly.fixed & ~fallen(self._assembly, self._built, state)
         speed = np.linalg.norm(state.velocity[:, :3], axis=1) + np.linalg.norm(state.velocity[:, 3:], axis=1) * self._reach
         return float(speed[standing].max(initial=0.0))
 
 
 @dataclass(frozen=True)
-class Heights:
-    """Of which a drop is a share, (B,) [m]; and which blocks may turn as they like, (B,): spheres."""
+class Standing:
+    """What tells of B blocks that they have fallen."""
 
-    height: np.ndarray
-    rolls: np.ndarray
-
-
-def heights_of(blocks: Sequence[Block], centre: np.ndarray, fixed: np.ndarray) -> Heights:
-    """Those of B blocks with centres (B, 3) [m] at rest, of which some are supports (B,)."""
-    low, high = (np.array([end(block.vertices[:, 2]) for block in blocks]) for end in (np.min, np.max))
-    rolls = np.array([block.radius > 0.0 for block in blocks])
-    foot = float(low[~fixed].min(initial=np.inf))
-    return Heights(fall_heights(high - low, centre[:, 2] - foot, rolls), rolls)
+    height: np.ndarray  # (B,) of which a drop is a share [m]
+    rolls: np.ndarray  # (B,) spheres
+    plan: np.ndarray  # (B, 2, 2) low and high x, y of the structure of each [m]
 
 
-def fall_heights(height: np.ndarray, above_foot: np.ndarray, rolls: np.ndarray) -> np.ndarray:
-    """That of a block itself; of a sphere that of its centre above the foot of the structure, if that is more; (B,) each [m]."""
-    return np.where(rolls, np.maximum(height, above_foot), height)
+def standing_of(assembly: Assembly) -> Standing:
+    """That of the blocks as built."""
+    height = np.array([np.ptp(block.vertices[:, 2]) for block in assembly.blocks])
+    return Standing(height, np.array([block.radius > 0.0 for block in assembly.blocks]), plans_of(assembly.blocks))
 
 
-def fallen(assembly: Assembly, heights: Heights, state: State) -> np.ndarray:
-    """(B,) True where a block of some height has dropped or is turned, relative to the base, by more than DROP or TILT say.
+def plans_of(blocks: Sequence[Block]) -> np.ndarray:
+    """Low and high x, y (B, 2, 2) of all free blocks of the structure that each block belongs to, as built [m]."""
+    corners: dict[str, list[np.ndarray]] = {}
+    for block in blocks:
+        own = corners.setdefault(block.structure, [])
+        own += [] if block.fixed else [block.vertices[:, :2].min(axis=0), block.vertices[:, :2].max(axis=0)]
+    nowhere = np.full((1, 2), np.inf)
+    boxes = {name: np.stack([np.min(own or nowhere, axis=0), np.max(own or -nowhere, axis=0)]) for name, own in corners.items()}
+    return np.array([boxes[block.structure] for block in blocks])
+
+
+def outside(plan: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """(B,) True where a place (B, 3) is beyond a plan (B, 2, 2)."""
+    return np.asarray(((place[:, :2] < plan[:, 0]) | (place[:, :2] > plan[:, 1])).any(axis=1))
+
+
+def fallen(assembly: Assembly, standing: Standing, state: State) -> np.ndarray:
+    """(B,) True where a block has dropped or is turned, relative to the base, by more than DROP or TILT say; of a sphere, where it has dropped
+    and lies outside the plan of its structure.
 
     The base is the support that has moved least, the first of equals, so that one which settles takes no block with it.
     """
-    moved = state.position[:, 2] - assembly.centre[:, 2]
-    base = float(moved[_staying(assembly, state)]) if assembly.fixed.any() else 0.0
+    moved = state.position - assembly.centre
+    base = moved[_staying(assembly, state)] if assembly.fixed.any() else np.zeros(3)
     turn = 0.5 * (np.trace(rotation_matrices(state.orientation), axis1=1, axis2=2) - 1.0)  # cosine
-    turned = (turn < math.cos(math.radians(TILT))) & ~heights.rolls
-    return np.asarray((base - moved > DROP * heights.height) | turned)
+    dropped = base[2] - moved[:, 2] > DROP * standing.height
+    out = dropped & outside(standing.plan, state.position - base)
+    return np.asarray(np.where(standing.rolls, out, dropped | (turn < math.cos(math.radians(TILT)))))
 
 
 def _staying(assembly: Assembly, state: State) -> int:

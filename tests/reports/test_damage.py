@@ -130,10 +130,10 @@ def test_fallen_blocks_are_judged_relative_to_the_base(tmp_path: Path) -> None:
 
 
 def test_spheres_that_roll_and_settle_have_not_fallen_and_one_that_runs_out_has(tmp_path: Path) -> None:
-    balls = [Block.sphere(name, np.array([2.0, y, 1.0]), 0.1, 2000.0) for name, y in (("stays", 0.0), ("runs", 0.5))]
+    balls = [Block.sphere(name, np.array([0.0, y, 3.0]), 0.1, 2000.0) for name, y in (("stays", 0.0), ("runs", 0.3))]
     blocks = [*PIER, *balls]
     rest = at_rest(blocks)
-    end = turned(shifted(shifted(rest, 3, (0.0, 0.0, -0.4)), 4, (0.3, 0.0, -0.9)), 3, (2.0, 0.0, 0.6), 170.0)
+    end = turned(shifted(shifted(rest, 3, (0.0, 0.0, -0.4)), 4, (0.3, 0.3, -0.9)), 3, (0.0, 0.0, 2.6), 170.0)
     with Results.open(write_run(tmp_path / "result.h5", blocks, [rest, end])) as results:
         assert joint_damage.collapsed_blocks(results) == ("runs",)
 
