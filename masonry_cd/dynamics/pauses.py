@@ -155,8 +155,9 @@ def outside(plan: np.ndarray, place: np.ndarray) -> np.ndarray:
 
 
 def fallen(assembly: Assembly, standing: Standing, state: State) -> np.ndarray:
-    """(B,) True where a block has dropped or is turned, relative to the base, by more than DROP or TILT say; of a sphere, where it has dropped
-    and lies outside the plan of its structure.
+    """(B,) True where a block has dropped or is turned, relative to the base, by more than DROP or TILT say.
+
+    A sphere has fallen where it has dropped and lies outside the plan of its structure.
 
     The base is the support that has moved least, the first of equals, so that one which settles takes no block with it.
     """
