@@ -20,6 +20,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from masonry_cd.dynamics.pauses import plans_of
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
@@ -41,6 +42,7 @@ class Solids:
     centre: np.ndarray  # (B, 3) centres of mass [m]
     fixed: np.ndarray  # (B,) supports
     round: np.ndarray | None = None  # (B,) spheres, whose facets are drawn without edges; None: there are none
+    plan: np.ndarray | None = None  # (B, 2, 2) low and high x, y of the structure of each block [m]; where there are spheres
 
     @classmethod
     def from_blocks(cls, blocks: Sequence[Block]) -> Solids:
@@ -48,7 +50,7 @@ class Solids:
         centre = np.array([b.mass_properties.centre for b in blocks])
         made = cls.of([Polyhedron(b.vertices, b.faces) for b in blocks], centre, np.array([b.fixed for b in blocks]))
         spheres = np.array([b.radius > 0.0 for b in blocks])
-        return replace(made, round=spheres) if spheres.any() else made
+        return replace(made, round=spheres, plan=plans_of(blocks)) if spheres.any() else made
 
     @classmethod
     def of(cls, shells: Sequence[Polyhedron], centre: np.ndarray, fixed: np.ndarray) -> Solids:

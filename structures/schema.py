@@ -10,6 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field
 LONGEST = 1e6  # measure [m]: rounding then parts corners that are computed twice by 1e-9 m, far less than what is taken for one corner
 Length = Annotated[float, Field(gt=0, le=LONGEST, allow_inf_nan=False)]
 Height = Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False)]
+Density = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
+Share = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Place = Annotated[float, Field(allow_inf_nan=False)]
 HeadShape = Literal["lintel", "flat", "segmental", "round"]
 

@@ -33,7 +33,7 @@ class Standing:
     """How the blocks of a structure hold one another at rest."""
 
     contacts: ContactSet
-    pieces: int  # with a free block in them
+    pieces: int  # with a free block in them that is no sphere
     loose: tuple[str, ...]  # names of free blocks that touch nothing
     hanging: tuple[str, ...]  # of free blocks that nothing pushes upwards, the loose ones apart
     adrift: tuple[str, ...]  # of free blocks in pieces of two blocks or more without a support
@@ -75,7 +75,7 @@ def standing(assembly: Assembly) -> Standing:
     hanging = _hanging(assembly, found, (0, 0, 1)) & free & ~loose
     return Standing(
         contacts=found,
-        pieces=len(np.unique(label[free | touched])),
+        pieces=len(np.unique(label[free])),
         loose=_names(assembly, loose),
         hanging=_names(assembly, hanging),
         adrift=_names(assembly, free & touched & ~held),

@@ -87,7 +87,7 @@ def lines(made: Mapping[str, Any]) -> list[str]:
     ones = "one" if made["fixed"] == 1 else "ones"
     text = [
         f"{made['blocks']} blocks and {made['fixed']} fixed {ones}, {made['joints']} joints of {made['joint_area']:.4g} m2, "
-        f"{made['pieces']} piece{'s' if made['pieces'] > 1 else ''}",
+        + (f"{made['pieces']} piece{'s' if made['pieces'] > 1 else ''}" if made["pieces"] else "loose spheres"),
         f"{extent} m, {made['volume']:.4g} m3, {made['mass'] / 1e3:.4g} t, centre of mass at ({x:.4g}, {y:.4g}, {z:.4g}) m",
         f"{made['contacts']} contacts at rest: {3 * made['contacts']} unknown forces, {6 * made['blocks']} equations, "
         f"hyperstatic to degree {made['hyperstaticity']}",

@@ -298,6 +298,17 @@ drum_height = 1.0
 drum_thickness = 0.6
 base_depth = 0.4
 """,
+    "packing": """\
+diameters = [0.2, 0.1]
+shares = [1.0, 2.0]
+count = 30
+length = 0.6
+width = 0.5
+height = 1.0
+wall_thickness = 0.1
+seed = 1
+base_depth = 0.2
+""",
     "church": """\
 block_length = 2.0
 course_height = 1.0

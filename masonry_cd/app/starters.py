@@ -30,6 +30,7 @@ FIRST: dict[str, dict[str, Any]] = {
     "vault": {"form": "barrel", "span": 4.0, "thickness": 0.5, "voussoirs": 15},
     "dome": {"span": 6.0, "thickness": 0.5, "sides": 16},
     "church": {"block_length": 1.5, "length": 24.0, "width": 9.0, "height": 10.0},
+    "packing": {"diameters": [0.1, 0.06], "fill": 0.3},
     "file": {"path": "blocks.json"},
     "solid": {"path": "solid.geo", "units": "m", "course_height": 0.5, "trusted": True},
 }

@@ -6,7 +6,8 @@ of the run; in a pause of the loads, during which nothing changes, it jumps to t
     max (|v| + |w| r)  over the blocks that stand   <   the pause's speed       for its ``hold`` steps in a row,
 
 r being the farthest corner of a block from its centre. A block that has fallen (it has dropped by more than DROP of its height,
-or is turned by more than TILT) may roll on the ground for as long as it likes.
+or is turned by more than TILT) may roll on the ground for as long as it likes. Spheres are fill, which settles and rolls without harm: one
+has fallen when it has dropped and lies outside the plan of the structure as built, as what runs out of a wall does.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Protocol
 
 import numpy as np
 
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.state import State, rotation_matrices
 
 DROP = 0.5  # of a block's height
@@ -94,7 +95,7 @@ class Pauses:
         self.stops = sorted({step for pair in ends for step in pair})  # of the loads, at which something begins or ends
         self._assembly, self._pauses, self._shocks = assembly, pauses, shocks
         self._over = [*(shock.first for shock in shocks[1:]), steps][: len(shocks)]  # where the rest after each shock ends
-        self._height = np.array([np.ptp(block.vertices[:, 2]) for block in assembly.blocks])
+        self._built = standing_of(assembly)
         self._reach = assembly.reach
 
     @property
@@ -117,20 +118,55 @@ class Pauses:
 
     def _fastest(self, state: State) -> float:
         """The largest speed of a point of a block that stands [m/s]."""
-        standing = ~self._assembly.fixed & ~fallen(self._assembly, self._height, state)
+        standing = ~self._assembly.fixed & ~fallen(self._assembly, self._built, state)
         speed = np.linalg.norm(state.velocity[:, :3], axis=1) + np.linalg.norm(state.velocity[:, 3:], axis=1) * self._reach
         return float(speed[standing].max(initial=0.0))
 
 
-def fallen(assembly: Assembly, height: np.ndarray, state: State) -> np.ndarray:
-    """(B,) True where a block of some height (B,) [m] has dropped or is turned, relative to the base, by more than DROP or TILT say.
+@dataclass(frozen=True)
+class Standing:
+    """What tells of B blocks that they have fallen."""
+
+    height: np.ndarray  # (B,) of which a drop is a share [m]
+    rolls: np.ndarray  # (B,) spheres
+    plan: np.ndarray  # (B, 2, 2) low and high x, y of the structure of each [m]
+
+
+def standing_of(assembly: Assembly) -> Standing:
+    """That of the blocks as built."""
+    height = np.array([np.ptp(block.vertices[:, 2]) for block in assembly.blocks])
+    return Standing(height, np.array([block.radius > 0.0 for block in assembly.blocks]), plans_of(assembly.blocks))
+
+
+def plans_of(blocks: Sequence[Block]) -> np.ndarray:
+    """Low and high x, y (B, 2, 2) of all free blocks of the structure that each block belongs to, as built [m]."""
+    corners: dict[str, list[np.ndarray]] = {}
+    for block in blocks:
+        own = corners.setdefault(block.structure, [])
+        own += [] if block.fixed else [block.vertices[:, :2].min(axis=0), block.vertices[:, :2].max(axis=0)]
+    nowhere = np.full((1, 2), np.inf)
+    boxes = {name: np.stack([np.min(own or nowhere, axis=0), np.max(own or -nowhere, axis=0)]) for name, own in corners.items()}
+    return np.array([boxes[block.structure] for block in blocks])
+
+
+def outside(plan: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """(B,) True where a place (B, 3) is beyond a plan (B, 2, 2)."""
+    return np.asarray(((place[:, :2] < plan[:, 0]) | (place[:, :2] > plan[:, 1])).any(axis=1))
+
+
+def fallen(assembly: Assembly, standing: Standing, state: State) -> np.ndarray:
+    """(B,) True where a block has dropped or is turned, relative to the base, by more than DROP or TILT say.
+
+    A sphere has fallen where it has dropped and lies outside the plan of its structure.
 
     The base is the support that has moved least, the first of equals, so that one which settles takes no block with it.
     """
-    moved = state.position[:, 2] - assembly.centre[:, 2]
-    base = float(moved[_staying(assembly, state)]) if assembly.fixed.any() else 0.0
+    moved = state.position - assembly.centre
+    base = moved[_staying(assembly, state)] if assembly.fixed.any() else np.zeros(3)
     turn = 0.5 * (np.trace(rotation_matrices(state.orientation), axis1=1, axis2=2) - 1.0)  # cosine
-    return np.asarray((base - moved > DROP * height) | (turn < math.cos(math.radians(TILT))))
+    dropped = base[2] - moved[:, 2] > DROP * standing.height
+    out = dropped & outside(standing.plan, state.position - base)
+    return np.asarray(np.where(standing.rolls, out, dropped | (turn < math.cos(math.radians(TILT)))))
 
 
 def _staying(assembly: Assembly, state: State) -> int:

@@ -74,7 +74,7 @@ def slip_impulse(qn: float, a1: float, a2: float, row: Row, mu: float, s: float)
     t1, t2 = x1 - s * a1, x2 - s * a2
     tangent = tangent_length(t1, t2)
     share = push / (tangent + mu * (c1 * t1 + c2 * t2))
-    if not (share >= 0.0 and share < np.inf):  # never a NaN, never outside the cone
+    if not (share >= 0.0 and share < np.inf and tangent < np.inf):  # never a NaN, never outside the cone; a push of 1e-170 has s near 1e170
         return push, 0.0, 0.0, 0.0
     return share * tangent, mu * share * t1, mu * share * t2, s
 

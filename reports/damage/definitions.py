@@ -14,7 +14,9 @@ further beyond its threshold names it (a hinge that slipped a little has opened)
 
 A free block has **fallen** when, relative to the base, its centre of mass has dropped by more than ``drop`` (half) of its height, or it is
 turned by more than ``tilt`` (45 degrees), or all of its joints are separated. A block that has fallen is **lost** to its part, with its
-volume; its joints are no cracks any more.
+volume; its joints are no cracks any more. A sphere is fill: it rolls and settles without harm. It has
+fallen when it has dropped by more than ``drop`` of its height and lies outside the plan of the structure, the rectangle around all of its
+free blocks as built: what runs out of a wall does, what is poured into a box does not.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from masonry_cd.dynamics.pauses import DROP, TILT
+from masonry_cd.dynamics.pauses import DROP, TILT, outside
 from masonry_cd.errors import InputError
 from masonry_cd.model.joints import Joints
 from reports.deformed import Pose, Solids
@@ -99,4 +101,7 @@ def fallen_in(joints: Joints, solids: Solids, pose: Pose, separated: np.ndarray,
     ends = np.concatenate([joints.block_a, joints.block_b]).astype(np.int64)
     owned = np.bincount(ends, minlength=len(solids.centre))
     loose = (owned > 0) & (np.bincount(ends, np.tile(separated, 2).astype(float), minlength=len(solids.centre)) == owned)
-    return np.asarray(~solids.fixed & (dropped | (turn > thresholds.tilt) | loose))
+    down = dropped | (turn > thresholds.tilt) | loose
+    if solids.round is not None and solids.plan is not None:
+        down = np.where(solids.round, dropped & outside(solids.plan, pose.position), down)
+    return np.asarray(~solids.fixed & down)

@@ -4,15 +4,20 @@ The wall stands on a fixed base at z = 0, centred on x = 0 and y = 0. Its course
 openings (:mod:`structures.layout.coursing`, :mod:`structures.layout.openings`). A wall of several leaves is tied by through-stones: every
 third course (``through``) all leaves have the same joints and every third stone fills the whole thickness.
 
-The default is a wall of 4 m by 3 m in squared blocks of 0.5 m by 0.25 m. Groups: ``wall`` and ``base``.
+A wall with a core has two outer leaves and between them stones, ``core = "solid"``, or rubble, ``core = "rubble"``: spheres that lie on one
+another (:mod:`structures.layout.rubble`). All leaves have the same joints, and stones at both ends reach through the wall.
+
+The default is a wall of 4 m by 3 m in squared blocks of 0.5 m by 0.25 m. Groups: ``wall``, ``core`` and ``base``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+import numpy as np
 from pydantic import Field
 
 from masonry_cd.errors import InputError, parse_table
@@ -20,9 +25,10 @@ from masonry_cd.model.blocks import Block
 from masonry_cd.table_schema import rows
 from structures import size
 from structures.geometry.checks import check
-from structures.layout import wall_plan
+from structures.layout import rubble, wall_plan
+from structures.layout.loose_grains import Plan, count_for
 from structures.layout.openings import opening_of
-from structures.schema import Height, Length, OpeningTable, Table
+from structures.schema import Density, Height, Length, OpeningTable, Share, Table
 
 
 class WallTable(Table):
@@ -34,7 +40,17 @@ class WallTable(Table):
     course_height: Length = Field(0.25, description="aimed at; courses adapt to the openings [m]")
     unit_length: Length | None = Field(None, description="of a block; by default two courses [m]")
     leaves: int = Field(1, ge=1, le=4, description="layers of stones through the thickness")
-    through: int = Field(3, ge=1, le=100, description="through-stones: with n, every n-th stone of every n-th course")
+    through: int = Field(3, ge=0, le=100, description="through-stones: with n, every n-th stone of every n-th course; 0 for none")
+    core: Literal["none", "solid", "rubble"] = Field("none", description="between two outer leaves: stones, or rubble of spheres")
+    core_thickness: Length | None = Field(None, description="of the core; by default a third of the thickness [m]")
+    core_diameters: tuple[Length, ...] | None = Field(
+        None, strict=False, min_length=1, max_length=20, description="of the rubble; by default 0.6 and 0.4 of the core's thickness [m]"
+    )
+    core_shares: tuple[Share, ...] | None = Field(
+        None, strict=False, description="of the number of spheres thrown in, for each diameter, in any unit; by default equal ones"
+    )
+    core_density: Density | None = Field(None, description="of the core; by default that of the material [kg/m3]")
+    core_seed: int = Field(0, ge=0, description="of where the rubble lies; equal seeds give equal places")
     openings: tuple[dict[str, Any], ...] = Field(
         (), strict=False, json_schema_extra=rows(OpeningTable), description="doors and windows, [[structure.openings]] each"
     )
@@ -51,8 +67,14 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     keys = parse_table(WallTable, table, "structure")
     wall = elevation(keys)
     unit = keys.unit_length or 2.0 * keys.course_height
-    size.within(keys.length / unit * ((keys.height + 0.5 * keys.gable) / keys.course_height) * keys.leaves, "course_height")
-    blocks = wall_plan.build([wall], wall_plan.levels([wall], keys.course_height), unit, density)
+    size.within(keys.length / unit * ((keys.height + 0.5 * keys.gable) / keys.course_height) * wall.leaves, "course_height")
+    beds = wall_plan.levels([wall], keys.course_height)
+    blocks = wall_plan.build([wall], beds, unit, density)
+    if wall.core is not None:
+        own = keys.core_density or density
+        blocks = [replace(block, density=own) if block.group == wall_plan.CORE else block for block in blocks]
+        if wall.hollow:
+            blocks += _rubble(keys, wall, blocks, beds, own)
     blocks.append(wall_plan.ground(blocks, keys.base_depth or 2.0 * keys.course_height, density))
     check(blocks)
     return blocks
@@ -71,6 +93,7 @@ def elevation(keys: WallTable) -> wall_plan.Wall:
         raise InputError(f"structure.unit_length: must be at most the length of the wall, {keys.length:g} m, got {unit:g}")
     if 0 < keys.gable < keys.course_height:
         raise InputError(f"structure.gable: must be 0, or at least a course, {keys.course_height:g} m, got {keys.gable:g}")
+    core = _core(keys)
     openings = []
     for i, entry in enumerate(keys.openings):
         made = parse_table(OpeningTable, entry, f"structure.openings[{i}]")
@@ -78,9 +101,69 @@ def elevation(keys: WallTable) -> wall_plan.Wall:
     for opening in openings:
         inside(opening.key, opening.centre, opening.width, 0.5 * keys.length)
     half, thick = 0.5 * keys.length, 0.5 * keys.thickness
+    leaves = keys.leaves if core is None else 3
     return wall_plan.Wall(
-        "wall", "wall", 0, -half, half, -thick, thick, 0.0, keys.height, tuple(openings), keys.gable, keys.leaves, keys.through
-    )
+        "wall", "wall", 0, -half, half, -thick, thick, 0.0, keys.height, tuple(openings), keys.gable, leaves, keys.through,
+        core=core, hollow=keys.core == "rubble",
+    )  # fmt: skip
+
+
+def _core(keys: WallTable) -> tuple[float, float] | None:
+    """Where the core begins and ends across the wall [m]; None without one.
+
+    Raises:
+        InputError: keys of a core that is not there, or that do not fit it.
+    """
+    given = keys.model_fields_set
+    rubble_keys = ("core_diameters", "core_shares", "core_seed")
+    for key in ("core_thickness", "core_density") if keys.core == "none" else ():
+        if key in given:
+            raise InputError(f'structure.{key}: belongs to core = "solid" or "rubble", and the wall has none')
+    for key in rubble_keys if keys.core != "rubble" else ():
+        if key in given:
+            raise InputError(f'structure.{key}: belongs to core = "rubble", and the core is "{keys.core}"')
+    if keys.core == "none":
+        return None
+    if "leaves" in given:
+        raise InputError("structure.leaves: a wall with a core has three, of which the core is one; leave the key out")
+    if keys.core == "rubble" and (keys.openings or keys.gable):
+        key = "openings" if keys.openings else "gable"
+        raise InputError(f'structure.{key}: a wall with core = "rubble" has none, the rubble would run out; core = "solid" may have')
+    width = keys.core_thickness or keys.thickness / 3.0
+    if width >= keys.thickness:
+        raise InputError(f"structure.core_thickness: must be below the thickness of the wall, {keys.thickness:g} m, got {width:g}")
+    for k, diameter in enumerate(_diameters(keys, width) if keys.core == "rubble" else ()):
+        if diameter >= width:
+            raise InputError(f"structure.core_diameters[{k}]: must be below the thickness of the core, {width:.4g} m, got {diameter:g}")
+    return -0.5 * width, 0.5 * width
+
+
+def _diameters(keys: WallTable, width: float) -> tuple[float, ...]:
+    """Of the rubble in a core of a given thickness [m]."""
+    return keys.core_diameters or (0.6 * width, 0.4 * width)
+
+
+def _rubble(keys: WallTable, wall: wall_plan.Wall, stones: Sequence[Block], beds: Sequence[float], density: float) -> list[Block]:
+    """The spheres between the leaves of a wall whose stones are made.
+
+    Raises:
+        InputError: shares that do not go with the diameters, or too many spheres.
+    """
+    near, far = wall.core or (0.0, 0.0)
+    diameters = _diameters(keys, far - near)
+    shares = keys.core_shares or (1.0,) * len(diameters)
+    if len(shares) != len(diameters):
+        raise InputError(f"structure.core_shares: must have one for each of the {len(diameters)} diameters, got {len(shares)}")
+    plan = Plan(wall.end - wall.start, far - near)
+    size.within(count_for(keys.height, plan, diameters, shares, False), "core_diameters")
+    through = [b.vertices for b in stones if np.ptp(b.vertices[:, 1]) > wall.far - wall.near - wall_plan.SAME]
+    reach = np.array([[v[:, 0].min(), v[:, 0].max(), v[:, 2].min(), v[:, 2].max()] for v in through]).reshape(-1, 4)
+    slot = rubble.Slot(wall.start, wall.end, near, far, beds[0], beds[-1])
+    grains = rubble.fill(slot, reach, beds, diameters, shares, keys.core_seed)
+    return [
+        Block.sphere(f"core.{i + 1}", centre, 0.5 * diameters[k], density, wall_plan.CORE)
+        for i, (centre, k) in enumerate(zip(grains.centre, grains.size.tolist(), strict=True))
+    ]
 
 
 def inside(key: str, centre: float, width: float, half: float) -> None:

@@ -19,6 +19,7 @@ from structures.layout import coursing
 from structures.layout.coursing import LEAST_UNIT, Band, Piece
 from structures.layout.openings import Opening, close
 
+CORE = "core"  # group of the middle one of three leaves
 SAME = 1e-9  # lengths closer than this are one [m]
 AROUND = 1.5  # of the height: how far the ground reaches around a structure
 
@@ -39,10 +40,12 @@ class Wall:
     openings: tuple[Opening, ...] = ()
     gable: float = 0.0  # height of the gable above the top
     leaves: int = 1
-    through: int = 3  # with two leaves or more: every through-th stone of every through-th course reaches through all of them
+    through: int = 3  # with two leaves or more: every through-th stone of every through-th course reaches through all of them; 0: none
     voids: tuple[tuple[float, float, float, float], ...] = ()  # s0, s1, z0, z1 left out for what is bonded in from outside the plan
     anchor: float | None = None  # where its bond starts; its own start by default
     shoulder: tuple[float, float, float] | None = None  # from this height up it only reaches from the second to the third
+    core: tuple[float, float] | None = None  # of three leaves: where the middle one begins and ends, across
+    hollow: bool = False  # the core is left out
 
     def stands(self, low: float, high: float) -> bool:
         """True when the wall proper, without its gable, fills the course between two beds."""
@@ -175,7 +178,7 @@ def _blocks(wall: Wall, beds: Sequence[float], unit: float, density: float, meet
     course = (own[-1] - own[0]) / (len(own) - 1)
     closings = [close(opening, own, course) for opening in wall.openings]
     bands = _bands(wall, beds, first, unit, meets, bonded)
-    bounds = np.linspace(wall.near, wall.far, wall.leaves + 1)
+    bounds = np.linspace(wall.near, wall.far, wall.leaves + 1) if wall.core is None else np.array([wall.near, *wall.core, wall.far])
     blocks = []
     tied: list[Piece] = []
     for leaf in range(wall.leaves):
@@ -187,11 +190,13 @@ def _blocks(wall: Wall, beds: Sequence[float], unit: float, density: float, meet
             pieces = [piece for piece in pieces if piece.opening < 0 and not _tied(wall, piece.course)] + tied
         for piece in pieces:
             whole = wall.leaves == 1 or piece.opening >= 0 or (_tied(wall, piece.course) and piece.number % wall.through == 0)
-            if whole and leaf > 0:
+            whole = whole or (wall.core is not None and _at_end(wall, piece))
+            if (whole and leaf > 0) or (wall.hollow and leaf == 1 and not whole):
                 continue
             near, far = (wall.near, wall.far) if whole else (float(bounds[leaf]), float(bounds[leaf + 1]))
             name = _name(wall, piece, first) + ("" if whole else f".{'abcdefgh'[leaf]}")
-            blocks.append(Block(name, *prism(piece.polygon, wall.axis, near, far), density, wall.group))
+            group = CORE if wall.core is not None and leaf == 1 else wall.group
+            blocks.append(Block(name, *prism(piece.polygon, wall.axis, near, far), density, group))
     return blocks
 
 
@@ -199,14 +204,19 @@ def _shift(wall: Wall, first: int, leaf: int) -> coursing.Shift:
     """The running bond; the leaves behind each other are a quarter of a block apart."""
 
     def of(course: int) -> float:
-        return 0.5 * ((first + course) % 2) + (0.0 if _tied(wall, course) else 0.25 * leaf)
+        return 0.5 * ((first + course) % 2) + (0.0 if wall.core or _tied(wall, course) else 0.25 * leaf)
 
     return of
 
 
 def _tied(wall: Wall, course: int) -> bool:
     """True for the courses of a wall of several leaves that have through-stones; all its leaves have the same joints there."""
-    return wall.leaves > 1 and course % wall.through == wall.through - 1
+    return wall.leaves > 1 and wall.through > 0 and course % wall.through == wall.through - 1
+
+
+def _at_end(wall: Wall, piece: Piece) -> bool:
+    """True for the stones that close a wall with a core at its two ends: all of them reach through it."""
+    return bool(piece.polygon[:, 0].min() < wall.start + SAME or piece.polygon[:, 0].max() > wall.end - SAME)
 
 
 def _name(wall: Wall, piece: Piece, first: int) -> str:

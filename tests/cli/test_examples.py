@@ -120,6 +120,30 @@ def test_the_three_naves_stand_at_rest(tmp_path):
     assert summary["joints_opened"] == summary["joints_slid"] == 0
 
 
+def test_the_three_leaf_walls_stand_at_rest_and_their_rubble_does_not_count_as_fallen(tmp_path):
+    summary = run("three_leaf_wall.toml", tmp_path, "run.duration=0.06", "loads[0].amplitude=0", "report.html=false", "run.tolerance=1e-4")
+    assert summary["collapsed_blocks"] == 0
+    assert summary["energy"]["balance_error"] < 1e-6
+    with Results.open(tmp_path / "result.h5") as results:
+        moved = np.linalg.norm(results.position[results.frames - 1] - results.position[0], axis=1)
+        rolls = np.array([block.radius > 0.0 for block in results.blocks])
+        assert {block.structure for block in results.blocks if block.radius} == {"rubble"}
+    assert moved[~rolls].max() < 1e-3
+    assert 0.0 < moved[rolls].max() < 0.05
+
+
+def test_the_spheres_of_the_box_stay_in_it_and_fall_as_bodies_do(tmp_path):
+    summary = run("segregation_box.toml", tmp_path, "run.duration=0.03", "report.html=false")
+    with Results.open(tmp_path / "result.h5") as results:
+        spheres = np.array([block.radius > 0.0 for block in results.blocks])
+        last, first = (results.position[frame][spheres] for frame in (results.frames - 1, 0))
+        sizes = {block.radius for block in results.blocks if block.radius}
+    assert sizes == {0.02, 0.04}
+    assert summary["energy"]["balance_error"] < 1e-9
+    assert np.max(first[:, 2] - last[:, 2]) == pytest.approx(0.5 * GRAVITY * 0.03**2, rel=0.02)
+    assert (np.abs(last[:, :2]) < [0.2, 0.12]).all()
+
+
 def test_the_two_piers_pound_on_one_another_and_every_joule_is_booked(tmp_path):
     summary = run("two_piers.toml", tmp_path, "run.duration=1.4", "run.until_still=false", "report.html=false")
     assert summary["energy"]["balance_error"] < 1e-9

@@ -32,6 +32,7 @@ from structures.kinds.arch import ArchTable
 from structures.kinds.church import ChurchTable
 from structures.kinds.column import ColumnTable
 from structures.kinds.dome import DomeTable
+from structures.kinds.packing import PackingTable
 from structures.kinds.tower import TowerTable
 from structures.kinds.vault import VaultTable
 from structures.kinds.wall import WallTable
@@ -82,6 +83,7 @@ def test_the_block_file_of_the_page_is_sound(tmp_path):
         ('| `kind = "vault"`', VaultTable),
         ('| `kind = "dome"`', DomeTable),
         ('| `kind = "church"`', ChurchTable),
+        ('| `kind = "packing"`', PackingTable),
         ('| `kind = "sinusoidal"`', SinusoidalTable),
         ('| `kind = "record"`', RecordTable),
         ('| `kind = "sequence"`', SequenceTable),

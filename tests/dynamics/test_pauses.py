@@ -15,12 +15,12 @@ from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_checks import restless
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.pauses import Pauses, fallen
+from masonry_cd.dynamics.pauses import Pauses, fallen, standing_of
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.state import State
 from reports.damage.definitions import Thresholds
 from reports.damage.joint_damage import joint_damage, shock_rows
@@ -125,12 +125,27 @@ def test_a_block_falls_relative_to_a_support_that_stays() -> None:
     """Of two supports the first sinks by 1 m with the block on it; a block of 0.2 m beside the other has dropped by 0.15 m."""
     supports = [box("sinks", (-2.0, 0, -1), (-1, 1, 0), fixed=True), box("stays", (0, 0, -1), (1, 1, 0), fixed=True)]
     assembly = Assembly.from_blocks([*supports, box("a", (-2.0, 0, 0), (-1, 1, 0.2)), box("b", (1.0, 0, 0), (2, 1, 0.2))], MU)
-    height, state = np.array([1.0, 1.0, 0.2, 0.2]), State.at_rest(assembly)
+    built, state = standing_of(assembly), State.at_rest(assembly)
     state.position[0, 2] -= 1.0
     state.position[3, 2] -= 0.15
-    assert fallen(assembly, height, state).tolist() == [True, False, False, True]
+    assert fallen(assembly, built, state).tolist() == [True, False, False, True]
     state.position[2, 2] -= 1.0
-    assert fallen(assembly, height, state).tolist() == [True, False, True, True]
+    assert fallen(assembly, built, state).tolist() == [True, False, True, True]
+
+
+def test_a_sphere_may_roll_and_settle_and_has_fallen_when_it_lies_outside() -> None:
+    """On the top of a wall from 0 to 1 m: it sinks by 0.9 m inside; in front of it by no more than its radius; by more. The base rides."""
+    assembly = Assembly.from_blocks(
+        [ground(), box("wall", (0, 0, 0), (1, 1, 1)), Block.sphere("s", np.array([0.5, 0.5, 2.0]), 0.1, 2000.0)], MU
+    )
+    built, state = standing_of(assembly), State.at_rest(assembly)
+    state.orientation[2] = [0.0, 1.0, 0.0, 0.0]
+    for x, drop, fell in ((0.0, 0.9, False), (0.6, 0.09, False), (0.6, 0.11, True)):
+        state.position[2] = [0.5 + x, 0.5, 2.0 - drop]
+        assert fallen(assembly, built, state)[2] == fell
+        state.position[:, 0] += 3.0
+        assert fallen(assembly, built, state)[2] == fell
+        state.position[:, 0] -= 3.0
 
 
 def test_what_has_fallen_may_roll_while_the_rest_is_still() -> None:

@@ -11,6 +11,7 @@ from made_run import at_rest, box, shifted, turned, write_run
 
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.model.blocks import Block
 from reports.damage import joint_damage
 from reports.damage.definitions import STATES, Thresholds, classify
 from reports.deformed import Pose, Solids
@@ -126,6 +127,15 @@ def test_fallen_blocks_are_judged_relative_to_the_base(tmp_path: Path) -> None:
     with Results.open(write_run(tmp_path / "thrown.h5", blocks, [rest, thrown])) as results:
         assert joint_damage.collapsed_blocks(results) == ("upper", "drum")
         assert joint_damage.collapsed_blocks(results, frame=0) == ()
+
+
+def test_spheres_that_roll_and_settle_have_not_fallen_and_one_that_runs_out_has(tmp_path: Path) -> None:
+    balls = [Block.sphere(name, np.array([0.0, y, 3.0]), 0.1, 2000.0) for name, y in (("stays", 0.0), ("runs", 0.3))]
+    blocks = [*PIER, *balls]
+    rest = at_rest(blocks)
+    end = turned(shifted(shifted(rest, 3, (0.0, 0.0, -0.4)), 4, (0.3, 0.3, -0.9)), 3, (0.0, 0.0, 2.6), 170.0)
+    with Results.open(write_run(tmp_path / "result.h5", blocks, [rest, end])) as results:
+        assert joint_damage.collapsed_blocks(results) == ("runs",)
 
 
 def test_csv_holds_the_table(tmp_path: Path) -> None:

@@ -18,6 +18,8 @@ KINDS: list[dict[str, Any]] = [
     {"kind": "church", "aisles": True, "roof": "vault", "windows": 2},
     {"kind": "dome", "drum_height": 3.0, "oculus": 1.0},
     {"kind": "dome", "unit_length": 0.3},
+    {"kind": "packing"},
+    {"kind": "packing", "diameters": (0.1, 0.04), "count": 100},
     {"kind": "vault"},
     {"kind": "vault", "form": "cross"},
     {"kind": "arch", "span": 5.0, "thickness": 0.5, "buttress_width": 1.0, "buttress_courses": 50},
