@@ -4,6 +4,7 @@ r"""Contact detection between convex parts: which surfaces may touch within the 
     pair_memory    what is known of a pair from the last step; pairs that stick are done with here
     separation     the faces or edges that separate the others, the last ones first
     manifold       the points of contact of these
+    facets         and those between the facets of faces of meshed blocks
 
 Points are contacts where the gap may close within the step.
 
@@ -15,22 +16,26 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from masonry_cd.arrays import Stored
 from masonry_cd.contact.broad_phase import SKIN, Listing, list_holds, list_pairs
-from masonry_cd.contact.manifold import Manifold, contact_points
+from masonry_cd.contact.facets import Facets, Overlay, has_facets, split
+from masonry_cd.contact.manifold import Manifold, contact_points, incident_face
 from masonry_cd.contact.motion import Motion, distance_moved, pair_margin, pose_ahead
 from masonry_cd.contact.pair_memory import REUSE, PairMemory, check_pairs, is_stuck, store_points, update_gaps
-from masonry_cd.contact.separation import EDGES, FAR_APART, WHOLE, Placed, place_part, separate
+from masonry_cd.contact.separation import EDGES, FACE_OF_A, FAR_APART, WHOLE, Placed, place_part, separate
+from masonry_cd.errors import InputError
 from masonry_cd.jit import borrower, entry
 from masonry_cd.model.blocks import Assembly, Shapes
 from masonry_cd.model.geometry import relative_pose, turned_normal
 
 EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
 FAR = 0.05  # a pair that may move by more than this share of the smaller part's width in a step is looked at as it will be then, too
+
+ROOM_OF_FACETS = (32, 8)  # points of a pair whose faces have facets, and for each: meshes of nearly one size have three or so
 
 APART, KEPT, CLIPPED, SEARCHED = 0, 1, 2, 3  # what was done with a pair: nothing, points carried along, points found, feature found
 
@@ -62,9 +67,10 @@ class Detector:
     Args:
         assembly: the blocks.
         corners_only: no centroids and no areas, whatever the laws of the joints.
+        facets: of meshed blocks; None: there are none.
     """
 
-    def __init__(self, assembly: Assembly, corners_only: bool = False) -> None:
+    def __init__(self, assembly: Assembly, corners_only: bool = False, facets: Facets | None = None) -> None:
         shapes = assembly.shapes
         self._shapes = shapes
         self._part_group = assembly.group_of[shapes.part_block]
@@ -73,7 +79,9 @@ class Detector:
         self._affine = assembly.affine
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
         self._corners = np.maximum.reduceat(np.diff(shapes.solids.loop_start), shapes.solids.face_start[:-1])  # (P,) most of a face
-        self._work = Workspace.allocate(shapes, int(self._corners.max()))
+        facets = Facets.none() if facets is None else facets
+        self._facets = facets.most(shapes.solids.face_start)  # (P,) most of a face
+        self._work = Workspace.allocate(shapes, int(self._corners.max()), facets, more_points(2 * self._facets.max()))
         self._listing = Listing.none(assembly.count, len(shapes.part_block))
         self._remember(PairMemory.none())
         self.rebuilds = 0
@@ -108,6 +116,8 @@ class Detector:
         if count < 0:
             self._rebuild(motion, origin)
             count = self._update(motion, origin, True)
+        if self._work.overlay.full[0]:
+            raise InputError("material.mesh_size: two faces with meshes of very different sizes touch in too many points; take sizes alike")
         found = ContactSet.allocate(count)
         write_contacts(self._memory, self._shapes.part_block, motion, found)
         return found
@@ -170,12 +180,18 @@ class Detector:
         self._pair_by_area = self._by_area[groups[:, 0], groups[:, 1]]
 
     def _capacity(self, pairs: np.ndarray) -> np.ndarray:
-        """Most points (P,) of each pair: a polygon of i corners cut by one of k has i + k at most; and the centroid."""
-        return self._corners[pairs].sum(axis=1) + 1
+        """Most points (P,) of each pair: a polygon of i corners cut by one of k has i + k at most; the centroid; those of facets."""
+        facets = self._facets[pairs].sum(axis=1)
+        return np.asarray(self._corners[pairs].sum(axis=1) + 1 + more_points(facets))
+
+
+def more_points(facets: Any) -> Any:
+    """How many more points a pair may have whose faces have so many facets together."""
+    return np.where(facets > 0, ROOM_OF_FACETS[0] + ROOM_OF_FACETS[1] * facets, 0)
 
 
 class Workspace(NamedTuple):
-    """Scratch arrays for one pair after another."""
+    """Scratch arrays for one pair after another, and the facets."""
 
     now: np.ndarray  # (12,) pose of b in the frame of a
     vertices: np.ndarray  # (V, 3) of b in the frame of a [m]
@@ -184,14 +200,20 @@ class Workspace(NamedTuple):
     place: np.ndarray  # (N,) contacts of the last set that its points continue
     ahead_position: np.ndarray  # (2, 3) of both bodies a step later [m]
     ahead_rotation: np.ndarray  # (2, 3, 3)
+    faces: np.ndarray  # (2,) by which a and b touch
+    facets: Facets
+    overlay: Overlay
 
     @classmethod
-    def allocate(cls, shapes: Shapes, corners: int) -> Workspace:
-        """Room for parts, by the largest number of corners of a face."""
-        manifold = Manifold.allocate(corners)
+    def allocate(cls, shapes: Shapes, corners: int, facets: Facets, more: int) -> Workspace:
+        """Room for parts, by the largest number of corners of a face, and for more points between facets."""
+        manifold = Manifold.allocate(corners, int(more))
         vertices, faces = (int(np.diff(start).max()) for start in (shapes.solids.vertex_start, shapes.solids.face_start))
         place = np.empty(len(manifold.point), dtype=np.int64)
-        return cls(np.empty(12), np.empty((vertices, 3)), np.empty((faces, 3)), manifold, place, np.empty((2, 3)), np.empty((2, 3, 3)))
+        return cls(
+            np.empty(12), np.empty((vertices, 3)), np.empty((faces, 3)), manifold, place, np.empty((2, 3)), np.empty((2, 3, 3)),
+            np.zeros(2, dtype=np.int64), facets, Overlay.allocate(corners),
+        )  # fmt: skip
 
 
 @entry()
@@ -260,7 +282,7 @@ def _look_again(memory, k, shapes, motion, margin, width, by_area, work, tally):
             return
     tally[CLIPPED] += 1
     with_area = by_area and feature[0] != EDGES
-    found = contact_points((a, b), feature, solids, own, other, width, with_area, memory.normal[k], work.manifold)
+    found = _points(memory, k, solids, own, other, now, width, with_area, work)
     _copy(now, memory.built[k])
     if found == 0 and margin > FAR * width and not with_area:
         found = _look_ahead(memory, k, shapes, motion, margin, width, work)
@@ -288,7 +310,25 @@ def _look_ahead(memory, k, shapes, motion, margin, width, work):
     _copy(pose, memory.pose[k])
     if separate(a, b, solids, own, other, EDGE_BIAS * width, feature) > margin:
         return 0
-    return contact_points((a, b), feature, solids, own, other, width, False, memory.normal[k], work.manifold)
+    return _points(memory, k, solids, own, other, pose, width, False, work)
+
+
+@borrower()
+def _points(memory, k, solids, own, other, pose, width, with_area, work):
+    """Fill the manifold with the points of pair k, of which b has a pose (12,) in the frame of a; returns how many."""
+    parts, feature, faces = (memory.parts[k, 0], memory.parts[k, 1]), memory.feature[k], work.faces
+    cut = False
+    if len(work.facets.start) > 1 and feature[0] != EDGES:
+        if feature[0] == FACE_OF_A:
+            faces[0], faces[1] = feature[1], incident_face(parts[1], solids, other, own.normals[feature[1] - own.first_face])
+        else:
+            faces[0], faces[1] = incident_face(parts[0], solids, own, other.normals[feature[1] - other.first_face]), feature[1]
+        cut = has_facets(work.facets, faces)
+    found = contact_points(parts, feature, solids, own, other, width, with_area and not cut, memory.normal[k], work.manifold)
+    if not cut or found == 0:
+        return found
+    room = memory.slot[k + 1] - memory.slot[k]
+    return split(work.facets, faces, pose, memory.normal[k], found, width, with_area, room, work.manifold, work.overlay)
 
 
 @entry()
