@@ -11,8 +11,8 @@ import pytest
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.io.results import Results
 from masonry_cd.errors import InputError
+from masonry_cd.io.results import Results
 from reports.deformed import Pose, solids_of
 
 SOFT = 'friction = 0.5\ndeformable.block = "uniform"\nyoung = 1e7\npoisson = 0.0\ndamping = 0.2\ndamping_frequency = 50.0'
