@@ -4,9 +4,9 @@ r"""When rigid blocks are enough: motion and cost of rigid blocks, of elastic jo
 
 **arch, pier** and the demo **aqueduct** move in a plane, **wall** across its own. Each runs with rigid blocks on rigid joints; then, for
 each modulus E, with rigid blocks on elastic joints as soft as the blocks beside them (1 / k is the sum of height / E of both halves, the
-median over the joints, Poisson's ratio 0.2), and with blocks of uniform strain on rigid joints; what is elastic has 5 % of critical
-damping at 10 Hz. Largest displacement, opening and sliding are those of all steps. The cost is in milliseconds of the processor per step,
-and beside it that over the rigid row's, so run it on an idle machine.
+median over the joints, Poisson's ratio 0.2), with blocks of uniform strain and with blocks of as few elements as they can have, on rigid
+joints; what is elastic has 5 % of critical damping at 10 Hz. Largest displacement, opening and sliding are those of all steps. The cost is
+in milliseconds of the processor per step, and beside it that over the rigid row's, so run it on an idle machine.
 
 Where the motion is sensitive to the last digit (``docs/accuracy.md``), differences of a row are within the spread of an ensemble.
 """
@@ -28,6 +28,7 @@ from reports.modal.elastic_joints import joint_stiffness
 
 POISSON = 0.2
 DAMPED = ("damping=0.05", "damping_frequency=10.0")  # of what is elastic
+COARSE = 10.0  # size of the elements of tetrahedra [m]: as few of them as a block can have
 EXAMPLE = HERE.parent / "examples/aqueduct_sinusoidal.toml"
 TEXT = """
 [structure]
@@ -86,6 +87,8 @@ def runs(name: str, moduli: list[float]) -> Iterator[Row]:
         yield Row("elastic joints", young, run_and_discard(prepare(scene(name, *(f"material.joints.{each}" for each in joints)))))
         blocks = ("deformable=uniform", f"young={young}", f"poisson={POISSON}", *DAMPED)
         yield Row("uniform strain", young, run_and_discard(prepare(scene(name, *(f"material.{each}" for each in blocks)))))
+        meshed = ("deformable=tetrahedra", f"mesh_size={COARSE}", *blocks[1:])
+        yield Row("tetrahedra", young, run_and_discard(prepare(scene(name, *(f"material.{each}" for each in meshed)))))
 
 
 def table(name: str, moduli: list[float]) -> list[str]:

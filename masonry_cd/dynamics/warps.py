@@ -26,7 +26,7 @@ from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.geometry import Polyhedron, inverse_row
 from masonry_cd.model.warping import mesh_stiffness, warp_shapes
 
-UNKNOWNS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768)  # of a block: kernels are compiled for each
+UNKNOWNS = (8, 10, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768)  # of a block: kernels are compiled for each
 
 
 class WarpArrays(NamedTuple):

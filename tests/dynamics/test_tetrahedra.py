@@ -261,3 +261,16 @@ def test_a_bar_that_hits_a_wall_rebounds_after_two_passages_of_the_wave() -> Non
     assert pressed.sum() == pytest.approx(2.0 * mass * speed, rel=0.02)
     assert machine.state.velocity[1, ZZ] == pytest.approx(speed, rel=0.03)
     assert abs(machine.energy["balance"]) < 1e-10 * 0.5 * mass * speed**2
+
+
+def test_steps_of_any_length_and_islands_of_their_own() -> None:
+    """Two towers side by side are two islands; a step of two ticks takes the masses of its own length, and the energy closes."""
+    blocks = tower(2)
+    blocks += [Block(f"far {b.name}", b.vertices + [1.2, 0.0, 0.0], b.faces, b.density) for b in blocks[1:]]
+    machine = stepper(blocks, 60, material=meshed(young=1e8), solver="auto", tolerance=1e-10)
+    for ticks in (1,) * 30 + (2,) * 10 + (1,) * 5:
+        report = machine.step(ticks)
+    assert report.islands == 2
+    assert machine.state.time == pytest.approx(0.055)
+    assert abs(machine.energy["balance"]) < 1e-9 * machine.energy["gravity_work"]
+    np.testing.assert_allclose(machine.state.strain[1:3], machine.state.strain[3:5], atol=1e-6 * np.abs(machine.state.strain).max())
