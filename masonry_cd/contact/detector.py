@@ -80,7 +80,7 @@ class Detector:
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
         self._corners = np.maximum.reduceat(np.diff(shapes.solids.loop_start), shapes.solids.face_start[:-1])  # (P,) most of a face
         facets = Facets.none() if facets is None else facets
-        self._facets = facets.most(shapes.solids.face_start)  # (P,) most of a face
+        self._facets = facets.most(shapes.solids.owner_of_face(), len(shapes.part_block))  # (P,) most of a face
         self._work = Workspace.allocate(shapes, int(self._corners.max()), facets, more_points(2 * self._facets.max()))
         self._listing = Listing.none(assembly.count, len(shapes.part_block))
         self._remember(PairMemory.none())

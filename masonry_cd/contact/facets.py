@@ -56,11 +56,12 @@ class Facets(NamedTuple):
         sizes = [len(loop) for loop in loops]
         return cls(np.concatenate([[0], np.cumsum(count)]), np.cumsum([0, *sizes]), np.concatenate(loops))
 
-    def most(self, face_start: np.ndarray) -> np.ndarray:
-        """The largest number of facets of a face of each part, (P,)."""
-        if len(self.start) == 1:
-            return np.zeros(len(face_start) - 1, dtype=np.int64)
-        return np.maximum.reduceat(np.diff(self.start), face_start[:-1])
+    def most(self, owner: np.ndarray, parts: int) -> np.ndarray:
+        """The largest number of facets of a face of each part, (P,); ``owner`` (F,) is the part of each face."""
+        out = np.zeros(parts, dtype=np.int64)
+        if len(self.start) > 1:
+            np.maximum.at(out, owner, np.diff(self.start))
+        return out
 
 
 def _on_face(mesh: BlockMesh, solids: Polyhedra, f: int, close: float) -> list[np.ndarray]:
