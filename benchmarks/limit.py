@@ -3,11 +3,12 @@ r"""Limit analysis against the dynamics: the factor of a push that each kind of 
     python -m benchmarks.limit                       all kinds, push along x and across; "large church" when it is named
     python -m benchmarks.limit --walls               dry walls of Ferris & Tin-Loi: associated, least found, published
     python -m benchmarks.limit dome arch --share 0.005
-    python -m benchmarks.limit --sizes 3.0 2.0 1.3   churches by the length of their blocks: seconds, iterations, gap
+    python -m benchmarks.limit church --along y --jobs 8 -o church.json
+    python -m benchmarks.limit --sizes 2.6 1.7 1.3   churches by the length of their blocks: seconds, iterations, gap
 
-**By the dynamics** a push is held from rest, on rigid joints, for SECONDS: the structure moves if a block goes farther than MOVED of the
-smallest width. The factor is bracketed by halving between one at which it stands and one at which it moves, to a share of the factor.
-A hair above its factor a structure is too slow to be seen, so both may lie some thousandths too high.
+**By the dynamics** a push is held from rest, on rigid joints, and the factor at which blocks begin to move is bracketed by trials, to a
+share of the factor (:mod:`benchmarks.held_push`). ``--jobs`` makes several at a time; ``-o`` keeps what is known so far. A hair above its
+factor a structure is too slow to be seen, so both may lie some thousandths too high.
 Where sliding decides, rigid dynamics may find any factor that Coulomb's law allows, from the least one without dilation to the
 associated one.
 """
@@ -15,9 +16,12 @@ associated one.
 from __future__ import annotations
 
 import argparse
+import json
 import math
+import sys
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,20 +29,16 @@ import numpy as np
 
 import structures
 from benchmarks import dry_walls
+from benchmarks.held_push import GRAVITY, Bracket, Trial, bracket
 from benchmarks.sitting import head
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
+from masonry_cd.errors import InputError
 from masonry_cd.limit.analysis import Analysis, Options, analyse
 from masonry_cd.limit.mechanism import STATES
 from masonry_cd.limit.problem import Bars, Loads
 from masonry_cd.model.blocks import Assembly
 
-GRAVITY = 9.81  # [m/s2]
 FRICTION, DENSITY = 0.6, 2000.0
-SECONDS = 1.5  # that a push is held
-MOVED = 0.01
-STEP = 5e-3  # [s]
 
 
 def church(length: float) -> dict[str, Any]:
@@ -71,54 +71,58 @@ def push(assembly: Assembly, direction: Sequence[float] = WAYS["x"], bars: Bars 
     return Loads(dead, live, bars or Bars.none())
 
 
-def moves(assembly: Assembly, direction: Sequence[float], factor: float) -> bool:
-    """Whether rigid blocks at rest move under a held push."""
-    steps = round(SECONDS / STEP)
-    pull = np.tile(GRAVITY * (factor * np.asarray(direction) - [0.0, 0.0, 1.0]), (steps + 1, 1))
-    run = Run.model_validate({"dt": STEP, "duration": SECONDS, "tolerance": 1e-6})
-    machine = Stepper(assembly, np.zeros((steps + 1, 1, 3)), pull, run)
-    for _ in range(steps):
-        machine.step()
-        if np.abs(machine.state.position - assembly.centre).max() > MOVED * assembly.width:
-            return True
-    return False
+@dataclass(frozen=True)
+class Asked:
+    """How to look for the factor of the dynamics."""
+
+    share: float = 0.01  # width of the bracket, over the factor
+    jobs: int = 1  # trials at a time
+    within: float = math.inf  # seconds of the clock
+    starts: int = 2  # of the search for the least factor
+    between: tuple[float, float] | None = None  # where the dynamics is looked for; None: by the two factors of limit analysis
+    file: Path | None = None  # for what is known so far
 
 
-def bracket(assembly: Assembly, direction: Sequence[float], guess: float, share: float) -> tuple[float, float]:
-    """A factor at which the structure stands and one at which it moves, apart by a share of the guess."""
-    low, high = 0.97 * guess, 1.02 * guess
-    while moves(assembly, direction, low):
-        low, high = 0.9 * low, low
-    while not moves(assembly, direction, high):
-        low, high = high, 1.05 * high
-    while high - low > share * guess:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if moves(assembly, direction, middle) else (middle, high)
-    return low, high
-
-
-def row(name: str, way: str, share: float) -> str:
-    """A row of the table: limit analysis and dynamics of a structure."""
+def row(name: str, way: str, asked: Asked, rows: list[dict[str, Any]]) -> str:
+    """A row of the table: limit analysis and dynamics of a structure; its numbers go to ``rows``, which are written as trials end."""
     blocks, _ = structures.build_with_notes(TABLES[name], DENSITY, Path())
     assembly = Assembly.from_blocks(blocks, FRICTION)
-    found = analyse(assembly, find_joints(assembly), push(assembly, WAYS[way]), Options(starts=2))
+    found = analyse(assembly, find_joints(assembly), push(assembly, WAYS[way]), Options(starts=asked.starts))
     if not found.stands:
         return f"| {name} | {way} | {assembly.count} | does not stand | | | |"
     factor = found.associated.factor
-    low, high = bracket(assembly, WAYS[way], found.least.optimum.factor if found.least else factor, share)
-    least = f"{found.least.optimum.factor:.4f}" if found.least else ""
-    part = sum(found.associated.mechanism.count(state) for state in STATES[2:4])
-    kind = f"{part} joints slide" if part else "hinges"
-    return f"| {name} | {way} | {assembly.count} | {least} | {factor:.4f} | {low:.4f} to {high:.4f} | {kind} |"
+    lowest = found.least.optimum.factor if found.least else factor
+    sliding = sum(found.associated.mechanism.count(state) for state in STATES[2:4])
+    rows.append({"structure": name, "push": way, "blocks": assembly.count, "least": lowest, "associated": factor, "joints_slide": sliding})
+
+    def told(bracket: Bracket, trial: Trial) -> None:
+        rows[-1] |= bracket.numbers()
+        if asked.file:
+            asked.file.write_text(json.dumps(rows, indent=1))
+        words = f"{name} {way} {trial.factor:.4f}: {trial.verdict} at {trial.time:.3f} s, gone {trial.gone:.1e} of the width"
+        print(f"{words}, {trial.seconds:.0f} s of processor time; {_ends(bracket)}", file=sys.stderr, flush=True)
+
+    seen = bracket(assembly, WAYS[way], asked.between or (lowest, factor), asked.share, asked.jobs, asked.within, told)
+    least = f"{lowest:.4f}" if found.least else ""
+    kind = f"{sliding} joints slide" if sliding else "hinges"
+    return f"| {name} | {way} | {assembly.count} | {least} | {factor:.4f} | {_ends(seen)} | {kind} |"
+
+
+def _ends(seen: Bracket) -> str:
+    """A bracket in a cell of a table."""
+    low, high = ("?" if end is None else f"{end:.4f}" for end in (seen.low, seen.high))
+    return f"{low} to {high}"
 
 
 def wall_row(number: int, share: float) -> str:
     """A dry wall of Ferris & Tin-Loi: both factors, three starts, and the dynamics."""
     assembly = Assembly.from_blocks(dry_walls.dry_wall(number), dry_walls.FRICTION)
     found = analyse(assembly, find_joints(assembly), push(assembly), Options(starts=3))
-    least = f"{found.least.optimum.factor:.4f}" if found.least else ""
-    low, high = bracket(assembly, WAYS["x"], found.associated.factor, share)
-    return f"| {number} | {found.associated.factor:.5f} | {least} | {dry_walls.LEAST.get(number, '')} | {low:.3f} to {high:.3f} |"
+    factor = found.associated.factor
+    lowest = found.least.optimum.factor if found.least else factor
+    seen = bracket(assembly, WAYS["x"], (lowest, factor), share)
+    least = f"{lowest:.4f}" if found.least else ""
+    return f"| {number} | {factor:.5f} | {least} | {dry_walls.LEAST.get(number, '')} | {_ends(seen)} |"
 
 
 def size_row(length: float, sides: int) -> str:
@@ -141,6 +145,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.limit", description=__doc__, formatter_class=raw)
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(TABLES)}; all when none is named")
     parser.add_argument("--share", type=float, default=0.01, help="width of the bracket of the dynamics, as a share of the factor")
+    parser.add_argument("--along", choices=WAYS, help="one direction of the push; both when not given")
+    parser.add_argument("--jobs", type=int, default=1, help="trials of the dynamics at a time, each in a process of its own")
+    parser.add_argument("--within", type=float, default=math.inf, help="seconds of the clock for the trials of each row")
+    parser.add_argument("--between", type=float, nargs=2, metavar="FACTOR", help="where to look; by limit analysis when not given")
+    parser.add_argument("--starts", type=int, default=2, help="of the search for the least factor")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="JSON with all trials, written as they go")
     parser.add_argument("--sizes", type=float, nargs="+", metavar="LENGTH", help="of the blocks of churches [m]: what the solver takes")
     parser.add_argument("--sides", type=int, default=0, help="of pyramids in the place of cones, with --sizes")
     parser.add_argument("--walls", action="store_true", help="the dry walls of Ferris & Tin-Loi, three starts each")
@@ -148,6 +158,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     unknown = [kind for kind in asked.kinds if kind not in TABLES]
     if unknown or not math.isfinite(asked.share) or asked.share <= 0.0:
         parser.error(f"no such kind: {', '.join(unknown)}" if unknown else "--share is above 0")
+    if asked.jobs < 1 or asked.starts < 0 or not asked.within > 0.0:
+        parser.error("--jobs is 1 or more, --starts 0 or more, --within above 0")
+    if asked.between and not 0.0 < asked.between[0] <= asked.between[1] < math.inf:
+        parser.error("--between takes two factors above 0, the smaller one first")
     if asked.walls:
         print(head("wall", "associated", "least found", "published", "dynamics stands, moves"))
         for number in dry_walls.ROWS:
@@ -157,12 +171,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
         heads = ("blocks", "points", "factor", "iterations", "seconds", "with the check at rest", "gap", "residual")
         print(head("block length [m]", *heads))
         for length in asked.sizes:
-            print(size_row(length, asked.sides), flush=True)
+            try:
+                print(size_row(length, asked.sides), flush=True)
+            except InputError as error:
+                parser.error(f"--sizes {length:g}: {error}")
         return
     print(head("structure", "push", "blocks", "least found", "associated", "dynamics stands, moves", "associated mechanism"))
+    between = tuple(asked.between) if asked.between else None
+    how = Asked(asked.share, asked.jobs, asked.within, asked.starts, between, asked.output)
+    rows: list[dict[str, Any]] = []
     for kind in asked.kinds or USUAL:
-        for way in WAYS:
-            print(row(kind, way, asked.share), flush=True)
+        for way in [asked.along] if asked.along else WAYS:
+            print(row(kind, way, how, rows), flush=True)
 
 
 if __name__ == "__main__":

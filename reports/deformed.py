@@ -15,7 +15,7 @@ see shows instead
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -23,7 +23,7 @@ import numpy as np
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Polyhedra, Polyhedron, area_vectors, mass_properties
+from masonry_cd.model.geometry import Polyhedra, Polyhedron, area_vectors
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.polygon import next_in_loop
 from masonry_cd.model.state import rotation_matrices
@@ -40,12 +40,15 @@ class Solids:
     face_block: np.ndarray  # (F,) block of each face
     centre: np.ndarray  # (B, 3) centres of mass [m]
     fixed: np.ndarray  # (B,) supports
+    round: np.ndarray | None = None  # (B,) spheres, whose facets are drawn without edges; None: there are none
 
     @classmethod
     def from_blocks(cls, blocks: Sequence[Block]) -> Solids:
         """Flatten sound blocks."""
-        centre = np.array([mass_properties(b.vertices, b.faces).centre for b in blocks])
-        return cls.of([Polyhedron(b.vertices, b.faces) for b in blocks], centre, np.array([b.fixed for b in blocks]))
+        centre = np.array([b.mass_properties.centre for b in blocks])
+        made = cls.of([Polyhedron(b.vertices, b.faces) for b in blocks], centre, np.array([b.fixed for b in blocks]))
+        spheres = np.array([b.radius > 0.0 for b in blocks])
+        return replace(made, round=spheres) if spheres.any() else made
 
     @classmethod
     def of(cls, shells: Sequence[Polyhedron], centre: np.ndarray, fixed: np.ndarray) -> Solids:
@@ -70,7 +73,7 @@ class Solids:
         return area / np.where(length > 0, length, 1.0)
 
     def edges(self, smallest_angle: float = 10.0) -> np.ndarray:
-        """(E, 2) vertex pairs of the edges where faces meet at more than an angle [degrees]; the seams of flat faces are left out."""
+        """(E, 2) vertex pairs of the edges where faces meet at more than an angle [degrees], spheres and seams of flat faces left out."""
         following = next_in_loop(self.loop_start)
         a, b = self.loops, self.loops[following]
         face = np.repeat(np.arange(len(self.face_block)), np.diff(self.loop_start))
@@ -79,6 +82,8 @@ class Solids:
         first = np.flatnonzero((low[:-1] == low[1:]) & (high[:-1] == high[1:]))  # a closed shell lists each edge twice, in turn
         cosine = (self.face_normals[face[first]] * self.face_normals[face[first + 1]]).sum(axis=1)
         sharp = first[cosine < np.cos(np.radians(smallest_angle))]
+        if self.round is not None:
+            sharp = sharp[~self.round[self.vertex_block[low[sharp]]]]
         return np.stack([low[sharp], high[sharp]], axis=1)
 
 

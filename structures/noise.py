@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field
 
 from masonry_cd.errors import InputError, parse_table
-from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.blocks import Assembly, Block, refuse_spheres
 from masonry_cd.model.geometry import Polyhedron
 from masonry_cd.model.middle_plane import middle_plane
 from structures.schema import Height, Table
@@ -53,6 +53,7 @@ def with_noise(blocks: Sequence[Block], table: object) -> tuple[list[Block], lis
     if not isinstance(table, Mapping):
         raise InputError("structure.noise: should be a table, as { size = 1e-6, seed = 0 }")
     keys = parse_table(NoiseTable, table, "structure.noise")
+    refuse_spheres(blocks, "structure.noise: noise on corners")
     shortest = np.array([_shortest_edge(block) for block in blocks])
     at = int(shortest.argmin())
     if keys.size > LARGEST * shortest[at]:

@@ -4,6 +4,7 @@ A block that touches nothing falls until it meets something. A block *hangs* whe
 sides holds it, as where no lintel or arch spans an opening. A *piece* is a set of blocks that touch one another; one
 without a support falls as a whole. Where blocks hang and the supports are not below them, but would be if a horizontal axis pointed
 upwards, so that hardly any hung, the structure *lies on its side*, as one from a file does whose upward axis is stated wrongly.
+Spheres are left out: they are poured, and fall until they meet something.
 """
 
 from __future__ import annotations
@@ -62,15 +63,16 @@ def in_words(loose: Sequence[str], hanging: Sequence[str], adrift: Sequence[str]
 def standing(assembly: Assembly) -> Standing:
     """Judge a structure by its contacts at rest."""
     found = contacts_at_rest(assembly)
+    spheres = np.array([block.radius > 0.0 for block in assembly.blocks])
     pairs = np.unique(found.bodies, axis=0).reshape(-1, 2)
     graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (assembly.count, assembly.count))
     touched = np.zeros(assembly.count, dtype=bool)
     touched[pairs] = True
     _, label = connected_components(graph, directed=False)
-    free = ~assembly.fixed
+    free = ~assembly.fixed & ~spheres
     held = np.isin(label, label[assembly.fixed])
     loose = free & ~touched
-    hanging = _hanging(assembly, found, (0, 0, 1)) & ~loose
+    hanging = _hanging(assembly, found, (0, 0, 1)) & free & ~loose
     return Standing(
         contacts=found,
         pieces=len(np.unique(label[free | touched])),

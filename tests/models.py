@@ -69,16 +69,17 @@ def stepper(
     start: State | None = None,
     joints: Mapping[str, JointLaw] | None = None,
     material: ElasticBlocks | None = None,
+    rolling: float = 0.0,
     **settings: object,
 ) -> Stepper:
     """A stepper for a number of steps; ``joints`` are laws by pair of groups, ``settings`` keys of the table [run].
 
-    ``material`` says which blocks deform.
+    ``material`` says which blocks deform, ``rolling`` is the rolling friction of spheres.
     """
     run = Run.model_validate({"dt": 1e-3, "duration": 1e3, "solver": "nlgs", "tolerance": 1e-10} | settings)
     velocity = still(steps) if support_velocity is None else support_velocity
     pull = gravity(steps) if acceleration is None else acceleration
-    return Stepper(Assembly.from_blocks(blocks, friction, joints, material), velocity, pull, run, start)
+    return Stepper(Assembly.from_blocks(blocks, friction, joints, material, rolling), velocity, pull, run, start)
 
 
 def turned(assembly: Assembly, block: int, axis: tuple[float, float, float], angle: float, pivot: tuple[float, float, float]) -> State:

@@ -104,7 +104,8 @@ def structure_of(scene: Scene) -> Structure:
     blocks, notes, bars = make_structures(scene)
     material = scene.material
     try:
-        return Structure(blocks, tuple(notes), bars, Assembly.from_blocks(blocks, material.friction, material.joints, material))
+        assembly = Assembly.from_blocks(blocks, material.friction, material.joints, material, material.rolling_friction)
+        return Structure(blocks, tuple(notes), bars, assembly)
     except InputError as error:
         raise scene.at_fault(error) from None
 
@@ -170,7 +171,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
         ties = [(bar.where, bar.load()) for bar in structure.bars]
         loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, ties)
         plane = _plane(assembly, loading, run)
-        unknowns = unknowns_of_strain(assembly, plane)
+        strained = unknowns_of_strain(assembly, plane)
     except InputError as error:
         raise scene.at_fault(error) from None
     if loading.support_velocity.any() and not assembly.fixed.any():
@@ -180,8 +181,8 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
         assembly = replace(assembly, support_of=loading.support_of)
     with _compiling():
         joints, built = structure.joints, structure.built_gap
-        planar = plane is not None
-        compile_kernels(scene.run.solver, planar, bool(assembly.laws.by_area.any()), scene.stress, unknowns)
+        planar, by_area = plane is not None, bool(assembly.laws.by_area.any())
+        compile_kernels(scene.run.solver, planar, by_area, scene.stress, strained, bool(assembly.shapes.rounding.any()))
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = structure.falling if gravity else []

@@ -20,7 +20,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.limit.analysis import Analysis, Collapse, Options, analyse
 from masonry_cd.limit.mechanism import STATES
 from masonry_cd.limit.problem import plane_of
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.blocks import Assembly, refuse_spheres
 from masonry_cd.model.joints import Joints
 from masonry_cd.quantities import force, in_words
 
@@ -82,6 +82,7 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
     begin = time.perf_counter()
     blocks, notes, bars = make_structures(scene)
     try:
+        refuse_spheres(blocks, "structure: limit analysis")
         asked = limit_table(scene.limit)
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         loads = static_loads(scene.loads, asked, scene.run.gravity, scene.folder, assembly, [(bar.where, bar.load()) for bar in bars])

@@ -20,7 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from masonry_cd.csv_files import write_csv
 from masonry_cd.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block
+from masonry_cd.model.blocks import Block, refuse_spheres
 from reports.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
 from reports.modal.modes import METHODS, Modes, modal
 
@@ -129,6 +129,7 @@ def modal_case(
     asked = parse_table(ModalOptions, options, "modal")
     measured = read_measured(asked.reference) if asked.reference else []
     blocks, title = (list(source), title) if not isinstance(source, Path | str) else _blocks(source, changes)
+    refuse_spheres(blocks, "structure: the modal check")
     results = [_result(blocks, method, asked, measured) for method in (METHODS if asked.method == "both" else (asked.method,))]
     results = [results[0], *(Result(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
     young = results[0].modes.young if asked.method != "joints" else asked.young or START

@@ -43,18 +43,20 @@ from masonry_cd.solvers.linearised_bodies import linearised_bodies
 
 STEPS, STEP = 6, 1e-3  # [s]
 FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+BALLS = "balls"  # group of the sphere, which is rigid where blocks deform
+COARSE = 10.0  # of elements [m]: as few of them as a cube can have
 PATIENCE = 60.0  # to wait for the second process, beyond what this one took for its share [s]
 
 
 @cache
-def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = False, strained: int = 0) -> None:
+def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = False, strained: int = 0, spheres: bool = False) -> None:
     """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without;
-    ``stress``: those of the stress of blocks and joints as well; ``strained``: for blocks with so many
-    unknowns more than rigid ones have."""
+    ``stress``: those of the stress of blocks and joints as well; ``strained``: for blocks with so many unknowns more than rigid ones have;
+    ``spheres``: for scenes with some."""
     if solver in ("auto", "newton", "interior", "pivoting") and keeps() and not is_kept(planar, strained) and cores() > 1:
         with second_process(planar, strained):
-            _shake_cubes("admm", planar, by_area, strained=strained)
-    _shake_cubes(solver, planar, by_area, stress, strained)
+            _shake_cubes("admm", planar, by_area, strained=strained, spheres=spheres)
+    _shake_cubes(solver, planar, by_area, stress, strained, spheres)
     islands.compile_kernels()
 
 
@@ -63,13 +65,15 @@ def keeps() -> bool:
     return has_cache(linearised_bodies)
 
 
-def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False, strained: int = 0) -> None:
+def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False, strained: int = 0, spheres: bool = False) -> None:
     """The run."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
-    places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-5)}
+    places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-3)}
     blocks = [Block(name, corners + [x, 0.0, z], FACES, 2000.0, fixed=name == "base") for name, (x, z) in places.items()]
     laws = {"default": JointLaw(normal_stiffness=1e9, cohesion=1.0)} if by_area else None
-    assembly = Assembly.from_blocks(blocks, 0.5, laws, _material(planar, strained))
+    if spheres:
+        blocks.append(Block.sphere("ball", np.array([0.7, 0.5, 3.3]), 0.3, 2000.0, BALLS))
+    assembly = Assembly.from_blocks(blocks, 0.5, laws, _material(planar, strained, spheres), 0.01 if spheres else 0.0)
     if assembly.deformation is not None:
         assembly = replace(assembly, deformation=replace(assembly.deformation, room=_rows_and_unknowns(planar, strained)[1]))
     joints = find_joints(assembly)
@@ -79,16 +83,18 @@ def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False,
     gravity = np.tile([0.0, 0.0, -9.81], (STEPS + 1, 1))
     settings = Run(dt=STEP, duration=STEPS * STEP, solver=solver, tolerance=1e-300, planar=planar)
     with TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", assembly, joints) as writer:
-        run(Stepper(assembly, shaking, gravity, settings), joints, writer, STEPS, stress=stress)
+        machine = Stepper(assembly, shaking, gravity, settings)
+        machine.kick(np.where(np.array(assembly.names) == "falling", 1.0, 0.0)[:, None] * [0.0, 0.0, -0.5, 0.0, 0.0, 0.0])  # it lands
+        run(machine, joints, writer, STEPS, stress=stress)
 
 
-def _material(planar: bool, strained: int) -> ElasticBlocks | None:
-    """Of blocks with so many unknowns more than rigid ones have."""
+def _material(planar: bool, strained: int, spheres: bool) -> ElasticBlocks | None:
+    """Of blocks with so many unknowns more than rigid ones have; spheres are rigid."""
     if strained == 0:
         return None
-    if strained == (3 if planar else 6):
-        return ElasticBlocks(deformable="uniform", young=1e9)
-    return ElasticBlocks(deformable="tetrahedra", young=1e9, mesh_size=10.0)
+    kind = "uniform" if strained == (3 if planar else 6) else "tetrahedra"
+    keys = {"deformable": {BALLS: "rigid", "default": kind} if spheres else kind, "young": 1e9}
+    return ElasticBlocks.model_validate(keys | ({"mesh_size": COARSE} if kind == "tetrahedra" else {}))
 
 
 # --- the second process ------------------------------------------------------------------------------------------------------------

@@ -96,7 +96,8 @@ def grown_boxes(listing: Listing, shapes: Shapes, motion: Motion, skin: float, b
                 for e in range(3):
                     value += rotation[b, d, e] * vertices[i, e]
                 low, high = min(low, value), max(high, value)
-            boxes[p, d], boxes[p, 3 + d] = low - allowance[p], high + allowance[p]
+            grown = allowance[p] + shapes.rounding[p]
+            boxes[p, d], boxes[p, 3 + d] = low - grown, high + grown
 
 
 @entry()

@@ -3,13 +3,12 @@ r"""Contact detection between convex parts: which surfaces may touch within the 
     broad_phase    pairs of parts whose boxes overlap
     pair_memory    what is known of a pair from the last step; pairs that stick are done with here
     separation     the faces or edges that separate the others, the last ones first
+    flat_contact   finds both anew, for polyhedra
     manifold       the points of contact of these
     facets         and those between the facets of faces of meshed blocks
+    round_contact  spheres: where they come nearest to others, and to polyhedra
 
 Points are contacts where the gap may close within the step.
-
-**Fast pairs.** Blocks that pass each other edge by edge face nothing of one another now, and yet may meet before the next look. Where a
-pair has no points and may move by FAR of its width, they are those of its pose a step later, if both go on as they move.
 """
 
 from __future__ import annotations
@@ -22,22 +21,22 @@ import numpy as np
 
 from masonry_cd.arrays import Stored
 from masonry_cd.contact.broad_phase import SKIN, Listing, list_holds, list_pairs
-from masonry_cd.contact.facets import Facets, Overlay, has_facets, split
-from masonry_cd.contact.manifold import Manifold, contact_points, incident_face
-from masonry_cd.contact.motion import Motion, distance_moved, pair_margin, pose_ahead
-from masonry_cd.contact.pair_memory import REUSE, PairMemory, check_pairs, is_stuck, store_points, update_gaps
-from masonry_cd.contact.separation import EDGES, FACE_OF_A, FAR_APART, WHOLE, Placed, place_part, separate
+from masonry_cd.contact.facets import Facets, Overlay
+from masonry_cd.contact.flat_contact import look_again
+from masonry_cd.contact.motion import Motion, pair_margin
+from masonry_cd.contact.pair_memory import APART, KEPT, SEARCHED, PairMemory, check_pairs, is_stuck, update_gaps
+from masonry_cd.contact.round_contact import POINTS, find_round_contact
+from masonry_cd.contact.workspace import Workspace
 from masonry_cd.errors import InputError
 from masonry_cd.jit import borrower, entry
 from masonry_cd.model.blocks import Assembly, Shapes
 from masonry_cd.model.geometry import relative_pose, turned_normal
 
-EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
-FAR = 0.05  # a pair that may move by more than this share of the smaller part's width in a step is looked at as it will be then, too
-
 ROOM_OF_FACETS = (32, 8)  # points of a pair whose faces have facets, and for each: meshes of nearly one size have three or so
 
-APART, KEPT, CLIPPED, SEARCHED = 0, 1, 2, 3  # what was done with a pair: nothing, points carried along, points found, feature found
+# Kinds of pairs: points at corners; at centroids too, with areas; between facets; those with areas; of a sphere. All but the first two have
+# loops of their own.
+CORNERS, BY_AREA, FACET_PAIR, FACETS_BY_AREA, ROUND_PAIR = 0, 1, 2, 3, 4
 
 
 class ContactSet(NamedTuple):
@@ -74,14 +73,16 @@ class Detector:
         shapes = assembly.shapes
         self._shapes = shapes
         self._part_group = assembly.group_of[shapes.part_block]
-        self._by_area = assembly.laws.by_area & (not corners_only)
+        self._law_by_area = assembly.laws.by_area & (not corners_only)
         self._fixed_part = assembly.fixed[shapes.part_block]
         self._affine = assembly.affine
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
-        self._corners = np.maximum.reduceat(np.diff(shapes.solids.loop_start), shapes.solids.face_start[:-1])  # (P,) most of a face
+        self._corners = _most_corners(shapes)
+        self._rolling = assembly.rolling if not corners_only else np.zeros_like(assembly.rolling)
         facets = Facets.none() if facets is None else facets
         self._facets = facets.most(shapes.solids.owner_of_face(), len(shapes.part_block))  # (P,) most of a face
-        self._work = Workspace.allocate(shapes, int(self._corners.max()), facets, more_points(2 * self._facets.max()))
+        self._work = Workspace.allocate(shapes, int(self._corners.max()), int(more_points(2 * self._facets.max())))
+        self._overlay = Overlay.allocate(facets, int(self._corners.max()))
         self._listing = Listing.none(assembly.count, len(shapes.part_block))
         self._remember(PairMemory.none())
         self.rebuilds = 0
@@ -116,7 +117,7 @@ class Detector:
         if count < 0:
             self._rebuild(motion, origin)
             count = self._update(motion, origin, True)
-        if self._work.overlay.full[0]:
+        if self._overlay.full[0]:
             raise InputError("material.mesh_size: two faces with meshes of very different sizes touch in too many points; take sizes alike")
         found = ContactSet.allocate(count)
         write_contacts(self._memory, self._shapes.part_block, motion, found)
@@ -164,7 +165,12 @@ class Detector:
     def _update(self, motion: Motion, origin: np.ndarray, just_listed: bool) -> int:
         """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed anew."""
         known = (self._listing, self._memory, self._shapes)
-        return int(update_pairs(*known, motion, origin, just_listed, self._pair_by_area, self._work, self.tally))
+        count = int(update_pairs(*known, motion, origin, just_listed, self._kind, self._work, self.tally))
+        if count >= 0 and self._meshed:
+            count += update_facet_pairs(*known[1:], motion, self._kind, self._work, self._overlay, self.tally)
+        if count >= 0 and self._round:
+            count += update_round_pairs(*known[1:], motion, self._kind, self._arm, self._work, self.tally)
+        return count
 
     def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""
@@ -174,15 +180,18 @@ class Detector:
         self.rebuilds += 1
 
     def _remember(self, memory: PairMemory) -> None:
-        """Have a memory of new pairs, and the law of each: whether it goes by area."""
+        """Have a memory of new pairs, the kind of each, and the arm of its rolling friction [m]."""
         self._memory = memory
-        groups = self._part_group[memory.parts]
-        self._pair_by_area = self._by_area[groups[:, 0], groups[:, 1]]
+        first, second = self._part_group[memory.parts].T
+        round_pair, meshed = (self._shapes.rounding[memory.parts] > 0.0).any(axis=1), self._facets[memory.parts].any(axis=1)
+        self._kind = np.where(self._law_by_area[first, second], BY_AREA, CORNERS) + np.where(meshed, FACET_PAIR, 0)
+        self._kind[round_pair] = ROUND_PAIR
+        self._arm = self._rolling[first, second] * effective_radius(*self._shapes.rounding[memory.parts].T)
+        self._meshed, self._round = bool((meshed & ~round_pair).any()), bool(round_pair.any())
 
     def _capacity(self, pairs: np.ndarray) -> np.ndarray:
         """Most points (P,) of each pair: a polygon of i corners cut by one of k has i + k at most; the centroid; those of facets."""
-        facets = self._facets[pairs].sum(axis=1)
-        return np.asarray(self._corners[pairs].sum(axis=1) + 1 + more_points(facets))
+        return np.asarray(self._corners[pairs].sum(axis=1) + 1 + more_points(self._facets[pairs].sum(axis=1)))
 
 
 def more_points(facets: Any) -> Any:
@@ -190,30 +199,18 @@ def more_points(facets: Any) -> Any:
     return np.where(facets > 0, ROOM_OF_FACETS[0] + ROOM_OF_FACETS[1] * facets, 0)
 
 
-class Workspace(NamedTuple):
-    """Scratch arrays for one pair after another, and the facets."""
+def effective_radius(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """1 / (1 / R_a + 1 / R_b) of pairs of spheres of those radii [m]; 0 stands for a polyhedron, which is flat, or of two for no sphere."""
+    return np.where(np.minimum(first, second) > 0.0, first * second / np.maximum(first + second, 1e-300), np.maximum(first, second))
 
-    now: np.ndarray  # (12,) pose of b in the frame of a
-    vertices: np.ndarray  # (V, 3) of b in the frame of a [m]
-    normals: np.ndarray  # (F, 3)
-    manifold: Manifold
-    place: np.ndarray  # (N,) contacts of the last set that its points continue
-    ahead_position: np.ndarray  # (2, 3) of both bodies a step later [m]
-    ahead_rotation: np.ndarray  # (2, 3, 3)
-    faces: np.ndarray  # (2,) by which a and b touch
-    facets: Facets
-    overlay: Overlay
 
-    @classmethod
-    def allocate(cls, shapes: Shapes, corners: int, facets: Facets, more: int) -> Workspace:
-        """Room for parts, by the largest number of corners of a face, and for more points between facets."""
-        manifold = Manifold.allocate(corners, int(more))
-        vertices, faces = (int(np.diff(start).max()) for start in (shapes.solids.vertex_start, shapes.solids.face_start))
-        place = np.empty(len(manifold.point), dtype=np.int64)
-        return cls(
-            np.empty(12), np.empty((vertices, 3)), np.empty((faces, 3)), manifold, place, np.empty((2, 3)), np.empty((2, 3, 3)),
-            np.zeros(2, dtype=np.int64), facets, Overlay.allocate(corners),
-        )  # fmt: skip
+def _most_corners(shapes: Shapes) -> np.ndarray:
+    """Most corners of a face of each part, (P,); of a sphere what its contact with another may have points."""
+    starts, out = shapes.solids.face_start, np.full(len(shapes.part_block), POINTS)
+    flat = shapes.rounding == 0.0
+    if flat.any():
+        out[flat] = np.maximum.reduceat(np.diff(shapes.solids.loop_start), starts[:-1][flat])
+    return out
 
 
 @entry()
@@ -224,14 +221,14 @@ def update_pairs(
     motion: Motion,
     origin: np.ndarray,
     just_listed: bool,
-    by_area: np.ndarray,
+    kind: np.ndarray,
     work: Workspace,
     tally: np.ndarray,
 ) -> int:
-    """Bring the points of all P pairs up to date, and the gap of each, inf where it is beyond the margin.
+    """Bring the points of the P pairs without spheres and facets up to date, and the gap of each, inf where it is beyond the margin.
 
     ``origin`` (3,) is the displacement of the supports since the start [m]; ``just_listed``: the list holds, where motions are not finite
-    too; ``by_area`` (P,) whether the law of the joint goes by area; ``tally`` (4,) counts what was done.
+    too; ``kind`` (P,) of each pair; ``tally`` (4,) counts what was done.
 
     Returns:
         how many points are within the margin; -1, and nothing is done, where the list of pairs no longer holds.
@@ -242,6 +239,8 @@ def update_pairs(
     parts, slot, count, gap, now = memory.parts, memory.slot, memory.point_count, memory.gap, work.now
     within = 0
     for k in range(parts.shape[0]):
+        if kind[k] > BY_AREA:
+            continue
         a, b = parts[k, 0], parts[k, 1]
         block_a, block_b = part_block[a], part_block[b]
         width = min(size[a], size[b])
@@ -251,7 +250,7 @@ def update_pairs(
             update_gaps(memory, k, now, motion.affine)
             tally[KEPT] += 1
         else:
-            _look_again(memory, k, shapes, motion, margin, width, by_area[k], work, tally)
+            look_again(memory, k, shapes, motion, margin, width, kind[k] == BY_AREA, work, None, tally)
         for s in range(slot[k], slot[k] + count[k]):
             if gap[s] > margin:
                 gap[s] = np.inf
@@ -260,75 +259,64 @@ def update_pairs(
     return within
 
 
-@borrower()
-def _look_again(memory, k, shapes, motion, margin, width, by_area, work, tally):
-    """Find the points of pair k and their gaps anew, as far as the pair has moved; ``margin`` and ``width`` [m]."""
-    solids, now, feature = shapes.solids, work.now, memory.feature[k]
-    a, b = memory.parts[k, 0], memory.parts[k, 1]
-    moved = distance_moved(now, memory.pose[k], shapes.radius[b])
-    if feature[0] == FAR_APART and memory.budget[k] - moved > margin:
-        tally[APART] += 1
-        return
-    own, other = (
-        Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
-        place_part(now, b, solids, motion.affine, work.vertices, work.normals),
-    )
-    if feature[0] == FAR_APART or not moved < REUSE * width:
-        tally[SEARCHED] += 1
-        apart = separate(a, b, solids, own, other, EDGE_BIAS * width, feature)
-        _copy(now, memory.pose[k])
-        if apart > margin:
-            feature[0], memory.budget[k], memory.point_count[k] = FAR_APART, apart, 0
-            return
-    tally[CLIPPED] += 1
-    with_area = by_area and feature[0] != EDGES
-    found = _points(memory, k, solids, own, other, now, width, with_area, work)
-    _copy(now, memory.built[k])
-    if found == 0 and margin > FAR * width and not with_area:
-        found = _look_ahead(memory, k, shapes, motion, margin, width, work)
-    store_points(memory, k, found, work.manifold, with_area, width, work.place)
-    update_gaps(memory, k, now, motion.affine)
-
-
-@borrower()
-def _copy(pose, to):
-    """Copy a relative pose (12,)."""
-    for i in range(12):
-        to[i] = pose[i]
-
-
-@borrower()
-def _look_ahead(memory, k, shapes, motion, margin, width, work):
-    """Fill the manifold with the points of pair k in its pose a step later, which becomes the pose remembered; returns how many."""
-    solids, feature, pose = shapes.solids, memory.feature[k], memory.built[k]
-    a, b = memory.parts[k, 0], memory.parts[k, 1]
-    pose_ahead(motion, shapes.part_block[a], shapes.part_block[b], work.ahead_position, work.ahead_rotation, pose)
-    own, other = (
-        Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
-        place_part(pose, b, solids, motion.affine, work.vertices, work.normals),
-    )
-    _copy(pose, memory.pose[k])
-    if separate(a, b, solids, own, other, EDGE_BIAS * width, feature) > margin:
-        return 0
-    return _points(memory, k, solids, own, other, pose, width, False, work)
-
-
-@borrower()
-def _points(memory, k, solids, own, other, pose, width, with_area, work):
-    """Fill the manifold with the points of pair k, of which b has a pose (12,) in the frame of a; returns how many."""
-    parts, feature, faces = (memory.parts[k, 0], memory.parts[k, 1]), memory.feature[k], work.faces
-    cut = False
-    if len(work.facets.start) > 1 and feature[0] != EDGES:
-        if feature[0] == FACE_OF_A:
-            faces[0], faces[1] = feature[1], incident_face(parts[1], solids, other, own.normals[feature[1] - own.first_face])
+@entry()
+def update_facet_pairs(
+    memory: PairMemory, shapes: Shapes, motion: Motion, kind: np.ndarray, work: Workspace, overlay: Overlay, tally: np.ndarray
+) -> int:
+    """As :func:`update_pairs`, for the pairs of which one part at least is meshed; apart, as those with spheres."""
+    within = 0
+    for k in range(memory.parts.shape[0]):
+        if kind[k] <= BY_AREA or kind[k] == ROUND_PAIR:
+            continue
+        a, b = memory.parts[k, 0], memory.parts[k, 1]
+        block_a, block_b, width = shapes.part_block[a], shapes.part_block[b], min(shapes.size[a], shapes.size[b])
+        margin = pair_margin(motion, block_a, block_b, shapes.radius[a], shapes.radius[b], width)
+        relative_pose(motion.position, motion.rotation, motion.affine, block_a, block_b, work.now)
+        if is_stuck(memory, k, work.now, shapes.radius[b], width):
+            update_gaps(memory, k, work.now, motion.affine)
+            tally[KEPT] += 1
         else:
-            faces[0], faces[1] = incident_face(parts[0], solids, own, other.normals[feature[1] - other.first_face]), feature[1]
-        cut = has_facets(work.facets, faces)
-    found = contact_points(parts, feature, solids, own, other, width, with_area and not cut, memory.normal[k], work.manifold)
-    if not cut or found == 0:
-        return found
-    room = memory.slot[k + 1] - memory.slot[k]
-    return split(work.facets, faces, pose, memory.normal[k], found, width, with_area, room, work.manifold, work.overlay)
+            look_again(memory, k, shapes, motion, margin, width, kind[k] == FACETS_BY_AREA, work, overlay, tally)
+        within += _within_margin(memory, k, margin)
+    return within
+
+
+@entry()
+def update_round_pairs(
+    memory: PairMemory, shapes: Shapes, motion: Motion, kind: np.ndarray, arm: np.ndarray, work: Workspace, tally: np.ndarray
+) -> int:
+    """As :func:`update_pairs`, for the pairs of which one part at least is a sphere; ``arm`` (P,) of the rolling friction [m].
+
+    Apart, since the compiler makes slower code of the loop over polyhedra where it holds this too.
+    """
+    within = 0
+    for k in range(memory.parts.shape[0]):
+        if kind[k] != ROUND_PAIR:
+            continue
+        a, b = memory.parts[k, 0], memory.parts[k, 1]
+        block_a, block_b, width = shapes.part_block[a], shapes.part_block[b], min(shapes.size[a], shapes.size[b])
+        margin = pair_margin(motion, block_a, block_b, shapes.radius[a], shapes.radius[b], width)
+        relative_pose(motion.position, motion.rotation, motion.affine, block_a, block_b, work.now)
+        if is_stuck(memory, k, work.now, shapes.radius[b], width):
+            update_gaps(memory, k, work.now, motion.affine)
+            tally[KEPT] += 1
+        else:
+            looked = find_round_contact(memory, k, shapes, motion, margin, arm[k], work)
+            tally[SEARCHED if looked else APART] += 1
+        within += _within_margin(memory, k, margin)
+    return within
+
+
+@borrower()
+def _within_margin(memory, k, margin):
+    """How many points of pair k are within the margin [m]; the gaps of the others become inf."""
+    within = 0
+    for s in range(memory.slot[k], memory.slot[k] + memory.point_count[k]):
+        if memory.gap[s] > margin:
+            memory.gap[s] = np.inf
+        else:
+            within += 1
+    return within
 
 
 @entry()

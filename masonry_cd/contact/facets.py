@@ -82,8 +82,10 @@ def _on_face(mesh: BlockMesh, solids: Polyhedra, f: int, close: float) -> list[n
 
 
 class Overlay(NamedTuple):
-    """Scratch for the points of one pair: at most N, on polygons of at most M corners."""
+    """The facets, and scratch for the points of one pair: at most N, on polygons of at most M corners."""
 
+    facets: Facets
+    faces: np.ndarray  # (2,) by which a and b touch
     whole: np.ndarray  # (M, 4) the overlap of both faces, with the gap as the fourth coordinate [m]
     first: np.ndarray  # (M, 4) its part within one facet
     second: np.ndarray  # (M, 4) and within one of the other face
@@ -94,11 +96,14 @@ class Overlay(NamedTuple):
     full: np.ndarray  # (1,) how often there was no room for a point
 
     @classmethod
-    def allocate(cls, corners: int) -> Overlay:
+    def allocate(cls, facets: Facets, corners: int) -> Overlay:
         """Room for faces, by their largest number of corners."""
         most = 2 * corners + CORNERS
         whole, first, second, other = (np.empty((most, 4)) for _ in range(4))
-        return cls(whole, first, second, other, np.empty(most), np.empty(most), np.empty((4, 3)), np.zeros(1, dtype=np.int64))
+        return cls(
+            facets, np.zeros(2, dtype=np.int64), whole, first, second, other, np.empty(most), np.empty(most), np.empty((4, 3)),
+            np.zeros(1, dtype=np.int64),
+        )  # fmt: skip
 
 
 @borrower()
@@ -108,13 +113,13 @@ def has_facets(facets, faces):
 
 
 @borrower()
-def split(facets, faces, pose, normal, count, width, with_area, room, manifold, overlay):
-    """Put the points of all overlaps of facets in place of the corners of an overlap of faces; returns how many.
+def split(overlay, pose, normal, count, width, with_area, room, manifold):
+    """Put the points of all overlaps of facets in place of the corners of the overlap of two faces; returns how many.
 
-    ``faces``: of a and b; ``pose`` (12,) of b in the frame of a; the first ``count`` points of ``manifold`` are the corners of the
+    ``pose`` (12,) of b in the frame of a; the first ``count`` points of ``manifold`` are the corners of the
     overlap, with ``normal`` (3,); ``width`` of the smaller part [m]; ``with_area``: with areas; at most ``room`` points.
     """
-    whole, first, second = overlay.whole, overlay.first, overlay.second
+    facets, faces, whole, first, second = overlay.facets, overlay.faces, overlay.whole, overlay.first, overlay.second
     for k in range(count):
         for d in range(3):
             whole[k, d] = manifold.point[k, d]
@@ -125,13 +130,13 @@ def split(facets, faces, pose, normal, count, width, with_area, room, manifold, 
     for i in range(max(1, end_a - begin_a)):
         left = _copied(whole, count, first)
         if end_a > begin_a:
-            left = _cut_by_facet(facets, begin_a + i, pose, False, normal, first, left, close, overlay)
+            left = _cut_by_facet(begin_a + i, pose, False, normal, first, left, close, overlay)
         if left < 3:
             continue
         for j in range(max(1, end_b - begin_b)):
             rest = _copied(first, left, second)
             if end_b > begin_b:
-                rest = _cut_by_facet(facets, begin_b + j, pose, True, normal, second, rest, close, overlay)
+                rest = _cut_by_facet(begin_b + j, pose, True, normal, second, rest, close, overlay)
             if rest >= 3:
                 total = _add_points(second, rest, normal, close, with_area, min(room, len(manifold.height)), total, manifold, overlay)
     return total
@@ -147,10 +152,10 @@ def _copied(polygon, count, to):
 
 
 @borrower()
-def _cut_by_facet(facets, t, pose, moved, normal, polygon, count, close, overlay):
+def _cut_by_facet(t, pose, moved, normal, polygon, count, close, overlay):
     """Cut a polygon by the sides of facet t, placed by the pose where ``moved``; returns the number of corners left."""
+    facets, corner = overlay.facets, overlay.corner
     begin, corners = facets.corner_start[t], facets.corner_start[t + 1] - facets.corner_start[t]
-    corner = overlay.corner
     for k in range(corners):
         p = facets.corners[begin + k]
         for d in range(3):

@@ -18,13 +18,14 @@ import numpy as np
 
 from masonry_cd.arrays import LARGEST, Stored
 from masonry_cd.contact.motion import distance_moved
-from masonry_cd.contact.separation import EDGES, FACE_OF_A, FACE_OF_B, FAR_APART, UNKNOWN
+from masonry_cd.contact.separation import EDGES, FACE_OF_A, FACE_OF_B, FAR_APART, ROUND, UNKNOWN
 from masonry_cd.jit import borrower
 from masonry_cd.model.blocks import Shapes
 from masonry_cd.model.geometry import Polyhedra, inverse_row
 
 STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the smaller part's width
 REUSE = 1e-3  # a remembered feature is trusted until the pair has moved by this share of the smaller part's width
+APART, KEPT, CLIPPED, SEARCHED = 0, 1, 2, 3  # what was done with a pair: nothing, points carried along, points found, feature found
 MATCH = 0.05  # a contact is the same as one of the last step if it moved by less than this share of the smaller part's width
 
 
@@ -148,7 +149,7 @@ def _features_exist(feature: np.ndarray, parts: np.ndarray, solids: Polyhedra) -
     ):
         found, of = feature[kind == which, column], parts[kind == which, side]
         known &= bool(((starts[of] <= found) & (found < starts[of + 1])).all())
-    return known and bool(((kind >= UNKNOWN) & (kind <= EDGES)).all())
+    return known and bool(((kind >= UNKNOWN) & (kind <= ROUND)).all())
 
 
 OF_PAIRS = ("feature", "budget", "pose", "built", "normal", "point_count")

@@ -18,7 +18,7 @@ import numpy as np
 from masonry_cd.jit import borrower, entry
 from masonry_cd.model.geometry import Polyhedra, turned_normal
 
-UNKNOWN, FAR_APART, FACE_OF_A, FACE_OF_B, EDGES = 0, 1, 2, 3, 4  # kinds of separating feature; none is kept of pairs far apart
+UNKNOWN, FAR_APART, FACE_OF_A, FACE_OF_B, EDGES, ROUND = 0, 1, 2, 3, 4, 5  # kinds of separating feature; none is kept of pairs far apart
 
 PARALLEL = 1e-6  # edges at less than this angle [rad] are parallel: a face axis is at least as good
 FICKLE = 0.1  # share of the bias by which a face of the other part must be better than one of the part of the last face

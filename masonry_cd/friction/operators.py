@@ -79,26 +79,32 @@ def put_in_order(inverse_mass, v_free, order, first, end, inverse, mass, free, s
 @borrower(fastmath={"contract"})
 def measure_scales(problem, first, end):
     """Fill d_c = trace(W_cc + C_cc) / m of the contacts first to end."""
-    inverse, jacobian, index, compliance = problem.inverse, problem.jacobian, problem.places, problem.compliance
-    m, n, bodies, d = len(problem.m), len(problem.n), len(inverse), problem.d
+    compliance, m = problem.compliance, len(problem.m)
     for c in range(first, end):
-        a, b, trace = index[c, 0], index[c, 1], 0.0
-        for side in range(2):
-            body = index[c, side]
-            if body == bodies:
-                continue
-            for i in range(m):
-                for k in range(n):
-                    total = 0.0
-                    for l in range(n):  # noqa: E741
-                        total += inverse[body, k, l] * jacobian[c, side, i, l]
-                        if a == b:
-                            total += inverse[body, k, l] * jacobian[c, 1 - side, i, l]
-                    trace += total * jacobian[c, side, i, k]
+        trace = delassus_trace(problem.inverse, problem.jacobian, c, problem.places[c, 0], problem.places[c, 1], m, len(problem.n))
         if len(compliance):
             for i in range(m):
                 trace += compliance[c, i]
-        d[c] = trace / m
+        problem.d[c] = trace / m
+
+
+@kernel(fastmath={"contract"}, inline="always")
+def delassus_trace(inverse, jacobian, c, a, b, m, n):
+    """trace(W_cc) of contact c of the bodies at the places a and b of M^-1, those of supports after all."""
+    trace = 0.0
+    for side in range(2):
+        body = b if side else a
+        if body == len(inverse):
+            continue
+        for i in range(m):
+            for k in range(n):
+                total = 0.0
+                for l in range(n):  # noqa: E741
+                    total += inverse[body, k, l] * jacobian[c, side, i, l]
+                    if a == b:
+                        total += inverse[body, k, l] * jacobian[c, 1 - side, i, l]
+                trace += total * jacobian[c, side, i, k]
+    return trace
 
 
 @borrower()

@@ -22,7 +22,8 @@ BLOCKS = "blocks"  # key of [structure] that takes arrays
 FIXED = "fixed"  # key beside it: names of the supports
 MOTION = ("time", "acceleration")  # keys of [[loads]] kind = "record" that take arrays
 AXES = "xyz"
-FIELDS = ("name", "vertices", "faces", "density", "group", "fixed")  # of a block that comes as a dict
+SHELL, ROUND = ("vertices", "faces"), ("centre", "radius")  # of a polyhedron, and of a sphere
+FIELDS = ("name", *SHELL, *ROUND, "density", "group", "fixed")  # of a block that comes as a dict
 BLOCK_FILE = "blocks.json"
 
 
@@ -86,9 +87,13 @@ def _structure(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 def _block(given: Any, index: int) -> Block:
     """One block: as it is, from (vertices, faces), or from a dict with the keys of a block file."""
     from masonry_cd.model.blocks import Block
+    from masonry_cd.model.sphere import ball_centre
 
     if isinstance(given, Block):
-        table: Mapping[str, Any] = {key: getattr(given, key) for key in FIELDS}
+        table: Mapping[str, Any] = {key: getattr(given, key) for key in FIELDS if key not in ROUND}
+        if given.radius:
+            flat = {key: table[key] for key in table if key not in SHELL}
+            table = {**flat, "centre": ball_centre(given.vertices), "radius": given.radius}
         if given.fixed and given.group == Block.group:  # that of blocks that name none; of supports it is another
             table = {**table, "group": None}
     elif isinstance(given, Mapping):
@@ -102,18 +107,28 @@ def _block(given: Any, index: int) -> Block:
     for key in table:
         if key not in FIELDS:
             raise InputError(f"{where}: {key}: unknown key{suggest(str(key), FIELDS)}; known keys: {', '.join(FIELDS)}")
-    for key in ("vertices", "faces"):
+    is_round = any(key in table for key in ROUND)
+    for key in ROUND if is_round else SHELL:
         if key not in table:
             raise InputError(f"{where}: {key}: missing")
+    for key in SHELL if is_round else ():
+        if key in table:
+            raise InputError(f"{where}: {key}: a sphere, which has centre and radius, has none")
     fixed, density = bool(table.get("fixed", False)), table.get("density")
+    common: dict[str, Any] = {
+        "name": name,
+        "density": float("nan") if density is None else float(density),
+        "group": str(table.get("group") or ("base" if fixed else "block")),
+        "fixed": fixed,
+    }
+    if is_round:
+        radius = float(_numbers(table["radius"], (), f"{where}: radius"))
+        return Block.sphere(centre=_numbers(table["centre"], (3,), f"{where}: centre"), radius=radius, **common)
     return Block(
-        name=name,
         vertices=_numbers(table["vertices"], (-1, 3), f"{where}: vertices"),
         faces=_faces(table["faces"], where),
-        density=float("nan") if density is None else float(density),
-        group=str(table.get("group") or ("base" if fixed else "block")),
-        fixed=fixed,
         parts=given.parts if isinstance(given, Block) else (),
+        **common,
     )
 
 

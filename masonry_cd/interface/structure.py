@@ -12,7 +12,6 @@ import numpy as np
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.interface.tables import frame_of
 from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import mass_properties
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -46,7 +45,7 @@ class Structure(Sequence[Block]):
     @cached_property
     def table(self) -> DataFrame:
         """A row per block: group, fixed, volume [m3], mass [kg], x, y, z of its centre of mass [m]."""
-        made = [mass_properties(block.vertices, block.faces) for block in self.blocks]
+        made = [block.mass_properties for block in self.blocks]
         volume, centre = np.array([item.volume for item in made]), np.array([item.centre for item in made])
         columns: dict[str, Any] = {
             "group": [block.group for block in self.blocks],

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import h5py
 import numpy as np
 
 from masonry_cd.model.blocks import Block
+from masonry_cd.model.geometry import Faces
 
 
 def write_blocks(group: h5py.Group, blocks: tuple[Block, ...]) -> None:
@@ -18,21 +20,34 @@ def write_blocks(group: h5py.Group, blocks: tuple[Block, ...]) -> None:
     if any(b.structure for b in blocks):
         group.create_dataset("structure", data=[b.structure for b in blocks], dtype=text)
     group["fixed"] = np.array([b.fixed for b in blocks])
+    if any(b.radius for b in blocks):
+        group["radius"] = np.array([b.radius for b in blocks])
     group["density"] = np.array([b.density for b in blocks])
-    group["vertex_start"] = np.cumsum([0, *(len(b.vertices) for b in blocks)])
-    group["vertices"] = np.concatenate([b.vertices for b in blocks])
-    group["face_start"] = np.cumsum([0, *(len(b.faces) for b in blocks)])
-    group["loop_start"] = np.cumsum([0, *(len(face) for b in blocks for face in b.faces)])
-    group["loops"] = np.array([i for b in blocks for face in b.faces for i in face])
+    shells = [_kept(b) for b in blocks]
+    group["vertex_start"] = np.cumsum([0, *(len(vertices) for vertices, _ in shells)])
+    group["vertices"] = np.concatenate([vertices for vertices, _ in shells])
+    group["face_start"] = np.cumsum([0, *(len(faces) for _, faces in shells)])
+    group["loop_start"] = np.cumsum([0, *(len(face) for _, faces in shells for face in faces)])
+    group["loops"] = np.array([i for _, faces in shells for face in faces for i in face], dtype=np.int64)
+
+
+def _kept(block: Block) -> tuple[np.ndarray, Faces]:
+    """What a file keeps of a block's shell: of a sphere its centre, without faces."""
+    return (block.vertices[:1], ()) if block.radius else (block.vertices, block.faces)
 
 
 def read_blocks(group: h5py.Group) -> Iterator[Block]:
     """Read back what :func:`write_blocks` wrote."""
     names, groups = group["name"].asstr()[...], group["group"].asstr()[...]
     structures = group["structure"].asstr()[...] if "structure" in group else [""] * len(names)
+    radii = group["radius"][...] if "radius" in group else np.zeros(len(names))
     arrays = {name: group[name][...] for name in ("fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")}
     for i, name in enumerate(names):
         vertices = arrays["vertices"][arrays["vertex_start"][i] : arrays["vertex_start"][i + 1]]
+        if radii[i]:
+            ball = Block.sphere(name, vertices[0], float(radii[i]), float(arrays["density"][i]), groups[i], bool(arrays["fixed"][i]))
+            yield replace(ball, structure=structures[i])
+            continue
         loops = range(arrays["face_start"][i], arrays["face_start"][i + 1])
         faces = tuple(tuple(arrays["loops"][arrays["loop_start"][f] : arrays["loop_start"][f + 1]].tolist()) for f in loops)
         yield Block(name, vertices, faces, float(arrays["density"][i]), groups[i], bool(arrays["fixed"][i]), structure=structures[i])

@@ -23,6 +23,7 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /shocks/peaks/{drift (S, P), hinge_opening (S, J)}   likewise, those of the parts and hinges
     /closing (L,)   bytes of what summary.json holds of a run that has ended, beside the damage (JSON)
     /blocks/*   the blocks as they were built: a report needs no scene; /blocks/structure only where a scene has several;
+        /blocks/radius (B,) [m] only where there are spheres, 0 of polyhedra; a sphere has one vertex, its centre, and no face;
         /blocks/support (1,), to which displacements are relative, -1 without one
     /segments/*   checksums, see segments.py
     attributes: scene (the text of the scene file), scene_file (where it lies, seen from this file's folder), title, versions (JSON), run (a
@@ -49,7 +50,7 @@ STEP_PEAKS = ("displacement", "drift", "level_displacement", "level_drift", "hin
 SHOCK_PEAKS = ("drift", "hinge_opening")  # under /shocks/peaks
 JOINT_CONSTANTS = tuple(Joints.__dataclass_fields__)
 BLOCK_ARRAYS = ("name", "group", "fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")
-OPTIONAL_ARRAYS = ("blocks/structure", "blocks/support")  # where a scene has several structures; not in files of older versions
+OPTIONAL_ARRAYS = ("blocks/structure", "blocks/support", "blocks/radius")  # where a scene has several structures; in new files; spheres
 OPTIONAL_ATTRIBUTES = ("ties",)  # where there are ties, see tie_bars.py
 ATTRIBUTES = ("scene", "title", "versions", "run", "inputs")
 CLOSING = "closing"

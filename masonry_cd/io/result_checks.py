@@ -50,6 +50,8 @@ def check_constants(file: h5py.File, path: Path) -> None:
     count, pairs = len(blocks["name"]), len(joints["area"])
     if "blocks/structure" in file:
         _shape(path, "blocks/structure", _read(file, path, "blocks/structure", TEXT), (count,))
+    if "blocks/radius" in file:
+        _check_radii(path, _read(file, path, "blocks/radius", REAL), blocks["vertex_start"], count)
     corners, faces = len(blocks["vertices"]), len(blocks["loop_start"]) - 1
     for name in ("group", "fixed", "density"):
         _shape(path, f"blocks/{name}", blocks[name], (count,))
@@ -72,6 +74,14 @@ def check_constants(file: h5py.File, path: Path) -> None:
         _check_support(path, _read(file, path, "blocks/support", WHOLE), blocks["fixed"])
     if "peaks" in file or "segments/step_peaks" in file:
         _check_step_peaks(file, path, count, pairs)
+
+
+def _check_radii(path: Path, radii: np.ndarray, vertex_start: np.ndarray, blocks: int) -> None:
+    """Check the radii of spheres, 0 of polyhedra; a sphere has one vertex, its centre."""
+    _shape(path, "blocks/radius", radii, (blocks,))
+    _shape(path, "blocks/vertex_start", vertex_start, (blocks + 1,))
+    if not ((radii >= 0.0) & (radii < np.inf)).all() or (np.diff(vertex_start)[radii > 0.0] != 1).any():
+        raise InputError(f"{path}: blocks/radius is not that of spheres")
 
 
 def _check_support(path: Path, support: np.ndarray, fixed: np.ndarray) -> None:

@@ -130,11 +130,15 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     """Find the largest factor of the live loads.
 
     Raises:
-        InputError: a structure without supports, live loads that do no work, or no answer of the solver.
+        InputError: a structure without supports, live loads that do no work, or no answer of the solver; in space, a search with pyramids.
     """
     options = options or Options()
     begin = time.perf_counter()
     problem, alone = at_rest(assembly, joints, loads, options)
+    if problem.axis is None and options.sides and options.starts:
+        raise InputError(
+            "limit.sides: in space, sliding without dilation is searched for with circular cones; limit.starts = 0 leaves that out"
+        )
     if alone.factor < 1.0 - STANDS:
         nothing = replace(problem, live=problem.dead, dead=np.zeros_like(problem.dead))
         fall = _answer(nothing, assembly, joints, alone, 1.0, time.perf_counter() - begin)
@@ -205,10 +209,10 @@ def _solve(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float
 
 
 def _by_solver(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, options: Options) -> Optimum:
-    """Exact in a plane and with pyramids, by cones in space."""
-    if problem.axis is not None or options.sides:
-        return solve_linear(problem, dead, live, cap, options.sides or 8)
-    return solve_conic(problem, dead, live, cap)
+    """Exact in a plane, by an interior point method in space."""
+    if problem.axis is not None:
+        return solve_linear(problem, dead, live, cap)
+    return solve_conic(problem, dead, live, cap, sides=options.sides)
 
 
 def _answer(problem: LimitProblem, assembly: Assembly, joints: Joints, best: Optimum, cap: float, seconds: float) -> Answer:

@@ -1,4 +1,4 @@
-r"""Limit analysis in space with circular friction cones, as a second-order cone programme, by Clarabel.
+r"""Limit analysis in space with circular friction cones, as a second-order cone programme, or with pyramids; by Clarabel.
 
 The kinematic form is solved, whose unknowns are the velocities of the blocks, six each, and few more; Clarabel's dual variables are the
 forces. With K the cone |y| <= x, over all points k,
@@ -13,6 +13,9 @@ they slide and open nothing. **Prices** of forces, p_k . r'_k, added to a factor
 
     w_1 . v + t = -1  and  ((u_kn - y_k + p_kn)/mu_k, u_kt + p_kt) in K.
 
+**Pyramids** inside the cones, with edges n + mu d_e in so many directions d_e, take u_kn - y_k + mu_k d_e . u_kt >= 0 for each edge: the
+programme is linear then, its factor at most that of the cones. The multipliers of these rows are shares of the edges.
+
 Goulart & Chen, Clarabel: an interior-point solver for conic programs with quadratic objectives, 2024.
 """
 
@@ -23,7 +26,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, hstack, identity, vstack
 
-from masonry_cd.limit.problem import LimitProblem
+from masonry_cd.limit.problem import LimitProblem, regular
 from masonry_cd.limit.solution import Optimum, Unbounded
 
 TOLERANCE = 1e-8  # of residuals and gap over their scale
@@ -38,18 +41,22 @@ class ConeProgramme:
     cost: np.ndarray
     matrix: csc_matrix
     right: np.ndarray
+    edges: csr_matrix  # (3 P, E) forces that the first E rows of the nonnegative cone have a share of
     lines: int  # rows of the nonnegative cone
-    cones: np.ndarray  # (K,) points whose forces, or their tangential part, are the second-order cones
-    upright: np.ndarray  # (Z,) points whose normal force is one of the first rows of the nonnegative cone
+    cones: np.ndarray  # (K,) points whose forces are the second-order cones
+    strips: bool  # whether only their tangential parts are
     sense: float  # 1: the largest factor, -1: the least
 
 
-def cone_programme(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, strip: np.ndarray | None = None) -> ConeProgramme:
-    """The programme of the head of this file for loads (unknowns,), with strips s (P,) where they are given."""
+def cone_programme(
+    problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, strip: np.ndarray | None = None, sides: int = 0
+) -> ConeProgramme:
+    """The programme of the head of this file for loads (unknowns,), with strips s (P,) or with pyramids of so many sides."""
     n, ties, count = problem.unknowns, len(problem.strength), problem.points.count
     held = np.flatnonzero(problem.tension < problem.apex)
     rough = np.flatnonzero(problem.mu > 0.0)
-    upright = np.flatnonzero(problem.mu == 0.0) if strip is None else np.arange(count)
+    cones = rough if strip is not None or not sides else rough[:0]
+    edges = _edges(problem, strip is not None, sides)
     yields = np.flatnonzero(np.isfinite(problem.strength))
     cut = csr_matrix((np.ones(len(held)), (held, np.arange(len(held)))), (count, len(held)))
     wide = np.zeros(0) if strip is None else strip[rough]
@@ -57,14 +64,26 @@ def cone_programme(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, ca
     extra = 1 + len(held) + len(yields) + len(wide)
     first = hstack([csr_matrix(live[None]), csr_matrix(([1.0], ([0], [0])), (1, extra))])
     lift = hstack([csr_matrix((count, 1)), cut, csr_matrix((count, len(yields) + len(wide)))], format="csr")
-    opens = hstack([-problem.jacobian[0::3][upright], lift[upright]])
+    opens = hstack([-(edges.T @ problem.jacobian), edges[0::3].T @ lift])
     signs = hstack([csr_matrix((extra, n)), -identity(extra)])
     pull = coo_matrix((-np.ones(len(yields)), (yields, 1 + len(held) + np.arange(len(yields)))), (ties, extra))
-    rows = _cone_rows(problem, rough, lift) if strip is None else _strip_rows(problem, rough, extra)
+    rows = _cone_rows(problem, cones, lift) if strip is None else _strip_rows(problem, cones, extra)
     matrix = vstack([first, opens, signs, hstack([problem.bars, pull]), rows], format="csc")
     right = np.zeros(matrix.shape[0])
     right[0] = 1.0
-    return ConeProgramme(np.concatenate(cost), matrix, right, len(upright) + extra + ties, rough, upright, 1.0)
+    return ConeProgramme(np.concatenate(cost), matrix, right, edges, edges.shape[1] + extra + ties, cones, strip is not None, 1.0)
+
+
+def _edges(problem: LimitProblem, strips: bool, sides: int) -> csr_matrix:
+    """Forces (3 P, E): the edges of pyramids of so many sides; the normals of points without friction, with strips of all points."""
+    rough = problem.mu > 0.0
+    leaning = np.flatnonzero(rough & (sides > 0) & (not strips))
+    upright = np.flatnonzero(~rough | strips)
+    point = np.concatenate([np.repeat(leaning, sides), upright])
+    ways = np.concatenate([np.tile(regular(sides), (len(leaning), 1)), np.zeros((len(upright), 2))])
+    force = np.column_stack([np.ones(len(point)), problem.mu[point][:, None] * ways])
+    column = np.repeat(np.arange(len(point)), 3)
+    return csr_matrix((force.ravel(), (_rows_of(point), column)), (3 * problem.points.count, len(point)))
 
 
 def _cone_rows(problem: LimitProblem, rough: np.ndarray, lift: csr_matrix) -> csr_matrix:
@@ -95,34 +114,36 @@ def priced(problem: LimitProblem, programme: ConeProgramme, prices: np.ndarray) 
     matrix[0, : problem.unknowns] = -matrix[0, : problem.unknowns]
     asked = prices[programme.cones].copy()
     asked[:, 0] /= problem.mu[programme.cones]
-    right[1 : 1 + len(programme.upright)] = prices[programme.upright, 0]
+    right[1 : 1 + programme.edges.shape[1]] = programme.edges.T @ prices.ravel()
     right[1 + programme.lines :] = asked.ravel()
     return replace(programme, matrix=matrix.tocsc(), right=right, sense=-1.0)
 
 
-def least_unborne_in_space(problem: LimitProblem) -> Optimum:
-    """As :func:`masonry_cd.limit.linear.least_unborne`, with circular cones: max w_0 . v with w_1 . v = 0 and no component of v above one.
+def least_unborne_in_space(problem: LimitProblem, sides: int = 0) -> Optimum:
+    """As :func:`masonry_cd.limit.linear.least_unborne`, with cones or pyramids: max w_0 . v with w_1 . v = 0, no component of v above one.
 
     Raises:
         Unbounded: no answer.
     """
-    programme, n = cone_programme(problem, problem.dead, problem.live, 1.0), problem.unknowns
-    matrix, right, upright = programme.matrix.tolil(), programme.right.copy(), 1 + len(programme.upright)
+    programme, n = cone_programme(problem, problem.dead, problem.live, 1.0, sides=sides), problem.unknowns
+    matrix, right, opens = programme.matrix.tolil(), programme.right.copy(), 1 + programme.edges.shape[1]
     matrix[0, n] = 0.0  # without a cap, w_1 . v has no slack
     right[0] = 0.0
     one = hstack([identity(n), csr_matrix((n, matrix.shape[1] - n))])
-    rows = vstack([matrix[:upright], one, -one, matrix[upright:]], format="csc")
-    right = np.concatenate([right[:upright], np.ones(2 * n), right[upright:]])
+    rows = vstack([matrix[:opens], one, -one, matrix[opens:]], format="csc")
+    right = np.concatenate([right[:opens], np.ones(2 * n), right[opens:]])
     return solve_programme(problem, replace(programme, matrix=rows, right=right, lines=programme.lines + 2 * n))
 
 
-def solve_conic(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, strip: np.ndarray | None = None) -> Optimum:
-    """The largest factor up to ``cap``, for loads (unknowns,) that need not be the problem's own; with strips s (P,) for cones.
+def solve_conic(
+    problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, strip: np.ndarray | None = None, sides: int = 0
+) -> Optimum:
+    """The largest factor up to ``cap``, for loads (unknowns,) that need not be the problem's own; with strips s (P,) or pyramids for cones.
 
     Raises:
         Unbounded: no answer.
     """
-    return solve_programme(problem, cone_programme(problem, dead, live, cap, strip))
+    return solve_programme(problem, cone_programme(problem, dead, live, cap, strip, sides))
 
 
 def solve_programme(problem: LimitProblem, programme: ConeProgramme) -> Optimum:
@@ -145,11 +166,11 @@ def solve_programme(problem: LimitProblem, programme: ConeProgramme) -> Optimum:
     if str(answer.status) not in ENDED:
         raise Unbounded(f"Clarabel: {answer.status}")
     x, z = np.array(answer.x), np.array(answer.z)
-    force = np.zeros((problem.points.count, 3))
+    force = (programme.edges @ z[1 : 1 + programme.edges.shape[1]]).reshape(-1, 3)
     inside = z[1 + programme.lines :].reshape(-1, 3)
-    force[programme.cones, 0] = inside[:, 0] / problem.mu[programme.cones]
-    force[programme.cones, 1:] = inside[:, 1:]
-    force[programme.upright, 0] = z[1 : 1 + len(programme.upright)]
+    if not programme.strips:
+        force[programme.cones, 0] += inside[:, 0] / problem.mu[programme.cones]
+    force[programme.cones, 1:] += inside[:, 1:]
     force[:, 0] -= problem.apex
     bars = z[1 + programme.lines - len(problem.strength) : 1 + programme.lines]
     name, stopped = f"Clarabel ({answer.status})", "" if str(answer.status) == "Solved" else str(answer.status)

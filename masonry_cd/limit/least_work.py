@@ -18,12 +18,13 @@ method, whose corrections shrink faster, does not notice.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import csr_matrix, diags, hstack, identity, vstack
+
+from masonry_cd.limit.problem import regular
 
 SIDES = 8  # directions of slip in space
 FAR = 4.0  # largest correction, over the step
@@ -136,5 +137,4 @@ def _ways(tangents: int) -> np.ndarray:
     """Directions of slip (E, m - 1)."""
     if tangents == 1:
         return np.array([[1.0], [-1.0]])
-    turn = 2.0 * math.pi * np.arange(SIDES) / SIDES
-    return np.array([[math.cos(a), math.sin(a)] for a in turn])
+    return regular(SIDES)

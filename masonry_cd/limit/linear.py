@@ -1,12 +1,10 @@
-r"""Limit analysis as a linear programme, by HiGHS: exact in a plane, with friction pyramids in space.
+r"""Limit analysis in a plane: a linear programme, by HiGHS.
 
-A force in Coulomb's cone is a sum of forces along its edges, r' = sum_e x_e (n + mu d_e) with x_e >= 0. In a plane the cone has two edges,
-d = +t and -t. In space it is replaced by a pyramid of so many sides that lies inside it: the factor is then at most the exact one.
+A force in Coulomb's cone is a sum of forces along its two edges, r' = x_1 (n + mu t) + x_2 (n - mu t) with x >= 0.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +17,7 @@ from masonry_cd.limit.solution import Optimum, Unbounded
 MANY = 20_000  # unknowns from which HiGHS' interior point method is faster than its simplex
 
 
-def solve_linear(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float, sides: int = 8) -> Optimum:
+def solve_linear(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap: float) -> Optimum:
     """The largest factor up to ``cap``, for loads (unknowns,) that need not be the problem's own.
 
     Args:
@@ -27,19 +25,18 @@ def solve_linear(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, cap:
         dead: w_0.
         live: w_1.
         cap: largest factor that is looked for.
-        sides: of the friction pyramids in space.
 
     Raises:
         Unbounded: no forces bear the dead loads with any factor up to ``cap``.
     """
-    programme = _programme(problem, dead, live, sides)
+    programme = _programme(problem, dead, live)
     programme.bounds[-1] = -cap, cap
     cost = np.zeros(programme.matrix.shape[1])
     cost[-1] = -1.0
     return programme.solved(cost)
 
 
-def least_unborne(problem: LimitProblem, sides: int = 8) -> Optimum:
+def least_unborne(problem: LimitProblem) -> Optimum:
     """The forces that leave least of the loads unborne, where no factor bears them all, and how blocks then begin to fall.
 
     The least sum of what is left, over all components, under any factor; dual to it is the fastest fall, max w_0 . v with w_1 . v = 0 and
@@ -48,7 +45,7 @@ def least_unborne(problem: LimitProblem, sides: int = 8) -> Optimum:
     Raises:
         Unbounded: no answer of the solver.
     """
-    programme = _programme(problem, problem.dead, problem.live, sides)
+    programme = _programme(problem, problem.dead, problem.live)
     programme.bounds[-1] = -np.inf, np.inf
     count, rest = programme.matrix.shape[1], identity(problem.unknowns, format="csr")
     cost = np.concatenate([np.zeros(count), np.ones(2 * problem.unknowns)])
@@ -75,7 +72,7 @@ class _LinearProgramme:
         problem, matrix = self.problem, self.matrix
         held = np.flatnonzero(problem.tension < problem.apex)
         count, ties = self.spread.shape[1], len(problem.strength)
-        below = _cut_off(held, count // max(problem.points.count, 1), matrix.shape[1])
+        below = _cut_off(held, matrix.shape[1])
         method = "highs-ipm" if matrix.shape[1] > MANY else "highs-ds"
         options = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
         answer = linprog(
@@ -95,9 +92,9 @@ class _LinearProgramme:
         )
 
 
-def _programme(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, sides: int) -> _LinearProgramme:
+def _programme(problem: LimitProblem, dead: np.ndarray, live: np.ndarray) -> _LinearProgramme:
     """Equilibrium under loads (unknowns,); the factor has no bounds yet."""
-    edges = _edges(problem, sides)
+    edges = _edges(problem)
     spread = block_diag(list(edges.transpose(0, 2, 1)), format="csr") if problem.points.count else csr_matrix((0, 0))
     matrix = hstack([problem.jacobian.T @ spread, -problem.bars.T, csr_matrix(live[:, None])], format="csr")
     bounds = np.zeros((matrix.shape[1], 2))
@@ -106,21 +103,16 @@ def _programme(problem: LimitProblem, dead: np.ndarray, live: np.ndarray, sides:
     return _LinearProgramme(problem, spread, matrix, problem.jacobian.T @ problem.bond() - dead, bounds)
 
 
-def _edges(problem: LimitProblem, sides: int) -> np.ndarray:
-    """Edges of the friction cones, (P, E, m)."""
-    if problem.directions == 2:
-        ways = np.array([[1.0], [-1.0]])
-    else:
-        turn = 2.0 * math.pi * np.arange(sides) / sides
-        ways = np.array([[math.cos(a), math.sin(a)] for a in turn])
-    out = np.ones((problem.points.count, len(ways), problem.directions))
-    out[:, :, 1:] = problem.mu[:, None, None] * ways
+def _edges(problem: LimitProblem) -> np.ndarray:
+    """Edges of the friction cones, (P, 2, 2)."""
+    out = np.ones((problem.points.count, 2, 2))
+    out[:, :, 1] = problem.mu[:, None] * [1.0, -1.0]
     return out
 
 
-def _cut_off(held: np.ndarray, per_point: int, columns: int) -> csr_matrix | None:
+def _cut_off(held: np.ndarray, columns: int) -> csr_matrix | None:
     """Rows -r'_n of the points whose tension is cut off before the tip of the cone."""
     if not len(held):
         return None
-    place = (held[:, None] * per_point + np.arange(per_point)).ravel()
-    return csr_matrix((-np.ones(len(place)), (np.repeat(np.arange(len(held)), per_point), place)), (len(held), columns))
+    place = (2 * held[:, None] + np.arange(2)).ravel()
+    return csr_matrix((-np.ones(len(place)), (np.repeat(np.arange(len(held)), 2), place)), (len(held), columns))

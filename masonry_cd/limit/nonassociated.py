@@ -35,6 +35,7 @@ STEPS = 40  # of the sequence at most
 SETTLED = 1e-5  # change of the factor, as a share of it, at which the sequence ends
 ROUNDS = 6  # of the descent at most
 PENALTY = 1e4  # M, over w_1 . v = 1
+STUCK = 1e-12  # shares of factor and g that a round of the descent changes at least
 EXACT = 1e-7  # g of a pair that counts, as a share of the power of the loads
 ALIKE = 2e-3  # factors that differ by no more than this share of the least agree
 
@@ -138,11 +139,15 @@ class _Search:
     def descend(self, velocity: np.ndarray) -> Pair | None:
         """Move 2 from a mechanism: the exact pair of least factor on the way and its gap, None where there is none."""
         best: Pair | None = None
+        factor, last = np.inf, np.inf
         for _ in range(ROUNDS):
             forces = self._forces(velocity)
             if forces is None:
                 break
             optimum, gap = forces
+            if abs(optimum.factor - factor) <= STUCK * abs(factor) and gap > (1.0 - STUCK) * last > EXACT:
+                break  # neither falls: further rounds would be the same again
+            factor, last = optimum.factor, gap
             if gap <= EXACT:
                 if best is not None and optimum.factor >= best[0].factor - 1e-9:
                     break

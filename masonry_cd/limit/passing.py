@@ -74,7 +74,8 @@ def edge(make: Stages, start: Stage, moving: Motion, reach: float, borne_before:
     low, high, best = 0.0, reach, None
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        tried = borne(make, make.step(start, moving, middle)[0])
-        best = best if tried is None else tried
-        low, high = (low, middle) if (tried is None) == borne_before else (middle, high)
-    return best, high
+        moved = make.step(start, moving, middle)[0]
+        bears = make.bears(moved)
+        best = moved if bears else best
+        low, high = (middle, high) if bears == borne_before else (low, middle)
+    return None if best is None else borne(make, best), high

@@ -17,7 +17,7 @@ from masonry_cd.limit.moved import moved_joints, touching_gap
 from masonry_cd.limit.nonassociated import least_factor
 from masonry_cd.limit.nonassociated_space import least_factor_in_space
 from masonry_cd.limit.problem import Bars, LimitProblem, Loads, plane_of, problem_at
-from masonry_cd.limit.solution import Optimum
+from masonry_cd.limit.solution import Optimum, Unbounded
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 
@@ -106,6 +106,14 @@ class Stages:
                 best, moves = least.optimum, mechanism(problem, placed, joints, least.optimum.velocity)
         return Stage(placed, loads, pulling, joints, problem, best, moves, associated, deepest)
 
+    def bears(self, moved: Moved) -> bool:
+        """Whether any factor of the load is borne by blocks where they are."""
+        try:
+            largest_factor(self._problem(moved.assembly, moved.loads, moved.joints)[1], self.options)
+        except Unbounded:
+            return False
+        return True
+
     def falling(self, moved: Moved) -> Stage:
         """Blocks that no factor holds, with the forces that leave least unborne and how the blocks begin to fall.
 
@@ -113,8 +121,7 @@ class Stages:
             Unbounded: no answer of the solver.
         """
         pulling, problem = self._problem(moved.assembly, moved.loads, moved.joints)
-        planar = self.axis is not None or self.options.sides
-        best = least_unborne(problem, self.options.sides or 8) if planar else least_unborne_in_space(problem)
+        best = least_unborne(problem) if self.axis is not None else least_unborne_in_space(problem, self.options.sides)
         moves = mechanism(problem, moved.assembly, moved.joints, best.velocity)
         return Stage(moved.assembly, moved.loads, pulling, moved.joints, problem, best, moves, best.factor, moved.deepest)
 

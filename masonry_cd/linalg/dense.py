@@ -40,7 +40,7 @@ def gemm(x, at, rows, inner, g, begin, end, out):
                 out[j, i] += x[k, at + j] * g[k, begin + i]
 
 
-@borrower()
+@borrower(fastmath={"contract"})
 def invert_square(a, column, out, work, size_n):
     """Inverse of a square in place, block by block (Gauss & Jordan); the sign of its determinant, 0 when a block cannot be inverted."""
     n, size, sign = len(size_n), len(a), 1.0
@@ -54,20 +54,32 @@ def invert_square(a, column, out, work, size_n):
             return sign
         for q in range(n):
             for i in range(size):
-                column[q, i] = 0.0 if b <= i < b + n else a[i, b + q]
-                a[i, b + q] = 1.0 if i == b + q else 0.0
+                column[q, i] = a[i, b + q]
+                a[i, b + q] = 0.0
+            a[b + q, b + q] = 1.0
             for p in range(n):
                 block[q, p] = inverse[p, q]
         gemm(block, 0, n, n, a[b : b + n], 0, size, out)
         for p in range(n):
             for i in range(size):
                 a[b + p, i] = out[p, i]
-        gemm(column, 0, size, n, a[b : b + n], 0, size, out)
         for i in range(size):
-            to, what = a[i], out[i]
-            for k in range(size):
-                to[k] -= what[k]
+            if not b <= i < b + n:
+                subtract_lines(a[i], column, i, out, n, size)
     return sign
+
+
+@borrower(fastmath={"contract"})
+def subtract_lines(to, factors, at, lines, n, length):
+    """to -= sum of factors[q, at] times line q, of n lines, three at a time."""
+    threes = n - n % 3
+    for q in range(0, threes, 3):
+        x, y, z, a, b, c = factors[q, at], factors[q + 1, at], factors[q + 2, at], lines[q], lines[q + 1], lines[q + 2]
+        for k in range(length):
+            to[k] -= x * a[k] + y * b[k] + z * c[k]
+    for q in range(threes, n):
+        for k in range(length):
+            to[k] -= factors[q, at] * lines[q, k]
 
 
 @borrower(fastmath={"contract"})

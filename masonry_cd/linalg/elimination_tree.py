@@ -14,7 +14,7 @@ from masonry_cd.linalg.small_blocks import copy_flat
 
 SHORT = 2  # columns: supernodes up to this width may be padded much, see supernodes
 WIDEST = 16  # columns that are factorised together
-THIN = 2.0  # mean number of rows below a column of L up to which columns stay single
+THIN = 4.0  # mean number of rows below a column of L up to which columns stay single: a third to a fifth of the time of factors with 3
 SUBTREE = 4096  # blocks of L in a subtree of the first level
 
 

@@ -1,6 +1,7 @@
 """Blocks and their assembly: all that stays constant during a run.
 
-A block is a closed polyhedron of uniform density; its mass properties are exact (:mod:`masonry_cd.model.geometry`).
+A block is a closed polyhedron of uniform density, or a sphere; its mass properties are exact (:mod:`masonry_cd.model.geometry`,
+:mod:`masonry_cd.model.sphere`).
 The body frame of a block has its origin at the centre of mass and is parallel to the world axes at the start of the run,
 so every orientation starts as the unit quaternion (1, 0, 0, 0).
 """
@@ -17,8 +18,9 @@ import numpy as np
 from masonry_cd.errors import InputError
 from masonry_cd.model.deformation import Deformation, deformation_of
 from masonry_cd.model.elastic_blocks import ElasticBlocks
-from masonry_cd.model.geometry import Faces, Polyhedra, Polyhedron, mass_properties
-from masonry_cd.model.materials import JointLaw, JointLaws, friction_table, joint_table
+from masonry_cd.model.geometry import Faces, MassProperties, Polyhedra, Polyhedron, mass_properties
+from masonry_cd.model.materials import JointLaw, JointLaws, friction_table, joint_table, rolling_table
+from masonry_cd.model.sphere import ball_centre, facetted_ball, sphere_properties
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +36,8 @@ class Block:
         fixed: True for a support, which moves as prescribed.
         parts: convex parts that fill the block; empty when the block itself is convex.
         structure: the one that it belongs to where a scene has several, else empty.
+        radius: of a sphere [m], whose vertices and faces are then the facetted ball by which it is drawn (:meth:`sphere` makes one); 0 of
+            a polyhedron.
     """
 
     name: str
@@ -44,34 +48,78 @@ class Block:
     fixed: bool = False
     parts: tuple[Polyhedron, ...] = ()
     structure: str = ""
+    radius: float = 0.0
+
+    @classmethod
+    def sphere(
+        cls, name: str, centre: np.ndarray, radius: float, density: float = math.nan, group: str = "block", fixed: bool = False
+    ) -> Block:
+        """A sphere about a centre (3,) [m]."""
+        return cls(name, *facetted_ball(centre, radius), density, group, fixed, radius=radius)
 
     @property
     def convex_parts(self) -> tuple[Polyhedron, ...]:
-        """The convex parts for contact detection."""
+        """The convex parts that fill the block; of a sphere the ball by which it is drawn."""
         return self.parts or (Polyhedron(self.vertices, self.faces),)
+
+    @property
+    def mass_properties(self) -> MassProperties:
+        """Volume, centre of mass and inertia per density."""
+        return sphere_properties(self.vertices, self.radius) if self.radius else mass_properties(self.vertices, self.faces)
+
+
+def refuse_spheres(blocks: Sequence[Block], what: str) -> None:
+    """Refuse blocks of which one is a sphere.
+
+    Args:
+        blocks: any.
+        what: has no spheres, in words, such as "limit analysis"; or the key of a scene and a colon before that.
+
+    Raises:
+        InputError: names the first sphere.
+    """
+    first = next((block.name for block in blocks if block.radius), None)
+    if first is not None:
+        raise InputError(f'{what} has no spheres, and block "{first}" is one')
 
 
 class Shapes(NamedTuple):
-    """The P convex parts of all blocks, in the body frames, as the detection kernels read them."""
+    """The P convex parts of all blocks, in the body frames, as the detection kernels read them.
+
+    A sphere is a part of one vertex, its centre, and no face: a point rounded by its radius.
+    """
 
     solids: Polyhedra
     part_block: np.ndarray  # (P,) block of each part
-    radius: np.ndarray  # (P,) largest distance of a vertex from the block's centre of mass [m]
-    size: np.ndarray  # (P,) smallest width of the part over its face normals [m]
+    radius: np.ndarray  # (P,) largest distance of the part's surface from the block's centre of mass [m]
+    size: np.ndarray  # (P,) smallest width of the part over its face normals, or the diameter of a sphere [m]
+    rounding: np.ndarray  # (P,) radius of a sphere, 0 of polyhedra [m]
 
     @classmethod
     def of(cls, blocks: Sequence[Block], centre: np.ndarray) -> Shapes:
         """The convex parts of blocks with the centres of mass ``centre`` (B, 3) [m]."""
-        parts = [(index, part) for index, block in enumerate(blocks) for part in block.convex_parts]
+        parts = [(index, part) for index, block in enumerate(blocks) for part in _detected(block)]
+        rounding = np.array([blocks[index].radius for index, _ in parts])
         local = [part.vertices - centre[index] for index, part in parts]
         solids = Polyhedra.of([Polyhedron(own, part.faces) for own, (_, part) in zip(local, parts, strict=True)]).with_edges()
         normals = np.split(solids.normals, solids.face_start[1:-1])
         return cls(
             solids=solids,
             part_block=np.array([index for index, _ in parts]),
-            radius=np.array([np.linalg.norm(own, axis=1).max() for own in local]),
-            size=np.array([np.ptp(np.einsum("vd,fd->vf", own, n), axis=0).min() for own, n in zip(local, normals, strict=True)]),
+            radius=np.array([np.linalg.norm(own, axis=1).max() for own in local]) + rounding,
+            size=np.array([2.0 * r or _width(own, n) for own, n, r in zip(local, normals, rounding, strict=True)]),
+            rounding=rounding,
         )
+
+
+def _detected(block: Block) -> tuple[Polyhedron, ...]:
+    """The parts of a block that contact detection sees."""
+    return (Polyhedron(ball_centre(block.vertices)[None], ()),) if block.radius else block.convex_parts
+
+
+def _width(vertices: np.ndarray, normals: np.ndarray) -> float:
+    """Smallest width of a polyhedron, corners (V, 3) [m], over its face normals (F, 3)."""
+    return float(np.ptp(np.einsum("vd,fd->vf", vertices, normals), axis=0).min())
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +137,7 @@ class Assembly:
     centre: np.ndarray  # (B, 3) centres of mass at the start [m]
     volume: np.ndarray  # (B,) [m3]
     friction: np.ndarray  # (G, G) coefficient of friction between groups
+    rolling: np.ndarray  # (G, G) rolling friction of spheres between groups: arm over radius
     laws: JointLaws  # of the joints between groups
     shapes: Shapes = field(repr=False)
     deformation: Deformation | None = None  # of the blocks that deform; None: all are rigid
@@ -122,6 +171,7 @@ class Assembly:
         friction: float | Mapping[str, float],
         joints: Mapping[str, JointLaw] | None = None,
         material: ElasticBlocks | None = None,
+        rolling: float | Mapping[str, float] = 0.0,
     ) -> Assembly:
         """Collect blocks into an assembly.
 
@@ -130,9 +180,11 @@ class Assembly:
             friction: one coefficient, or coefficients by pair of groups ``"arch-base"`` with ``"default"`` for the rest.
             joints: laws of the joints by pair of groups, likewise; a pair without one is rigid and dry.
             material: which blocks deform, and how; None: all are rigid.
+            rolling: rolling friction of spheres, arm over radius, as ``friction``; a pair without a value rolls freely.
 
         Raises:
-            InputError: a name given twice, no free block, a pair that names an unknown group, or a law that friction does not allow.
+            InputError: a name given twice, no free block, a pair that names an unknown group, a law that friction does not allow, spheres
+                that would deform, or rolling friction without spheres.
         """
         names = tuple(block.name for block in blocks)
         if len(set(names)) < len(names):
@@ -141,12 +193,13 @@ class Assembly:
         if all(block.fixed for block in blocks):
             raise InputError("structure: no free block, nothing can move")
         groups = tuple(dict.fromkeys(block.group for block in blocks))
-        properties = [mass_properties(block.vertices, block.faces) for block in blocks]
+        properties = [block.mass_properties for block in blocks]
         volume = np.array([p.volume for p in properties])
         density = np.array([block.density for block in blocks])
         centre = np.array([p.centre for p in properties])
         fixed = np.array([block.fixed for block in blocks])
         coefficients = friction_table(friction, groups)
+        _check_rigid_spheres(blocks, groups, material)
         group_of = np.array([groups.index(block.group) for block in blocks])
         inertia = np.array([p.unit_inertia for p in properties]) * density[:, None, None]
         return cls(
@@ -161,6 +214,7 @@ class Assembly:
             centre=centre,
             volume=volume,
             friction=coefficients,
+            rolling=_rolling(blocks, rolling, groups),
             laws=joint_table(joints or {}, groups, coefficients),
             shapes=Shapes.of(blocks, centre),
             deformation=None if material is None else deformation_of(fixed, group_of, groups, inertia, volume, material),
@@ -193,3 +247,18 @@ class Assembly:
         return replace(
             self, blocks=tuple(moved), centre=np.array(position, dtype=float), inertia=inertia, shapes=shapes, deformation=deformation
         )
+
+
+def _rolling(blocks: Sequence[Block], rolling: float | Mapping[str, float], groups: Sequence[str]) -> np.ndarray:
+    """The rolling friction between groups, (G, G)."""
+    table = rolling_table(rolling, groups)
+    if table.any() and not any(block.radius for block in blocks):
+        raise InputError("material.rolling_friction: no block is a sphere, so nothing rolls by this law")
+    return table
+
+
+def _check_rigid_spheres(blocks: Sequence[Block], groups: Sequence[str], material: ElasticBlocks | None) -> None:
+    """Refuse spheres in groups that deform."""
+    for group in () if material is None else dict.fromkeys(block.group for block in blocks if block.radius and not block.fixed):
+        if material is not None and material.of_group(group, groups) is not None:
+            raise InputError(f'material.deformable: the group {group} has spheres, which are rigid; deformable.{group} = "rigid" says so')

@@ -7,7 +7,7 @@ may be a pattern, ``*arch-*base``; a pair by name holds before one by patterns.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
@@ -26,6 +26,9 @@ LIGHTEST, HEAVIEST = 30, 30000  # density [kg/m3]: from insulation to more than 
 ROUGHEST = 20  # coefficient of friction: beyond, an angle was meant
 _COEFFICIENT = {"type": "number", "minimum": 0, "maximum": ROUGHEST}
 _FRICTION: dict[str, Any] = {"anyOf": [_COEFFICIENT, {"type": "object", "minProperties": 1, "additionalProperties": _COEFFICIENT}]}
+NO_SHARE = "an arm over a radius should be a number between 0 and 1"
+_SHARE = {"type": "number", "minimum": 0, "maximum": 1}
+_ROLLING: dict[str, Any] = {"anyOf": [_SHARE, {"type": "object", "minProperties": 1, "additionalProperties": _SHARE}]}
 Stiffness = Annotated[Number, Field(ge=1.0, le=1e20)]  # on 1 Pa such joints shorten by a metre, and by less than rounding
 
 
@@ -88,6 +91,9 @@ class Material(ElasticBlocks):
     """Of every block that brings none of its own [kg/m3]; a block file whose blocks all state theirs needs none."""
     friction: Annotated[Number | dict[str, Number], WithJsonSchema(_FRICTION)]
     """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
+    rolling_friction: Annotated[Number | dict[str, Number], WithJsonSchema(_ROLLING)] = 0.0
+    """Of spheres: the arm of the moment that resists rolling, over the radius R, or over R_a R_b / (R_a + R_b) of two spheres; one value,
+    or values by pair of groups, as friction. Pairs without a value roll freely."""
     compressive_strength: Strength = None
     """Of the blocks [Pa], with which reports compare their stress: one value, or values by group, ``compressive_strength.arch = 5e6``,
     which may be patterns, and ``default``. Nothing crushes: the run itself does not know of it."""
@@ -113,21 +119,40 @@ class Material(ElasticBlocks):
             raise ValueError(f'holds keys of one law ("{plain[0]}") and tables by pair; put the keys under [material.joints.default]')
         return {"default": value} if plain else value
 
+    @field_validator("rolling_friction", mode="before")
+    @classmethod
+    def _shares(cls, value: Any) -> Any:
+        return _numbers_by_pair(value, lambda share, _: "" if _is_number(share) and 0 <= share <= 1 else NO_SHARE)
+
     @field_validator("friction", mode="before")
     @classmethod
     def _coefficients(cls, value: Any) -> Any:
-        pairs = value if isinstance(value, Mapping) else {"": value}
-        if not pairs:
-            raise ValueError("gives no value")
-        for pair, mu in pairs.items():
-            name = f'"{pair}": ' if pair else ""
-            if not (is_number(mu) or isinstance(mu, float)):
-                raise ValueError(f"{name}should be a number")
-            if not 0 <= mu <= ROUGHEST:
-                raise ValueError(
-                    f"{name}a coefficient of friction (no angle) should be between 0 and {ROUGHEST}" + (f", got {mu:g}" if pair else "")
-                )
-        return {pair: float(mu) for pair, mu in pairs.items()} if isinstance(value, Mapping) else float(pairs[""])
+        return _numbers_by_pair(value, _no_coefficient)
+
+
+def _numbers_by_pair(value: Any, wrong: Callable[[Any, str], str]) -> float | dict[str, float]:
+    """One number, or numbers by pair of groups; ``wrong`` says of a number, and its pair or "", what is wrong with it, or nothing."""
+    pairs = value if isinstance(value, Mapping) else {"": value}
+    if not pairs:
+        raise ValueError("gives no value")
+    for pair, number in pairs.items():
+        if said := wrong(number, pair):
+            raise ValueError(f'"{pair}": {said}' if pair else said)
+    return {pair: float(number) for pair, number in pairs.items()} if isinstance(value, Mapping) else float(value)
+
+
+def _no_coefficient(mu: Any, pair: str) -> str:
+    """What is wrong with a coefficient of friction, or nothing."""
+    if not _is_number(mu):
+        return "should be a number"
+    if not 0 <= mu <= ROUGHEST:
+        return f"a coefficient of friction (no angle) should be between 0 and {ROUGHEST}" + (f", got {mu:g}" if pair else "")
+    return ""
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value is a number, infinite ones and NaN among them."""
+    return is_number(value) or isinstance(value, float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,6 +193,18 @@ def friction_table(friction: float | Mapping[str, float], groups: Sequence[str])
         raise InputError(f"material.friction: no value for {groups[i]}-{groups[j]}; add it or a default")
     if (table < 0).any():
         raise InputError(f"material.friction: a coefficient must not be negative, got {table.min():g}")
+    return table
+
+
+def rolling_table(rolling: float | Mapping[str, float], groups: Sequence[str]) -> np.ndarray:
+    """Return the (G, G) symmetric table of rolling friction between groups, zero of pairs without a value.
+
+    Raises:
+        InputError: an unknown group.
+    """
+    table = np.zeros((len(groups), len(groups)))
+    for i, j, value in _by_pair(rolling if isinstance(rolling, Mapping) else {"default": rolling}, groups, "material.rolling_friction"):
+        table[i, j] = value
     return table
 
 

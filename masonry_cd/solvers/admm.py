@@ -55,6 +55,7 @@ from operator import itemgetter
 
 import numpy as np
 
+from masonry_cd.friction.joint_twists import size_of_twist
 from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
 from masonry_cd.linalg.ordering import FIELDS, Pattern
@@ -188,7 +189,7 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     memory, index, block = recall(given.bodies, len(velocity), n, start)
     pattern, tally, k = memory.pattern, memory.tally, memory.tally.next_k()
     settings = AdmmSettings(k, tally.stale or k != tally.k, moving, tally.rate, options.tolerance, limit)
-    partition = partition_contacts(index, block, pattern.symbolic)
+    partition = partition_contacts(given, index, block, pattern.symbolic, size_of_twist(given.jacobian, given.bodies))
     work = allocate_workspace(given, pattern, partition, (memory.squares, memory.panels, memory.rho))
     threads = min(options.threads, int(pattern.symbolic.level[1]))  # as many as there are subtrees at first, at most
     iterations, error, k_end, factorisations, tally.rate = run_by_team(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.friction.joint_twists import add_up_stiffness, rows_of_twist
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.cholesky import factorise_by_team, factorise_cholesky
 from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
@@ -47,31 +48,46 @@ def choose_stiffness(k, d, compliance, first, end, rho):
             rho[c] = 1.0 / (own / k + soft / np.sqrt(1.0 + soft / own))
 
 
-@borrower(fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def augment(work, q):
     """Blocks of M + H^T R H in the columns of subtree q; what its contacts add to diagonal blocks of later ones goes to ghost rows."""
-    symbolic, mass, jacobian, partition = work.factor.symbolic, work.problem.mass, work.problem.jacobian, work.partition
-    places, block, rho, diagonal, lower = work.problem.places, work.problem.block, work.factor.rho, work.factor.diagonal, work.factor.lower
-    m, n, bodies, (first, last) = len(work.problem.m), len(work.problem.n), len(mass), nodes_of(symbolic, q)
+    symbolic, mass, partition, diagonal, lower = (
+        work.factor.symbolic,
+        work.problem.mass,
+        work.partition,
+        work.factor.diagonal,
+        work.factor.lower,
+    )
+    place, target, block, joints = partition.place, partition.target, partition.block, partition.joints
+    s, n, bodies, (first, last) = len(joints.s), len(work.problem.n), len(mass), nodes_of(symbolic, q)
+    stiffness, rows, turned = np.empty((s, s)), np.empty((2, s, n)), np.empty((2, s, n))
     lower[symbolic.column[first] : symbolic.column[last]] = 0.0
     clear_ghosts(symbolic, q, diagonal)
     for b in range(first, last):
         for p in range(n):
             for r in range(n):
                 diagonal[b, n * p + r] = mass[b, p, r]
-    for c in range(partition.start[q], partition.start[q + 1]):
-        a, b, r = partition.target[c, 0], partition.target[c, 1], rho[c]
-        for i in range(m):
+    for g in range(partition.joint[q], partition.joint[q + 1]):
+        add_up_stiffness(joints, g, work.factor.rho, stiffness)
+        rows_of_twist(joints, g, rows)
+        for side in range(2):
+            for i in range(s):
+                for p in range(n):
+                    total = 0.0
+                    for k in range(s):
+                        total += stiffness[i, k] * rows[side, k, p]
+                    turned[side, i, p] = total
+        a, b = target[g, 0], target[g, 1]
+        low = 0 if place[g, 0] > place[g, 1] else 1
+        for i in range(s):
             for p in range(n):
-                x, y = r * jacobian[c, 0, i, p], r * jacobian[c, 1, i, p]
+                x, y = turned[0, i, p], turned[1, i, p]
                 for t in range(n):
                     if a != bodies:
-                        diagonal[a, n * p + t] += x * jacobian[c, 0, i, t]
+                        diagonal[a, n * p + t] += x * rows[0, i, t]
                     if b != bodies:
-                        diagonal[b, n * p + t] += y * jacobian[c, 1, i, t]
-                if a == b != bodies:
-                    for t in range(n):
-                        diagonal[a, n * p + t] += x * jacobian[c, 1, i, t] + y * jacobian[c, 0, i, t]
-                if block[c] >= 0:
-                    for t in range(n):
-                        lower[block[c], p, t] += x * jacobian[c, 1, i, t] if places[c, 0] > places[c, 1] else y * jacobian[c, 0, i, t]
+                        diagonal[b, n * p + t] += y * rows[1, i, t]
+                    if a == b != bodies:
+                        diagonal[a, n * p + t] += x * rows[1, i, t] + y * rows[0, i, t]
+                    if block[g] >= 0:
+                        lower[block[g], p, t] += turned[low, i, p] * rows[1 - low, i, t]

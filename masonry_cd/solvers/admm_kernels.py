@@ -11,14 +11,22 @@ import math
 import numpy as np
 
 from masonry_cd.friction.natural_map import size_of
-from masonry_cd.friction.operators import ProblemArrays, measure_scales, put_in_order, relative_velocity_of, squared_map_norm_of
+from masonry_cd.friction.operators import ProblemArrays, delassus_trace, put_in_order
 from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.supernodes import longest_line
 from masonry_cd.linalg.threads import ThreadTeam, share_of, wait
 from masonry_cd.solvers.admm_factor import factorise_augmented
-from masonry_cd.solvers.admm_passes import add_momentum, carry_impulses, clear_momentum, eliminate_subtree, update_subtree
+from masonry_cd.solvers.admm_passes import (
+    add_momentum,
+    carry_impulses,
+    clear_momentum,
+    contact_velocity,
+    eliminate_subtree,
+    squared_map_norm,
+    update_subtree,
+)
 from masonry_cd.solvers.admm_workspace import AdmmSettings, AdmmWorkspace
 
 PATIENCE = 20  # iterations without a measurement of the error, half as many where its ratio to the change of p is a guess
@@ -116,8 +124,8 @@ def start_iterates(team, given, order, work, settings, p_out, v_out):
         first, last = partition.start[q], partition.start[q + 1]
         sort_contacts(given, work, p_out, first, last)
         copy_flat(iterates.even[first:last], iterates.best[first:last])
-        measure_scales(problem, first, last)
-        relative_velocity_of(problem, iterates.v, first, last, iterates.carried)
+        measure_scales(given, work, q)
+        contact_velocity(work, q, iterates.v, iterates.carried)
         clear_momentum(work, q)
         add_momentum(work, q, iterates.even)
     velocity_of_momentum(team, work, iterates.v)
@@ -138,9 +146,9 @@ def sort_contacts(given, work, p, first, end):
 
     Where there is one subtree the workspace has the arrays of the problem, and only p is copied.
     """
-    jacobian, offset, compliance = given.jacobian, given.offset, given.compliance
+    offset, compliance = given.offset, given.compliance
     problem, partition = work.problem, work.partition
-    m, n, moved = len(problem.m), len(problem.n), len(partition.start) > 2
+    m, moved = len(problem.m), len(partition.start) > 2
     for c in range(first, end):
         old = partition.contact[c]
         for i in range(m):
@@ -152,9 +160,20 @@ def sort_contacts(given, work, p, first, end):
             problem.offset[c, i] = offset[old, i]
             if len(compliance):
                 problem.compliance[c, i] = compliance[old, i]
-            for k in range(n):
-                problem.jacobian[c, 0, i, k] = jacobian[old, 0, i, k]
-                problem.jacobian[c, 1, i, k] = jacobian[old, 1, i, k]
+
+
+@borrower()
+def measure_scales(given, work, q):
+    """Fill d_c = trace(W_cc + C_cc) / m of the contacts of subtree q."""
+    problem, partition, joints, m = work.problem, work.partition, work.partition.joints, len(work.problem.m)
+    for g in range(partition.joint[q], partition.joint[q + 1]):
+        a, b = partition.place[g, 0], partition.place[g, 1]
+        for c in range(joints.start[g], joints.start[g + 1]):
+            trace = delassus_trace(problem.inverse, given.jacobian, partition.contact[c], a, b, m, len(problem.n))
+            if len(problem.compliance):
+                for i in range(m):
+                    trace += problem.compliance[c, i]
+            problem.d[c] = trace / m
 
 
 @borrower()
@@ -225,10 +244,9 @@ def velocity_of_momentum(team, work, v):
 @borrower()
 def map_norm(team, work, p, v):
     """Norm of the natural map residual of impulses p (C, m) and velocities v (N + 1, n)."""
-    problem, partition, sums, (begin, end) = work.problem, work.partition, work.sums[2], share_of_subtrees(team, work.factor.symbolic)
+    sums, (begin, end) = work.sums[2], share_of_subtrees(team, work.factor.symbolic)
     for q in range(begin, end):
-        first, last = partition.start[q], partition.start[q + 1]
-        sums[q] = squared_map_norm_of(problem, p, v, first, last)
+        sums[q] = squared_map_norm(work, q, p, v)
     wait(team)
     total = np.sqrt(sums.sum())
     wait(team)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from masonry_cd.friction.coulomb_law import tangent_length
-from masonry_cd.friction.natural_map import project_stretched, project_to_cone
-from masonry_cd.friction.operators import add_generalised_impulse_of, missing_momentum_of
+from masonry_cd.friction.joint_twists import add_to_wrench, add_wrench, twist_of, velocity_at
+from masonry_cd.friction.natural_map import project_stretched, project_to_cone, squared_residual
+from masonry_cd.friction.operators import missing_momentum_of
 from masonry_cd.jit import borrower
 from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of
 from masonry_cd.linalg.intrinsics import prefetch
@@ -62,49 +63,37 @@ def meet_contacts(work, q, relaxation, p, new, ahead):
     There is more to calculate than to fetch, so the panels between the two entries ``ahead``, which the next backward substitution needs,
     are fetched on the way. Returns the squared scaled change of p.
     """
-    problem, partition, rho, panels = work.problem, work.partition, work.factor.rho, work.factor.panels
+    problem, partition, rho, panels, joints = work.problem, work.partition, work.factor.rho, work.factor.panels, work.partition.joints
     v, momentum = work.iterates.v, work.iterates.momentum
-    jacobian, offset, mu, compliance, d = problem.jacobian, problem.offset, problem.mu, problem.compliance, problem.d
-    m, n, index, target = len(problem.m), len(problem.n), problem.places, partition.target
+    offset, mu, compliance, d = problem.offset, problem.mu, problem.compliance, problem.d
+    m, n, place, target = len(problem.m), len(problem.n), partition.place, partition.target
     line, end = ahead
-    change, contacts = 0.0, max(partition.start[q + 1] - partition.start[q], 1)
-    share = (end - line + contacts - 1) // contacts
-    for c in range(partition.start[q], partition.start[q + 1]):
+    change, count = 0.0, max(partition.joint[q + 1] - partition.joint[q], 1)
+    share = (end - line + count - 1) // count
+    for g in range(partition.joint[q], partition.joint[q + 1]):
         for entry in range(line, min(line + share, end), 16):
             prefetch(panels, entry)
         line += share
-        a, b, r = index[c, 0], index[c, 1], rho[c]
-        un, u1, u2 = offset[c, 0], offset[c, 1], 0.0
-        pn, p1, p2 = p[c, 0], p[c, 1], 0.0
-        if m == 3:
-            u2, p2 = offset[c, 2], p[c, 2]
-        for k in range(n):
-            x, y = v[a, k], v[b, k]
-            un += jacobian[c, 0, 0, k] * x + jacobian[c, 1, 0, k] * y
-            u1 += jacobian[c, 0, 1, k] * x + jacobian[c, 1, 1, k] * y
+        twist, wrench = twist_of(joints, g, v, place[g, 0], place[g, 1], n), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for c in range(joints.start[g], joints.start[g + 1]):
+            r, (un, u1, u2) = rho[c], velocity_at(joints, twist, c)
+            un, u1, pn, p1, p2 = un + offset[c, 0], u1 + offset[c, 1], p[c, 0], p[c, 1], 0.0
             if m == 3:
-                u2 += jacobian[c, 0, 2, k] * x + jacobian[c, 1, 2, k] * y
-        if len(compliance):
-            un += compliance[c, 0] * pn
-            u1 += compliance[c, 1] * p1
-            u2 += compliance[c, m - 1] * p2
-            s, r = r / (1.0 + r * max(compliance[c, 1], compliance[c, m - 1])), r / (1.0 + r * compliance[c, 0])
-            xn, x1, x2 = project_stretched(pn - r * (un + mu[c] * tangent_length(u1, u2)), p1 - s * u1, p2 - s * u2, mu[c], r / s)
-        else:
-            xn, x1, x2 = project_to_cone(pn - r * (un + mu[c] * tangent_length(u1, u2)), p1 - r * u1, p2 - r * u2, mu[c])
-        new[c, 0], new[c, 1] = pn + relaxation * (xn - pn), p1 + relaxation * (x1 - p1)
-        if m == 3:
-            new[c, 2] = p2 + relaxation * (x2 - p2)
-        change += d[c] * ((xn - pn) * (xn - pn) + (x1 - p1) * (x1 - p1) + (x2 - p2) * (x2 - p2))
-        tn, t1, t2 = 2.0 * xn - pn, 2.0 * x1 - p1, 2.0 * x2 - p2
-        a, b = target[c, 0], target[c, 1]
-        for k in range(n):
-            if m == 3:
-                momentum[a, k] += jacobian[c, 0, 0, k] * tn + jacobian[c, 0, 1, k] * t1 + jacobian[c, 0, 2, k] * t2
-                momentum[b, k] += jacobian[c, 1, 0, k] * tn + jacobian[c, 1, 1, k] * t1 + jacobian[c, 1, 2, k] * t2
+                u2, p2 = u2 + offset[c, 2], p[c, 2]
+            if len(compliance):
+                un += compliance[c, 0] * pn
+                u1 += compliance[c, 1] * p1
+                u2 += compliance[c, m - 1] * p2
+                s, r = r / (1.0 + r * max(compliance[c, 1], compliance[c, m - 1])), r / (1.0 + r * compliance[c, 0])
+                xn, x1, x2 = project_stretched(pn - r * (un + mu[c] * tangent_length(u1, u2)), p1 - s * u1, p2 - s * u2, mu[c], r / s)
             else:
-                momentum[a, k] += jacobian[c, 0, 0, k] * tn + jacobian[c, 0, 1, k] * t1
-                momentum[b, k] += jacobian[c, 1, 0, k] * tn + jacobian[c, 1, 1, k] * t1
+                xn, x1, x2 = project_to_cone(pn - r * (un + mu[c] * tangent_length(u1, u2)), p1 - r * u1, p2 - r * u2, mu[c])
+            new[c, 0], new[c, 1] = pn + relaxation * (xn - pn), p1 + relaxation * (x1 - p1)
+            if m == 3:
+                new[c, 2] = p2 + relaxation * (x2 - p2)
+            change += d[c] * ((xn - pn) * (xn - pn) + (x1 - p1) * (x1 - p1) + (x2 - p2) * (x2 - p2))
+            wrench = add_to_wrench(joints, wrench, c, 2.0 * xn - pn, 2.0 * x1 - p1, 2.0 * x2 - p2)
+        add_wrench(joints, g, wrench, target[g, 0], target[g, 1], momentum, n)
     return change
 
 
@@ -119,8 +108,44 @@ def clear_momentum(work, q):
 @borrower()
 def add_momentum(work, q, p):
     """momentum += H^T p of the contacts of subtree q."""
-    start, target = work.partition.start, work.partition.target
-    add_generalised_impulse_of(work.problem, target, p, start[q], start[q + 1], work.iterates.momentum)
+    joints, target, n = work.partition.joints, work.partition.target, len(work.problem.n)
+    for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
+        wrench = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for c in range(joints.start[g], joints.start[g + 1]):
+            wrench = add_to_wrench(joints, wrench, c, p[c, 0], p[c, 1], p[c, 2] if p.shape[1] == 3 else 0.0)
+        add_wrench(joints, g, wrench, target[g, 0], target[g, 1], work.iterates.momentum, n)
+
+
+@borrower(fastmath={"contract"})
+def contact_velocity(work, q, v, u):
+    """u = H v + b (C, m) of the contacts of subtree q for body velocities v (N + 1, n)."""
+    joints, place, offset, n = work.partition.joints, work.partition.place, work.problem.offset, len(work.problem.n)
+    for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
+        twist = twist_of(joints, g, v, place[g, 0], place[g, 1], n)
+        for c in range(joints.start[g], joints.start[g + 1]):
+            velocity = velocity_at(joints, twist, c)
+            for i in range(len(work.problem.m)):
+                u[c, i] = offset[c, i] + velocity[i]
+
+
+@borrower(fastmath={"contract"})
+def squared_map_norm(work, q, p, v):
+    """Square of the norm of the natural map residual of the contacts of subtree q, for impulses p (C, m) and velocities v (N + 1, n)."""
+    problem, joints, place = work.problem, work.partition.joints, work.partition.place
+    offset, compliance, m, n, total = problem.offset, problem.compliance, len(problem.m), len(problem.n), 0.0
+    for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
+        twist = twist_of(joints, g, v, place[g, 0], place[g, 1], n)
+        for c in range(joints.start[g], joints.start[g + 1]):
+            un, u1, u2 = velocity_at(joints, twist, c)
+            un, u1, p2 = un + offset[c, 0], u1 + offset[c, 1], 0.0
+            if m == 3:
+                u2, p2 = u2 + offset[c, 2], p[c, 2]
+            if len(compliance):
+                un += compliance[c, 0] * p[c, 0]
+                u1 += compliance[c, 1] * p[c, 1]
+                u2 += compliance[c, m - 1] * p2
+            total += squared_residual(p[c, 0], p[c, 1], p2, un, u1, u2, problem.mu[c], problem.d[c])
+    return total
 
 
 @borrower(fastmath={"contract"})
@@ -129,18 +154,13 @@ def carry_impulses(work, q, relaxation, last, p):
 
     For the contacts of subtree q; last (C, m) and p = last + relaxation (p+ - last) are the impulses before and after the iteration.
     """
-    jacobian, places, partition, rho = work.problem.jacobian, work.problem.places, work.partition, work.factor.rho
-    step, carried, momentum = work.iterates.correction, work.iterates.carried, work.iterates.momentum
-    m, n = len(work.problem.m), len(work.problem.n)
-    for c in range(partition.start[q], partition.start[q + 1]):
-        a, b = places[c, 0], places[c, 1]
-        to, other = partition.target[c, 0], partition.target[c, 1]
-        for i in range(m):
-            gain = 0.0
-            for k in range(n):
-                gain += jacobian[c, 0, i, k] * step[a, k] + jacobian[c, 1, i, k] * step[b, k]
-            x = last[c, i] + 2.0 / relaxation * (p[c, i] - last[c, i]) - rho[c] * gain
-            carried[c, i] = x
-            for k in range(n):
-                momentum[to, k] += jacobian[c, 0, i, k] * x
-                momentum[other, k] += jacobian[c, 1, i, k] * x
+    partition, joints, rho, n = work.partition, work.partition.joints, work.factor.rho, len(work.problem.n)
+    step, carried, place, target = work.iterates.correction, work.iterates.carried, partition.place, partition.target
+    for g in range(partition.joint[q], partition.joint[q + 1]):
+        twist, wrench = twist_of(joints, g, step, place[g, 0], place[g, 1], n), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for c in range(joints.start[g], joints.start[g + 1]):
+            gain = velocity_at(joints, twist, c)
+            for i in range(len(work.problem.m)):
+                carried[c, i] = last[c, i] + 2.0 / relaxation * (p[c, i] - last[c, i]) - rho[c] * gain[i]
+            wrench = add_to_wrench(joints, wrench, c, carried[c, 0], carried[c, 1], carried[c, 2] if carried.shape[1] == 3 else 0.0)
+        add_wrench(joints, g, wrench, target[g, 0], target[g, 1], work.iterates.momentum, n)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.friction.operators import OrderedProblem, ProblemArrays
+from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.solvers.contact_partition import ContactPartition
@@ -21,6 +21,20 @@ class AdmmSettings(NamedTuple):
     rate: float  # error over the change of p, as measured last, or 1
     tolerance: float  # natural map error
     limit: int  # iterations
+
+
+class SortedProblem(NamedTuple):
+    """A friction problem with its bodies in order of elimination and its contacts subtree by subtree; the partition has their joints."""
+
+    inverse: np.ndarray  # (N, n, n) M^-1
+    mass: np.ndarray  # (N, n, n) M
+    free: np.ndarray  # (N, n) v_free
+    offset: np.ndarray  # (C, m)
+    mu: np.ndarray  # (C,)
+    compliance: np.ndarray  # (C, m) or (0, m)
+    d: np.ndarray  # (C,) trace(W_cc + C_cc) / m
+    m: tuple[int, ...]  # m zeros
+    n: tuple[int, ...]  # n zeros
 
 
 class Iterates(NamedTuple):
@@ -53,8 +67,8 @@ class AdmmFactor(NamedTuple):
 class AdmmWorkspace(NamedTuple):
     """All that the threads of a team work on."""
 
-    problem: OrderedProblem  # its contacts subtree by subtree
-    partition: ContactPartition  # which says of each of them where it was
+    problem: SortedProblem
+    partition: ContactPartition  # its contacts by subtree and joint, and where they were
     iterates: Iterates
     factor: AdmmFactor
     sums: np.ndarray  # (3, K) partial sums of the subtrees: changes of p after even and odd iterations, squared residuals
@@ -71,17 +85,16 @@ def allocate_workspace(
         partition: of the contacts.
         kept: squares, panels and rho of a factorisation.
     """
-    jacobian, offset, mu, compliance = given.jacobian, given.offset, given.mu, given.compliance
-    symbolic, count, (contacts, _, m, n) = pattern.symbolic, pattern.nodes, jacobian.shape
+    offset, mu, compliance = given.offset, given.mu, given.compliance
+    symbolic, count, (contacts, _, m, n) = pattern.symbolic, pattern.nodes, given.jacobian.shape
     rows = count + 1 + len(symbolic.node_ghost)
     if len(symbolic.subtree) > 2:
-        jacobian, offset, mu, compliance = (np.empty_like(array) for array in (jacobian, offset, mu, compliance))
+        offset, mu, compliance = (np.empty_like(array) for array in (offset, mu, compliance))
     blocks, bodies, impulses, subtrees = (count, n, n), (count + 1, n), (contacts, m), len(symbolic.subtree) - 1
     doubles = [n * n * int(starts[-1]) if pattern.has_single_columns else 0 for starts in (symbolic.square, symbolic.panel)]
-    problem = OrderedProblem(
-        np.empty(blocks), np.empty(blocks), np.empty((count, n)), partition.place, partition.block, jacobian, offset, mu, compliance,
-        np.empty(contacts), given.m, given.n,
-    )  # fmt: skip
+    problem = SortedProblem(
+        np.empty(blocks), np.empty(blocks), np.empty((count, n)), offset, mu, compliance, np.empty(contacts), given.m, given.n
+    )
     iterates = Iterates(
         np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(bodies), np.empty(bodies),
         np.empty(bodies), np.empty((rows, n)), np.empty((rows, n), dtype=np.float32),

@@ -50,6 +50,8 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     if start is not None:
         impulse[:] = start.impulse
     limit = LIMIT if options.max_iterations is None else options.max_iterations
+    if isinstance(problem, FrictionProblem) and problem.contacts == 0:  # blocks in the air; nothing is compiled for them
+        return Solution(impulse, problem.body_velocity(impulse), 0, _reason(0.0, options))
     if isinstance(problem, FrictionProblem) and problem.contacts >= COLOURED:
         return _solve_coloured(problem, options, impulse, limit)
     settings = NlgsSettings(options.tolerance, limit, options.seed, EVERY)

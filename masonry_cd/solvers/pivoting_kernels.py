@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.friction.coulomb_law import OPEN, SLIP
+from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK
 from masonry_cd.friction.operators import change_at
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.triangular import solve_ldu
 from masonry_cd.solvers.central_path import add_flat
 from masonry_cd.solvers.linearised import keep_better
-from masonry_cd.solvers.proximal_kernels import FREE, HELD, allocate_springs, first_change, softness, spring_blocks
+from masonry_cd.solvers.proximal_kernels import FREE, HELD, allocate_springs, softness, spring_blocks
 
 UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
 GROWTH = 10.0  # of K from one problem with springs to the next
@@ -93,6 +93,38 @@ def pivot(problem, work, path, k):
     return path.ratio[k]
 
 
+@borrower(fastmath={"contract"})
+def next_kink(problem, springs, stiffness, rate, taken):
+    """Go on by ``taken`` along the changes of the trial impulses, and renew these by the rate of v (B + 1, n).
+
+    Returns the step to the first kink, the contact that changes its status there, and its new status.
+    """
+    x, dx, status, jacobian, index, n = springs.x, springs.dx, springs.status, problem.jacobian, problem.places, len(problem.n)
+    first, which, new = np.inf, -1, OPEN
+    for c in range(len(status)):
+        soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, 2)
+        x_n, x_t = x[c, 0] + taken * dx[c, 0], x[c, 1] + taken * dx[c, 1]
+        d_n, d_t = -change_at(jacobian, index, c, 0, rate, n) / soft_n, -change_at(jacobian, index, c, 1, rate, n) / soft_t
+        x[c, 0], x[c, 1], dx[c, 0], dx[c, 1] = x_n, x_t, d_n, d_t
+        if status[c] == OPEN:
+            if d_n > 0.0 and -x_n < first * d_n:
+                first, which, new = max(-x_n, 0.0) / d_n, c, SLIP
+            continue
+        if d_n < 0.0 and x_n < -first * d_n:
+            first, which, new = max(-x_n / d_n, 0.0), c, OPEN
+        if status[c] == SLIP:  # until |x_t| falls to mu x_n; never without friction, or rounding would have it stick and slip by turns
+            side = 1.0 if x_t > 0.0 else -1.0
+            beyond, fall = side * x_t - problem.mu[c] * x_n, problem.mu[c] * d_n - side * d_t
+            if problem.mu[c] > 0.0 and fall > 0.0 and beyond < first * fall:
+                first, which, new = max(beyond, 0.0) / fall, c, STICK
+            continue
+        for side in (-1.0, 1.0):  # until it rises to that
+            below, rise = problem.mu[c] * x_n - side * x_t, side * d_t - problem.mu[c] * d_n
+            if rise > 0.0 and below < first * rise:
+                first, which, new = max(below, 0.0) / rise, c, SLIP
+    return first, which, new
+
+
 @kernel()
 def set_out(kind, moved, work, springs, stiffness, path, left, held):
     """Factorise where the path is, and find its rate there; False if the matrix is singular."""
@@ -121,9 +153,7 @@ def follow(kind, moved, work, springs, stiffness, path, counts):
             return False
         held, taken = HELD, 0.0
         for k in range(UPDATES):
-            add_flat(springs.x, taken, springs.dx)
-            kind.spring_changes(moved, springs, stiffness, path.rate)
-            step, c, beyond = first_change(moved.mu, springs.status, springs.x, springs.dx, moved.m)
+            step, c, beyond = next_kink(moved, springs, stiffness, path.rate, taken)
             if step >= left:
                 add_flat(path.v, left, path.rate)
                 kind.spring_residual(moved, springs, stiffness, path.v, HELD, path.residual)

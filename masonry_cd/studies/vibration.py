@@ -29,7 +29,7 @@ from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError, parse_table
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.blocks import Assembly, refuse_spheres
 from reports.modal.elastic_joints import joint_modes
 from reports.modal.shapes import RigidShapes
 
@@ -91,6 +91,7 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
     scene = read_scene(scene_path, changes)
     blocks = build_blocks(scene)
     try:
+        refuse_spheres(blocks, "structure: the modal check")
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         companion = linear_modes(assembly, max(asked.modes, MODES if asked.sweep else 0))
         rows = free_vibration(assembly, scene.run, companion, asked.modes)

@@ -4,7 +4,8 @@
                                "density": 2200, "fixed": false, "group": "arch"}, ...]}
 
 Faces are zero-based loops of vertices, counter-clockwise seen from outside. A block that is not convex lists the convex parts that
-fill it, ``"parts": [{"vertices": ..., "faces": ...}, ...]``, besides its own shell. Name, density, group and units have defaults:
+fill it, ``"parts": [{"vertices": ..., "faces": ...}, ...]``, besides its own shell. A sphere has ``"centre": [x, y, z]`` and
+``"radius": r`` in the place of vertices and faces. Name, density, group and units have defaults:
 b0, b1 ...; the material's density; ``base`` for fixed blocks and ``block`` for the others; metres. Other keys at the top
 level are left alone, so that a program may keep its own notes in the same file.
 """
@@ -25,6 +26,7 @@ from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError, parse_table, suggest
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, Polyhedron
+from masonry_cd.model.sphere import ball_centre
 from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.convex import split
 from structures.geometry.merge_coplanar import merge_coplanar
@@ -46,18 +48,30 @@ class Part(BaseModel):
     faces: Loops
 
 
-class Entry(BaseModel):
-    """One block of a block file."""
+class _Keys(BaseModel):
+    """What any block of a block file has."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     name: str | None = Field(None, min_length=1)
-    vertices: Vertices
-    faces: Loops
     density: float | None = Field(None, gt=0, allow_inf_nan=False)
     fixed: bool = False
     group: str | None = Field(None, min_length=1)
+
+
+class Entry(_Keys):
+    """A polyhedron."""
+
+    vertices: Vertices
+    faces: Loops
     parts: list[Part] = []
+
+
+class Sphere(_Keys):
+    """A sphere."""
+
+    centre: Annotated[list[Finite], Field(min_length=3, max_length=3)]
+    radius: float = Field(gt=0, allow_inf_nan=False)
 
 
 def sound(blocks: Sequence[Block], source: str) -> list[Block]:
@@ -68,7 +82,7 @@ def sound(blocks: Sequence[Block], source: str) -> list[Block]:
     """
     check_shells(blocks, source)
     try:
-        parted = [split(block) for block in blocks]
+        parted = [block if block.radius else split(block) for block in blocks]
     except RuntimeError as failure:
         raise Unsound(f"{source}: {failure}", [str(failure).split('"')[1]], blocks) from None
     check(parted, source)
@@ -106,8 +120,7 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
     for block in blocks:
         entry: dict[str, Any] = {
             "name": block.name,
-            "vertices": block.vertices.tolist(),
-            "faces": [list(face) for face in block.faces],
+            **_form(block),
             **({} if math.isnan(block.density) else {"density": block.density}),
             "fixed": block.fixed,
             "group": block.group,
@@ -117,6 +130,13 @@ def write(path: Path, blocks: Sequence[Block]) -> None:
         lines.append(json.dumps(entry))
     with replacing(path) as part:
         part.write_text('{"units": "m", "blocks": [\n' + ",\n".join(lines) + "\n]}\n", encoding="utf-8")
+
+
+def _form(block: Block) -> dict[str, Any]:
+    """Vertices and faces of a polyhedron, centre and radius of a sphere."""
+    if block.radius:
+        return {"centre": ball_centre(block.vertices).tolist(), "radius": block.radius}
+    return {"vertices": block.vertices.tolist(), "faces": [list(face) for face in block.faces]}
 
 
 def _load(path: Path) -> dict[str, Any]:
@@ -151,18 +171,24 @@ def _block(entry: Any, index: int, density: float, scale: float, path: Path) -> 
     given = entry.get("name") if isinstance(entry, dict) else None
     where = f'{path.name}: block "{given}"' if isinstance(given, str) else f"{path.name}: blocks[{index}]"
     if not isinstance(entry, dict):
-        raise InputError(f"{where}: must be an object with vertices and faces")
+        raise InputError(f"{where}: must be an object with vertices and faces, or centre and radius")
+    if "radius" in entry or "centre" in entry:
+        ball = parse_table(Sphere, entry, where)
+        return Block.sphere(centre=np.array(ball.centre) * scale, radius=ball.radius * scale, **_common(ball, index, density))
     parsed = parse_table(Entry, entry, where)
     vertices, faces = _shell(parsed, scale)
-    return Block(
-        name=parsed.name or f"b{index}",
-        vertices=vertices,
-        faces=faces,
-        density=density if parsed.density is None else parsed.density,
-        group=parsed.group or ("base" if parsed.fixed else "block"),
-        fixed=parsed.fixed,
-        parts=tuple(Polyhedron(*_shell(part, scale)) for part in parsed.parts),
-    )
+    parts = tuple(Polyhedron(*_shell(part, scale)) for part in parsed.parts)
+    return Block(vertices=vertices, faces=faces, parts=parts, **_common(parsed, index, density))
+
+
+def _common(parsed: _Keys, index: int, density: float) -> dict[str, Any]:
+    """What any block has, with its defaults."""
+    return {
+        "name": parsed.name or f"b{index}",
+        "density": density if parsed.density is None else parsed.density,
+        "group": parsed.group or ("base" if parsed.fixed else "block"),
+        "fixed": parsed.fixed,
+    }
 
 
 def _shell(entry: Entry | Part, scale: float) -> tuple[np.ndarray, Faces]:

@@ -1,4 +1,5 @@
-"""Are these blocks sound? Closed, oriented outwards, planar, convex, apart from each other: each error names its blocks.
+"""Are these blocks sound? Closed, oriented outwards, planar, convex, apart from each other: each error names its blocks. Spheres, which
+have no faces of their own, are sound where their numbers are, and apart from all others.
 
 A shell is closed and consistently oriented when each directed edge occurs once and its reverse occurs once; it points
 outwards when its volume is positive. A shell with planar faces is convex when no vertex lies outside the plane of any
@@ -18,7 +19,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Polyhedra, Polyhedron, area_vectors, mass_properties
 from masonry_cd.model.polygon import next_in_loop
-from structures.geometry.overlap import overlapping_pairs
+from structures.geometry.overlap import overlapping_pairs, overlapping_spheres
 
 FLATNESS = 1e-5  # of faces and of convexity, relative to the size of the block
 SLIGHT = 1e-3  # overlap that closing gaps takes away, relative to the median size of the blocks
@@ -86,13 +87,18 @@ def _located(blocks: Sequence[Block], source: str) -> Iterator[None]:
         raise Unsound(f"{source}: {failure}" if source else str(failure), failure.faulty, blocks) from None
 
 
-def _check_shells(blocks: Sequence[Block]) -> tuple[Shells, list[tuple[int, Polyhedron]]]:
-    """The shells of all blocks and, after these, of their parts: flat, and as they are with the block of each."""
+def _check_shells(blocks: Sequence[Block]) -> tuple[Shells | None, list[tuple[int, Polyhedron]]]:
+    """The shells of all polyhedra and, after these, of their parts: flat, and as they are with the block of each; None of spheres alone."""
     if not blocks:
         raise Unsound("structure: no blocks")
     _check_names(blocks)
-    whole = [(i, _checked(Polyhedron(block.vertices, block.faces), block)) for i, block in enumerate(blocks)]
-    parts = [(i, _checked(part, block)) for i, block in enumerate(blocks) for part in block.parts]
+    for block in blocks:
+        _check_sphere(block)
+    solid = [(i, block) for i, block in enumerate(blocks) if not block.radius]
+    whole = [(i, _checked(Polyhedron(block.vertices, block.faces), block)) for i, block in solid]
+    parts = [(i, _checked(part, block)) for i, block in solid for part in block.parts]
+    if not whole:
+        return None, []
     shells = Shells.of(whole + parts)
     _check_closed(blocks, shells)
     _check_faces(blocks, shells)
@@ -102,12 +108,16 @@ def _check_shells(blocks: Sequence[Block]) -> tuple[Shells, list[tuple[int, Poly
 
 def _check(blocks: Sequence[Block]) -> None:
     shells, items = _check_shells(blocks)
-    convex = np.array([not block.parts for block in blocks] + [True] * (len(items) - len(blocks)))
-    check_convex(blocks, shells, convex)
-    if len(items) > len(blocks):
-        _check_filled(blocks)
-        shells = Shells.of([item for item, keep in zip(items, convex, strict=True) if keep])
-    _check_overlap(blocks, shells)
+    if shells is not None:
+        whole = [not block.parts for block in blocks if not block.radius]
+        convex = np.array(whole + [True] * (len(items) - len(whole)))
+        check_convex(blocks, shells, convex)
+        if len(items) > len(whole):
+            _check_filled(blocks)
+            shells = Shells.of([item for item, keep in zip(items, convex, strict=True) if keep])
+        _check_overlap(blocks, shells)
+    if any(block.radius for block in blocks):
+        _check_spheres_apart(blocks)
 
 
 def _check_names(blocks: Sequence[Block]) -> None:
@@ -125,6 +135,14 @@ def _check_names(blocks: Sequence[Block]) -> None:
             raise Unsound(f'block "{block.name}": brings no density of its own, and material.density is missing', [block.name])
         if not 0 < block.density < np.inf:
             raise Unsound(f'block "{block.name}": density must be above 0 kg/m3, got {block.density:g}', [block.name])
+
+
+def _check_sphere(block: Block) -> None:
+    """Refuse a radius that is none, and a centre that is not finite."""
+    if not 0.0 <= block.radius < np.inf:
+        raise Unsound(f'block "{block.name}": radius must be above 0 m, got {block.radius:g}', [block.name])
+    if block.radius and not np.isfinite(block.vertices).all():
+        raise Unsound(f'block "{block.name}": its centre is not finite', [block.name])
 
 
 def _checked(shell: Polyhedron, block: Block) -> Polyhedron:
@@ -255,6 +273,16 @@ def _check_overlap(blocks: Sequence[Block], shells: Shells) -> None:
     slight = depths[deepest] <= SLIGHT * float(np.median(shells.size))
     mend = f"; of a file, structure.gaps = {_round_up(2.0 * depths[deepest]):g} [m] brings their faces together" if slight else ""
     raise Unsound(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.4g} mm{more}{mend}', _names(blocks, owner[pairs].ravel()))
+
+
+def _check_spheres_apart(blocks: Sequence[Block]) -> None:
+    """No sphere in the place of another block."""
+    pairs, depths = overlapping_spheres(blocks, OVERLAP)
+    if len(depths):
+        deepest = int(np.argmax(depths))
+        a, b = (blocks[i].name for i in sorted(pairs[deepest]))
+        more = f"; {len(depths) - 1} more pairs overlap" if len(depths) > 1 else ""
+        raise Unsound(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.4g} mm{more}', _names(blocks, pairs.ravel()))
 
 
 def _round_up(value: float) -> float:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block
+from masonry_cd.model.blocks import Block, refuse_spheres
 from masonry_cd.model.geometry import Faces, Polyhedron, sixfold_volumes, triangles
 from masonry_cd.model.polygon import clip, loop_normal, loop_planes
 from structures.geometry.checks import FLATNESS
@@ -62,6 +62,7 @@ def halves(block: Block, normal: np.ndarray, offset: float) -> tuple[Block | Non
     sides = _below(cell, normal, offset, on), _below(cell, -normal, -offset, on)
     if sides[0] is None or sides[1] is None:
         return (block, None) if sides[1] is None else (None, block)
+    refuse_spheres([block], "structure: cutting by a plane")
     below, above = (_finished(side, block, on) for side in sides if side is not None)
     return replace(block, vertices=below.vertices, faces=below.faces), replace(block, vertices=above.vertices, faces=above.faces)
 

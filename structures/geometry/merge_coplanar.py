@@ -21,7 +21,7 @@ COPLANAR = 1e-6  # relative to the size of the block
 
 def merge_coplanar(blocks: Sequence[Block]) -> list[Block]:
     """Merge the coplanar faces of checked convex blocks; blocks with parts, and sound ones, are returned as they are."""
-    return [block if block.parts else _with_merged_faces(block) for block in blocks]
+    return [block if block.parts or block.radius else _with_merged_faces(block) for block in blocks]
 
 
 def _with_merged_faces(block: Block) -> Block:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block
+from masonry_cd.model.blocks import Block, refuse_spheres
 from structures.files import blockfile, meshfile
 from structures.files.blockfile import METRES, sound
 from structures.geometry.checks import Unsound, check, check_shells
@@ -44,6 +44,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
             raise InputError(f"structure.{key}: belongs to {', '.join(meshfile.FORMATS)} files; {path.name} states it itself")
     blocks = _from_mesh(keys, path, density) if is_mesh else blockfile.read_unchecked(path, density)
     if keys.gaps is not None:
+        refuse_spheres(blocks, "structure.gaps: closing gaps between faces")
         check_shells(blocks, path.name)
         try:
             blocks, moved, pairs = close_gaps(blocks, keys.gaps)

@@ -27,7 +27,6 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import mass_properties
 from structures import size
 from structures.files import foreign
 from structures.files.blockfile import METRES, sound
@@ -74,7 +73,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
     _trusted(keys, path)
     stones, (whole, curved, off) = _cut(keys, path, scale)
     blocks = _named(stones, keys, scale, density, path.name)
-    filled = sum(mass_properties(block.vertices, block.faces).volume for block in blocks)
+    filled = sum(block.mass_properties.volume for block in blocks)
     if not curved and abs(filled / (whole * scale**3) - 1.0) > FILLED:
         raise InputError(f"{path.name}: its pieces have {filled:.9g} m3, the solid has {whole * scale**3:.9g} m3")
     notes = []

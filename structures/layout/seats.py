@@ -10,7 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.errors import InputError
-from masonry_cd.model.blocks import Block
+from masonry_cd.model.blocks import Block, refuse_spheres
 from masonry_cd.model.geometry import Polyhedron
 from structures.geometry.compound_block import GRID, compound_block
 from structures.geometry.convex import halves
@@ -30,6 +30,7 @@ def without_box(block: Block, low: np.ndarray, high: np.ndarray, least: float) -
     """
     if (block.vertices.max(axis=0) <= low + ON).any() or (block.vertices.min(axis=0) >= high - ON).any():
         return [block]
+    refuse_spheres([block], "structure.floors: cutting seats")
     cells = [replace(block, vertices=part.vertices, faces=part.faces, parts=()) for part in block.convex_parts]
     for axis in range(3):
         for place in (low[axis], high[axis]):

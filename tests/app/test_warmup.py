@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import time
@@ -48,6 +49,28 @@ def test_a_run_of_blocks_that_deform_compiles_nothing(block_on_plate, tmp_path):
         "material.young=1e9",
     ]
     prepared = prepare(read_scene(block_on_plate(), changes))
+    before = versions()
+    assert run_case(prepared, tmp_path / "out")["steps"] == 100
+    assert versions() - before == Counter()
+
+
+def test_blocks_that_drop_and_land_compile_nothing(block_on_plate, tmp_path):
+    scene = block_on_plate()
+    text = (scene.parent / "blocks.json").read_text()
+    (scene.parent / "blocks.json").write_text(text.replace("0.25, 0.0]", "0.25, 0.01]"))  # the lower corners of the block
+    prepared = prepare(read_scene(scene, ["run.solver=auto", "run.settle=false", "run.duration=0.1"]))
+    before = versions()
+    assert run_case(prepared, tmp_path / "out")["steps"] == 100
+    assert versions() - before == Counter()
+
+
+def test_a_run_with_spheres_compiles_nothing(block_on_plate, tmp_path):
+    scene = block_on_plate()
+    blocks = scene.parent / "blocks.json"
+    structure = json.loads(blocks.read_text())
+    structure["blocks"].append({"name": "ball", "centre": [-1.2, 0.0, 0.26], "radius": 0.25, "density": 2000.0})
+    blocks.write_text(json.dumps(structure))
+    prepared = prepare(read_scene(scene, ["run.solver=nlgs", "run.settle=false", "run.duration=0.1", "material.rolling_friction=0.01"]))
     before = versions()
     assert run_case(prepared, tmp_path / "out")["steps"] == 100
     assert versions() - before == Counter()

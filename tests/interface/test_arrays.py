@@ -39,6 +39,15 @@ def test_pairs_dicts_and_blocks_are_the_same_blocks_as_those_of_a_file(tables: d
             assert one.faces == other.faces
 
 
+def test_spheres_stand_beside_polyhedra(tables: dict[str, Any]) -> None:
+    ground, ball = mc.box((-1, -1, -1), (1, 1, 0)), {"centre": np.array([0.0, 0.0, 0.3]), "radius": 0.3, "group": "balls"}
+    made = mc.scene(tables | {"structure": {"blocks": [ground, ball], "fixed": "b0"}}).structure
+    again = mc.scene(tables | {"structure": list(made)}).structure
+    for one in (made["b1"], again["b1"]):
+        assert (one.radius, one.group, one.vertices[0].tolist()) == (0.3, "balls", [0.0, 0.0, 0.3])
+    assert made.table["volume"].iloc[1] == pytest.approx(4 / 3 * np.pi * 0.027)
+
+
 def test_keys_of_a_structure_stand_beside_its_blocks(tables: dict[str, Any]) -> None:
     apart = [mc.box((-1, -1, -1), (1, 1, 0)), mc.box((-0.3, -0.3, 0.001), (0.3, 0.3, 1))]
     made = mc.scene(tables | {"structure": {"blocks": apart, "fixed": "b0", "gaps": 0.002}}).structure
@@ -59,10 +68,16 @@ def test_keys_of_a_structure_stand_beside_its_blocks(tables: dict[str, Any]) -> 
             'structure.blocks: block "b0": faces: loops of whole numbers are needed, [[0, 1, 2], ...], counted from zero',
         ),
         ([{"name": "a", "vertices": np.zeros((4, 3))}], 'structure.blocks: block "a": faces: missing'),
+        ([{"name": "a", "centre": (0, 0, 0)}], 'structure.blocks: block "a": radius: missing'),
+        ([{"centre": (0, 0), "radius": 1}], 'structure.blocks: block "b0": centre: an array of shape (3,) is needed, got (2,)'),
+        (
+            [{"centre": (0, 0, 0), "radius": 1, "faces": []}],
+            'structure.blocks: block "b0": faces: a sphere, which has centre and radius, has none',
+        ),
         (
             [{"vertexes": 1}],
             'structure.blocks: block "b0": vertexes: unknown key (did you mean "vertices"?); '
-            "known keys: name, vertices, faces, density, group, fixed",
+            "known keys: name, vertices, faces, centre, radius, density, group, fixed",
         ),
     ],
 )

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from masonry_cd.linalg import ordering
 from masonry_cd.linalg.cholesky import factorise_cholesky
+from masonry_cd.linalg.elimination_tree import THIN
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.linalg.supernodes import BlockMatrix, allocate_factors
@@ -115,7 +116,7 @@ def test_subtrees_change_the_order_of_the_work_and_not_the_answer(limit: int, sy
 def test_cholesky_takes_what_is_positive_definite_and_nothing_that_it_cannot_solve(n: int, graph: str, data: st.DataObject) -> None:
     """Dominant or not: the least eigenvalue is shifted to either side of zero. Indefinite ones are refused where there are supernodes; in
     loose graphs, whose columns stay alone, they may be factorised as L D L^T, and then the answer has to be right."""
-    nodes, density = (st.integers(8, 40), st.just(1.0)) if graph == "complete" else (NODES, DENSITY)
+    nodes, density = (st.integers(int(2 * THIN) + 2, 40), st.just(1.0)) if graph == "complete" else (NODES, DENSITY)
     matrix = data.draw(matrices(n, True, dominant=False, nodes=nodes, density=density))
     eigenvalues = np.linalg.eigvalsh(matrix.square)
     size = np.abs(eigenvalues).max()

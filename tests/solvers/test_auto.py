@@ -40,7 +40,7 @@ def test_limit_bounds_all_methods_together() -> None:
 
 def test_learns_which_method_to_begin_with() -> None:
     """After a step that ADMM could not finish, the next one begins with Newton; what is solved at the start teaches nothing."""
-    problem = thrown(0.3)
+    problem = thrown(3.0)
     first = solve(problem, Options(tolerance=1e-9), None)
     assert first.reason == "admm + newton: converged"
     nearby = replace(problem, v_free=1.001 * problem.v_free)

@@ -28,6 +28,10 @@ def cube(**changes: Any) -> dict[str, Any]:
     return {"name": "c", "vertices": vertices.tolist(), "faces": [list(face) for face in faces], **changes}
 
 
+def ball(**changes: Any) -> dict[str, Any]:
+    return {"name": "s", "centre": [0.5, 0.5, 1.4], "radius": 0.5, **changes}
+
+
 def saved(folder: Path, content: Any) -> Path:
     path = folder / "blocks.json"
     path.write_text(content if isinstance(content, str) else json.dumps(content))
@@ -46,6 +50,21 @@ def test_blocks_come_back_to_the_bit(tmp_path: Path) -> None:
             there.group,
             there.fixed,
         )
+
+
+def test_spheres_come_back_to_the_bit(tmp_path: Path) -> None:
+    blocks = [*blockfile.read(saved(tmp_path, {"blocks": [cube(fixed=True)]}), 2000.0), Block.sphere("s", np.array([0.1, 0.2, 1.7]), 0.3)]
+    blockfile.write(tmp_path / "blocks.json", blocks)
+    there = blockfile.read(tmp_path / "blocks.json", 2000.0)[1]
+    assert (there.radius, there.name, there.group, there.density) == (0.3, "s", "block", 2000.0)
+    assert there.vertices.tobytes() == blocks[1].vertices.tobytes()
+    assert there.faces == blocks[1].faces
+
+
+def test_the_centre_and_the_radius_of_a_sphere_are_in_units_of_the_file(tmp_path: Path) -> None:
+    (made,) = blockfile.read(saved(tmp_path, {"units": "cm", "blocks": [ball(centre=[50, 50, 140], radius=50)]}), 2000.0)
+    assert made.radius == 0.5
+    assert made.mass_properties.centre == pytest.approx([0.5, 0.5, 1.4])
 
 
 def test_what_a_file_leaves_out_has_defaults(tmp_path: Path) -> None:
@@ -101,6 +120,12 @@ def test_a_plain_block_is_left_as_it_is() -> None:
         ({"blocks": [cube(faces=cube()["faces"][:-1])]}, 'blocks.json: block "c": open shell'),
         ({"blocks": [cube(faces=[face[::-1] for face in cube()["faces"]])]}, 'blocks.json: block "c": its faces are reversed'),
         ({"blocks": [cube(), cube(name="d")]}, 'blocks.json: blocks "c" and "d" overlap by 1000 mm'),
+        ({"blocks": [ball(radius=0.0)]}, 'blocks.json: block "s".radius: input should be greater than 0'),
+        ({"blocks": [{"name": "s", "radius": 1.0}]}, 'blocks.json: block "s".centre: missing'),
+        ({"blocks": [ball(centre=[0, 0])]}, 'blocks.json: block "s".centre: list should have at least 3 items'),
+        ({"blocks": [ball(vertices=[])]}, 'blocks.json: block "s".vertices: unknown key'),
+        ({"blocks": [cube(), ball()]}, 'blocks.json: blocks "c" and "s" overlap by 100 mm'),
+        ({"blocks": [ball(), ball(name="t", centre=[0.5, 0.5, 2.2])]}, 'blocks.json: blocks "s" and "t" overlap by 200 mm'),
     ],
 )
 def test_what_is_wrong_in_a_file_is_named(tmp_path: Path, content: Any, message: str) -> None:
