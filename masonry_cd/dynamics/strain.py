@@ -162,6 +162,8 @@ class Strains:
         """Strain rates (D, S) at the end of the step without contact, from strains (B, 6 + r) and velocities (F, n) at its beginning."""
         theta, beta, h, rate = self.deformation.theta, self.deformation.retardation, self.step, self.rates(v)
         stretch = h * self._own(strain) + h * (theta * h + beta)[:, None] * rate
+        if self.warps is None:  # one sum: few unknowns
+            return np.asarray(rate - np.einsum("dij,djk,dk->di", self.inverse, self.stiffness, stretch))
         return np.asarray(rate - np.einsum("dij,dj->di", self.inverse, np.einsum("djk,dk->dj", self.stiffness, stretch)))
 
     def work(self, before: np.ndarray, after: np.ndarray, v: np.ndarray, v_new: np.ndarray) -> StrainWork:
