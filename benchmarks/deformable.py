@@ -1,12 +1,14 @@
 r"""When rigid blocks are enough: motion and cost of rigid blocks, of elastic joints and of blocks that deform, over Young's modulus.
 
-    python -m benchmarks.deformable [arch] [pier] [aqueduct] [wall] [--young 1e8 1e9 1e10] [--out TABLE.md]
+    python -m benchmarks.deformable [arch] [pier] [aqueduct] [wall] [--young 1e8 1e9 1e10]
+        [--kinds "uniform strain"] [--out TABLE.md]
 
 **arch, pier** and the demo **aqueduct** move in a plane, **wall** across its own. Each runs with rigid blocks on rigid joints; then, for
 each modulus E, with rigid blocks on elastic joints as soft as the blocks beside them (1 / k is the sum of height / E of both halves, the
-median over the joints, Poisson's ratio 0.2), and with blocks of uniform strain on rigid joints; what is elastic has 5 % of critical
-damping at 10 Hz. Largest displacement, opening and sliding are those of all steps. The cost is in milliseconds of the processor per step,
-and beside it that over the rigid row's, so run it on an idle machine.
+median over the joints, Poisson's ratio 0.2), with blocks of uniform strain and with blocks of as few elements as they can have, on rigid
+joints; what is elastic has 5 % of critical damping at 10 Hz. Largest displacement, drift, opening and sliding are those of all steps, the
+drift that of the structure as ``damage.csv`` has it; the first crack is when a joint first opens by more than 0.1 mm. The cost is in
+milliseconds of the processor per step, and beside it that over the rigid row's, so run it on an idle machine.
 
 Where the motion is sensitive to the last digit (``docs/accuracy.md``), differences of a row are within the spread of an ensemble.
 """
@@ -14,20 +16,26 @@ Where the motion is sensitive to the last digit (``docs/accuracy.md``), differen
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from benchmarks.sitting import HERE, head, sitting
 from masonry_cd.app.case import prepare, structure_of
+from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import Scene, parse_scene
-from masonry_cd.studies.discarded import run_and_discard
+from masonry_cd.io.results import Results
+from masonry_cd.studies.study.numbers import of_run
 from reports.modal.elastic_joints import joint_stiffness
 
 POISSON = 0.2
 DAMPED = ("damping=0.05", "damping_frequency=10.0")  # of what is elastic
+KINDS = ("elastic joints", "uniform strain", "tetrahedra")
+COARSE = 10.0  # size of the elements of tetrahedra [m]: as few of them as a block can have
 EXAMPLE = HERE.parent / "examples/aqueduct_sinusoidal.toml"
 TEXT = """
 [structure]
@@ -63,11 +71,23 @@ class Row(NamedTuple):
     name: str
     young: float  # [Pa]; inf: rigid
     summary: Mapping[str, Any]
+    drift: float  # the largest, as a share of the height
+    first_crack: float  # time of it [s]; NaN: no joint opened
+    cost: float  # milliseconds of the processor per step, files included
 
-    @property
-    def cost(self) -> float:
-        """Milliseconds of the processor per step, files included."""
-        return 1e3 * float(self.summary["processor"]) / int(self.summary["steps"])
+
+def row(name: str, young: float, asked: Scene) -> Row:
+    """The numbers of a run whose files are thrown away."""
+    case, begin = prepare(asked), time.process_time()
+    with TemporaryDirectory() as folder:
+        summary = run_case(case, Path(folder) / "out")
+        spent = time.process_time() - begin
+        file = Path(folder) / "out" / "result.h5"
+        drift = of_run(file, summary, asked)[0]["drift"]
+        with Results.open(file) as results:
+            opened = results.peaks["first_opening_time"]
+    first = float(np.nanmin(opened)) if np.isfinite(opened).any() else np.nan
+    return Row(name, young, summary, np.nan if drift is None else drift, first, 1e3 * spent / int(summary["steps"]))
 
 
 def scene(name: str, *changes: str) -> Scene:
@@ -75,34 +95,53 @@ def scene(name: str, *changes: str) -> Scene:
     return parse_scene(SCENES[name], EXAMPLE.with_name(f"{name}.toml"), changes)
 
 
-def runs(name: str, moduli: list[float]) -> Iterator[Row]:
+def runs(name: str, moduli: list[float], kinds: Collection[str]) -> Iterator[Row]:
     """All runs of a scene, the rigid one first."""
     rigid = scene(name)
-    yield Row("rigid", np.inf, run_and_discard(prepare(rigid)))
+    yield row("rigid", np.inf, rigid)
     made = structure_of(rigid)
     unit = float(np.median(joint_stiffness(made.assembly, made.joints, np.ones(made.assembly.count), POISSON)[0]))
     for young in moduli:
-        joints = (f"normal_stiffness={young * unit:.4g}", *DAMPED)
-        yield Row("elastic joints", young, run_and_discard(prepare(scene(name, *(f"material.joints.{each}" for each in joints)))))
-        blocks = ("deformable=uniform", f"young={young}", f"poisson={POISSON}", *DAMPED)
-        yield Row("uniform strain", young, run_and_discard(prepare(scene(name, *(f"material.{each}" for each in blocks)))))
+        elastic = (f"young={young}", f"poisson={POISSON}", *DAMPED)
+        keys = {
+            "elastic joints": [f"joints.{each}" for each in (f"normal_stiffness={young * unit:.4g}", *DAMPED)],
+            "uniform strain": ["deformable=uniform", *elastic],
+            "tetrahedra": ["deformable=tetrahedra", f"mesh_size={COARSE}", *elastic],
+        }
+        for kind in KINDS:
+            if kind in kinds:
+                yield row(kind, young, scene(name, *(f"material.{each}" for each in keys[kind])))
 
 
-def table(name: str, moduli: list[float]) -> list[str]:
+def table(name: str, moduli: list[float], kinds: Collection[str]) -> list[str]:
     """The lines of a scene's table, shown as they come."""
     lines = [
         head(
-            "blocks", "E [GPa]", "displacement [mm]", "opening [mm]", "sliding [mm]", "joints opened", "missed", "ms per step", "over rigid"
+            "blocks",
+            "E [GPa]",
+            "displacement [mm]",
+            "drift [%]",
+            "first crack [s]",
+            "opening [mm]",
+            "sliding [mm]",
+            "joints opened",
+            "missed",
+            "ms per step",
+            "over rigid",
         )
     ]
     print(f"\n{name}\n\n{lines[0]}", flush=True)
     first = None
-    for row in runs(name, moduli):
-        first, s = first or row, row.summary
-        largest = [f"{1e3 * s[key]:.2f}" for key in ("displacement_max", "opening_max", "sliding_max")]
-        stiff = "rigid" if np.isinf(row.young) else f"{1e-9 * row.young:g}"
-        missed = s["solver"]["steps_missed"]
-        cells = [row.name, stiff, *largest, s["joints_opened"], missed, f"{row.cost:.2f}", f"{row.cost / first.cost:.1f}"]
+    for found in runs(name, moduli, kinds):
+        first, s = first or found, found.summary
+        moved, opening, sliding = (f"{1e3 * s[key]:.2f}" for key in ("displacement_max", "opening_max", "sliding_max"))
+        stiff = "rigid" if np.isinf(found.young) else f"{1e-9 * found.young:g}"
+        times = [
+            "" if np.isnan(found.drift) else f"{100.0 * found.drift:.2f}",
+            "" if np.isnan(found.first_crack) else f"{found.first_crack:.3f}",
+        ]
+        joints = [opening, sliding, s["joints_opened"], s["solver"]["steps_missed"]]
+        cells = [found.name, stiff, moved, *times, *joints, f"{found.cost:.2f}", f"{found.cost / first.cost:.1f}"]
         lines.append("| " + " | ".join(map(str, cells)) + " |")
         print(lines[-1], flush=True)
     return lines
@@ -113,13 +152,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="*", help=f"of {', '.join(SCENES)}; all when none is given")
     parser.add_argument("--young", nargs="+", type=float, default=[1e8, 1e9, 1e10], help="Young's moduli [Pa]")
+    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS, help="of what is elastic, beside rigid blocks")
     parser.add_argument("--out", type=Path, help="file for the tables")
     asked = parser.parse_args()
     names = asked.scenes or list(SCENES)
     if unknown := [name for name in names if name not in SCENES]:
         parser.error(f"no scene {unknown[0]}; scenes: {', '.join(SCENES)}")
     print(sitting())
-    tables = {name: table(name, asked.young) for name in names}
+    tables = {name: table(name, asked.young, asked.kinds) for name in names}
     if asked.out:
         asked.out.write_text("\n\n".join(f"**{name}**\n\n" + "\n".join(lines) for name, lines in tables.items()) + "\n")
 

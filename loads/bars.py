@@ -100,6 +100,21 @@ class Forces:
             np.add.at(out, blocks, force[:, :, None] * arm[:, None, :])
         return out
 
+    def acting(
+        self,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        velocity: np.ndarray,
+        step: int,
+        ticks: int = 1,
+        yielded: np.ndarray | None = None,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The blocks (N,) that forces act on, the forces (N, 3) [N], and their arms from the centres of mass (N, 3) [m], in the world
+        frame. Arguments as of :meth:`wrench`."""
+        every = list(self._acting(position, rotation, velocity, slice(step, step + ticks), yielded))
+        blocks, force, arm = (np.concatenate(arrays) for arrays in zip(*every, strict=True))
+        return blocks, force, arm
+
     def _acting(
         self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, steps: slice, yielded: np.ndarray | None
     ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:

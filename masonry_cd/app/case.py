@@ -22,8 +22,9 @@ from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import compile_kernels, keeps
 from masonry_cd.contact.find_joints import built_gap, find_joints
 from masonry_cd.dynamics.pauses import HOLD, STILL
-from masonry_cd.dynamics.planar import find_plane
+from masonry_cd.dynamics.planar import Plane, find_plane
 from masonry_cd.dynamics.settings import Run
+from masonry_cd.dynamics.strain import unknowns_of_strain
 from masonry_cd.errors import InputError, in_plain_words
 from masonry_cd.jit import lost, why_nothing_is_kept
 from masonry_cd.model.blocks import Assembly, Block
@@ -169,6 +170,8 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
         longest = run.longest_step if run.adaptive else None
         ties = [(bar.where, bar.load()) for bar in structure.bars]
         loading = loads.build(scene.loads, run.dt, run.steps, run.gravity, scene.folder, assembly, longest, ties)
+        plane = _plane(assembly, loading, run)
+        strained = unknowns_of_strain(assembly, plane)
     except InputError as error:
         raise scene.at_fault(error) from None
     if loading.support_velocity.any() and not assembly.fixed.any():
@@ -178,15 +181,8 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
         assembly = replace(assembly, support_of=loading.support_of)
     with _compiling():
         joints, built = structure.joints, structure.built_gap
-        planar = _is_planar(assembly, loading, scene.run)
-        compile_kernels(
-            scene.run.solver,
-            planar,
-            bool(assembly.laws.by_area.any()),
-            scene.stress,
-            deforms=assembly.deformation is not None,
-            spheres=bool(assembly.shapes.rounding.any()),
-        )
+        planar, by_area = plane is not None, bool(assembly.laws.by_area.any())
+        compile_kernels(scene.run.solver, planar, by_area, scene.stress, strained, bool(assembly.shapes.rounding.any()))
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = structure.falling if gravity else []
@@ -254,7 +250,7 @@ def _beyond_machine(threads: int | None) -> list[str]:
     return [f"run.threads: {threads} asked for, {there} used, as many as there are cores for this run"] if beyond else []
 
 
-def _is_planar(assembly: Assembly, loading: Loading, settings: Run) -> bool:
-    """Whether the run will be solved in a plane."""
+def _plane(assembly: Assembly, loading: Loading, settings: Run) -> Plane | None:
+    """The plane in which the run will be solved; None: in space."""
     motion = (State.at_rest(assembly), loading.support_velocity, loading.acceleration, loading.forces)
-    return settings.planar and find_plane(assembly, *motion) is not None
+    return find_plane(assembly, *motion) if settings.planar else None

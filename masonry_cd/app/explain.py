@@ -23,7 +23,7 @@ OUTPUTS = {
     "crack_map": "crack map", "times": "crack maps at times", "animation": "animation", "damage": "damage by part", "html": "page",
 }  # fmt: skip
 AXES = "xyz"
-UNKNOWNS = ("three unknowns per block instead of six", "six unknowns per block instead of twelve")
+UNKNOWNS = ("three unknowns per block instead of six", "six unknowns per block instead of twelve", "meshes of triangles, not tetrahedra")
 
 
 def left_out(scene: Scene, stepper: Stepper, report: RunReport) -> list[str]:
@@ -39,11 +39,16 @@ def _plane(scene: Scene, stepper: Stepper) -> str:
         axis, at = AXES[stepper.plane.axis], stepper.plane.at
         return (
             f"third dimension: the scene is its own mirror image about {axis} = {at:.4g} m and moves in that plane; half the contacts, "
-            f"two rows per contact instead of three, {UNKNOWNS[stepper.assembly.deformation is not None]}"
+            f"two rows per contact instead of three, {UNKNOWNS[_kind(stepper)]}"
         )
     if not scene.run.planar:
         return "third dimension: kept, since run.planar is false"
     return "third dimension: kept, since blocks or motion are not symmetric about one plane"
+
+
+def _kind(stepper: Stepper) -> int:
+    """Which of UNKNOWNS holds: for rigid blocks, for such of one strain, or for meshed ones."""
+    return (stepper.assembly.deformation is not None) + (stepper.system.facets is not None)
 
 
 def _pairs(stepper: Stepper, report: RunReport) -> list[str]:

@@ -18,6 +18,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -43,18 +44,19 @@ from masonry_cd.solvers.linearised_bodies import linearised_bodies
 STEPS, STEP = 6, 1e-3  # [s]
 FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 BALLS = "balls"  # group of the sphere, which is rigid where blocks deform
+COARSE = 10.0  # of elements [m]: as few of them as a cube can have
 PATIENCE = 60.0  # to wait for the second process, beyond what this one took for its share [s]
 
 
 @cache
-def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = False, deforms: bool = False, spheres: bool = False) -> None:
+def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = False, strained: int = 0, spheres: bool = False) -> None:
     """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without;
-    ``stress``: those of the stress of blocks and joints as well; ``deforms``: for blocks of uniform strain; ``spheres``: for scenes with
-    some."""
-    if solver in ("auto", "newton", "interior", "pivoting") and keeps() and not is_kept(planar, deforms) and cores() > 1:
-        with second_process(planar, deforms):
-            _shake_cubes("admm", planar, by_area, deforms=deforms, spheres=spheres)
-    _shake_cubes(solver, planar, by_area, stress, deforms, spheres)
+    ``stress``: those of the stress of blocks and joints as well; ``strained``: for blocks with so many unknowns more than rigid ones have;
+    ``spheres``: for scenes with some."""
+    if solver in ("auto", "newton", "interior", "pivoting") and keeps() and not is_kept(planar, strained) and cores() > 1:
+        with second_process(planar, strained):
+            _shake_cubes("admm", planar, by_area, strained=strained, spheres=spheres)
+    _shake_cubes(solver, planar, by_area, stress, strained, spheres)
     islands.compile_kernels()
 
 
@@ -63,7 +65,7 @@ def keeps() -> bool:
     return has_cache(linearised_bodies)
 
 
-def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False, deforms: bool = False, spheres: bool = False) -> None:
+def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False, strained: int = 0, spheres: bool = False) -> None:
     """The run."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-3)}
@@ -71,8 +73,9 @@ def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False,
     laws = {"default": JointLaw(normal_stiffness=1e9, cohesion=1.0)} if by_area else None
     if spheres:
         blocks.append(Block.sphere("ball", np.array([0.7, 0.5, 3.3]), 0.3, 2000.0, BALLS))
-    material = ElasticBlocks(deformable={BALLS: "rigid", "default": "uniform"} if spheres else "uniform", young=1e9) if deforms else None
-    assembly = Assembly.from_blocks(blocks, 0.5, laws, material, 0.01 if spheres else 0.0)
+    assembly = Assembly.from_blocks(blocks, 0.5, laws, _material(planar, strained, spheres), 0.01 if spheres else 0.0)
+    if assembly.deformation is not None:
+        assembly = replace(assembly, deformation=replace(assembly.deformation, room=_rows_and_unknowns(planar, strained)[1]))
     joints = find_joints(assembly)
     touching_places(joints, assembly, State.at_rest(assembly), np.arange(joints.count))  # which a run asks for at its first hinge
     shaking = np.zeros((STEPS + 1, 1, 3))
@@ -85,27 +88,35 @@ def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False,
         run(machine, joints, writer, STEPS, stress=stress)
 
 
+def _material(planar: bool, strained: int, spheres: bool) -> ElasticBlocks | None:
+    """Of blocks with so many unknowns more than rigid ones have; spheres are rigid."""
+    if strained == 0:
+        return None
+    kind = "uniform" if strained == (3 if planar else 6) else "tetrahedra"
+    keys = {"deformable": {BALLS: "rigid", "default": kind} if spheres else kind, "young": 1e9}
+    return ElasticBlocks.model_validate(keys | ({"mesh_size": COARSE} if kind == "tetrahedra" else {}))
+
+
 # --- the second process ------------------------------------------------------------------------------------------------------------
 
 
-def is_kept(planar: bool, deforms: bool = False) -> bool:
+def is_kept(planar: bool, strained: int = 0) -> bool:
     """Whether the largest kernel is in the cache."""
     problems = [kinds[1] for kinds in kept(linearised_bodies)]  # numba's types of ProblemArrays
-    return any((len(problem.m), len(problem.n)) == _rows_and_unknowns(planar, deforms) for problem in problems)
+    return any((len(problem.m), len(problem.n)) == _rows_and_unknowns(planar, strained) for problem in problems)
 
 
-def _rows_and_unknowns(planar: bool, deforms: bool) -> tuple[int, int]:
-    """Of a contact, and of a block."""
-    m, n = (2, 3) if planar else (3, 6)
-    return m, 2 * n if deforms else n
+def _rows_and_unknowns(planar: bool, strained: int) -> tuple[int, int]:
+    """Of a contact, and of a block with so many unknowns more than a rigid one has."""
+    return (2, 3 + strained) if planar else (3, 6 + strained)
 
 
 @contextmanager
-def second_process(planar: bool, deforms: bool = False) -> Iterator[subprocess.Popen[bytes] | None]:
+def second_process(planar: bool, strained: int = 0) -> Iterator[subprocess.Popen[bytes] | None]:
     """Compile the largest kernel in a process of its own meanwhile, and in the end wait for it. It ends with this one at the latest."""
     begin = time.monotonic()
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    call = f"from masonry_cd.app import warmup; warmup.be_second_process({planar}, {deforms})"
+    call = f"from masonry_cd.app import warmup; warmup.be_second_process({planar}, {strained})"
     try:
         other = subprocess.Popen(
             [sys.executable, "-P", "-c", call], env=environment, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
@@ -123,10 +134,10 @@ def second_process(planar: bool, deforms: bool = False) -> Iterator[subprocess.P
             other.kill()
 
 
-def be_second_process(planar: bool, deforms: bool) -> None:
+def be_second_process(planar: bool, strained: int) -> None:
     """Compile the largest kernel; leave when the input ends, which happens when the first process does, in whatever way."""
     threading.Thread(target=_leave_at_end_of_input, daemon=True).start()
-    compile_largest(planar, deforms)
+    compile_largest(planar, strained)
 
 
 def _leave_at_end_of_input() -> None:
@@ -134,9 +145,9 @@ def _leave_at_end_of_input() -> None:
     os._exit(1)
 
 
-def compile_largest(planar: bool, deforms: bool = False) -> None:
+def compile_largest(planar: bool, strained: int = 0) -> None:
     """Have the largest kernel compiled, by an iteration on a block that falls onto a support."""
-    m, n = _rows_and_unknowns(planar, deforms)
+    m, n = _rows_and_unknowns(planar, strained)
     jacobian = np.zeros((1, 2, m, n))
     jacobian[0, 0, :, :m] = np.eye(m)
     body, contact = np.zeros((1, n)), np.zeros((1, m))

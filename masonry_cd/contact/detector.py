@@ -3,40 +3,40 @@ r"""Contact detection between convex parts: which surfaces may touch within the 
     broad_phase    pairs of parts whose boxes overlap
     pair_memory    what is known of a pair from the last step; pairs that stick are done with here
     separation     the faces or edges that separate the others, the last ones first
+    flat_contact   finds both anew, for polyhedra
     manifold       the points of contact of these
+    facets         and those between the facets of faces of meshed blocks
     round_contact  spheres: where they come nearest to others, and to polyhedra
 
 Points are contacts where the gap may close within the step.
-
-**Fast pairs.** Blocks that pass each other edge by edge face nothing of one another now, and yet may meet before the next look. Where a
-pair has no points and may move by FAR of its width, they are those of its pose a step later, if both go on as they move.
 """
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from masonry_cd.arrays import Stored
 from masonry_cd.contact.broad_phase import SKIN, Listing, list_holds, list_pairs
-from masonry_cd.contact.manifold import contact_points
-from masonry_cd.contact.motion import Motion, distance_moved, pair_margin, pose_ahead
-from masonry_cd.contact.pair_memory import REUSE, PairMemory, check_pairs, is_stuck, store_points, update_gaps
+from masonry_cd.contact.facets import Facets, Overlay
+from masonry_cd.contact.flat_contact import look_again
+from masonry_cd.contact.motion import Motion, pair_margin
+from masonry_cd.contact.pair_memory import APART, KEPT, SEARCHED, PairMemory, check_pairs, is_stuck, update_gaps
 from masonry_cd.contact.round_contact import POINTS, find_round_contact
-from masonry_cd.contact.separation import EDGES, FAR_APART, WHOLE, Placed, place_part, separate
 from masonry_cd.contact.workspace import Workspace
+from masonry_cd.errors import InputError
 from masonry_cd.jit import borrower, entry
 from masonry_cd.model.blocks import Assembly, Shapes
 from masonry_cd.model.geometry import relative_pose, turned_normal
 
-EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
-FAR = 0.05  # a pair that may move by more than this share of the smaller part's width in a step is looked at as it will be then, too
+ROOM_OF_FACETS = (32, 8)  # points of a pair whose faces have facets, and for each: meshes of nearly one size have three or so
 
-CORNERS, BY_AREA, ROUND_PAIR = 0, 1, 2  # kinds of pairs: points at corners; at centroids too, with areas; of a sphere
-APART, KEPT, CLIPPED, SEARCHED = 0, 1, 2, 3  # what was done with a pair: nothing, points carried along, points found, feature found
+# Kinds of pairs: points at corners; at centroids too, with areas; between facets; those with areas; of a sphere. All but the first two have
+# loops of their own.
+CORNERS, BY_AREA, FACET_PAIR, FACETS_BY_AREA, ROUND_PAIR = 0, 1, 2, 3, 4
 
 
 class ContactSet(NamedTuple):
@@ -66,9 +66,10 @@ class Detector:
     Args:
         assembly: the blocks.
         corners_only: no centroids and no areas, whatever the laws of the joints.
+        facets: of meshed blocks; None: there are none.
     """
 
-    def __init__(self, assembly: Assembly, corners_only: bool = False) -> None:
+    def __init__(self, assembly: Assembly, corners_only: bool = False, facets: Facets | None = None) -> None:
         shapes = assembly.shapes
         self._shapes = shapes
         self._part_group = assembly.group_of[shapes.part_block]
@@ -78,7 +79,10 @@ class Detector:
         self._skin = SKIN * float(np.median(shapes.size[~self._fixed_part]))
         self._corners = _most_corners(shapes)
         self._rolling = assembly.rolling if not corners_only else np.zeros_like(assembly.rolling)
-        self._work = Workspace.allocate(shapes, int(self._corners.max()))
+        facets = Facets.none() if facets is None else facets
+        self._facets = facets.most(shapes.solids.owner_of_face(), len(shapes.part_block))  # (P,) most of a face
+        self._work = Workspace.allocate(shapes, int(self._corners.max()), int(more_points(2 * self._facets.max())))
+        self._overlay = Overlay.allocate(facets, int(self._corners.max()))
         self._listing = Listing.none(assembly.count, len(shapes.part_block))
         self._remember(PairMemory.none())
         self.rebuilds = 0
@@ -113,6 +117,8 @@ class Detector:
         if count < 0:
             self._rebuild(motion, origin)
             count = self._update(motion, origin, True)
+        if self._overlay.full[0]:
+            raise InputError("material.mesh_size: two faces with meshes of very different sizes touch in too many points; take sizes alike")
         found = ContactSet.allocate(count)
         write_contacts(self._memory, self._shapes.part_block, motion, found)
         return found
@@ -160,6 +166,8 @@ class Detector:
         """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed anew."""
         known = (self._listing, self._memory, self._shapes)
         count = int(update_pairs(*known, motion, origin, just_listed, self._kind, self._work, self.tally))
+        if count >= 0 and self._meshed:
+            count += update_facet_pairs(*known[1:], motion, self._kind, self._work, self._overlay, self.tally)
         if count >= 0 and self._round:
             count += update_round_pairs(*known[1:], motion, self._kind, self._arm, self._work, self.tally)
         return count
@@ -175,14 +183,20 @@ class Detector:
         """Have a memory of new pairs, the kind of each, and the arm of its rolling friction [m]."""
         self._memory = memory
         first, second = self._part_group[memory.parts].T
-        round_pair = (self._shapes.rounding[memory.parts] > 0.0).any(axis=1)
-        self._kind = np.where(round_pair, ROUND_PAIR, np.where(self._law_by_area[first, second], BY_AREA, CORNERS))
+        round_pair, meshed = (self._shapes.rounding[memory.parts] > 0.0).any(axis=1), self._facets[memory.parts].any(axis=1)
+        self._kind = np.where(self._law_by_area[first, second], BY_AREA, CORNERS) + np.where(meshed, FACET_PAIR, 0)
+        self._kind[round_pair] = ROUND_PAIR
         self._arm = self._rolling[first, second] * effective_radius(*self._shapes.rounding[memory.parts].T)
-        self._round = bool(round_pair.any())
+        self._meshed, self._round = bool((meshed & ~round_pair).any()), bool(round_pair.any())
 
     def _capacity(self, pairs: np.ndarray) -> np.ndarray:
-        """Most points (P,) of each pair: a polygon of i corners cut by one of k has i + k at most; and the centroid."""
-        return self._corners[pairs].sum(axis=1) + 1
+        """Most points (P,) of each pair: a polygon of i corners cut by one of k has i + k at most; the centroid; those of facets."""
+        return np.asarray(self._corners[pairs].sum(axis=1) + 1 + more_points(self._facets[pairs].sum(axis=1)))
+
+
+def more_points(facets: Any) -> Any:
+    """How many more points a pair may have whose faces have so many facets together."""
+    return np.where(facets > 0, ROOM_OF_FACETS[0] + ROOM_OF_FACETS[1] * facets, 0)
 
 
 def effective_radius(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -211,7 +225,7 @@ def update_pairs(
     work: Workspace,
     tally: np.ndarray,
 ) -> int:
-    """Bring the points of all P pairs but those with spheres up to date, and the gap of each, inf where it is beyond the margin.
+    """Bring the points of the P pairs without spheres and facets up to date, and the gap of each, inf where it is beyond the margin.
 
     ``origin`` (3,) is the displacement of the supports since the start [m]; ``just_listed``: the list holds, where motions are not finite
     too; ``kind`` (P,) of each pair; ``tally`` (4,) counts what was done.
@@ -225,7 +239,7 @@ def update_pairs(
     parts, slot, count, gap, now = memory.parts, memory.slot, memory.point_count, memory.gap, work.now
     within = 0
     for k in range(parts.shape[0]):
-        if kind[k] == ROUND_PAIR:
+        if kind[k] > BY_AREA:
             continue
         a, b = parts[k, 0], parts[k, 1]
         block_a, block_b = part_block[a], part_block[b]
@@ -236,12 +250,34 @@ def update_pairs(
             update_gaps(memory, k, now, motion.affine)
             tally[KEPT] += 1
         else:
-            _look_again(memory, k, shapes, motion, margin, width, kind[k] == BY_AREA, work, tally)
+            look_again(memory, k, shapes, motion, margin, width, kind[k] == BY_AREA, work, None, tally)
         for s in range(slot[k], slot[k] + count[k]):
             if gap[s] > margin:
                 gap[s] = np.inf
             else:
                 within += 1
+    return within
+
+
+@entry()
+def update_facet_pairs(
+    memory: PairMemory, shapes: Shapes, motion: Motion, kind: np.ndarray, work: Workspace, overlay: Overlay, tally: np.ndarray
+) -> int:
+    """As :func:`update_pairs`, for the pairs of which one part at least is meshed; apart, as those with spheres."""
+    within = 0
+    for k in range(memory.parts.shape[0]):
+        if kind[k] <= BY_AREA or kind[k] == ROUND_PAIR:
+            continue
+        a, b = memory.parts[k, 0], memory.parts[k, 1]
+        block_a, block_b, width = shapes.part_block[a], shapes.part_block[b], min(shapes.size[a], shapes.size[b])
+        margin = pair_margin(motion, block_a, block_b, shapes.radius[a], shapes.radius[b], width)
+        relative_pose(motion.position, motion.rotation, motion.affine, block_a, block_b, work.now)
+        if is_stuck(memory, k, work.now, shapes.radius[b], width):
+            update_gaps(memory, k, work.now, motion.affine)
+            tally[KEPT] += 1
+        else:
+            look_again(memory, k, shapes, motion, margin, width, kind[k] == FACETS_BY_AREA, work, overlay, tally)
+        within += _within_margin(memory, k, margin)
     return within
 
 
@@ -267,65 +303,20 @@ def update_round_pairs(
         else:
             looked = find_round_contact(memory, k, shapes, motion, margin, arm[k], work)
             tally[SEARCHED if looked else APART] += 1
-        for s in range(memory.slot[k], memory.slot[k] + memory.point_count[k]):
-            if memory.gap[s] > margin:
-                memory.gap[s] = np.inf
-            else:
-                within += 1
+        within += _within_margin(memory, k, margin)
     return within
 
 
 @borrower()
-def _look_again(memory, k, shapes, motion, margin, width, by_area, work, tally):
-    """Find the points of pair k and their gaps anew, as far as the pair has moved; ``margin`` and ``width`` [m]."""
-    solids, now, feature = shapes.solids, work.now, memory.feature[k]
-    a, b = memory.parts[k, 0], memory.parts[k, 1]
-    moved = distance_moved(now, memory.pose[k], shapes.radius[b])
-    if feature[0] == FAR_APART and memory.budget[k] - moved > margin:
-        tally[APART] += 1
-        return
-    own, other = (
-        Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
-        place_part(now, b, solids, motion.affine, work.vertices, work.normals),
-    )
-    if feature[0] == FAR_APART or not moved < REUSE * width:
-        tally[SEARCHED] += 1
-        apart = separate(a, b, solids, own, other, EDGE_BIAS * width, feature)
-        _copy(now, memory.pose[k])
-        if apart > margin:
-            feature[0], memory.budget[k], memory.point_count[k] = FAR_APART, apart, 0
-            return
-    tally[CLIPPED] += 1
-    with_area = by_area and feature[0] != EDGES
-    found = contact_points((a, b), feature, solids, own, other, width, with_area, memory.normal[k], work.manifold)
-    _copy(now, memory.built[k])
-    if found == 0 and margin > FAR * width and not with_area:
-        found = _look_ahead(memory, k, shapes, motion, margin, width, work)
-    store_points(memory, k, found, work.manifold, with_area, width, work.place)
-    update_gaps(memory, k, now, motion.affine)
-
-
-@borrower()
-def _copy(pose, to):
-    """Copy a relative pose (12,)."""
-    for i in range(12):
-        to[i] = pose[i]
-
-
-@borrower()
-def _look_ahead(memory, k, shapes, motion, margin, width, work):
-    """Fill the manifold with the points of pair k in its pose a step later, which becomes the pose remembered; returns how many."""
-    solids, feature, pose = shapes.solids, memory.feature[k], memory.built[k]
-    a, b = memory.parts[k, 0], memory.parts[k, 1]
-    pose_ahead(motion, shapes.part_block[a], shapes.part_block[b], work.ahead_position, work.ahead_rotation, pose)
-    own, other = (
-        Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
-        place_part(pose, b, solids, motion.affine, work.vertices, work.normals),
-    )
-    _copy(pose, memory.pose[k])
-    if separate(a, b, solids, own, other, EDGE_BIAS * width, feature) > margin:
-        return 0
-    return contact_points((a, b), feature, solids, own, other, width, False, memory.normal[k], work.manifold)
+def _within_margin(memory, k, margin):
+    """How many points of pair k are within the margin [m]; the gaps of the others become inf."""
+    within = 0
+    for s in range(memory.slot[k], memory.slot[k] + memory.point_count[k]):
+        if memory.gap[s] > margin:
+            memory.gap[s] = np.inf
+        else:
+            within += 1
+    return within
 
 
 @entry()

@@ -42,9 +42,9 @@ class Manifold(NamedTuple):
     other: np.ndarray  # (N, 3) scratch
 
     @classmethod
-    def allocate(cls, corners: int) -> Manifold:
-        """Room for faces, by their largest number of corners."""
-        most = 2 * corners + 8
+    def allocate(cls, corners: int, more: int = 0) -> Manifold:
+        """Room for faces, by their largest number of corners, and for more points where facets cut them."""
+        most = 2 * corners + 8 + more
         return cls(np.empty((most, 3)), np.empty(most), np.empty(most), np.empty((most, 3)))
 
 
@@ -60,15 +60,15 @@ def contact_points(parts, feature, solids, own, other, width, with_area, normal,
         return _edge_contact(solids.edges[feature[1]], solids.edges[feature[2]], own, other, normal, manifold)
     if feature[0] == FACE_OF_A:
         face, sign = feature[1], 1.0
-        incident = _incident_face(b, solids, other, own.normals[face - own.first_face])
+        incident = incident_face(b, solids, other, own.normals[face - own.first_face])
         return _face_contacts(face, incident, solids, own, other, width, with_area, sign, normal, manifold)
     face, sign = feature[1], -1.0
-    incident = _incident_face(a, solids, own, other.normals[face - other.first_face])
+    incident = incident_face(a, solids, own, other.normals[face - other.first_face])
     return _face_contacts(face, incident, solids, other, own, width, with_area, sign, normal, manifold)
 
 
 @borrower()
-def _incident_face(p, solids, placed, outward):
+def incident_face(p, solids, placed, outward):
     """The face of part p that faces the direction -outward (3,) most squarely."""
     least, at = np.inf, -1
     for f in range(solids.face_start[p], solids.face_start[p + 1]):
@@ -99,7 +99,7 @@ def _face_contacts(reference, incident, solids, own, other, width, with_area, si
     if count < 3 or _narrowness(polygon, count, nx, ny, nz) < SLIVER * width:
         return 0
     if with_area:
-        count = _share_out(polygon, count, nx, ny, nz, manifold.area)
+        count = share_out(polygon, count, nx, ny, nz, manifold.area)
     p = own.vertices[solids.loops[solids.loop_start[reference]] - own.first_vertex]
     for k in range(count):  # the point lies midway between the two surfaces
         height[k] = nx * (polygon[k, 0] - p[0]) + ny * (polygon[k, 1] - p[1]) + nz * (polygon[k, 2] - p[2])
@@ -154,10 +154,10 @@ def _narrowness(polygon, count, nx, ny, nz):
 
 
 @borrower()
-def _share_out(polygon, count, nx, ny, nz, area):
+def share_out(polygon, count, nx, ny, nz, area):
     """Append the centroid to a polygon, and share its area seen along n out between corners and centroid; returns the number of points.
 
-    ``area`` (N,) [m2]; see the head of this file.
+    ``polygon`` (N, 3), or (N, 4) with a number at each corner that is linear in its place; ``area`` (N,) [m2]; see the head of this file.
     """
     total, first = 0.0, polygon[0]
     centre = polygon[count]
@@ -165,9 +165,9 @@ def _share_out(polygon, count, nx, ny, nz, area):
     for i in range(1, count - 1):
         part = _triangle(first, polygon[i], polygon[i + 1], nx, ny, nz)
         total += part
-        for d in range(3):
+        for d in range(polygon.shape[1]):
             centre[d] += part * (first[d] + polygon[i, d] + polygon[i + 1, d]) / 3.0
-    for d in range(3):
+    for d in range(polygon.shape[1]):
         centre[d] /= total
     mixed, squares = 0.0, 0.0
     area[: count + 1] = 0.0

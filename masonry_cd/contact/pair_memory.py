@@ -25,6 +25,7 @@ from masonry_cd.model.geometry import Polyhedra, inverse_row
 
 STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the smaller part's width
 REUSE = 1e-3  # a remembered feature is trusted until the pair has moved by this share of the smaller part's width
+APART, KEPT, CLIPPED, SEARCHED = 0, 1, 2, 3  # what was done with a pair: nothing, points carried along, points found, feature found
 MATCH = 0.05  # a contact is the same as one of the last step if it moved by less than this share of the smaller part's width
 
 

@@ -22,9 +22,9 @@ class Workspace(NamedTuple):
     ahead_rotation: np.ndarray  # (2, 3, 3)
 
     @classmethod
-    def allocate(cls, shapes: Shapes, corners: int) -> Workspace:
-        """Room for parts, by the largest number of corners of a face."""
-        manifold = Manifold.allocate(corners)
+    def allocate(cls, shapes: Shapes, corners: int, more: int = 0) -> Workspace:
+        """Room for parts, by the largest number of corners of a face, and for more points between facets."""
+        manifold = Manifold.allocate(corners, more)
         vertices, faces = (int(np.diff(start).max()) for start in (shapes.solids.vertex_start, shapes.solids.face_start))
         place = np.empty(len(manifold.point), dtype=np.int64)
         return cls(np.empty(12), np.empty((vertices, 3)), np.empty((faces, 3)), manifold, place, np.empty((2, 3)), np.empty((2, 3, 3)))

@@ -35,6 +35,18 @@ class BlockForces(Protocol):
     ) -> np.ndarray:
         """Sum over the forces on each block of force (x) arm from the centre of mass, (B, 3, 3) [N m]; arguments as of :meth:`wrench`."""
 
+    def acting(
+        self,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        velocity: np.ndarray,
+        step: int,
+        ticks: int = 1,
+        yielded: np.ndarray | None = None,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The blocks (N,) that forces act on, the forces (N, 3) [N], and their arms from the centres of mass (N, 3) [m]; arguments as of
+        :meth:`wrench`."""
+
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
         """Largest acceleration [m/s2] by which forces given in time differ from their mean over some steps; masses (B,) [kg]."""
 

@@ -21,12 +21,19 @@ from masonry_cd.dynamics.joint_history import with_springs
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.strain import fill_strain_rows
 from masonry_cd.dynamics.system import Motion, System
+from masonry_cd.dynamics.warps import fill_warp_rows, warped_gaps
 from masonry_cd.friction.problem import FrictionProblem, Solution
 from masonry_cd.jit import borrower, entry
+from masonry_cd.model.deformation import STRAINS
 
 
 def assemble(system: System, last: Motion, predicted: Prediction, found: ContactSet) -> StepProblem:
     """The friction problem of the contacts found, and the impulses and velocities of the last step to start from."""
+    warps, now = None if system.strains is None else system.strains.warps, predicted.state
+    touch = None
+    if warps is not None:
+        touch = warps.touches(found.bodies, found.point, now.position, predicted.maps, system.constants.plane_axis)
+        found = found._replace(gap=warped_gaps(warps.arrays, found, touch, predicted.rotation, now.strain[:, STRAINS:]))
     room = ContactRows.allocate(len(found.gap), system.rows, system.unknowns)
     count = fill_rows(
         found, system.blocks, system.constants, predicted.state.position, predicted.loads.support_after, system.assembly.friction,
@@ -36,6 +43,8 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
     if system.strains is not None:
         at, axis = predicted.state.position, system.constants.plane_axis
         fill_strain_rows(system.strains.arrays, found.point, at, predicted.rotation, predicted.maps, axis, rows)
+    if warps is not None and touch is not None:
+        fill_warp_rows(warps.arrays, touch, predicted.rotation, rows)
     none = np.zeros((0, system.rows))
     rigid = FrictionProblem(predicted.inverse_mass, predicted.v_free, rows.bodies, rows.jacobian, rows.offset, rows.mu, compliance=none)
     made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0))

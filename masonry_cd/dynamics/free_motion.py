@@ -77,7 +77,7 @@ def _with_strains(system: System, strains: Strains, last: Motion, free: Predicti
     inverse[strains.free, k:, k:] = strains.inverse
     strains.set_unknowns(v_free, strains.free_rates(state.strain, last.v))
     state.strain = strains.at_q_m(state.strain, last.v)
-    swelling = 4.0 * system.constants.step * strains.fastest(last.v, system.reach)
+    swelling = 4.0 * system.constants.step * strains.fastest(last.v, system.reach) + 2.0 * strains.farthest(state.strain)
     return free._replace(maps=strains.deformation.maps(free.rotation, state.strain), swelling=swelling)
 
 
@@ -94,9 +94,20 @@ def _with_forces(system: System, free: Prediction) -> Prediction:
     impulse[:, : len(system.blocks.columns)] = system.constants.step * wrench[:, system.blocks.columns]
     if system.strains is not None:
         virial = forces.virial(*now, free.loads.number, free.loads.ticks, yielded)
-        system.strains.set_unknowns(impulse, system.constants.step * system.strains.forces(virial, free.rotation, free.maps))
+        along = system.strains.forces(virial, _along_warps(system, system.strains, free, yielded), free.rotation, free.maps)
+        system.strains.set_unknowns(impulse, system.constants.step * along)
     pushed = _pushed(system, free, impulse, np.einsum("bij,bj->bi", free.inverse_mass, impulse))
     return pushed._replace(pull=pull, tensions=forces.tensions(*now, yielded), yielded=yielded, force_impulse=impulse)
+
+
+def _along_warps(system: System, strains: Strains, free: Prediction, yielded: np.ndarray) -> np.ndarray:
+    """What the forces on single blocks do along their warps, (B, r) [N]; ``yielded`` (T,) as of :class:`Prediction`."""
+    forces, now, warps = system.loads.forces, (free.state.position, free.maps, free.state.velocity), strains.warps
+    if forces is None or warps is None:
+        return np.zeros((len(free.rotation), 0))
+    blocks, force, arm = forces.acting(*now, free.loads.number, free.loads.ticks, yielded)
+    touch = warps.touches(blocks[:, None], now[0][blocks] + arm, now[0], free.maps, system.constants.plane_axis)
+    return warps.forces((blocks, force), touch, free.rotation)
 
 
 def _with_carried_impulse(system: System, free: Prediction, carried: np.ndarray | None) -> Prediction:

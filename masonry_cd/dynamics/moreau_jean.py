@@ -191,7 +191,7 @@ class Stepper:
         self.assembly, self.settings, self.plane = assembly, settings, plane
         self.system = System.of(assembly, settings, loads, plane)
         self.motion = motion_at_start(self.system, state)
-        self.detector = Detector(assembly)
+        self.detector = Detector(assembly, facets=self.system.facets)
         self.islands = Islands(SOLVERS[settings.solver], len(self.system.reach), settings.islands)
         self.load_step = 0  # k of the loads; it may run ahead of the steps, see pauses.py
         self.watch: Watch | None = None  # sees each problem that is solved

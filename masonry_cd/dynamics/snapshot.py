@@ -51,7 +51,7 @@ def check_motion(stored: Stored, system: System, motion: Motion, contacts: int) 
     if np.abs((stored.real("orientation", blocks, 4) ** 2).sum(axis=1) - 1.0).max(initial=0.0) > 1e-6:
         stored.refuse("orientation", "not unit quaternions")
     if system.strains is not None:
-        stored.real("strain", blocks, 6)
+        stored.real("strain", *motion.state.strain.shape)
     stored.real("v", free, unknowns)
     stored.real("impulse", max(1, contacts), system.rows)
     if stored.holds("carried_impulse"):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from masonry_cd.dynamics.energy import at_start
@@ -14,6 +16,8 @@ from masonry_cd.model.state import State, rotation_matrices
 
 def motion_at_start(system: System, state: State) -> Motion:
     """What the first step begins with: no impulses, and the momenta and tensions of a state."""
+    if system.strains is not None:
+        state = replace(state, strain=system.strains.with_room(state.strain))
     rotation, forces = rotation_matrices(state.orientation), system.loads.forces
     tensions = np.zeros(0) if forces is None else forces.tensions(state.position, rotation, state.velocity)
     momentum: np.ndarray = angular_momenta(system.blocks, rotation, state.velocity)

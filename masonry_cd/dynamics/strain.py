@@ -1,4 +1,4 @@
-r"""The strains of blocks that deform, over a step: six more unknowns of a block in space, three in a plane.
+r"""The strains of blocks that deform, over a step: six more unknowns of a block in space, three in a plane, and the warps of meshed ones.
 
 With theta of the strains, their mass M, stiffness K and viscosity beta K (``model/deformation.py``), a step goes from (e, e.) to
 
@@ -18,6 +18,10 @@ in the principal axes of the block, it is
 
     s_i y_i        for e_ii,        s_i a y_j + s_j (1 - a) y_i        for g_ij, with its share a.
 
+Blocks of one strain and meshed blocks differ in nothing but how many unknowns they have: e stands for the strains and, after them, for the
+warps (``model/warping.py``), whose rows are in ``warps.py``. All blocks have room for as many as the largest mesh needs; what a block has
+no use for has mass and no stiffness, zeros for its rows, and stays zero.
+
 In a plane the block is free to widen across it: the stresses are plane, and the strain across follows from those in the plane.
 
 **Energy.** The elastic energy e K e / 2 is exact; what viscosity takes, and theta above 1/2, is the work of the force of the step over the
@@ -33,22 +37,24 @@ import numpy as np
 
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.planar import Plane
+from masonry_cd.dynamics.warps import Warps
 from masonry_cd.jit import borrower, entry
 from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.deformation import SHEARS, Deformation
+from masonry_cd.model.deformation import SHEARS, STRAINS, Deformation
 from masonry_cd.model.geometry import inverse_row
 
 PAIRS = np.array(SHEARS)  # axes of the shear strains
 
 
 class StrainArrays(NamedTuple):
-    """The D blocks that deform as the kernels read them, with s unknown strains each."""
+    """The D blocks that deform as the kernels read them, with s unknown strains each, and r warps behind them."""
 
     place: np.ndarray  # (B,) of each block among those that deform; -1: it is rigid
     axes: np.ndarray  # (D, 3, 3) by column, in the body frame
     share: np.ndarray  # (D, 3)
     columns: np.ndarray  # (s,) which of the six strains are unknowns
+    warps: int  # r
 
 
 class StrainWork(NamedTuple):
@@ -66,12 +72,15 @@ class Strains:
 
     deformation: Deformation
     arrays: StrainArrays
+    warps: Warps | None  # of meshed blocks
+    columns: np.ndarray  # (S,) the s unknown strains and r warps in a row of the state
     free: np.ndarray  # (D,) places among the free blocks
-    stiffness: np.ndarray  # (D, s, s) [J]
+    mass: np.ndarray  # (D, S) diagonal of M [kg m2], of warps [kg]
+    stiffness: np.ndarray  # (D, S, S) [J]
     across: np.ndarray  # (D, s) the strain across the plane by those in it; (D, 0) in space
     normal: int  # which strain that is; -1: none
     step: float  # h [s]
-    inverse: np.ndarray  # (D, s, s) of M^
+    inverse: np.ndarray  # (D, S, S) of M^
 
     @classmethod
     def of(cls, assembly: Assembly, plane: Plane | None, step: float) -> Strains | None:
@@ -79,70 +88,86 @@ class Strains:
         deformation = assembly.deformation
         if deformation is None:
             return None
-        columns = np.arange(6) if plane is None else np.array([*(d for d in range(3) if d != plane.axis), 3 + plane.axis])
-        stiffness = deformation.stiffness[:, columns[:, None], columns]
+        strains = np.arange(6) if plane is None else np.array([*(d for d in range(3) if d != plane.axis), 3 + plane.axis])
+        stiffness = deformation.stiffness[:, strains[:, None], strains]
         across, normal = np.zeros((len(deformation.block), 0)), -1
         if plane is not None:
             normal = plane.axis
-            coupling = deformation.stiffness[:, normal, columns]
+            coupling = deformation.stiffness[:, normal, strains]
             across = -coupling / deformation.stiffness[:, normal, normal, None]
             stiffness = stiffness + coupling[:, :, None] * across[:, None, :]
         place = np.full(assembly.count, -1)
         place[deformation.block] = np.arange(len(deformation.block))
         free = (np.cumsum(~assembly.fixed) - 1)[deformation.block]
-        arrays = StrainArrays(place, deformation.axes, deformation.share, columns)
-        bare = cls(deformation, arrays, free, stiffness, across, normal, step, np.empty(0))
+        mass, warps = deformation.mass[:, strains], Warps.of(assembly, plane, (6 if plane is None else 3) + len(strains))
+        count = 0 if warps is None else warps.count
+        if warps is not None:
+            mass = np.concatenate([mass, np.repeat(assembly.mass[deformation.block, None], count, axis=1)], axis=1)
+            stiffness = _with_warps(deformation, warps, strains, stiffness)
+        arrays = StrainArrays(place, deformation.axes, deformation.share, strains, count)
+        columns = np.concatenate([strains, np.arange(STRAINS, STRAINS + count)])
+        bare = cls(deformation, arrays, warps, columns, free, mass, stiffness, across, normal, step, np.empty(0))
         return bare.with_step(step)
 
     def with_step(self, step: float) -> Strains:
         """The same in steps of length h [s]."""
         theta, beta = self.deformation.theta, self.deformation.retardation
         implicit = (theta * step * (theta * step + beta))[:, None, None] * self.stiffness
-        implicit += self.mass[:, :, None] * np.eye(len(self.arrays.columns))
-        return replace(self, step=step, inverse=inverses(implicit, size_tuple(len(self.arrays.columns))))
+        implicit += self.mass[:, :, None] * np.eye(len(self.columns))
+        return replace(self, step=step, inverse=inverses(implicit, size_tuple(len(self.columns))))
 
-    @property
-    def mass(self) -> np.ndarray:
-        """(D, s) diagonal of M [kg m2]."""
-        return self.deformation.mass[:, self.arrays.columns]
+    def with_room(self, strain: np.ndarray) -> np.ndarray:
+        """Strains (B, 6) of a start, with warps that are zero (B, 6 + r)."""
+        return np.pad(strain, ((0, 0), (0, STRAINS + self.arrays.warps - strain.shape[1])))
 
     def rates(self, v: np.ndarray) -> np.ndarray:
-        """Strain rates (D, s) of the blocks that deform, in velocities (F, n) [1/s]."""
-        return v[self.free, -len(self.arrays.columns) :]
+        """Strain rates (D, S) of the blocks that deform, in velocities (F, n) [1/s]."""
+        return v[self.free, -len(self.columns) :]
 
     def set_unknowns(self, out: np.ndarray, values: np.ndarray) -> None:
-        """Put values (D, s) in the places of the strain rates among unknowns (F, n)."""
-        out[self.free, -len(self.arrays.columns) :] = values
+        """Put values (D, S) in the places of the strain rates among unknowns (F, n)."""
+        out[self.free, -len(self.columns) :] = values
 
-    def forces(self, virial: np.ndarray, rotation: np.ndarray, maps: np.ndarray) -> np.ndarray:
-        """What forces do along the strains, (D, s) [N m]: of sums of force (x) arm (B, 3, 3), with rotations and maps (B, 3, 3)."""
+    def forces(self, virial: np.ndarray, warped: np.ndarray, rotation: np.ndarray, maps: np.ndarray) -> np.ndarray:
+        """What forces do along the strains, (D, S) [N m]: of sums of force (x) arm (B, 3, 3), with rotations and maps (B, 3, 3).
+
+        ``warped`` (B, r) is what they do along the warps [N].
+        """
         own, share = self.deformation.block, self.arrays.share
         back = inverses(maps[own], size_tuple(3))  # arms without the strain, in the body frames
         t = np.einsum("dki,dkl,dml,dmj->dij", self._turned(rotation), virial[own], back, self.arrays.axes)
         i, j = PAIRS.T
         every = np.concatenate([t[:, [0, 1, 2], [0, 1, 2]], share * t[:, i, j] + (1.0 - share) * t[:, j, i]], axis=1)
-        return np.asarray(every[:, self.arrays.columns])
+        return np.concatenate([every[:, self.arrays.columns], warped[own]], axis=1)
 
     def fastest(self, v: np.ndarray, reach: np.ndarray) -> float:
         """Bound on the speed that strain rates in velocities (F, n) give a point of a block [m/s]; ``reach`` (F,) of free blocks [m]."""
-        return float((np.sqrt((self.rates(v) ** 2).sum(axis=1)) * reach[self.free]).max(initial=0.0))
+        strains = self.rates(v)[:, : len(self.arrays.columns)]
+        fastest = float((np.sqrt((strains**2).sum(axis=1)) * reach[self.free]).max(initial=0.0))
+        return fastest if self.warps is None else fastest + self.warps.farthest(self._warp_rates(v))
+
+    def farthest(self, strain: np.ndarray) -> float:
+        """Largest warp of a surface in strains (B, 6 + r) [m]."""
+        return 0.0 if self.warps is None else self.warps.farthest(strain[:, STRAINS:])
 
     def at_q_m(self, strain: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Strains (B, 6) at q_m from those at the beginning of the step and the velocities (F, n)."""
+        """Strains (B, 6 + r) at q_m from those at the beginning of the step and the velocities (F, n)."""
         return self._moved(strain, (1.0 - self.deformation.theta) * self.step * self.rates(v))
 
     def after(self, at_q_m: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Strains (B, 6) at the end of the step from those at q_m and the new velocities (F, n)."""
+        """Strains (B, 6 + r) at the end of the step from those at q_m and the new velocities (F, n)."""
         return self._moved(at_q_m, self.deformation.theta * self.step * self.rates(v))
 
     def free_rates(self, strain: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Strain rates (D, s) at the end of the step without contact, from strains (B, 6) and velocities (F, n) at its beginning."""
+        """Strain rates (D, S) at the end of the step without contact, from strains (B, 6 + r) and velocities (F, n) at its beginning."""
         theta, beta, h, rate = self.deformation.theta, self.deformation.retardation, self.step, self.rates(v)
         stretch = h * self._own(strain) + h * (theta * h + beta)[:, None] * rate
-        return np.asarray(rate - np.einsum("dij,djk,dk->di", self.inverse, self.stiffness, stretch))
+        if self.warps is None:  # one sum: few unknowns
+            return np.asarray(rate - np.einsum("dij,djk,dk->di", self.inverse, self.stiffness, stretch))
+        return np.asarray(rate - np.einsum("dij,dj->di", self.inverse, np.einsum("djk,dk->dj", self.stiffness, stretch)))
 
     def work(self, before: np.ndarray, after: np.ndarray, v: np.ndarray, v_new: np.ndarray) -> StrainWork:
-        """The energies over a step between strains (B, 6) and velocities (F, n)."""
+        """The energies over a step between strains (B, 6 + r) and velocities (F, n)."""
         e, e_new, rate, rate_new = self._own(before), self._own(after), self.rates(v), self.rates(v_new)
         stretch = self._mean(e, e_new) + self.deformation.retardation[:, None] * self._mean(rate, rate_new)
         taken = 0.5 * self.step * float(np.einsum("di,dij,dj->", rate + rate_new, self.stiffness, stretch))
@@ -150,16 +175,17 @@ class Strains:
         return StrainWork(0.5 * float((self.mass * rate_new**2).sum()), elastic[1], elastic[0], taken - (elastic[1] - elastic[0]))
 
     def stresses(self, at_q_m: np.ndarray, v: np.ndarray, v_new: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-        """Stress over a step, viscosity included, of the blocks that deform, (D, 3, 3) [Pa], in the world frame.
+        """Stress over a step, viscosity included, of the blocks that deform, in the mean of each, (D, 3, 3) [Pa], in the world frame.
 
-        Strains (B, 6) and rotations (B, 3, 3) at q_m; velocities (F, n) at the beginning and the end of the step.
+        Strains (B, 6 + r) and rotations (B, 3, 3) at q_m; velocities (F, n) at the beginning and the end of the step.
         """
         theta, h, rate, rate_new = self.deformation.theta, self.step, self.rates(v), self.rates(v_new)
         middle = self._own(at_q_m)
         stretch = self._mean(middle - (1.0 - theta) * h * rate, middle + theta * h * rate_new)
         stretch += self.deformation.retardation[:, None] * self._mean(rate, rate_new)
         every = np.zeros((len(middle), 6))
-        every[:, self.arrays.columns] = np.einsum("dij,dj->di", self.stiffness, stretch) / self.deformation.volume[:, None]
+        work = np.einsum("dij,dj->di", self.stiffness[:, : len(self.arrays.columns)], stretch)  # of the mean stress, on a uniform strain
+        every[:, self.arrays.columns] = work / self.deformation.volume[:, None]
         own, (i, j) = np.zeros((len(middle), 3, 3)), PAIRS.T
         own[:, [0, 1, 2], [0, 1, 2]] = every[:, :3]
         own[:, i, j] = own[:, j, i] = every[:, 3:]
@@ -176,17 +202,54 @@ class Strains:
         return np.einsum("dij,djk->dik", rotation[self.deformation.block], self.arrays.axes)
 
     def _own(self, strain: np.ndarray) -> np.ndarray:
-        """The unknown strains (D, s) among all (B, 6)."""
-        return strain[self.deformation.block[:, None], self.arrays.columns]
+        """The unknown strains (D, S) among all (B, 6 + r)."""
+        return strain[self.deformation.block[:, None], self.columns]
 
     def _moved(self, strain: np.ndarray, by: np.ndarray) -> np.ndarray:
-        """Strains (B, 6) with the unknown ones changed by (D, s)."""
+        """Strains (B, 6 + r) with the unknown ones changed by (D, S)."""
         out = strain.copy()
         own = self._own(strain) + by
-        out[self.deformation.block[:, None], self.arrays.columns] = own
+        out[self.deformation.block[:, None], self.columns] = own
         if self.normal >= 0:
-            out[self.deformation.block, self.normal] = (self.across * own).sum(axis=1)
+            out[self.deformation.block, self.normal] = (self.across * own[:, : len(self.arrays.columns)]).sum(axis=1)
         return out
+
+    def _warp_rates(self, v: np.ndarray) -> np.ndarray:
+        """Rates of the warps of all blocks (B, r), in velocities (F, n) [m/s]."""
+        out = np.zeros((len(self.arrays.place), self.arrays.warps))
+        out[self.deformation.block] = self.rates(v)[:, len(self.arrays.columns) :]
+        return out
+
+
+def unknowns_of_strain(assembly: Assembly, plane: Plane | None) -> int:
+    """How many more unknowns each block has than a rigid one; 0: all are rigid.
+
+    Raises:
+        InputError: a block cannot be meshed.
+    """
+    if assembly.deformation is None:
+        return 0
+    rigid, strains = (6, 6) if plane is None else (3, 3)
+    warps = Warps.of(assembly, plane, rigid + strains)
+    return strains + (0 if warps is None else warps.count)
+
+
+def _with_warps(deformation: Deformation, warps: Warps, strains: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+    """Stiffness (D, s + r, s + r) of the blocks that deform [J]: ``stiffness`` (D, s, s) for their strains, that of the meshes beyond."""
+    s, every = len(strains), np.eye(STRAINS)[strains]
+    rooms = [np.broadcast_to(row, (len(warps.of_block), STRAINS)) for row in every]
+    gradients = np.stack([deformation.gradients(np.ascontiguousarray(row)) for row in rooms], axis=1)  # (B, s, 3, 3)
+    known: dict[tuple[int, bytes, bytes], np.ndarray] = {}
+    out = np.zeros((len(stiffness), s + warps.count, s + warps.count))
+    for d, b in enumerate(deformation.block):
+        if warps.of_block[b] >= 0:
+            law = stiffness[d] / deformation.volume[d]
+            key = (int(warps.of_block[b]), law.tobytes(), gradients[b].tobytes())
+            if key not in known:
+                known[key] = warps.stiffness(b, law, gradients[b])
+            out[d] = deformation.volume[d] * known[key]
+        out[d, :s, :s] = stiffness[d]
+    return out
 
 
 @entry()
@@ -199,12 +262,12 @@ def fill_strain_rows(
     plane_axis: int,
     rows: ContactRows,
 ) -> None:
-    """Fill the last s columns of H of all contacts, see the head of this file; those on rigid blocks become zero.
+    """Fill the columns of H of the s strains, see the head of this file; those on rigid blocks become zero.
 
     Points of all contacts found (., 3) [m]; positions (B, 3) [m], rotations and maps (B, 3, 3) at q_m; ``plane_axis``: -1 in space.
     """
     place, jacobian, frame, s = arrays.place, rows.jacobian, rows.frame, len(arrays.columns)
-    first = jacobian.shape[3] - s
+    first = jacobian.shape[3] - s - arrays.warps
     arm, inner, along = np.empty(3), np.empty(3), np.empty(3)
     for c in range(len(rows.active)):
         for side in range(2):

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.contact.facets import Facets
 from masonry_cd.contact.find_joints import built_gap
 from masonry_cd.dynamics.block_arrays import BlockArrays, StepConstants
 from masonry_cd.dynamics.block_forces import BlockForces
@@ -117,7 +118,12 @@ class System:
     @property
     def unknowns(self) -> int:
         """Of a free block, n: those of its motion as a rigid one, then its strain rates."""
-        return len(self.blocks.columns) + (0 if self.strains is None else len(self.strains.arrays.columns))
+        return len(self.blocks.columns) + (0 if self.strains is None else len(self.strains.columns))
+
+    @property
+    def facets(self) -> Facets | None:
+        """Those of meshed blocks; None: there are none."""
+        return None if self.strains is None or self.strains.warps is None else self.strains.warps.facets
 
     @property
     def shifting(self) -> np.ndarray:

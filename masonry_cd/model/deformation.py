@@ -47,6 +47,8 @@ class Deformation:
     retardation: np.ndarray  # (D,) viscosity over stiffness [s]
     volume: np.ndarray  # (D,) [m3]
     theta: float  # of the strains over the time step
+    mesh_size: np.ndarray  # (D,) of the blocks that are meshed, see warping.py [m]; 0: one strain is all
+    room: int = 0  # unknowns of a block at the least, where blocks are meshed
 
     def turned(self, rotation: np.ndarray) -> Deformation:
         """The same with the body frames turned by (B, 3, 3)."""
@@ -57,7 +59,7 @@ class Deformation:
         return replace(self, theta=1.0, retardation=np.zeros_like(self.retardation))
 
     def maps(self, rotation: np.ndarray, strain: np.ndarray) -> np.ndarray:
-        """What takes points of the body frames to the world, (B, 3, 3), with rotations (B, 3, 3) and strains (B, 6)."""
+        """What takes points of the body frames to the world, (B, 3, 3), with rotations (B, 3, 3) and strains (B, 6 and more)."""
         out = rotation.copy()
         fill_maps(self.block, self.axes, self.share, rotation, strain, out)
         return out
@@ -101,6 +103,7 @@ def deformation_of(
         retardation=np.array([law.retardation for law in chosen]),
         volume=volume[block],
         theta=material.strain_theta,
+        mesh_size=np.array([law.mesh_size for law in chosen]),
     )
 
 

@@ -141,11 +141,17 @@ def _kind(context: PageContext, material: Material | None) -> str:
     """What the free blocks are: rigid, elastic, or some of them."""
     groups = sorted({block.group for block in context.results.blocks if not block.fixed})
     every = sorted({block.group for block in context.results.blocks})
-    soft = [] if material is None else [group for group in groups if material.of_group(group, every)]
-    if not soft:
+    laws = {} if material is None else {group: law for group in groups if (law := material.of_group(group, every))}
+    if not laws:
         return "rigid"
-    where = "" if soft == groups else f" where they belong to {escaped(', '.join(soft))}, else rigid"
-    return f"elastic, with one strain each{where}"
+    kinds = {group: "meshed" if law.mesh_size else "with one strain each" for group, law in laws.items()}
+    if len(laws) == len(groups) and len(set(kinds.values())) == 1:
+        return f"elastic, {kinds[groups[0]]}"
+    parts = []
+    for kind in dict.fromkeys(kinds.values()):
+        own = ", ".join(group for group in groups if kinds.get(group) == kind)
+        parts.append(f"elastic, {kind}, where they belong to {escaped(own)}")
+    return "; ".join(parts) + ("" if len(laws) == len(groups) else "; else rigid")
 
 
 def _friction(friction: float | dict[str, float]) -> str:

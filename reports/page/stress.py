@@ -101,7 +101,7 @@ def _note(peaks: StressPeaks) -> str:
         f'<p class="note">All values are means over the {length(peaks.interval, "s")} between two frames; no step of the run is left out. '
         "The stress of a block is its mean over the block, which follows from the forces on it; it hides bending, and what a contact does "
         "near it. At the edge of a joint it is that of a linear distribution without tension; where the force stands within 1 % of the "
-        f"depth from an edge, rigid blocks leave no finite value.{taken if peaks.compared else ''} Where several distributions of force "
+        f"depth from an edge, rigid joints leave no finite value.{taken if peaks.compared else ''} Where several distributions of force "
         "are possible, as in walls and in an arch at rest, the run found one; where joints are rigid, the place of the force in a closed "
         "joint is one of many, that in an open hinge is not; elastic joints fix it. Nothing crushes in the computation.</p>"
     )

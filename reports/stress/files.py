@@ -131,7 +131,7 @@ def stress_lines(found: Mapping[str, Any]) -> list[str]:
     if found["joints_at_edge"]:
         many, open_ones = found["joints_at_edge"], found["joints_at_edge_open"]
         parts.append(
-            f"in {many} joint{'s' if many > 1 else ''} the force came to an edge, where rigid blocks leave no finite stress; "
+            f"in {many} joint{'s' if many > 1 else ''} the force came to an edge, where rigid joints leave no finite stress; "
             f"{open_ones or 'none'} of them {'was' if open_ones == 1 else 'were'} open then"
         )
     if parts:

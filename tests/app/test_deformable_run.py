@@ -6,14 +6,17 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
+from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from reports.deformed import Pose, solids_of
 
 SOFT = 'friction = 0.5\ndeformable.block = "uniform"\nyoung = 1e7\npoisson = 0.0\ndamping = 0.2\ndamping_frequency = 50.0'
+MESHED = SOFT.replace('"uniform"', '"tetrahedra"') + "\nmesh_size = 1.0"
 WEIGHT = 2000.0 * 9.81 * 0.4  # of the block over its area [Pa]
 
 
@@ -41,3 +44,23 @@ def test_a_run_of_rigid_blocks_says_that_it_left_strains_out(block_on_plate: Cal
     summary = run_case(prepare(read_scene(block_on_plate(duration="duration = 0.05"))), tmp_path / "out")
     assert [line for line in summary["explanation"] if line.startswith("strains of blocks: none")]
     assert Results.open(tmp_path / "out" / "result.h5").gradient(0) is None
+
+
+def test_a_meshed_block_runs_from_the_scene_file_to_the_page(block_on_plate: Callable[..., Path], tmp_path: Path) -> None:
+    """At rest its best-fitting strain is that of its weight, and the page says what it is."""
+    case = prepare(read_scene(block_on_plate(friction=MESHED, report="[report]\nhtml = true\nstress = true")))
+    summary = run_case(case, tmp_path / "out")
+    results = Results.open(tmp_path / "out" / "result.h5")
+    gradient = results.gradient(results.frames - 1)
+    assert gradient is not None
+    np.testing.assert_allclose(gradient[1, 2, 2], -0.5 * WEIGHT / 1e7, rtol=2e-2)
+    assert abs(summary["energy"]["balance_error"]) < 1e-9
+    assert "elastic, meshed" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert [line for line in summary["explanation"] if "meshes of triangles" in line]
+
+
+def test_a_mesh_that_is_far_too_fine_is_refused_before_the_run(block_on_plate: Callable[..., Path]) -> None:
+    """By a line that names the key, the block and how many nodes there may be."""
+    scene = read_scene(block_on_plate(friction=MESHED.replace("mesh_size = 1.0", "mesh_size = 0.01")))
+    with pytest.raises(InputError, match=r'material.mesh_size: block ".+" gets \d+ nodes with 0.01 m, and 384 are the most'):
+        prepare(scene)

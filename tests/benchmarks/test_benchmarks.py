@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import costs, memory, memory_per_contact, parts, peers, problem_files, rocking, scaling
+from benchmarks import costs, element_kinds, memory, memory_per_contact, parts, peers, problem_files, rocking, scaling
 from benchmarks.counters import Counters
 from benchmarks.lmgc90_error import judge
 from benchmarks.ours import measure, stepper
@@ -305,3 +305,14 @@ def test_the_peers_files_stand_alone():
         text = (folder / name).read_text()
         assert "import masonry_cd" not in text
         assert "from benchmarks" not in text
+
+
+def test_kinds_of_blocks_are_timed_on_the_same_scene(monkeypatch):
+    """A rigid tower has six unknowns a block in space and three in its plane; one cut into triangles has those of its mesh."""
+    monkeypatch.setitem(element_kinds.SCENES, "wall", "tower2")
+    monkeypatch.setattr(element_kinds, "FIRST", 1)
+    rigid = element_kinds.cost("wall", "rigid", 3, 1e9, 0.0, 1e-6)
+    cut = element_kinds.cost("wall", "tetrahedra", 3, 1e9, 10.0, 1e-6)
+    assert rigid[:2] == (0, 3)
+    assert cut[:2] == (5, 10)
+    assert cut[4] > 0.0

@@ -5,8 +5,8 @@ import pytest
 from models import box, ground, tower, turned, wall
 from scipy.optimize import linprog
 
-from masonry_cd.contact.detector import CLIPPED, KEPT, SEARCHED, ContactSet, Detector
-from masonry_cd.contact.pair_memory import STILL
+from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.contact.pair_memory import CLIPPED, KEPT, SEARCHED, STILL
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.state import State, rotation_matrices
 

@@ -43,15 +43,18 @@ def test_a_group_whose_name_has_brackets_goes_by_its_name() -> None:
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"deformable": "soft"}, 'should be "rigid" or "uniform"'),
+        ({"deformable": "soft"}, 'should be "rigid", "uniform" or "tetrahedra"'),
         ({"deformable": "uniform"}, "needs young beside it"),
-        ({"young": 1e9}, 'young needs deformable = "uniform" beside it'),
+        ({"young": 1e9}, 'young needs deformable = "uniform" or "tetrahedra" beside it'),
         ({"deformable": "uniform", "young": 10.0}, "should be between 1000 and 1e.18"),
         ({"deformable": "uniform", "young": {"arch": -1.0}}, '"arch": should be between'),
         ({"deformable": "uniform", "young": {}}, "gives no value"),
         ({"deformable": "uniform", "young": True}, "should be a number"),
         ({"deformable": "uniform", "young": 1e9, "poisson": 0.5}, "should be between 0 and 0.49"),
         ({"deformable": "uniform", "young": 1e9, "damping": 0.05}, "needs damping_frequency beside it"),
+        ({"deformable": "tetrahedra", "young": 1e9}, "needs mesh_size beside it"),
+        ({"deformable": "uniform", "young": 1e9, "mesh_size": 0.1}, 'mesh_size needs deformable = "tetrahedra" beside it'),
+        ({"deformable": "tetrahedra", "young": 1e9, "mesh_size": 0.0}, "should be between 1e-06"),
     ],
 )
 def test_keys_that_make_no_sense_are_refused(keys: dict[str, object], message: str) -> None:

@@ -1,0 +1,97 @@
+r"""Contact of two polyhedra: the face or the edges that separate them, and the points, found anew as far as the pair has moved.
+
+**Fast pairs.** Blocks that pass each other edge by edge face nothing of one another now, and yet may meet before the next look. Where a
+pair has no points and may move by FAR of its width, they are those of its pose a step later, if both go on as they move.
+
+**Meshed blocks.** Where one of the faces has facets, the points are those between them (``facets.py``).
+"""
+
+from __future__ import annotations
+
+from masonry_cd.contact.facets import has_facets, split
+from masonry_cd.contact.manifold import contact_points, incident_face
+from masonry_cd.contact.motion import distance_moved, pose_ahead
+from masonry_cd.contact.pair_memory import APART, CLIPPED, REUSE, SEARCHED, store_points, update_gaps
+from masonry_cd.contact.separation import EDGES, FACE_OF_A, FAR_APART, WHOLE, Placed, place_part, separate
+from masonry_cd.jit import borrower
+
+EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
+FAR = 0.05  # a pair that may move by more than this share of the smaller part's width in a step is looked at as it will be then, too
+
+
+@borrower()
+def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay, tally):
+    """Find the points of pair k and their gaps anew, as far as the pair has moved; ``margin`` and ``width`` [m].
+
+    ``overlay``: with the facets of meshed blocks; None, which is known when this is compiled, where none of the two has any.
+    """
+    solids, now, feature = shapes.solids, work.now, memory.feature[k]
+    a, b = memory.parts[k, 0], memory.parts[k, 1]
+    moved = distance_moved(now, memory.pose[k], shapes.radius[b])
+    if feature[0] == FAR_APART and memory.budget[k] - moved > margin:
+        tally[APART] += 1
+        return
+    own, other = (
+        Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
+        place_part(now, b, solids, motion.affine, work.vertices, work.normals),
+    )
+    if feature[0] == FAR_APART or not moved < REUSE * width:
+        tally[SEARCHED] += 1
+        apart = separate(a, b, solids, own, other, EDGE_BIAS * width, feature)
+        _copy(now, memory.pose[k])
+        if apart > margin:
+            feature[0], memory.budget[k], memory.point_count[k] = FAR_APART, apart, 0
+            return
+    tally[CLIPPED] += 1
+    with_area = by_area and feature[0] != EDGES
+    if overlay is None:
+        found = contact_points((a, b), feature, solids, own, other, width, with_area, memory.normal[k], work.manifold)
+    else:
+        found = _points_of_facets(memory, k, solids, own, other, now, width, with_area, work, overlay)
+    _copy(now, memory.built[k])
+    if found == 0 and margin > FAR * width and not with_area:
+        found = _look_ahead(memory, k, shapes, motion, margin, width, work, overlay)
+    store_points(memory, k, found, work.manifold, with_area, width, work.place)
+    update_gaps(memory, k, now, motion.affine)
+
+
+@borrower()
+def _copy(pose, to):
+    """Copy a relative pose (12,)."""
+    for i in range(12):
+        to[i] = pose[i]
+
+
+@borrower()
+def _look_ahead(memory, k, shapes, motion, margin, width, work, overlay):
+    """Fill the manifold with the points of pair k in its pose a step later, which becomes the pose remembered; returns how many."""
+    solids, feature, pose = shapes.solids, memory.feature[k], memory.built[k]
+    a, b = memory.parts[k, 0], memory.parts[k, 1]
+    pose_ahead(motion, shapes.part_block[a], shapes.part_block[b], work.ahead_position, work.ahead_rotation, pose)
+    own, other = (
+        Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
+        place_part(pose, b, solids, motion.affine, work.vertices, work.normals),
+    )
+    _copy(pose, memory.pose[k])
+    if separate(a, b, solids, own, other, EDGE_BIAS * width, feature) > margin:
+        return 0
+    if overlay is None:
+        return contact_points((a, b), feature, solids, own, other, width, False, memory.normal[k], work.manifold)
+    return _points_of_facets(memory, k, solids, own, other, pose, width, False, work, overlay)
+
+
+@borrower()
+def _points_of_facets(memory, k, solids, own, other, pose, width, with_area, work, overlay):
+    """Fill the manifold with the points of pair k, of which b has a pose (12,) in the frame of a; returns how many."""
+    parts, feature, faces = (memory.parts[k, 0], memory.parts[k, 1]), memory.feature[k], overlay.faces
+    cut = False
+    if feature[0] != EDGES:
+        if feature[0] == FACE_OF_A:
+            faces[0], faces[1] = feature[1], incident_face(parts[1], solids, other, own.normals[feature[1] - own.first_face])
+        else:
+            faces[0], faces[1] = incident_face(parts[0], solids, own, other.normals[feature[1] - other.first_face]), feature[1]
+        cut = has_facets(overlay.facets, faces)
+    found = contact_points(parts, feature, solids, own, other, width, with_area and not cut, memory.normal[k], work.manifold)
+    if not cut or found == 0:
+        return found
+    return split(overlay, pose, memory.normal[k], found, width, with_area, memory.slot[k + 1] - memory.slot[k], work.manifold)

@@ -1,0 +1,166 @@
+"""Scenes of meshed blocks from the command line: loads of all kinds, groups, elastic joints, resuming, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from block_files import cuboid
+from datasets import contents
+from places import ROOT
+from typer.testing import CliRunner
+
+from masonry_cd.cli.app import app
+from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.io.results import Results
+
+BITS = ROOT / "benchmarks" / "bits"
+MESHED = ("deformable=tetrahedra", "mesh_size=10", "young=5e9", "damping=0.05", "damping_frequency=10")
+KINDS = """
+[structure]
+kind = "file"
+path = "blocks.json"
+[material]
+density = 2000.0
+friction = 0.6
+young = 1e7
+poisson = 0.0
+mesh_size.cut = 1.0
+damping = 0.2
+damping_frequency = 20.0
+[material.deformable]
+even = "uniform"
+cut = "tetrahedra"
+default = "rigid"
+{joints}
+[[loads]]
+kind = "sinusoidal"
+direction = "x"
+amplitude = 0.05
+frequency = 4.0
+cycles = 1
+[run]
+dt = 1e-3
+duration = 1.2
+tolerance = 1e-9
+"""
+JOINTS = "[material.joints.even-cut]\nnormal_stiffness = 1e8"
+
+
+def masonry_cd(*words: object):
+    return CliRunner().invoke(app, [str(word) for word in words])
+
+
+def run(scene: Path, out: Path, *keys: str, material: tuple[str, ...] = MESHED, more: tuple[str, ...] = ("-q",)):
+    """A scene with these keys in place of its own, and those of the material."""
+    asked = [f"material.{key}" for key in material] + list(keys)
+    return masonry_cd("run", scene, "-o", out, *(word for key in asked for word in ("--set", key)), *more)
+
+
+def summary_of(folder: Path) -> dict:
+    return json.loads((folder / "summary.json").read_text())
+
+
+def towers(folder: Path, joints: str = "") -> Path:
+    """A scene of two towers of a rigid, a uniform and a meshed block each, far apart; weights of 2000 x 9.81 x 0.25 Pa."""
+    blocks = [cuboid((-1.0, -0.25, -0.5), (3.0, 0.25, 0.0)) | {"name": "plate", "fixed": True, "group": "base"}]
+    for at in (0.0, 2.0):
+        for k, group in enumerate(("hard", "even", "cut")):
+            corners = (at - 0.25, -0.25, 0.25 * k), (at + 0.25, 0.25, 0.25 * (k + 1))
+            blocks.append(cuboid(*corners) | {"name": f"{group}{at:g}", "group": group})
+    (folder / "blocks.json").write_text(json.dumps({"units": "m", "blocks": blocks}))
+    (folder / "scene.toml").write_text(KINDS.format(joints=joints))
+    return folder / "scene.toml"
+
+
+@pytest.mark.parametrize(("name", "duration"), [("settlement", 0.2), ("record", 0.2), ("elastic", 0.1)])
+def test_meshed_blocks_bear_what_rigid_ones_do(tmp_path: Path, name: str, duration: float) -> None:
+    """Supports that part and sink, records, elastic joints: every step is solved and the energy closes."""
+    result = run(BITS / f"{name}.toml", tmp_path / "out", f"run.duration={duration}")
+    assert result.exit_code == 0, result.output
+    found = summary_of(tmp_path / "out")
+    assert found["solver"]["steps_missed"] == 0
+    assert abs(found["energy"]["balance_error"]) < 1e-9
+    gradient = Results.open(tmp_path / "out" / "result.h5").gradient(-1)
+    assert gradient is not None
+    assert np.abs(gradient).max() > 1e-7
+
+
+def test_a_meshed_arch_falls_where_it_is_tilted_as_far_as_a_rigid_one(tmp_path: Path) -> None:
+    """Its load factor is that of limit analysis, less what its blocks give way at 5 GPa."""
+    result = run(BITS / "tilt.toml", tmp_path / "out", more=())
+    assert result.exit_code == 0, result.output
+    factor = summary_of(tmp_path / "out")["load_factor"]
+    assert factor["given_way"] == pytest.approx(factor["limit_analysis"]["least_found"], rel=0.03)
+    assert factor["given_way"] < factor["limit_analysis"]["least_found"]
+
+
+@pytest.mark.parametrize("joints", ["", JOINTS], ids=["rigid", "elastic"])
+def test_rigid_uniform_and_meshed_blocks_come_to_rest_under_their_weight(tmp_path: Path, joints: str) -> None:
+    """After a shake, on two islands: each block is strained by the weight that it carries, or not at all."""
+    scene = towers(tmp_path, joints)
+    result = masonry_cd("run", scene, "-o", tmp_path / "out", "-q")
+    assert result.exit_code == 0, result.output
+    results = Results.open(tmp_path / "out" / "result.h5")
+    gradient = results.gradient(-1)
+    assert gradient is not None
+    weight = -2000.0 * 9.81 * 0.25 / 1e7
+    np.testing.assert_allclose(gradient[1:, 2, 2].reshape(2, 3), [[0.0, 1.5 * weight, 0.5 * weight]] * 2, rtol=2e-2, atol=1e-9)
+    assert abs(summary_of(tmp_path / "out")["energy"]["balance_error"]) < 1e-9
+    assert summary_of(tmp_path / "out")["solver"]["steps_missed"] == 0
+    assert summary_of(tmp_path / "out")["islands"]["max"] == 2
+
+
+@pytest.mark.parametrize("name", ["elastic", "tilt"])
+def test_a_run_that_was_stopped_ends_with_the_bits_of_one_that_was_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """Ctrl-C on its way, then --resume: all that the steps depend on is in the checkpoint."""
+    scene, advance = BITS / f"{name}.toml", Stepper.step
+    assert run(scene, tmp_path / "whole", "run.duration=0.1").exit_code == 0
+
+    def step(self: Stepper) -> object:
+        if self.steps == 12:
+            signal.raise_signal(signal.SIGINT)
+        return advance(self)
+
+    monkeypatch.setattr(Stepper, "step", step)
+    assert run(scene, tmp_path / "parts", "run.duration=0.1").exit_code == 130
+    monkeypatch.setattr(Stepper, "step", advance)
+    assert run(scene, tmp_path / "parts", "run.duration=0.1", more=("-q", "--resume")).exit_code == 0
+    whole, parts = (contents(tmp_path / word / "result.h5") for word in ("whole", "parts"))
+    assert any(name.endswith("gradient") for name in whole)
+    assert whole == parts
+
+
+@pytest.mark.parametrize(
+    ("keys", "line"),
+    [
+        (("deformable=tetrahedra", "young=5e9"), 'material: deformable = "tetrahedra" needs mesh_size beside it'),
+        ((*MESHED, "mesh_size=0"), "material.mesh_size: should be between 1e-06 and 1e+06, got 0"),
+        ((*MESHED, "mesh_size=fine"), "material.mesh_size: should be a number, got 'fine'"),
+        ((*MESHED, "mesh_size=0.01"), 'material.mesh_size: block "v1" gets 2528 nodes with 0.01 m, and 384 are the most'),
+        (("deformable=uniform", *MESHED[1:]), 'material: mesh_size needs deformable = "tetrahedra" beside it'),
+        (("deformable=tetrahedrons", *MESHED[1:]), 'material.deformable: should be "rigid", "uniform" or "tetrahedra"'),
+        (("deformable=tetrahedra", "mesh_size.vault=1", "young=5e9"), 'material.mesh_size.vault: "vault" is no group of blocks'),
+        (("deformable=tetrahedra", "mesh_size.base=1", "young=5e9"), "material.mesh_size: no value for the group arch"),
+    ],
+)
+def test_what_makes_no_mesh_is_one_line_exit_code_2_and_no_folder(tmp_path: Path, keys: tuple[str, ...], line: str) -> None:
+    result = run(BITS / "tilt.toml", tmp_path / "out", material=keys)
+    assert result.exit_code == 2
+    assert line in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_without_gmsh_a_line_says_what_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "gmsh", None)
+    result = run(BITS / "tilt.toml", tmp_path / "out", material=(*MESHED, "mesh_size=7"))
+    assert result.exit_code == 2
+    assert "gmsh does not start" in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+    assert run(BITS / "tilt.toml", tmp_path / "out", "run.duration=0.02", material=()).exit_code == 0  # rigid blocks need none
