@@ -109,22 +109,20 @@ class Stages:
     def _without_dilation(self, problem: LimitProblem, associated: Optimum, slides: bool) -> Optimum | None:
         """The answer without dilation, None where there is none beside the associated one, whose mechanism ``slides`` or does not.
 
-        The search begins from the forces of the stage before, where that slid: the blocks go on as they went, though the associated
-        mechanism, even one of hinges alone, may be an answer, too. Where this comes to no end it begins from the associated forces.
+        The search begins from the associated forces. Where only hinges work these are an answer, but if the stage before slid, blocks may
+        go on sliding under less: then it begins from the forces of that stage.
         """
-        search = least_factor_in_space if self.axis is None else least_factor
-        begins = [associated] if slides else []
-        if self._slid:
+        begin = associated
+        if not slides:
+            if not self._slid:
+                return None
             pairs = [frozenset(map(int, pair)) for pair in problem.points.bodies]
             count = Counter(pairs)
             normal = np.array([self._slid.get(pair, 0.0) / count[pair] for pair in pairs])
-            begins.insert(0, replace(associated, force=np.column_stack([normal - problem.apex, associated.force[:, 1:]])))
-        for begin in begins:
-            least = search(problem, begin, 1, self.options.seed)
-            if least is not None:
-                return least.optimum if least.optimum.factor <= associated.factor else None
-        self.unsettled += slides
-        return None
+            begin = replace(associated, force=np.column_stack([normal - problem.apex, associated.force[:, 1:]]))
+        least = (least_factor_in_space if self.axis is None else least_factor)(problem, begin, 1, self.options.seed)
+        self.unsettled += slides and least is None
+        return least.optimum if least is not None and (slides or least.optimum.factor < associated.factor) else None
 
     def bears(self, moved: Moved) -> bool:
         """Whether any factor of the load is borne by blocks where they are."""
