@@ -107,10 +107,10 @@ def draw(name: str) -> None:
 
     out = RUNS / name
     with Results.open(out / "result.h5") as results:
-        widest = results.joint_history("opening").max(axis=1)
-        left = max(widest[-1], results.joint_history("sliding")[-1].max())
-        when = float(results.time[int(widest.argmax())])
-    if left < VISIBLE:
+        widest = results.joint_history("opening").max(axis=1, initial=0.0)
+        left = max(widest[-1], results.joint_history("sliding")[-1].max(initial=0.0))
+        when, joints = float(results.time[int(widest.argmax())]), results.joints.count
+    if joints and left < VISIBLE:
         subprocess.run([sys.executable, "-m", "masonry_cd", "report", out, "--time", str(when)], check=True, stdout=subprocess.DEVNULL)
     with Image.open(out / "crack_map.png") as image:
         small = image.convert("RGB").resize((WIDTH, round(image.height * WIDTH / image.width)), Image.Resampling.LANCZOS)
