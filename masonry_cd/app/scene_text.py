@@ -168,7 +168,12 @@ def place_of(text: str, key: str, path: Path) -> str:
             here = [(part, max(0, seen.get(".".join(p for p, _ in here[: i + 1]), 0))) for i, (part, _) in enumerate(here)]
         elif not word:
             continue
-        found = here + (_key_path(word.group(1)) if word and not head else [])
+        found = here
+        if word and not head:
+            *tables, (name, _) = _key_path(word.group(1))
+            depth = len(here) + len(tables)
+            item = wanted[depth][1] if depth < len(wanted) else 0  # of a list, whichever is wanted stands here
+            found = [*here, *tables, (name, item)]
         shared = next((i for i, (a, b) in enumerate(zip(found, wanted, strict=False)) if a != b), min(len(found), len(wanted)))
         if shared > best:
             best, at = shared, number

@@ -293,4 +293,5 @@ def test_an_error_elsewhere_names_its_line_in_the_file_whatever_was_changed(writ
         read_scene(write(GOOD.replace("dt = 1e-3", "dt = -1e-3")), ["run.seed=3"])
     scene = read_scene(write(GOOD), ["run.seed=3", "structure.thickness=-1"])
     assert str(scene.at_fault(InputError("structure.radius: bad"))).endswith("scene.toml:4: structure.radius: bad")
+    assert str(scene.at_fault(InputError("structure.radius[1]: bad"))).endswith("scene.toml:4: structure.radius[1]: bad")  # item of a list
     assert str(scene.at_fault(InputError("structure.thickness: bad"))) == "--set structure.thickness=-1: structure.thickness: bad"
