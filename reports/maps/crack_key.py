@@ -31,6 +31,11 @@ class Marks:
     opened: np.ndarray  # (J,) open, see reports.damage.definitions; not separated, neither of its blocks has fallen
     slid: np.ndarray  # (J,) likewise
 
+    @property
+    def some(self) -> bool:
+        """Whether there are joints; a packing of spheres has none, and no word on them is needed."""
+        return len(self.opening) > 0
+
     @classmethod
     def of(cls, snapshot: DamageSnapshot) -> Marks:
         """The marks of a frame's damage."""
@@ -94,8 +99,9 @@ class Key:
 def draw_scales(sheet: Sheet, key: Key) -> None:
     """What all maps of a sequence share: the two colour scales, the scale bar, and what the ribbons of forces mean."""
     boxes = sheet.plan.keys(4)
-    for box, scale, name, dash in zip(boxes[:2], key.scales, ("opening", "sliding"), (False, True), strict=True):
-        draw_scale(sheet.axes(*box), box, scale, f"{key.when} {name} [mm]", dash)
+    if key.marks.some:
+        for box, scale, name, dash in zip(boxes[:2], key.scales, ("opening", "sliding"), (False, True), strict=True):
+            draw_scale(sheet.axes(*box), box, scale, f"{key.when} {name} [mm]", dash)
     draw_scale_bar(sheet, boxes[3], key.view, key.pixel)
 
 
@@ -119,6 +125,7 @@ def draw_signs(sheet: Sheet, key: Key) -> None:
         (partial(band_sign, first=middle[0], second=middle[1]), f"open and slid ({int(both.sum())})"),
         (partial(band_sign, first=rgb(PARTED), second=rgb(PARTED)), f"separated ({int(marks.separated.sum())})"),
     ]
+    rows = rows if marks.some else []
     if key.down or not key.alone:
         hidden = f", {key.outside} not in view" if key.outside else ""
         rows.append((partial(box_swatch, colour=FALLEN), f"fallen block ({key.down}){hidden}"))

@@ -119,8 +119,9 @@ def subject_of(results: Results, frame: int, framed: Framing) -> Subject:
 
 
 def _suffered(results: Results, thresholds: Thresholds) -> str:
-    """The largest displacement and the damage over all time steps, in words."""
-    return f"largest displacement {in_metres(displacement_max(results))}, {in_words(joint_damage(results, thresholds))}"
+    """The largest displacement and the damage of joints, if there are any, over all time steps, in words."""
+    joints = f", {in_words(joint_damage(results, thresholds))}" if results.joints.count else ""
+    return f"largest displacement {in_metres(displacement_max(results))}{joints}"
 
 
 def thrust_layer(results: Results, frame: int, subject: Subject) -> tuple[Surface, float]:

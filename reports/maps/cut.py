@@ -43,8 +43,8 @@ class Cut:
 
     @property
     def text(self) -> str:
-        """``y = 1.5 m``"""
-        return f"{self.axis} = {self.value:.4g} m"
+        """``y = 1.5 m``, to the millimetre"""
+        return f"{self.axis} = {round(self.value, 3) + 0.0:g} m"
 
 
 def axis_of(text: str) -> str:

@@ -60,6 +60,15 @@ def test_parted_faces_and_fallen_blocks_show(tmp_path: Path) -> None:
     assert shares(area, (255 * rgb(crack_key.PARTED)).astype(np.uint8)[None])[0] > 200
 
 
+def test_without_joints_the_key_is_silent_on_them(tmp_path: Path) -> None:
+    """A ball on a floor has none; a column of blocks has the colours of opening and sliding in its key."""
+    ball = [COLUMN[0], Block.sphere("ball", np.array([0.0, 0.0, 0.5]), 0.5, 2000.0)]
+    scales = [scale.colours[2:] for scale in (opening_scale(), sliding_scale())]
+    with_joints, without = (drawn(tmp_path / f"{len(blocks)}.png", blocks, [at_rest(blocks)] * 2) for blocks in (COLUMN, ball))
+    assert min(shares(with_joints, colours).min() for colours in scales) > 20
+    assert max(shares(without, colours).max() for colours in scales) < 20
+
+
 def test_the_same_run_gives_the_same_picture(tmp_path: Path) -> None:
     rest = at_rest(COLUMN)
     states = [rest, turned(rest, 3, (0.5, 0.0, 2.0), 0.5)]
