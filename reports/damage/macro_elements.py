@@ -6,7 +6,8 @@ row of its own and counts each joint once. Where a scene has several structures,
 
 **Levels and drift.** The height of the free blocks at rest is cut into equal levels. The displacement u_k of a part at a level is the
 horizontal mean over its standing blocks whose centre lies there at rest, weighted by volume, relative to the base [m], and z_k the mean
-height of these blocks [m]; a part that stands on supports has their displacement at its foot, level 0. Then
+height of these blocks [m]; a part that stands on supports has their displacement at its foot, level 0. Spheres, which are fill, are left
+out of it. Then
 
     drift of a level    | u_k - u_j | / (z_k - z_j),     j the next level below
     drift of the part   max_k | u_k - u_0 | / height,    of parts with two levels at least, height from the foot to the top of the part
@@ -189,9 +190,9 @@ class Levels:
         return cls(bounds, of_block, foot, footing, ends_z)
 
     def profile(self, part: int, parts: MacroElements, solids: Solids, snapshot: DamageSnapshot) -> Profile:
-        """Heights and displacements of a part, level by level, from its standing blocks."""
+        """Heights and displacements of a part, level by level, from its standing blocks; spheres settle and roll without harm."""
         count = len(self.bounds) - 1
-        standing = parts.blocks[part] & ~snapshot.down
+        standing = parts.blocks[part] & ~snapshot.down & (True if solids.round is None else ~solids.round)
         level, weight = self.of_block[standing], parts.volume[standing]
         moved = snapshot.pose.displacement(solids)
         filled = np.bincount(level, weight, minlength=count)

@@ -175,6 +175,16 @@ def test_a_single_course_that_slides_has_a_crack_but_no_drift(tmp_path: Path) ->
     assert (row["residual_drift"], row["grade"], row["mechanism"]) == (0.0, "D2", "sliding")
 
 
+def test_spheres_that_shift_are_no_drift(tmp_path: Path) -> None:
+    """Two layers of fill, of which the upper one rolls by a third of its height, beside a pier that stands."""
+    layers = enumerate((0.2, 1.2))
+    blocks = [*PIER, *(Block.sphere(f"s{k}", np.array([3.0 + 0.2 * k, 0.0, z]), 0.2, 2000.0, "fill") for k, z in layers)]
+    rest = at_rest(blocks)
+    rows = rows_of(damage_of(tmp_path, blocks, [rest, shifted(rest, len(blocks) - 1, (0.4, 0.0, -0.1))]))
+    for part in ("fill", "structure"):
+        assert (rows[part]["residual_drift"], rows[part]["max_drift"], rows[part]["grade"]) == (0.0, 0.0, "D0")
+
+
 def test_grades_are_the_highest_reached_and_the_users(tmp_path: Path) -> None:
     default = grades.Grades()
     assert [grades.grade_of(w, 0.0, 0.0, default).name for w in (9e-5, 1e-4, 5e-3, 16e-3, 3.0)] == ["D0", "D1", "D2", "D3", "D4"]
