@@ -197,7 +197,7 @@ class Run:
         >>> import masonry_cd as mc
         >>> run = mc.run(mc.scene("examples/trilithon.toml", "run.duration=0.01"), progress=False)
         >>> lintel = run.blocks(0.01).loc["lintel"]
-        >>> lintel[["x", "y", "z"]].astype(float).round(3).tolist()
+        >>> (lintel[["x", "y", "z"]].astype(float).round(3) + 0.0).tolist()
         [0.0, 0.0, 2.7]
         >>> run.blocks().attrs["units"]["ux"], run.joints.attrs["units"]["area"]
         ('m', 'm2')

@@ -317,9 +317,10 @@ def test_debris_lands_and_stays():
     start = State.at_rest(Assembly.from_blocks(blocks, 0.6))
     spins = rng.normal(size=(6, 4))
     start.orientation[1:] = spins / np.linalg.norm(spins, axis=1)[:, None]
-    machine = stepper(blocks, 1500, dt=2e-3, start=start, solver="auto", tolerance=1e-8)
-    reports = advance(machine, 1500)
-    width = 0.15
+    machine = stepper(blocks, 5000, dt=2e-3, start=start, solver="auto", tolerance=1e-8)
+    reports, width = [], 0.15
+    while len(reports) < 5000 and sum(report.iterations == 0 for report in reports[-100:]) <= 90:  # they tumble as long as rounding has it
+        reports += advance(machine, 100)
     assert max(report.penetration for report in reports[-100:]) < 1e-4 * width  # an overlap of less than 1e-4 of the volume
     assert machine.energy["kinetic"] < 1e-9 * machine.energy["impact"]
     lowest = [(b.vertices - machine.assembly.centre[k]) @ rotation_matrices(machine.state.orientation)[k].T for k, b in enumerate(blocks)]
