@@ -329,7 +329,7 @@ OF_RECORDS = [
     ({"dt = ": ""}, "study.toml:3: records"),
     ({"measure": 'measure = "PGB"'}, 'study.toml:13: intensity.measure: unknown intensity measure "PGB" (did you mean "PG'),
     ({"measure": 'measure = "D5-95"'}, "study.toml:13: intensity.measure: D5-95:x: no factor scales"),
-    ({"levels": "levels = [1.0, -2.0]"}, "study.toml:12: intensity.levels[1]: input should be greater than 0"),
+    ({"levels": "levels = [1.0, -2.0]"}, "study.toml:14: intensity.levels[1]: input should be greater than 0"),
     ({"levels": ""}, 'study.toml:12: intensity.levels: missing, the design "stripes" needs it'),
     ({"dt = ": 'dt = 0.01\nexclude = ["nobody"]'}, 'study.toml:12: records.exclude: there is no motion "nobody"'),
     ({"dt = ": "dt = 0.01\nwindow = [0.2, 9.0]"}, "study.toml:12: records.window: [0.2, 9.0] reaches outside the record, 0 to 0.99 s"),
