@@ -168,12 +168,10 @@ def place_of(text: str, key: str, path: Path) -> str:
             here = [(part, max(0, seen.get(".".join(p for p, _ in here[: i + 1]), 0))) for i, (part, _) in enumerate(here)]
         elif not word:
             continue
-        found = here
-        if word and not head:
-            *tables, (name, _) = _key_path(word.group(1))
-            depth = len(here) + len(tables)
-            item = wanted[depth][1] if depth < len(wanted) else 0  # of a list, whichever is wanted stands here
-            found = [*here, *tables, (name, item)]
+        found = here + (_key_path(word.group(1)) if word and not head else [])
+        last = len(found) - 1
+        if len(here) <= last < len(wanted):
+            found[last] = (found[last][0], wanted[last][1])  # of a list, whichever item is wanted stands here
         shared = next((i for i, (a, b) in enumerate(zip(found, wanted, strict=False)) if a != b), min(len(found), len(wanted)))
         if shared > best:
             best, at = shared, number

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from masonry_cd.arrays import LARGEST
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Block
@@ -52,8 +53,8 @@ def read(path: Path, density: float, scale: float, up: str, repair: bool = False
     blocks = []
     for name, shells in _read_obj(path) if path.suffix.lower() == ".obj" else _read_apart(path):
         parts = [(placed(vertices, scale, up), faces) for vertices, faces in shells]
-        if not all(np.isfinite(vertices).all() for vertices, _ in parts):
-            raise InputError(f'{path.name}: block "{name}": a corner has coordinates that are no finite numbers')
+        if not all((np.abs(vertices) <= LARGEST).all() for vertices, _ in parts):
+            raise InputError(f'{path.name}: block "{name}": a corner has coordinates that are no finite numbers, or far too large')
         if repair:
             parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
         try:

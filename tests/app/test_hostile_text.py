@@ -46,6 +46,7 @@ def test_the_files_are_sound_before_they_are_changed(tmp_path: Path) -> None:
         ('"b.json"', f'"{"x" * 6000}"', f'scene.toml:4: structure.path: no file "{"x" * 300} ..."'),
         ('"b.json"', '"\\u001b[31m"', 'scene.toml:4: structure.path: no file "\\x1b[31m"'),
         ('"a"', '"a\\u0000"', "scene.toml:1: title: holds a NUL character"),
+        ("density", '"\'" = 1\ndensity', "scene.toml:5: material.': unknown key"),
     ],
 )
 def test_scenes(tmp_path: Path, old: str, new: str, message: str) -> None:

@@ -82,10 +82,11 @@ def test_motions_that_nothing_built_meets(block_on_plate, tmp_path: Path, keys: 
     assert message in result.stderr
 
 
-def test_corners_of_a_mesh_that_are_no_numbers(tmp_path: Path) -> None:
-    (tmp_path / "b.obj").write_text("o a\nv 0 0 0\nv 1 0 nan\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+@pytest.mark.parametrize("number", ["nan", "1e160"])
+def test_corners_of_a_mesh_that_are_no_numbers_or_nowhere(tmp_path: Path, number: str) -> None:
+    (tmp_path / "b.obj").write_text(f"o a\nv 0 0 0\nv 1 0 {number}\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
     table = {"kind": "file", "path": "b.obj", "units": "m", "up": "z", "repair": True}
-    with pytest.raises(InputError, match=r'^b\.obj: block "a": a corner has coordinates that are no finite numbers$'):
+    with pytest.raises(InputError, match=r'^b\.obj: block "a": a corner has coordinates that are no finite numbers, or far too large$'):
         structures.build(table, 2000.0, tmp_path)
 
 
