@@ -320,6 +320,7 @@ def test_a_bad_study_is_one_line(tmp_path: Path, changes: dict[str, str], messag
 OF_RECORDS = [
     ({"pattern": r"pattern = '(?P<motion>.+)-(?P<component>.+)\.acc'"}, "study.toml:5: records.pattern: no file of records matches"),
     ({"pattern": "pattern = '(?P<motion>.+'"}, "study.toml:5: records.pattern: no regular expression"),
+    ({"pattern": f"pattern = '{'(' * 2000}a{')' * 2000}'"}, "study.toml:5: records.pattern: no regular expression: brackets"),
     ({"pattern": "pattern = '(?P<motion>.+)'"}, "study.toml:5: records.pattern: has no group (?P<component>...)"),
     ({"shake": "shake = []"}, "study.toml:3: records: shake: names no axis"),
     ({"folder =": 'folder = "record"'}, "study.toml:4: records.folder: record: no such folder"),

@@ -92,6 +92,8 @@ class RecordsTable(Table):
             names = re.compile(value).groupindex
         except re.error as failure:
             raise ValueError(f"no regular expression: {failure}") from None
+        except RecursionError:
+            raise ValueError("no regular expression: brackets nested too deep") from None
         missing = [name for name in GROUPS if name not in names]
         if missing:
             raise ValueError(f"has no group (?P<{missing[0]}>...); it needs both {' and '.join(GROUPS)}")
