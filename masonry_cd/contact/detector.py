@@ -268,14 +268,8 @@ def update_facet_pairs(
     for k in range(memory.parts.shape[0]):
         if kind[k] <= BY_AREA or kind[k] == ROUND_PAIR:
             continue
-        a, b = memory.parts[k, 0], memory.parts[k, 1]
-        block_a, block_b, width = shapes.part_block[a], shapes.part_block[b], min(shapes.size[a], shapes.size[b])
-        margin = pair_margin(motion, block_a, block_b, shapes.radius[a], shapes.radius[b], width)
-        relative_pose(motion.position, motion.rotation, motion.affine, block_a, block_b, work.now)
-        if is_stuck(memory, k, work.now, shapes.radius[b], width):
-            update_gaps(memory, k, work.now, motion.affine)
-            tally[KEPT] += 1
-        else:
+        margin, width, kept = _keep_points(memory, k, shapes, motion, work, tally)
+        if not kept:
             look_again(memory, k, shapes, motion, margin, width, kind[k] == FACETS_BY_AREA, work, overlay, tally)
         within += _within_margin(memory, k, margin)
     return within
@@ -293,18 +287,26 @@ def update_round_pairs(
     for k in range(memory.parts.shape[0]):
         if kind[k] != ROUND_PAIR:
             continue
-        a, b = memory.parts[k, 0], memory.parts[k, 1]
-        block_a, block_b, width = shapes.part_block[a], shapes.part_block[b], min(shapes.size[a], shapes.size[b])
-        margin = pair_margin(motion, block_a, block_b, shapes.radius[a], shapes.radius[b], width)
-        relative_pose(motion.position, motion.rotation, motion.affine, block_a, block_b, work.now)
-        if is_stuck(memory, k, work.now, shapes.radius[b], width):
-            update_gaps(memory, k, work.now, motion.affine)
-            tally[KEPT] += 1
-        else:
+        margin, _, kept = _keep_points(memory, k, shapes, motion, work, tally)
+        if not kept:
             looked = find_round_contact(memory, k, shapes, motion, margin, arm[k], work)
             tally[SEARCHED if looked else APART] += 1
         within += _within_margin(memory, k, margin)
     return within
+
+
+@borrower()
+def _keep_points(memory, k, shapes, motion, work, tally):
+    """Place pair k, and carry its points along if it sticks; its margin and width [m], and whether it does."""
+    a, b = memory.parts[k, 0], memory.parts[k, 1]
+    block_a, block_b, width = shapes.part_block[a], shapes.part_block[b], min(shapes.size[a], shapes.size[b])
+    margin = pair_margin(motion, block_a, block_b, shapes.radius[a], shapes.radius[b], width)
+    relative_pose(motion.position, motion.rotation, motion.affine, block_a, block_b, work.now)
+    kept = is_stuck(memory, k, work.now, shapes.radius[b], width)
+    if kept:
+        update_gaps(memory, k, work.now, motion.affine)
+        tally[KEPT] += 1
+    return margin, width, kept
 
 
 @borrower()

@@ -72,7 +72,7 @@ def _on_face(mesh: BlockMesh, solids: Polyhedra, f: int, close: float) -> list[n
         if abs(normal[mesh.axis]) > 0.5:
             return []
         low, high = loop[:, mesh.axis].min(), loop[:, mesh.axis].max()
-        ends = np.repeat(corners[:, [0, 1, 1, 0]], 1, axis=0)
+        ends = corners[:, [0, 1, 1, 0]]
         ends[:, :, mesh.axis] = [low, low, high, high]
         corners = ends
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]

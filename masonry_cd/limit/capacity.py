@@ -35,10 +35,8 @@ from masonry_cd.quantities import length
 STEPS = 40  # from start to end, about
 MOST = 6  # times so many steps at most
 STALLED, WAY = 10, 0.05  # steps on which no block goes as far as this share of the farthest way before: the curve makes no way
-PASSING, RISES = (
-    1e-4,
-    1e-3,
-)  # step, as a share of the smallest width, on which a factor that rises by more makes the stage before one of no rest
+PASSING = 1e-4  # step, as a share of the smallest width, on which a factor that rises makes the stage before it one of no rest ...
+RISES = 1e-3  # ... where it rises by more than this share
 MORE = 4.0  # times as far as the last step went, at most
 LEAST = 1e-3  # displacement of the fastest corner that a step tries, as a share of the smallest width
 VANISHES = "the factor vanishes"

@@ -93,10 +93,7 @@ def write_limit_ties(ties: Sequence[LimitTie], folder: Path) -> list[Path]:
     """Write ties.csv; nothing without ties."""
     if not ties:
         return []
-    rows = [
-        [f"{cell:.6g}" if isinstance(cell, float) else "" if cell is None else str(cell) for cell in tie.row().values()] for tie in ties
-    ]
-    write_csv(folder / CSV, COLUMNS, rows)
+    write_csv(folder / CSV, COLUMNS, [[_text(cell) for cell in tie.row().values()] for tie in ties])
     return [folder / CSV]
 
 
