@@ -18,7 +18,7 @@ from masonry_cd.errors import InputError
 
 RADIANS, STEPS = 30.0, 400  # step of settling, in radians of the swing of a block on its joint, and most steps
 SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last swing is this share of all of it; or this, and swings shrink no more
-SHARE, FINEST = 1e-3, 1e-12  # of the run's tolerance, to which steps of settling are solved, and the finest
+SHARE, FINEST = 1e-2, 1e-12  # of the run's tolerance, to which steps of settling are solved, and the finest
 SUNK = 0.1  # share of the smallest width that no block sinks by while it settles
 
 
