@@ -14,10 +14,12 @@ from masonry_cd.contact.detector import Detector
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
+from masonry_cd.dynamics.strain import unknowns_of_strain
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.materials import JointLaw
 from masonry_cd.model.state import State, body_maps, rotation_matrices
+from masonry_cd.model.warping import warp_shapes
 from masonry_cd.solvers import SOLVERS
 
 YOUNG, DENSITY = 1e9, 2000.0
@@ -73,6 +75,16 @@ def test_corners_of_whole_faces_fail_the_patch_test() -> None:
     for _ in range(25):
         machine.step()
     assert misfit(machine) > 0.1
+
+
+@BOTH
+def test_the_number_of_nodes_tells_that_of_unknowns(planar: bool) -> None:
+    machine = pressed_stack(planar)
+    assert machine.system.strains is not None
+    assert machine.system.strains.warps is not None
+    assert machine.system.unknowns == len(machine.system.blocks.columns) + unknowns_of_strain(machine.assembly, machine.plane)
+    for mesh in machine.system.strains.warps.meshes:
+        assert mesh.warps == warp_shapes(mesh).shape[2] > 0
 
 
 def places(machine: Stepper, block: int) -> tuple[np.ndarray, np.ndarray]:
