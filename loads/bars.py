@@ -1,8 +1,8 @@
 r"""Point loads and bars between blocks, as the step asks for their forces.
 
 A **tie** is a bar between a point of one block and a point of another, that pulls and never pushes. With the length L of the line between
-the points, its length L_0 at the start, stiffness k = E A / L_0, tension N_0 at the start, damping c = 2 xi sqrt(k m_e), and the stretch e
-that is left where it has yielded,
+the points, its length L_0 as built, stiffness k = E A / L_0, tension N_0 at the start, damping c = 2 xi sqrt(k m_e), and the stretch e
+that the structure had settled by at the start, or that is left where the tie has yielded,
 
     S = N_0 + k (L - L_0 - e),        N = max(0, S + c L') where S > 0, and 0 elsewhere,        on each end along the line.
 
@@ -98,10 +98,18 @@ class Forces:
         """The forces, with point loads that keep their last value for so many more steps."""
         return Forces(tuple(replace(load, factor=np.pad(load.factor, (0, steps), mode="edge")) for load in self.points), self.ties)
 
+    def ties_alone(self) -> Forces:
+        """The ties."""
+        return Forces((), self.ties)
+
+    def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        """L - L_0 of each tie, (T,) [m]."""
+        return self._lines(position, rotation)[1] - self._bars["length"]
+
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
         """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before."""
         bars = self._bars
-        stretch = bars["tension"] + bars["stiffness"] * (self._lines(position, rotation)[1] - bars["length"] - yielded)
+        stretch = bars["tension"] + bars["stiffness"] * (self.stretches(position, rotation) - yielded)
         return np.asarray(yielded + np.maximum(0.0, stretch - bars["limit"]) / bars["stiffness"])
 
     def _lines(self, position: np.ndarray, rotation: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

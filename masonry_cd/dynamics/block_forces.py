@@ -48,6 +48,12 @@ class BlockForces(Protocol):
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
         """Largest acceleration [m/s2] by which forces given in time differ from their mean over some steps; masses (B,) [kg]."""
 
+    def ties_alone(self) -> BlockForces:
+        """The forces without those that are given in time."""
+
+    def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        """By how much each tie is longer than as built, (T,) [m]."""
+
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
         """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before."""
 

@@ -48,7 +48,7 @@ class Prediction(NamedTuple):
     angular_momentum: np.ndarray  # (B, 3) with what forces and the carried impulse add [kg m2/s]
     pull: float  # largest acceleration of a block by gravity and forces [m/s2]
     tensions: np.ndarray  # (T,) of the ties [N]
-    yielded: np.ndarray  # (T,) by how much they have stretched for good [m]
+    yielded: np.ndarray  # (T,) by how much they are longer for good, by settling and by yielding [m]
     maps: np.ndarray  # (B, 3, 3) body to world with the strains, at q_m; the rotations where no block deforms
     swelling: float = 0.0  # distance that the strains may close within the step [m]
     acting: Acting | None = None  # forces on single blocks

@@ -47,7 +47,7 @@ from masonry_cd.friction.infeasibility import Closing
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.model.state import State, body_maps, rotation_matrices
 from masonry_cd.solvers import SOLVERS, Options, threads_that_pay
 
 __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
@@ -309,6 +309,13 @@ class Stepper:
             state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None, steps=0, ticks=0
         )
         self.load_step = 0
+
+    def lock_ties(self) -> None:
+        """Have the ties pull with their first tension where the blocks now are."""
+        forces, m = self.system.loads.forces, self.motion
+        if forces is not None:
+            maps = body_maps(self.assembly, m.state.orientation, m.state.strain)
+            self.motion = m._replace(yielded=forces.stretches(m.state.position, maps))
 
     def begin_from(self, other: Stepper, share: float) -> None:
         """Begin in the state of another stepper of the same blocks and plane, with a share of the impulses of its last step.
