@@ -1,11 +1,15 @@
-r"""Where the time of a shaken scene goes: step by step, phase by phase, and solver by solver.
+r"""Where the time of shaken scenes goes: step by step, phase by phase, and solver by solver.
 
     python -m benchmarks.profile examples/aqueduct_sinusoidal.toml
     python -m benchmarks.profile examples/church_sine.toml --set run.duration=1 --json
+    python -m benchmarks.profile --steps-only --records FOLDER
 
 The first table has the steps: under strong shaking a few of them may cost more than all the others. The second has the phases of a step.
 The third has what each method did: an iteration's time and instructions per contact, and the bytes that it reads at least, the arrays of
 the problem and the factors once, over its time. Beside the bandwidth of the memory that says whether iterations wait for data.
+
+With ``--steps-only`` the first table is all, a line for each scene. No scene given means SHAKEN. The files that scenes name as records are
+looked for in the folder given; without one, the scenes of SHAKEN that need them are left out.
 
 Seconds are those of the processor, on all threads. Instructions are counted where the system gives them (``counters.py``).
 """
@@ -17,7 +21,7 @@ import json
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import asdict, dataclass, field
 from math import nan
 from pathlib import Path
@@ -28,7 +32,8 @@ import numpy as np
 
 from benchmarks.counters import Counters
 from benchmarks.ours import stepper_of_file
-from benchmarks.sitting import head, sitting
+from benchmarks.sitting import HERE, head, sitting
+from masonry_cd.app.scene import read_scene
 from masonry_cd.dynamics import moreau_jean
 from masonry_cd.errors import InputError
 from masonry_cd.friction.operators import ProblemArrays
@@ -36,6 +41,11 @@ from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.solvers import admm, interior, newton, nlgs, pivoting
 from masonry_cd.solvers.linearised_bodies import INTERIOR, PATH, PIVOTING, PROXIMAL
 
+SHAKEN = (  # strongly: a plane, and in space a church that slides and a larger one
+    HERE.parent / "examples/aqueduct_sinusoidal.toml",
+    HERE / "church_laquila.toml",
+    HERE.parent / "examples/church_sine.toml",
+)
 PHASES = ("predict", "detect", "assemble", "solve", "update", "account")  # functions of moreau_jean.py
 NAMES = {
     INTERIOR: "interior, damped path",
@@ -43,6 +53,10 @@ NAMES = {
     PROXIMAL: "interior, proximal points",
     PIVOTING: "pivoting",
 }
+STEPS = head(
+    *("scene", "blocks", "contacts", "steps", "ms per step: mean", "median", "90 %", "worst", "mean/median", "worst/median"),
+    *("steps missed", "largest error", "tolerance"),
+)
 COPIED = 2**25  # doubles copied to measure the bandwidth: 256 MiB, more than caches hold
 
 
@@ -73,19 +87,30 @@ class Profile:
     bandwidth: float = nan  # of the memory [B/s]
 
 
-def profile(path: Path, changes: Sequence[str] = ()) -> Profile:
+def records_in(folder: Path, scene: Path) -> list[str]:
+    """Changes of a scene's keys by which the files of its loads are in a folder.
+
+    Raises:
+        InputError: no scene.
+    """
+    paths = ((k, load["path"]) for k, load in enumerate(read_scene(scene).loads) if "path" in load)
+    return [f"loads[{k}].path={(folder / Path(path).name).resolve()}" for k, path in paths]
+
+
+def profile(path: Path, changes: Sequence[str] = (), steps_only: bool = False) -> Profile:
     """Run a scene file without writing results.
 
     Args:
         path: of the scene.
         changes: of its keys, as for ``--set``.
+        steps_only: whether phases and methods are not asked for.
 
     Raises:
         InputError: anything wrong with the scene.
     """
     machine = stepper_of_file(path, ["run.threads=1", *changes])
-    out = Profile(path.name, machine.assembly.count, machine.settings.tolerance, bandwidth=_bandwidth())
-    with _watched(out):
+    out = Profile(path.name, machine.assembly.count, machine.settings.tolerance, bandwidth=nan if steps_only else _bandwidth())
+    with nullcontext() if steps_only else _watched(out):
         for _ in range(machine.settings.steps):
             begin = time.process_time()
             report = machine.step()
@@ -174,19 +199,23 @@ def _bandwidth() -> float:
     return 2.0 * here.nbytes / min(spent)
 
 
+def line_of_steps(out: Profile) -> str:
+    """The line of a scene in the table of steps, whose head is STEPS."""
+    seconds, errors = np.array(out.seconds), np.array(out.errors)
+    median, above = np.median(seconds), errors > out.tolerance
+    spent = [1e3 * seconds.mean(), 1e3 * median, 1e3 * np.quantile(seconds, 0.9), 1e3 * seconds.max()]
+    cells = [out.scene, str(out.blocks), f"{np.mean(out.contacts):.0f}", str(len(seconds))]
+    cells += [f"{x:.3g}" for x in (*spent, seconds.mean() / median, seconds.max() / median)]
+    cells += [f"{above.sum()} ({100 * above.mean():.1f} %)", f"{errors.max():.1e}", f"{out.tolerance:g}"]
+    return f"| {' | '.join(cells)} |"
+
+
 def tables(out: Profile) -> list[str]:
     """The three tables, see the head of this file."""
-    seconds, errors = np.array(out.seconds), np.array(out.errors)
-    total, median = seconds.sum(), np.median(seconds)
-    above = errors > out.tolerance
-    lines = [f"{out.scene}: {out.blocks} blocks, {np.mean(out.contacts):.0f} contacts, {len(seconds)} steps; {sitting()}", ""]
-    lines += [head("ms per step: mean", "median", "90 %", "worst", "mean/median", "worst/median", "steps missed", "largest error")]
-    cells = [1e3 * seconds.mean(), 1e3 * median, 1e3 * np.quantile(seconds, 0.9), 1e3 * seconds.max()]
-    ratios = [seconds.mean() / median, seconds.max() / median]
-    lines += [f"| {' | '.join(f'{x:.3g}' for x in cells + ratios)} | {above.sum()} ({100 * above.mean():.1f} %) | {errors.max():.1e} |", ""]
-    lines += [head("phase", "ms per step", "share")]
+    total = sum(out.seconds)
+    lines = [sitting(), "", STEPS, line_of_steps(out), "", head("phase", "ms per step", "share")]
     for name, spent in out.phases.items():
-        lines.append(f"| {name} | {1e3 * spent / len(seconds):.3g} | {100 * spent / total:.1f} % |")
+        lines.append(f"| {name} | {1e3 * spent / len(out.seconds):.3g} | {100 * spent / total:.1f} % |")
     lines += ["", head("method", "turns", "iterations", "share", "us per iteration", "ns per contact", "instructions per contact", "GB/s")]
     for name, each in sorted(out.methods.items(), key=lambda item: -item[1].seconds):
         count, contacts = max(each.iterations, 1), max(each.contacts, 1)
@@ -199,18 +228,33 @@ def tables(out: Profile) -> list[str]:
 
 def main() -> int:
     """The command line, see the head of this file."""
-    parser = argparse.ArgumentParser(description="Where the time of a shaken scene goes.")
-    parser.add_argument("scene", type=Path, help="a scene file")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another value of a key of the scene")
+    parser = argparse.ArgumentParser(description="Where the time of shaken scenes goes.")
+    parser.add_argument("scenes", nargs="*", type=Path, help="scene files; left out: three that are shaken hard")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another value of a key of the scenes")
+    parser.add_argument("--records", type=Path, metavar="FOLDER", help="where the files are that scenes name as records")
+    parser.add_argument("--steps-only", action="store_true", help="one table with a line for each scene")
     parser.add_argument("--json", action="store_true")
     given = parser.parse_args()
     try:
-        out = profile(given.scene, given.set)
+        run_all(given)
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
-    print(json.dumps(asdict(out)) if given.json else "\n".join(tables(out)))
     return 0
+
+
+def run_all(given: argparse.Namespace) -> None:
+    """Run the scenes asked for, and print what they cost as it comes."""
+    if given.steps_only and not given.json:
+        print(f"{sitting()}\n\n{STEPS}", flush=True)
+    for scene in given.scenes or SHAKEN:
+        if not given.scenes and given.records is None and records_in(HERE, scene):
+            print(f"{scene.name} is left out: --records FOLDER names the folder of its records", file=sys.stderr)
+            continue
+        found = [] if given.records is None else records_in(given.records, scene)
+        out = profile(scene, [*found, *given.set], given.steps_only)
+        lines = [json.dumps(asdict(out))] if given.json else [line_of_steps(out)] if given.steps_only else [*tables(out), ""]
+        print("\n".join(lines), flush=True)
 
 
 if __name__ == "__main__":

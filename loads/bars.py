@@ -1,8 +1,8 @@
 r"""Point loads and bars between blocks, as the step asks for their forces.
 
 A **tie** is a bar between a point of one block and a point of another, that pulls and never pushes. With the length L of the line between
-the points, its length L_0 at the start, stiffness k = E A / L_0, tension N_0 at the start, damping c = 2 xi sqrt(k m_e), and the stretch e
-that is left where it has yielded,
+the points, its length L_0 as built, stiffness k = E A / L_0, tension N_0 at the start, damping c = 2 xi sqrt(k m_e), and the stretch e
+that the structure had settled by at the start, or that is left where the tie has yielded,
 
     S = N_0 + k (L - L_0 - e),        N = max(0, S + c L') where S > 0, and 0 elsewhere,        on each end along the line.
 
@@ -19,11 +19,12 @@ long as w h < 2 with w = sqrt(k / m_e), and less where it is damped.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+
+from masonry_cd.dynamics.block_forces import Acting
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +59,7 @@ class Forces:
     points: tuple[PointLoad, ...]
     ties: tuple[Tie, ...]
 
-    def wrench(
+    def acting(
         self,
         position: np.ndarray,
         rotation: np.ndarray,
@@ -66,8 +67,8 @@ class Forces:
         step: int,
         ticks: int = 1,
         yielded: np.ndarray | None = None,
-    ) -> np.ndarray:
-        """Force [N] and moment about the centre of mass [N m] on every block, (B, 6), in the world frame.
+    ) -> Acting:
+        """Point loads, then the first ends of all ties, then their second ends, in the world frame.
 
         Args:
             position: (B, 3) centres of mass [m].
@@ -77,56 +78,13 @@ class Forces:
             ticks: n; point loads are the mean of those at t_k .. t_k+n-1.
             yielded: (T,) by how much each tie has stretched for good [m]; None: by nothing.
         """
-        out = np.zeros((len(position), 6))
-        for blocks, force, arm in self._acting(position, rotation, velocity, slice(step, step + ticks), yielded):
-            np.add.at(out, blocks, np.concatenate([force, np.cross(arm, force)], axis=1))
-        return out
-
-    def virial(
-        self,
-        position: np.ndarray,
-        rotation: np.ndarray,
-        velocity: np.ndarray,
-        step: int,
-        ticks: int = 1,
-        yielded: np.ndarray | None = None,
-    ) -> np.ndarray:
-        """Sum over the forces on each block of force (x) arm from the centre of mass, (B, 3, 3) [N m], in the world frame.
-
-        Arguments as of :meth:`wrench`.
-        """
-        out = np.zeros((len(position), 3, 3))
-        for blocks, force, arm in self._acting(position, rotation, velocity, slice(step, step + ticks), yielded):
-            np.add.at(out, blocks, force[:, :, None] * arm[:, None, :])
-        return out
-
-    def acting(
-        self,
-        position: np.ndarray,
-        rotation: np.ndarray,
-        velocity: np.ndarray,
-        step: int,
-        ticks: int = 1,
-        yielded: np.ndarray | None = None,
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The blocks (N,) that forces act on, the forces (N, 3) [N], and their arms from the centres of mass (N, 3) [m], in the world
-        frame. Arguments as of :meth:`wrench`."""
-        every = list(self._acting(position, rotation, velocity, slice(step, step + ticks), yielded))
-        blocks, force, arm = (np.concatenate(arrays) for arrays in zip(*every, strict=True))
-        return blocks, force, arm
-
-    def _acting(
-        self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, steps: slice, yielded: np.ndarray | None
-    ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """What acts: blocks (N,), forces (N, 3) [N], arms from the centres of mass (N, 3) [m] of point loads and of both ends of ties."""
-        for load in self.points:
-            force = load.factor[steps].mean() * load.force
-            yield np.array([load.block]), force[None], np.sum(rotation[load.block] * load.arm, axis=1)[None]
-        if self.ties:
-            tension, along, arms = self._pull(position, rotation, velocity, yielded)
-            force = tension[:, None] * along
-            yield self._ends[:, 0], force, arms[:, 0]
-            yield self._ends[:, 1], -force, arms[:, 1]
+        block = np.array([load.block for load in self.points], dtype=np.int64)
+        push = np.array([load.factor[step : step + ticks].mean() * load.force for load in self.points]).reshape(-1, 3)
+        arm = np.sum(rotation[block] * np.array([load.arm for load in self.points]).reshape(-1, 1, 3), axis=-1)
+        tension, along, arms = self._pull(position, rotation, velocity, yielded)
+        pull = tension[:, None] * along
+        blocks, arms_of_all = np.concatenate([block, *self._ends.T]), np.concatenate([arm, arms[:, 0], arms[:, 1]])
+        return Acting(blocks, np.concatenate([push, pull, -pull]), arms_of_all, tension)
 
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
         """Largest acceleration [m/s2] by which point loads at t_k .. t_k+n-1 differ from their mean; masses (B,) of free blocks [kg]."""
@@ -140,16 +98,18 @@ class Forces:
         """The forces, with point loads that keep their last value for so many more steps."""
         return Forces(tuple(replace(load, factor=np.pad(load.factor, (0, steps), mode="edge")) for load in self.points), self.ties)
 
-    def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, yielded: np.ndarray | None = None) -> np.ndarray:
-        """N of each tie, (T,) [N]."""
-        return self._pull(position, rotation, velocity, yielded)[0] if self.ties else np.zeros(0)
+    def ties_alone(self) -> Forces:
+        """The ties."""
+        return Forces((), self.ties)
+
+    def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        """L - L_0 of each tie, (T,) [m]."""
+        return self._lines(position, rotation)[1] - self._bars["length"]
 
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
         """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before."""
-        if not self.ties:
-            return yielded
         bars = self._bars
-        stretch = bars["tension"] + bars["stiffness"] * (self._lines(position, rotation)[1] - bars["length"] - yielded)
+        stretch = bars["tension"] + bars["stiffness"] * (self.stretches(position, rotation) - yielded)
         return np.asarray(yielded + np.maximum(0.0, stretch - bars["limit"]) / bars["stiffness"])
 
     def _lines(self, position: np.ndarray, rotation: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -174,12 +134,12 @@ class Forces:
     @cached_property
     def _ends(self) -> np.ndarray:
         """(T, 2) blocks."""
-        return np.array([tie.blocks for tie in self.ties])
+        return np.array([tie.blocks for tie in self.ties], dtype=np.int64).reshape(-1, 2)
 
     @cached_property
     def _arms(self) -> np.ndarray:
         """(T, 2, 3) in the body frames [m]."""
-        return np.array([tie.arms for tie in self.ties])
+        return np.array([tie.arms for tie in self.ties]).reshape(-1, 2, 3)
 
     @cached_property
     def _bars(self) -> dict[str, np.ndarray]:

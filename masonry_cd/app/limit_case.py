@@ -291,7 +291,8 @@ def write(case: LimitCase, folder: Path, pictures: bool = True, view: str = "aut
     if case.curve is not None:
         written += write_curve(case.curve, case.assembly.names, folder)
     of_curve = [] if case.curve is None else curve_lines(case.curve, case.assembly.names)
-    page = LimitPage(facts, [*found_lines(case), *of_curve], case.scene.text, case.scene.report.model_dump(exclude_unset=True))
+    options = ["--curve"] if case.curve is not None and "curve" not in case.scene.limit else []
+    page = LimitPage(facts, [*found_lines(case), *of_curve], case.scene.text, options, case.scene.report.model_dump(exclude_unset=True))
     write_limit_page(page, drawn, folder / "limit.html")
     return [*written, *drawn, folder / "limit.html"]
 

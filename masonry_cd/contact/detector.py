@@ -27,7 +27,6 @@ from masonry_cd.contact.motion import Motion, pair_margin
 from masonry_cd.contact.pair_memory import APART, KEPT, SEARCHED, PairMemory, check_pairs, is_stuck, update_gaps
 from masonry_cd.contact.round_contact import POINTS, find_round_contact
 from masonry_cd.contact.workspace import Workspace
-from masonry_cd.errors import InputError
 from masonry_cd.jit import borrower, entry
 from masonry_cd.model.blocks import Assembly, Shapes
 from masonry_cd.model.geometry import relative_pose, turned_normal
@@ -37,6 +36,18 @@ ROOM_OF_FACETS = (32, 8)  # points of a pair whose faces have facets, and for ea
 # Kinds of pairs: points at corners; at centroids too, with areas; between facets; those with areas; of a sphere. All but the first two have
 # loops of their own.
 CORNERS, BY_AREA, FACET_PAIR, FACETS_BY_AREA, ROUND_PAIR = 0, 1, 2, 3, 4
+
+
+class TooManyPoints(RuntimeError):
+    """The meshes of two faces cross in more points than a pair has room for.
+
+    Attributes:
+        blocks: whose faces they are.
+    """
+
+    def __init__(self, blocks: tuple[int, int]) -> None:
+        super().__init__(f"blocks {blocks}")
+        self.blocks = blocks
 
 
 class ContactSet(NamedTuple):
@@ -111,14 +122,17 @@ class Detector:
             step: time step [s].
             slack: distance that forces not yet known may add within the step [m].
             origin: (3,) displacement of the supports since the start [m].
+
+        Raises:
+            TooManyPoints: the meshes of two faces cross too often.
         """
         motion = Motion(position, rotation, velocity, float(step), float(slack), self._affine)
         count = self._update(motion, origin, False)
         if count < 0:
             self._rebuild(motion, origin)
             count = self._update(motion, origin, True)
-        if self._overlay.full[0]:
-            raise InputError("material.mesh_size: two faces with meshes of very different sizes touch in too many points; take sizes alike")
+        if self._overlay.crowded[0] >= 0:
+            raise self._crowding()
         found = ContactSet.allocate(count)
         write_contacts(self._memory, self._shapes.part_block, motion, found)
         return found
@@ -171,6 +185,13 @@ class Detector:
         if count >= 0 and self._round:
             count += update_round_pairs(*known[1:], motion, self._kind, self._arm, self._work, self.tally)
         return count
+
+    def _crowding(self) -> TooManyPoints:
+        """What is wrong with the faces that have no room for their points; other detections may go on."""
+        faces = self._overlay.crowded.copy()
+        self._overlay.crowded[:] = -1
+        blocks = self._shapes.part_block[self._shapes.solids.owner_of_face()[faces]]
+        return TooManyPoints((int(blocks[0]), int(blocks[1])))
 
     def _rebuild(self, motion: Motion, origin: np.ndarray) -> None:
         """Sweep the boxes again, and carry over what is remembered of the pairs that stay."""

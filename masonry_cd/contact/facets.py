@@ -93,7 +93,7 @@ class Overlay(NamedTuple):
     distance: np.ndarray  # (M,)
     area: np.ndarray  # (M,)
     corner: np.ndarray  # (4, 3)
-    full: np.ndarray  # (1,) how often there was no room for a point
+    crowded: np.ndarray  # (2,) faces of a and b for whose points there was no room; -1: there was always room
 
     @classmethod
     def allocate(cls, facets: Facets, corners: int) -> Overlay:
@@ -102,7 +102,7 @@ class Overlay(NamedTuple):
         whole, first, second, other = (np.empty((most, 4)) for _ in range(4))
         return cls(
             facets, np.zeros(2, dtype=np.int64), whole, first, second, other, np.empty(most), np.empty(most), np.empty((4, 3)),
-            np.zeros(1, dtype=np.int64),
+            np.full(2, -1),
         )  # fmt: skip
 
 
@@ -203,7 +203,7 @@ def _add_points(polygon, count, normal, close, with_area, room, total, manifold,
         if at >= 0:
             manifold.area[at] += area[k]
         elif total == room:
-            overlay.full[0] += 1
+            overlay.crowded[0], overlay.crowded[1] = overlay.faces[0], overlay.faces[1]
         else:
             for d in range(3):
                 manifold.point[total, d] = polygon[k, d]

@@ -5,6 +5,11 @@ normal is along the line between them. Where c itself is in the polyhedron, it i
 other part is the other centre, and gap = d - R_a - R_b. The point lies midway between the two surfaces. A pair has one point at most, so it
 continues that of the last set, however far it has rolled.
 
+**Seams.** Where a face goes on in that of another block, the edge between them is no obstacle, but the plane across the line to it is: a
+sphere that comes to it within the step would run into that plane, though it stays clear of the edge all the way. So where the gap of an
+edge or a corner closes by this plane and not in truth, as the centre now moves, the plane is that of the end of its motion s. Overlaps
+below s^2 / 2 R, by which plane and sphere differ, are no hit, up to SHALLOW of R.
+
 **Rolling friction.** A real contact is a spot, not a point, and the resultant of its pressure may move ahead of the centre by some arm e:
 it resists rolling by a moment of up to e N (Coulomb's law of rolling). So here a contact with rolling friction is four points, at e ahead,
 behind, and on both sides, and that moment is what unilateral contacts and friction give by themselves. The points are lined up with the
@@ -23,6 +28,7 @@ from masonry_cd.jit import borrower, entry
 from masonry_cd.model.geometry import Polyhedra, turned_normal
 
 POINTS = 4  # of a contact with rolling friction
+SHALLOW = 1e-3  # share of the radius by which a sphere may overlap a seam at the most
 STILL_ROLLING = 1e-9  # spheres that roll by less per step [rad] have their four points lined up with an axis
 
 
@@ -69,25 +75,59 @@ def _nearest(a, b, shapes, motion, enough, work):
         gap = distance - radius_a - radius_b
         along = radius_a + 0.5 * gap
         return gap, 1.0, own[0] + along * nx, own[1] + along * ny, own[2] + along * nz, nx, ny, nz
+    block_a, block_b = shapes.part_block[a], shapes.part_block[b]
     if radius_a > 0.0:
         other = place_part(now, b, solids, motion.affine, work.vertices, work.normals)
-        distance, nx, ny, nz = distance_to_point(b, solids, other, (own[0], own[1], own[2]), enough + radius_a)
+        ahead = _motion_ahead(motion, block_a, block_b, block_a)
+        distance, nx, ny, nz = _distance_on_the_way(b, solids, other, (own[0], own[1], own[2]), ahead, radius_a, enough + radius_a)
         gap = distance - radius_a
         along = radius_a + 0.5 * gap
         return gap, 1.0, own[0] - along * nx, own[1] - along * ny, own[2] - along * nz, -nx, -ny, -nz
     placed, grown = Placed(solids.vertices, solids.normals, WHOLE, WHOLE), 1.0
-    distance, nx, ny, nz = distance_to_point(a, solids, placed, (cx, cy, cz), enough + radius_b)
+    ahead = _motion_ahead(motion, block_b, block_a, block_a)
+    distance, nx, ny, nz = _distance_on_the_way(a, solids, placed, (cx, cy, cz), ahead, radius_b, enough + radius_b)
     if len(motion.affine) == 2:
         work.ahead_position[0, 0], work.ahead_position[0, 1], work.ahead_position[0, 2] = nx, ny, nz
-        grown = turned_normal(motion.rotation, shapes.part_block[a], work.ahead_position[0])[3]
+        grown = turned_normal(motion.rotation, block_a, work.ahead_position[0])[3]
     gap = grown * distance - radius_b
     along = (radius_b + 0.5 * gap) / grown
     return gap, grown, cx - along * nx, cy - along * ny, cz - along * nz, nx, ny, nz
 
 
 @borrower()
+def _motion_ahead(motion, sphere, block, frame):
+    """How far the centre of a sphere moves within the step as seen from a block, three numbers in the frame of block ``frame`` [m]."""
+    vs, vb, r = motion.velocity[sphere], motion.velocity[block], motion.rotation[frame]
+    xs, xb = motion.position[sphere], motion.position[block]
+    ax, ay, az = xs[0] - xb[0], xs[1] - xb[1], xs[2] - xb[2]
+    x = motion.step * (vs[0] - vb[0] - (vb[4] * az - vb[5] * ay))
+    y = motion.step * (vs[1] - vb[1] - (vb[5] * ax - vb[3] * az))
+    z = motion.step * (vs[2] - vb[2] - (vb[3] * ay - vb[4] * ax))
+    return (
+        r[0, 0] * x + r[1, 0] * y + r[2, 0] * z,
+        r[0, 1] * x + r[1, 1] * y + r[2, 1] * z,
+        r[0, 2] * x + r[1, 2] * y + r[2, 2] * z,
+    )
+
+
+@borrower()
+def _distance_on_the_way(p, solids, placed, centre, ahead, radius, enough):
+    """As :func:`distance_to_point` of the centre of a sphere, but of what it only seems to meet the height over the plane that it comes to,
+    and the normal of that; ``ahead``: its motion within the step, three numbers [m]."""
+    distance, nx, ny, nz, on_face = distance_to_point(p, solids, placed, centre, enough)
+    (x, y, z), (sx, sy, sz) = centre, ahead
+    if on_face or distance > enough or distance + nx * sx + ny * sy + nz * sz >= radius:
+        return distance, nx, ny, nz
+    later, mx, my, mz, _ = distance_to_point(p, solids, placed, (x + sx, y + sy, z + sz), np.inf)
+    if later < radius - min(0.5 * (sx * sx + sy * sy + sz * sz) / radius, SHALLOW * radius):
+        return distance, nx, ny, nz
+    return max(min(distance, radius), later - mx * sx - my * sy - mz * sz), mx, my, mz
+
+
+@borrower()
 def distance_to_point(p, solids, placed, point, enough):
-    """Distance of a point from polyhedron p [m], negative inside, and the unit normal as three numbers, outwards from where p is nearest.
+    """Distance of a point from polyhedron p [m], negative inside, the unit normal as three numbers, outwards from where p is nearest, and
+    whether that is on a face.
 
     ``point``: three numbers; beyond ``enough`` [m] a lower bound of the distance, but not below ``enough``, will do.
     """
@@ -101,7 +141,7 @@ def distance_to_point(p, solids, placed, point, enough):
             best, at = height, f - placed.first_face
     bx, by, bz = normals[at, 0], normals[at, 1], normals[at, 2]
     if best <= 0.0 or best > enough:
-        return best, bx, by, bz
+        return best, bx, by, bz, True
     least = np.inf
     for f in range(solids.face_start[p], solids.face_start[p + 1]):
         n, corner = normals[f - placed.first_face], vertices[loops[starts[f]] - placed.first_vertex]
@@ -123,9 +163,9 @@ def distance_to_point(p, solids, placed, point, enough):
             if square < least:
                 least, bx, by, bz = square, dx, dy, dz
         if over:
-            return height, n[0], n[1], n[2]
+            return height, n[0], n[1], n[2], True
     distance = np.sqrt(least)
-    return distance, bx / distance, by / distance, bz / distance
+    return distance, bx / distance, by / distance, bz / distance, False
 
 
 @borrower()

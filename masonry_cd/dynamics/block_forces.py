@@ -2,38 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 
+class Acting(NamedTuple):
+    """N forces on single blocks at one instant, those of T ties among them. World frame."""
+
+    block: np.ndarray  # (N,) that each acts on
+    force: np.ndarray  # (N, 3) [N]
+    arm: np.ndarray  # (N, 3) from the centre of mass of the block [m]
+    tension: np.ndarray  # (T,) of the ties [N]
+
+    def wrench(self, blocks: int) -> np.ndarray:
+        """Force [N] and moment about the centre of mass [N m] on each of B blocks, (B, 6)."""
+        out = np.zeros((blocks, 6))
+        np.add.at(out, self.block, np.concatenate([self.force, np.cross(self.arm, self.force)], axis=1))
+        return out
+
+    def virial(self, blocks: int) -> np.ndarray:
+        """Sum over the forces on each of B blocks of force (x) arm, (B, 3, 3) [N m]."""
+        out = np.zeros((blocks, 3, 3))
+        np.add.at(out, self.block, self.force[:, :, None] * self.arm[:, None, :])
+        return out
+
+
 class BlockForces(Protocol):
     """Forces that depend on where the blocks are and how they move; B blocks, T ties. World frame."""
-
-    def wrench(
-        self,
-        position: np.ndarray,
-        rotation: np.ndarray,
-        velocity: np.ndarray,
-        step: int,
-        ticks: int = 1,
-        yielded: np.ndarray | None = None,
-    ) -> np.ndarray:
-        """Force [N] and moment about the centre of mass [N m] on every block, (B, 6), mean over some steps of the loads from one on.
-
-        Positions (B, 3) [m], rotations (B, 3, 3) body to world, velocities (B, 6) [m/s, rad/s], lasting stretch of the ties (T,) [m].
-        """
-
-    def virial(
-        self,
-        position: np.ndarray,
-        rotation: np.ndarray,
-        velocity: np.ndarray,
-        step: int,
-        ticks: int = 1,
-        yielded: np.ndarray | None = None,
-    ) -> np.ndarray:
-        """Sum over the forces on each block of force (x) arm from the centre of mass, (B, 3, 3) [N m]; arguments as of :meth:`wrench`."""
 
     def acting(
         self,
@@ -43,15 +39,20 @@ class BlockForces(Protocol):
         step: int,
         ticks: int = 1,
         yielded: np.ndarray | None = None,
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The blocks (N,) that forces act on, the forces (N, 3) [N], and their arms from the centres of mass (N, 3) [m]; arguments as of
-        :meth:`wrench`."""
+    ) -> Acting:
+        """What acts, loads as their mean over some steps from one on.
+
+        Positions (B, 3) [m], rotations (B, 3, 3) body to world, velocities (B, 6) [m/s, rad/s], lasting stretch of the ties (T,) [m].
+        """
 
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
         """Largest acceleration [m/s2] by which forces given in time differ from their mean over some steps; masses (B,) [kg]."""
 
-    def tensions(self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, yielded: np.ndarray | None = None) -> np.ndarray:
-        """Tension of each tie, (T,) [N]."""
+    def ties_alone(self) -> BlockForces:
+        """The forces without those that are given in time."""
+
+    def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        """By how much each tie is longer than as built, (T,) [m]."""
 
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
         """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before."""

@@ -1,9 +1,10 @@
-"""Equilibrium: elastic joints and blocks that deform take up the weight before a run.
+"""Equilibrium: elastic joints and blocks that deform take up the weight, and the first tension of ties, before a run.
 
 Implicit steps (theta = 1), long for the swing of a block on its joint or on itself, with the supports held and the gravity of the first
-instant; ties and forces come with the run. Where the kinetic energy falls the motion has passed equilibrium: it is taken out, and the next
-swing begins from rest (kinetic damping, Barnes, Comput. Struct. 30, 1988). What is low comes to rest in a step or two; in a tall tower steps
-that each began from rest would creep.
+instant. Where the kinetic energy falls the motion has passed equilibrium: it is taken out, and the next swing begins from rest (kinetic
+damping, Barnes, Comput. Struct. 30, 1988). What is low comes to rest in a step or two; a tall tower would creep in steps that each began
+from rest. Ties pull with their first tension however the structure gives way, as held by a jack, and are locked as long as they then are: so
+the run begins with that tension, and without a jolt. Their stiffness comes with the run, and so do point loads.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ SUNK = 0.1  # share of the smallest width that no block sinks by while it settle
 
 
 def settle(stepper: Stepper) -> int:
-    """Bring a stepper to rest under its weight, and return the steps that took. Where nothing is elastic there is nothing to do.
+    """Bring a stepper to rest under its weight and ties, and return the steps that took. Where nothing is elastic there is nothing to do.
 
     Raises:
         InputError: the structure does not come to rest, or its motion is not finite.
@@ -41,23 +42,24 @@ def settle(stepper: Stepper) -> int:
         still = moved <= SETTLED * sunk or (moved <= ROUNDED * sunk and moved > 0.99 * last)
     if not still:
         block = assembly.names[int(np.abs(trial.state.position - begin).max(axis=1).argmax())]
-        raise InputError(f'run.settle: block "{block}" does not come to rest under its weight; settle = false starts the run without')
+        under = "its weight and the tension of ties" if trial.tensions.any() else "its weight"
+        raise InputError(f'run.settle: block "{block}" does not come to rest under {under}; settle = false starts the run without')
     stepper.begin_from(trial, stepper.settings.dt / trial.settings.dt)
+    stepper.lock_ties()
     return steps
 
 
 def _swing(trial: Stepper) -> int:
     """Steps from rest until the motion has passed its fastest, where it is taken out; returns how many."""
-    fastest = 0.0
-    for steps in range(1, STEPS + 1):
+    steps, fastest, faster = 0, 0.0, True
+    while faster and steps < STEPS:
+        trial.lock_ties()
+        trial.load_step = 0  # the weight stays that of the first instant
         try:
             trial.step()
         except RunStopped as broken:
             raise InputError(f"run.settle: {broken}; settle = false starts the run without") from None
-        if not trial.energy["kinetic"] > fastest:
-            break
-        fastest = trial.energy["kinetic"]
-        trial.load_step = 0  # the weight stays that of the first instant
+        steps, faster, fastest = steps + 1, trial.energy["kinetic"] > fastest, trial.energy["kinetic"]
     trial.halt()
     return steps
 
@@ -78,7 +80,9 @@ def _trial(stepper: Stepper) -> Stepper:
     held, pull = stepper.system.loads.at_rest()
     laws = replace(a.laws, theta=np.ones_like(a.laws.theta), retardation=np.zeros_like(a.laws.retardation))  # dashpots would slow it
     damped = replace(a, laws=laws, deformation=None if a.deformation is None else a.deformation.without_swing())
-    return Stepper(damped, held, pull, settings.model_copy(update=own), stepper.state, plane=stepper.plane)
+    forces = stepper.system.loads.forces
+    ties = None if forces is None else forces.ties_alone()
+    return Stepper(damped, held, pull, settings.model_copy(update=own), stepper.state, ties, stepper.plane)
 
 
 def _step(stepper: Stepper) -> float:

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.dynamics.block_arrays import BlockArrays
+from masonry_cd.dynamics.block_forces import Acting
 from masonry_cd.dynamics.strain import Strains
 from masonry_cd.dynamics.system import Motion, StepLoads, System
 from masonry_cd.jit import borrower, entry
@@ -47,9 +48,10 @@ class Prediction(NamedTuple):
     angular_momentum: np.ndarray  # (B, 3) with what forces and the carried impulse add [kg m2/s]
     pull: float  # largest acceleration of a block by gravity and forces [m/s2]
     tensions: np.ndarray  # (T,) of the ties [N]
-    yielded: np.ndarray  # (T,) by how much they have stretched for good [m]
+    yielded: np.ndarray  # (T,) by how much they are longer for good, by settling and by yielding [m]
     maps: np.ndarray  # (B, 3, 3) body to world with the strains, at q_m; the rotations where no block deforms
     swelling: float = 0.0  # distance that the strains may close within the step [m]
+    acting: Acting | None = None  # forces on single blocks
     force_impulse: np.ndarray | None = None  # (F, n) generalised impulse of the forces on single blocks
     carried_impulse: np.ndarray | None = None  # (F, n) of the last step, as far as it is taken
 
@@ -86,28 +88,28 @@ def _with_forces(system: System, free: Prediction) -> Prediction:
     forces = system.loads.forces
     if forces is None:
         return free
-    now = (free.state.position, free.maps, free.state.velocity)
-    yielded = forces.yields(*now[:2], free.yielded)
-    wrench = forces.wrench(*now, free.loads.number, free.loads.ticks, yielded)[system.free]
+    position, velocity, count = free.state.position, free.state.velocity, len(free.rotation)
+    yielded = forces.yields(position, free.maps, free.yielded)
+    acting = forces.acting(position, free.maps, velocity, free.loads.number, free.loads.ticks, yielded)
+    wrench = acting.wrench(count)[system.free]
     pull = system.gravity + float((np.linalg.norm(wrench[:, :3], axis=1) / system.assembly.mass[system.free]).max())
     impulse = np.zeros_like(free.v_free)
     impulse[:, : len(system.blocks.columns)] = system.constants.step * wrench[:, system.blocks.columns]
     if system.strains is not None:
-        virial = forces.virial(*now, free.loads.number, free.loads.ticks, yielded)
-        along = system.strains.forces(virial, _along_warps(system, system.strains, free, yielded), free.rotation, free.maps)
+        warped = _along_warps(system, system.strains, free, acting)
+        along = system.strains.forces(acting.virial(count), warped, free.rotation, free.maps)
         system.strains.set_unknowns(impulse, system.constants.step * along)
     pushed = _pushed(system, free, impulse, np.einsum("bij,bj->bi", free.inverse_mass, impulse))
-    return pushed._replace(pull=pull, tensions=forces.tensions(*now, yielded), yielded=yielded, force_impulse=impulse)
+    return pushed._replace(pull=pull, acting=acting, tensions=acting.tension, yielded=yielded, force_impulse=impulse)
 
 
-def _along_warps(system: System, strains: Strains, free: Prediction, yielded: np.ndarray) -> np.ndarray:
-    """What the forces on single blocks do along their warps, (B, r) [N]; ``yielded`` (T,) as of :class:`Prediction`."""
-    forces, now, warps = system.loads.forces, (free.state.position, free.maps, free.state.velocity), strains.warps
-    if forces is None or warps is None:
-        return np.zeros((len(free.rotation), 0))
-    blocks, force, arm = forces.acting(*now, free.loads.number, free.loads.ticks, yielded)
-    touch = warps.touches(blocks[:, None], now[0][blocks] + arm, now[0], free.maps, system.constants.plane_axis)
-    return warps.forces((blocks, force), touch, free.rotation)
+def _along_warps(system: System, strains: Strains, free: Prediction, acting: Acting) -> np.ndarray:
+    """What the forces on single blocks do along their warps, (B, r) [N]."""
+    position, warps = free.state.position, strains.warps
+    if warps is None:
+        return np.zeros((len(position), 0))
+    touch = warps.touches(acting.block[:, None], position[acting.block] + acting.arm, position, free.maps, system.constants.plane_axis)
+    return warps.forces((acting.block, acting.force), touch, free.rotation)
 
 
 def _with_carried_impulse(system: System, free: Prediction, carried: np.ndarray | None) -> Prediction:

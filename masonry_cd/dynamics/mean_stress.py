@@ -84,12 +84,8 @@ class MeanStress:
         )  # fmt: skip
         spin = 0.5 * (now.state.velocity[:, 3:] + stepper.state.velocity[:, 3:])
         add_kinetic(system.blocks, now.rotation, spin, system.constants.step, self._sums.virial)
-        forces = system.loads.forces
-        if forces is not None:
-            at_q_m = now.state.position, now.rotation, now.state.velocity
-            self._sums.virial[:] += system.constants.step * symmetric(
-                forces.virial(*at_q_m, now.loads.number, now.loads.ticks, now.yielded)
-            )
+        if now.acting is not None:
+            self._sums.virial[:] += system.constants.step * symmetric(now.acting.virial(len(now.rotation)))
         if strains is not None:
             assert made.start.velocity is not None
             own = strains.stresses(now.state.strain, made.start.velocity, stepper.motion.v, now.rotation)

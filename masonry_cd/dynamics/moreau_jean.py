@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.arrays import Stored
-from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.contact.detector import ContactSet, Detector, TooManyPoints
 from masonry_cd.dynamics import joint_forces
 from masonry_cd.dynamics.block_forces import BlockForces
 from masonry_cd.dynamics.contact_rows import assemble
@@ -47,11 +47,12 @@ from masonry_cd.friction.infeasibility import Closing
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.model.state import State, body_maps, rotation_matrices
 from masonry_cd.solvers import SOLVERS, Options, threads_that_pay
 
 __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
 
+ALIKE = "material.mesh_size: elements of one size on both sides would not"  # what to do about meshes that cross too often
 Watch = Callable[[int, str, FrictionProblem], None]  # the step, and a problem solved in it by name: "" where it is the only one
 
 
@@ -93,12 +94,20 @@ class Solved(NamedTuple):
 # --- the phases that are not in files of their own ---------------------------------------------------------------------------
 
 
-def detect(system: System, detector: Detector, predicted: Prediction) -> ContactSet:
-    """The contacts at q_m. What moves with the supports has not moved for the broad phase."""
+def detect(system: System, detector: Detector, predicted: Prediction, number: int) -> ContactSet:
+    """The contacts at q_m in step ``number``, counted from 1. What moves with the supports has not moved for the broad phase.
+
+    Raises:
+        RunStopped: the meshes of two faces cross too often.
+    """
     h, support, state = system.constants.step, system.support, predicted.state
     slack = 4.0 * h * h * predicted.pull + system.stretch + predicted.swelling
     moved = state.position[support] - system.assembly.centre[support] if support >= 0 else np.zeros(3)
-    return detector.detect(state.position, predicted.maps, state.velocity, h, slack, moved)
+    try:
+        return detector.detect(state.position, predicted.maps, state.velocity, h, slack, moved)
+    except TooManyPoints as reason:
+        a, b = (system.assembly.names[block] for block in reason.blocks)
+        raise RunStopped(f'step {number}: the meshes of "{a}" and "{b}" cross in too many points; {ALIKE}') from None
 
 
 def solve(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None = None) -> Solved:
@@ -202,13 +211,13 @@ class Stepper:
         """Advance by one time step, of some ticks of length dt.
 
         Raises:
-            RunStopped: a velocity is not finite.
+            RunStopped: a velocity is not finite, or the meshes of two faces cross too often.
         """
         begin = clock.perf_counter()
         self._set_length(ticks)
         system, last = self.system, self.motion
         predicted = predict(system, last, system.loads.of_step(self.load_step, ticks))
-        found = detect(system, self.detector, predicted)
+        found = detect(system, self.detector, predicted, last.steps + 1)
         made = assemble(system, last, predicted, found)
         solved = solve(system, made, self.islands, last.steps + 1, self.watch)
         new = update(system, last, made, solved.solution.impulse, solved.carried_impulse)
@@ -236,7 +245,8 @@ class Stepper:
     def friction_problem(self) -> StepProblem:
         """The friction problem of the next step, were it as long as the last. Asking for it changes nothing."""
         predicted = predict(self.system, self.motion, self.system.loads.of_step(self.load_step))
-        return assemble(self.system, self.motion, predicted, detect(self.system, deepcopy(self.detector), predicted))
+        found = detect(self.system, deepcopy(self.detector), predicted, self.steps + 1)
+        return assemble(self.system, self.motion, predicted, found)
 
     def _report(self, made: StepProblem, solved: Solved, deepest: Overlap, begin: float) -> StepReport:
         """What the step cost that began at a reading of the clock."""
@@ -299,6 +309,13 @@ class Stepper:
             state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None, steps=0, ticks=0
         )
         self.load_step = 0
+
+    def lock_ties(self) -> None:
+        """Have the ties pull with their first tension where the blocks now are."""
+        forces, m = self.system.loads.forces, self.motion
+        if forces is not None:
+            maps = body_maps(self.assembly, m.state.orientation, m.state.strain)
+            self.motion = m._replace(yielded=forces.stretches(m.state.position, maps))
 
     def begin_from(self, other: Stepper, share: float) -> None:
         """Begin in the state of another stepper of the same blocks and plane, with a share of the impulses of its last step.

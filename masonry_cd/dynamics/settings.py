@@ -71,7 +71,7 @@ class Run(Table):
     islands: Flag = True
     """Solve by itself what touches the rest only through supports, and let it sleep while it rests; the answer is the same."""
     settle: Flag = True
-    """Let elastic joints take up the weight before the run begins; else it comes upon them at once, and they swing."""
+    """Let elastic joints take up the weight and the tension of ties before the run; else both come upon them at once, and they swing."""
     first_velocities: FirstVelocities | None = None
     """Velocities that the blocks begin with, drawn at random, {size, seed}; at rest when not given."""
     gravity: Vector = (0.0, 0.0, -9.81)

@@ -19,7 +19,7 @@ def motion_at_start(system: System, state: State) -> Motion:
     if system.strains is not None:
         state = replace(state, strain=system.strains.with_room(state.strain))
     rotation, forces = rotation_matrices(state.orientation), system.loads.forces
-    tensions = np.zeros(0) if forces is None else forces.tensions(state.position, rotation, state.velocity)
+    tensions = np.zeros(0) if forces is None else forces.acting(state.position, rotation, state.velocity, 0).tension
     momentum: np.ndarray = angular_momenta(system.blocks, rotation, state.velocity)
     return Motion(
         state=state,

@@ -37,7 +37,7 @@ import numpy as np
 
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.planar import Plane
-from masonry_cd.dynamics.warps import Warps
+from masonry_cd.dynamics.warps import Warps, warps_of
 from masonry_cd.jit import borrower, entry
 from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
@@ -230,8 +230,7 @@ def unknowns_of_strain(assembly: Assembly, plane: Plane | None) -> int:
     if assembly.deformation is None:
         return 0
     rigid, strains = (6, 6) if plane is None else (3, 3)
-    warps = Warps.of(assembly, plane, rigid + strains)
-    return strains + (0 if warps is None else warps.count)
+    return strains + warps_of(assembly, plane, rigid + strains)
 
 
 def _with_warps(deformation: Deformation, warps: Warps, strains: np.ndarray, stiffness: np.ndarray) -> np.ndarray:

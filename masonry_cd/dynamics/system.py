@@ -171,7 +171,7 @@ class Motion(NamedTuple):
     carried_impulse: np.ndarray | None  # (F, n) generalised impulse that an impact leaves to the next step, see impacts.py
     joints: JointMemory  # of elastic and bonded joints
     tensions: np.ndarray  # (T,) of the ties, as applied in the last step [N]
-    yielded: np.ndarray  # (T,) by how much they have stretched for good [m]
+    yielded: np.ndarray  # (T,) by how much they are longer for good, by settling and by yielding [m]
     energy: EnergyBalance
     steps: int  # done so far
     ticks: int  # of the loads' sampling, that they took together

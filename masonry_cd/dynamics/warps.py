@@ -23,6 +23,7 @@ from masonry_cd.dynamics.planar import Plane
 from masonry_cd.jit import borrower, entry
 from masonry_cd.model.block_mesh import BlockMesh, block_mesh
 from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.deformation import Deformation
 from masonry_cd.model.geometry import Polyhedron, inverse_row
 from masonry_cd.model.warping import mesh_stiffness, warp_shapes
 
@@ -66,17 +67,9 @@ class Warps:
         deformation = assembly.deformation
         if deformation is None or not deformation.mesh_size.any():
             return None
-        meshes: dict[int, BlockMesh] = {}
-        of_block = np.full(assembly.count, -1)
-        for b, size in zip(deformation.block, deformation.mesh_size, strict=True):
-            if size > 0.0:
-                block = assembly.blocks[b]
-                shell = Polyhedron(block.vertices - assembly.centre[b], block.faces)
-                mesh = block_mesh(block.name, shell, float(size), -1 if plane is None else plane.axis)
-                of_block[b] = list(meshes).index(id(mesh)) if id(mesh) in meshes else len(meshes)
-                meshes[id(mesh)] = mesh
-        found = tuple(meshes.values())
-        return cls(found, of_block, _arrays(found, of_block, others, deformation.room), Facets.of(assembly.shapes, found, of_block))
+        meshes, of_block = _meshes(assembly, deformation, plane)
+        arrays = _arrays(meshes, of_block, _count(meshes, others, deformation.room))
+        return cls(meshes, of_block, arrays, Facets.of(assembly.shapes, meshes, of_block))
 
     @property
     def count(self) -> int:
@@ -118,17 +111,47 @@ class Warps:
         return out
 
 
-def _arrays(meshes: tuple[BlockMesh, ...], of_block: np.ndarray, others: int, room: int) -> WarpArrays:
-    """The arrays of the kernels; there are as many warps as fill the unknowns up to the next of UNKNOWNS that is no less than ``room``."""
+def warps_of(assembly: Assembly, plane: Plane | None, others: int) -> int:
+    """How many warps r :class:`Warps` would have, by the numbers of nodes alone; 0: no block is meshed.
+
+    Raises:
+        InputError: a block cannot be meshed.
+    """
+    deformation = assembly.deformation
+    if deformation is None or not deformation.mesh_size.any():
+        return 0
+    return _count(_meshes(assembly, deformation, plane)[0], others, deformation.room)
+
+
+def _count(meshes: tuple[BlockMesh, ...], others: int, room: int) -> int:
+    """How many warps fill the unknowns of a block, beside ``others``, up to the next of UNKNOWNS that is no less than ``room``."""
+    least = max(room, others + max(mesh.warps for mesh in meshes))
+    return next(n for n in UNKNOWNS if n >= least) - others
+
+
+def _meshes(assembly: Assembly, deformation: Deformation, plane: Plane | None) -> tuple[tuple[BlockMesh, ...], np.ndarray]:
+    """The meshes of an assembly, and which of them each block has (B,), -1 for none."""
+    meshes: dict[int, BlockMesh] = {}
+    of_block = np.full(assembly.count, -1)
+    for b, size in zip(deformation.block, deformation.mesh_size, strict=True):
+        if size > 0.0:
+            block = assembly.blocks[b]
+            shell = Polyhedron(block.vertices - assembly.centre[b], block.faces)
+            mesh = block_mesh(block.name, shell, float(size), -1 if plane is None else plane.axis)
+            of_block[b] = list(meshes).index(id(mesh)) if id(mesh) in meshes else len(meshes)
+            meshes[id(mesh)] = mesh
+    return tuple(meshes.values()), of_block
+
+
+def _arrays(meshes: tuple[BlockMesh, ...], of_block: np.ndarray, count: int) -> WarpArrays:
+    """The arrays of the kernels, with so many warps."""
     shapes = [warp_shapes(mesh) for mesh in meshes]
-    least = max(room, others + max(own.shape[2] for own in shapes))
-    room = next(n for n in UNKNOWNS if n >= least) - others
     node_start = np.cumsum([0, *(len(mesh.nodes) for mesh in meshes)])
     return WarpArrays(
         mesh=of_block,
         node_start=node_start,
         nodes=np.concatenate([mesh.nodes for mesh in meshes]),
-        shapes=np.concatenate([np.pad(own, ((0, 0), (0, 0), (0, room - own.shape[2]))) for own in shapes]),
+        shapes=np.concatenate([np.pad(own, ((0, 0), (0, 0), (0, count - own.shape[2]))) for own in shapes]),
         facet_start=np.cumsum([0, *(len(mesh.facets) for mesh in meshes)]),
         facets=np.concatenate([mesh.facets + start for mesh, start in zip(meshes, node_start[:-1], strict=True)]),
     )

@@ -39,6 +39,12 @@ class BlockMesh:
         """(d,) the coordinates that nodes move along."""
         return np.array([d for d in range(3) if d != self.axis])
 
+    @property
+    def warps(self) -> int:
+        """How many the block has, see ``warping.py``: motions of its nodes beyond those of a block of uniform strain."""
+        d = len(self.dims)
+        return d * (len(self.nodes) - d - 1)
+
     def shares(self) -> np.ndarray:
         """Volume of each element over that of the block, (E,)."""
         size = _sizes(self.nodes[:, self.dims], self.elements)

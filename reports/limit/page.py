@@ -40,6 +40,7 @@ class LimitPage:
     summary: Mapping[str, Any]  # limit.json
     lines: Sequence[str]  # what was found; the first says of what
     scene: str  # its text
+    options: Sequence[str]  # of the command, beside what the scene asks for
     report: Mapping[str, Any]  # the scene's table [report]
 
 
@@ -63,6 +64,7 @@ def write_limit_page(page: LimitPage, drawn: Sequence[Path], path: Path) -> None
         "mechanism": _mechanism(summary),
         "ties": _ties(summary),
         "certificate": _certificate(summary),
+        "command": escaped(" ".join(["masonry-cd limit scene.toml -o out", *page.options])),
         "scene": escaped(page.scene),
     }
     body = filled((files("reports.limit") / "limit.html").read_text(encoding="utf-8"), values)

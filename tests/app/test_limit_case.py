@@ -336,6 +336,19 @@ def test_the_page_shows_the_check_the_pictures_and_the_certificate(tmp_path):
         assert words in page, words
 
 
+@pytest.mark.parametrize(
+    ("table", "asked", "command"),
+    [
+        ("", False, "masonry-cd limit scene.toml -o out"),
+        ("", True, "masonry-cd limit scene.toml -o out --curve"),
+        ("[limit.curve]\nsteps = 10\n", True, "masonry-cd limit scene.toml -o out"),
+    ],
+)
+def test_the_command_on_the_page_asks_for_what_is_on_it(table: str, asked: bool, command: str, tmp_path: Path) -> None:
+    write(limit_case(scene(tmp_path, pillar(), f"{PUSH}{table}"), curve=asked), tmp_path / "out", pictures=False)
+    assert f"<pre>{command}</pre>" in (tmp_path / "out" / "limit.html").read_text()
+
+
 def test_a_wall_that_leans_out_is_not_looked_at_along_its_motion(tmp_path):
     """From the front nothing of it would be seen: the thin lines of the structure as built lie behind what has moved."""
     case = limit_case(scene(tmp_path, pillar(), "[limit]\npush = 'y'\n"))

@@ -15,6 +15,7 @@ from places import ROOT
 from typer.testing import CliRunner
 
 from masonry_cd.cli.app import app
+from masonry_cd.contact.detector import Detector, TooManyPoints
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.io.results import Results
 
@@ -164,3 +165,26 @@ def test_without_gmsh_a_line_says_what_is_missing(tmp_path: Path, monkeypatch: p
     assert len(result.stderr.splitlines()) == 1
     assert not (tmp_path / "out").exists()
     assert run(BITS / "tilt.toml", tmp_path / "out", "run.duration=0.02", material=()).exit_code == 0  # rigid blocks need none
+
+
+@pytest.mark.parametrize("dt", ["dt = 1e-3", 'dt = "auto"\ndt_min = 1e-3'], ids=["fixed", "adapting"])
+def test_a_run_whose_meshes_cross_too_often_ends_with_its_results(block_on_plate, tmp_path: Path, monkeypatch, dt: str) -> None:
+    """Found in the detection of a step: one line with the blocks, exit code 1, and all that was computed can be read."""
+    detect, far = Detector.detect, 0.01
+
+    def crowded(self: Detector, position: np.ndarray, *where: object) -> object:
+        if far < position[0, 0] < 0.05:  # the plate, which is shaken
+            raise TooManyPoints((0, 1))
+        return detect(self, position, *where)
+
+    monkeypatch.setattr(Detector, "detect", crowded)
+    result = masonry_cd("run", block_on_plate(dt=dt), "-o", tmp_path / "out")
+    assert result.exit_code == 1, result.output
+    found = summary_of(tmp_path / "out")
+    line = f'step {found["steps"] + 1}: the meshes of "plate" and "block" cross in too many points; material.mesh_size: '
+    assert found["stopped"].startswith(line)
+    assert f"the run ended early, {found['stopped']}; the results hold all frames up to there" in result.output
+    with Results.open(tmp_path / "out" / "result.h5") as results:
+        assert len(results.per_step("solver/error")) == found["steps"] > 10
+        assert 0.5 * far < results.position[results.frames - 1, 0, 0] <= far  # frames are 20 ms apart
+    assert "plate" in (tmp_path / "out" / "joints.csv").read_text()

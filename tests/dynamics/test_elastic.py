@@ -205,6 +205,17 @@ def test_what_has_settled_carries_its_weight_before_the_first_step():
     assert force[0, 0] == pytest.approx(MASS * GRAVITY, rel=1e-6)
 
 
+def test_a_tall_stack_settles_to_its_closed_form():
+    """Its slowest swing is 190 times as long as that of a block: in steps that each begin from rest it would creep."""
+    count, side, stiffness = 300, 0.2, 1e11
+    stack = [box(f"b{i}", (-side / 2, -side / 2, i * side), (side / 2, side / 2, (i + 1) * side)) for i in range(count)]
+    machine = stepper([ground(), *stack], 1, joints={"default": JointLaw(normal_stiffness=stiffness)}, tolerance=1e-8)
+    assert settle(machine) < 150
+    weight = machine.assembly.mass[1] * GRAVITY / (stiffness * side**2)
+    shortening = weight * np.cumsum(np.arange(count, 0, -1))
+    assert (machine.assembly.centre - machine.state.position)[1:, 2] == pytest.approx(shortening, rel=1e-4)
+
+
 def test_what_cannot_settle_is_reported():
     leaning = [ground(2.0), box("low", (-0.2, -0.2, 0.0), (0.2, 0.2, 0.2)), box("high", (0.05, -0.2, 0.2), (0.85, 0.2, 0.4))]
     machine = stepper(leaning, 10, joints={"default": JointLaw(normal_stiffness=1e9)})

@@ -109,6 +109,33 @@ def test_a_sphere_that_falls_stays_where_it_lands():
     assert abs(machine.energy["balance"]) < 1e-9 * machine.energy["impact"]
 
 
+def rolled_over(step: float, dt: float, direction: float, tolerance: float = 1e-10) -> Stepper:
+    """A sphere that rolls at 1 m/s from one block of the ground to the next, whose top is higher by a step [m]."""
+    floor = [box("a", (-5.0, -5.0, -1.0), (0.1, 5.0, 0.0), fixed=True), box("b", (0.1, -5.0, -1.0), (5.0, 5.0, step), fixed=True)]
+    machine = stepper([*floor, ball("ball", (0.0, 0.0, RADIUS))], round(0.4 / dt), dt=dt, planar=False, tolerance=tolerance)
+    c, s = math.cos(math.radians(direction)), math.sin(math.radians(direction))
+    machine.kick(np.array([[0.0] * 6, [0.0] * 6, [c, s, 0.0, -s / RADIUS, c / RADIUS, 0.0]]))
+    return advanced(machine, round(0.4 / dt))
+
+
+@pytest.mark.parametrize("direction", [0.0, 40.0])
+@pytest.mark.parametrize(("dt", "tolerance"), [(1e-3, 1e-10), (3.1e-3, 1e-10), (3.1e-3, 1e-5)])
+def test_the_seam_of_two_level_blocks_does_not_brake_a_sphere(dt, tolerance, direction):
+    machine = rolled_over(0.0, dt, direction, tolerance)
+    mass = machine.assembly.mass[2]
+    assert machine.state.position[2, 0] > 0.2
+    assert machine.state.position[2, 2] == pytest.approx(RADIUS, abs=1e-3 * RADIUS * tolerance**0.5)
+    assert machine.energy["kinetic"] == pytest.approx(0.7 * mass, rel=10.0 * tolerance)
+
+
+def test_a_step_at_a_seam_lifts_a_sphere_and_takes_of_its_speed():
+    step = 2e-3 * RADIUS
+    machine = rolled_over(step, 3.1e-3, 0.0)
+    assert machine.state.position[2, 2] == pytest.approx(RADIUS + step, abs=1e-6)
+    assert machine.energy["impact"] > 1e-4 * machine.energy["kinetic"]
+    assert machine.energy["kinetic"] < 0.7 * machine.assembly.mass[2] * (1.0 - 1e-3)
+
+
 @pytest.mark.parametrize("corner", [False, True], ids=["edge", "corner"])
 def test_a_sphere_hits_an_edge_or_a_corner_along_the_line_to_its_centre(corner):
     """Without friction it loses the speed along that line, and no more."""

@@ -54,7 +54,7 @@ def swing(forces: Forces, assembly: Assembly, speed: float, dt: float, steps: in
     rotation, out = np.tile(np.eye(3), (2, 1, 1)), []
     for k in range(steps):
         position[1] += 0.5 * dt * velocity[1, :3]
-        velocity[1, :3] += dt * forces.wrench(position, rotation, velocity, k)[1, :3] / assembly.mass[1]
+        velocity[1, :3] += dt * forces.acting(position, rotation, velocity, k).wrench(2)[1, :3] / assembly.mass[1]
         position[1] += 0.5 * dt * velocity[1, :3]
         out.append(position[1, 0] - assembly.centre[1, 0])
     return np.array(out)
@@ -84,16 +84,16 @@ def test_damping_takes_energy_and_never_pushes(pair: Assembly) -> None:
     position, rotation, velocity = pair.centre.copy(), np.tile(np.eye(3), (2, 1, 1)), np.zeros((2, 6))
     velocity[1, 0] = -5.0  # shortening fast, still a little taut
     position[1, 0] += 1e-4
-    assert damped.tensions(position, rotation, velocity)[0] == 0.0
+    assert damped.acting(position, rotation, velocity, 0).tension[0] == 0.0
     position[1, 0] -= 1e-2
     velocity[1, 0] = 5.0  # slack, lengthening fast
-    assert damped.tensions(position, rotation, velocity)[0] == 0.0
+    assert damped.acting(position, rotation, velocity, 0).tension[0] == 0.0
 
 
 def test_action_equals_reaction_and_moments_are_about_the_centres(pair: Assembly) -> None:
     points = [[1.0, 0.5, 0.9], [4.0, 0.2, 0.1]]
     bar = forces(pair, {**BAR, "points": points, "tension": 1000.0})
-    wrench = bar.wrench(pair.centre, np.tile(np.eye(3), (2, 1, 1)), np.zeros((2, 6)), 0)
+    wrench = bar.acting(pair.centre, np.tile(np.eye(3), (2, 1, 1)), np.zeros((2, 6)), 0).wrench(2)
     assert np.linalg.norm(wrench[0, :3]) == pytest.approx(1000.0)
     assert wrench[0, :3] == pytest.approx(-wrench[1, :3])
     about_origin = wrench[:, 3:] + np.cross(pair.centre, wrench[:, :3])
@@ -101,13 +101,23 @@ def test_action_equals_reaction_and_moments_are_about_the_centres(pair: Assembly
     assert wrench[0, 0] > 0.0 > wrench[1, 0]  # it pulls
 
 
+def test_where_nothing_acts_all_sums_are_zero(pair: Assembly) -> None:
+    none = Forces((), ()).acting(pair.centre, np.tile(np.eye(3), (2, 1, 1)), np.zeros((2, 6)), 0)
+    assert (none.block.shape, none.force.shape, none.tension.shape) == ((0,), (0, 3), (0,))
+    assert none.wrench(2).shape == (2, 6)
+    assert none.virial(2).shape == (2, 3, 3)
+    assert not none.wrench(2).any()
+    assert not none.virial(2).any()
+
+
 def test_a_point_load_grows_stays_and_moves_with_its_block(pair: Assembly) -> None:
     load = forces(pair, {"kind": "point", "block": "stone", "force": [0, 0, -600], "point": [5.0, 0.5, 1.0], "start": 0.5, "ramp": 1.0})
     still, turned = np.tile(np.eye(3), (2, 1, 1)), np.tile(np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]]), (2, 1, 1))  # x goes to -z
-    at = [load.wrench(pair.centre, still, np.zeros((2, 6)), k)[1] for k in (0, 500, 1000, 1500, 2000)]
+    rest = np.zeros((2, 6))
+    at = [load.acting(pair.centre, still, rest, k).wrench(2)[1] for k in (0, 500, 1000, 1500, 2000)]
     assert [w[2] for w in at] == pytest.approx([0.0, 0.0, -300.0, -600.0, -600.0])
     assert at[-1][3:] == pytest.approx([0.0, 300.0, 0.0])  # arm 0.5 m along x, force down
-    assert load.wrench(pair.centre, turned, np.zeros((2, 6)), 2000)[1][3:] == pytest.approx([0.0, 300.0, 0.0])  # arm (0.5, 0, -0.5)
+    assert load.acting(pair.centre, turned, rest, 2000).wrench(2)[1][3:] == pytest.approx([0.0, 300.0, 0.0])  # arm (0.5, 0, -0.5)
     assert build(pair, BAR, {"kind": "point", "block": "stone", "force": [0, 0, -9810.0]}).lines[1].endswith("0.5 times its weight")
 
 
