@@ -400,8 +400,9 @@ def _of_meshes(columns: dict[str, Any], names: list[tuple[str, int]], what: str,
     """A table by the block and the number of an element or node."""
     import pandas
 
-    table = frame_of(columns, range(len(names)), what, **({} if time is None else {"time": time}))
+    table = frame_of(columns)
     table.index = pandas.MultiIndex.from_tuples(names, names=["block", what])
+    table.attrs |= {} if time is None else {"time": time}
     return table
 
 

@@ -97,7 +97,8 @@ def _prism(
     count = len(node)
     spans = meshes.nodes[triangles[:, 1:]] - meshes.nodes[triangles[:, :1]]
     upwards = np.cross(spans[:, 0], spans[:, 1])[:, axis] > 0.0  # seen from the high end counter-clockwise
-    faces, behind = [], []
+    faces: list[tuple[int, ...]] = []
+    behind: list[int] = []
     for k, corners in enumerate(triangles.tolist()):
         a, b, c = (at[n] for n in (corners if upwards[k] else corners[::-1]))
         faces += [(count + a, count + b, count + c), (c, b, a)]

@@ -61,9 +61,9 @@ def _note_on_elements(results: Results) -> str:
     if results.meshes is None:
         return ""
     return (
-        '<p class="note">Meshed blocks also have a stress in each element, the largest of which the table gives. It shows how a block bends; at '
-        "its edge the true stress is higher by about two thirds of the size of the elements over its depth, and where a force stands on a corner "
-        "it grows as the mesh gets finer.</p>"
+        '<p class="note">Meshed blocks also have a stress in each element, the largest of which the table gives. It shows how a '
+        "block bends. At its edge the true stress is higher, by about two thirds of the size of the elements over its depth; where a "
+        "force stands on a corner it grows as the mesh gets finer.</p>"
     )
 
 
