@@ -10,12 +10,14 @@ import pytest
 from models import BOX_FACES, GRAVITY, box, ground, stepper, still, tower, turned
 
 from loads.bars import Forces, PointLoad
+from masonry_cd.arrays import Stored
 from masonry_cd.contact.detector import Detector
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.mean_stress import MeanStress
+from masonry_cd.dynamics.mean_stress import MeanStress, check_sums
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
+from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.materials import JointLaw
@@ -117,6 +119,11 @@ def test_the_stress_of_a_block_is_the_mean_of_its_elements(planar: bool) -> None
         own = record.stresses()[b]
         assert np.abs(mesh.shares() @ of_block - own).max() < 1e-9 * np.abs(own).max()
         assert np.ptp(of_block[:, ZZ]) > 0.1 * np.abs(own).max()  # it bends
+    kept, sizes = record.snapshot(), (len(blocks), find_joints(machine.assembly).count)
+    check_sums(Stored(kept), *sizes, len(record.of_elements()))
+    for wrong in (kept | {"elements": kept["elements"][1:]}, {name: array for name, array in kept.items() if name != "elements"}):
+        with pytest.raises(InputError, match="elements"):
+            check_sums(Stored(wrong), *sizes, len(record.of_elements()))
 
 
 def places(machine: Stepper, block: int) -> tuple[np.ndarray, np.ndarray]:

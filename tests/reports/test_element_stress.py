@@ -5,8 +5,11 @@ from __future__ import annotations
 import csv
 import json
 import re
+import shutil
 from pathlib import Path
+from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 from block_files import cuboid
@@ -183,6 +186,38 @@ def test_facets_close_around_the_block(axis: int) -> None:
             assert np.linalg.norm(loop.mean(axis=0) + flat.centre[block] - centres(meshes)[found.element[f]]) < 0.35
     assert total == pytest.approx(0.7 * 0.4 * 0.3)
     assert (found.element[flat.face_block == 0] == -1).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "message"),
+    [
+        ("elements", lambda a: a + 99, "meshes/elements points beyond what there is"),
+        ("elements", lambda a: a[:, :2], "meshes/elements should have the shape"),
+        ("block", lambda a: a + 99, "meshes/block points beyond what there is"),
+        ("node_start", lambda a: a[::-1], "meshes/node_start does not divide its"),
+        ("nodes", lambda a: a[:, :2], "meshes/nodes should have the shape"),
+        ("nodes", None, "meshes/nodes is not what a run writes"),
+        ("stress", lambda a: a[:, :1], "meshes/stress is not what a run writes"),
+        ("displacement", None, "meshes/displacement is missing"),
+    ],
+)
+def test_meshes_that_no_run_writes_are_named(run: mc.Run, tmp_path: Path, name: str, change: Any, message: str) -> None:
+    """In a file without checksums."""
+    shutil.copy(run.folder / "result.h5", tmp_path)
+    with h5py.File(tmp_path / "result.h5", "r+") as file:
+        array = file[f"meshes/{name}"][...]
+        del file[f"meshes/{name}"], file.attrs["format"]
+        if change is not None:
+            file.create_dataset(f"meshes/{name}", data=change(array), maxshape=(None,) * array.ndim)
+    with pytest.raises(InputError, match=message):
+        Results.open(tmp_path / "result.h5")
+
+
+def test_the_room_that_a_frame_takes_is_known_beforehand(run: mc.Run) -> None:
+    with run.results() as results:
+        assert results.meshes is not None
+        frame = sum(dataset[0].nbytes for dataset in (results.node_displacement, results.element_stress))
+        assert 4 * results.meshes.numbers == frame == 4 * (3 * 10 + 6 * 8)
 
 
 def test_a_run_without_meshed_blocks_says_so(run: mc.Run, tmp_path: Path) -> None:
