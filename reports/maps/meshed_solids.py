@@ -1,7 +1,7 @@
 """Meshed blocks in a stress map: their surfaces as facets of the mesh, each with the stress of the element behind it.
 
 In space the facets are those of the surface; in a plane the triangles of the mesh are drawn on both ends of the block, and its sides follow
-their outer edges. Points are where the nodes are, with displacements amplified.
+their outer edges. Points are where the nodes are, with displacements amplified. The plane of a cut has the mean of the block.
 """
 
 from __future__ import annotations
