@@ -128,6 +128,19 @@ class Pose:
         return points + factor * (np.einsum("nij,nj->ni", self.rotation[block], arm) + self.position[block] - points)
 
 
+def moved_nodes(results: Results, pose: Pose, frame: int, factor: float = 1.0) -> np.ndarray:
+    """The nodes of all meshed blocks at a frame, (K, 3), with displacements amplified by a factor [m].
+
+    Raises:
+        ValueError: the run kept no meshes.
+    """
+    if results.meshes is None:
+        raise ValueError("no meshes")
+    block, rest = results.meshes.block_of_node, results.meshes.nodes
+    arm = rest - solids_of(results.blocks).centre[block] + np.asarray(results.node_displacement[frame], dtype=float)
+    return np.asarray(rest + factor * (np.einsum("nij,nj->ni", pose.rotation[block], arm) + pose.position[block] - rest))
+
+
 def base_shift(results: Results, solids: Solids, position: np.ndarray) -> np.ndarray:
     """Translation of the support that moves least, (..., 3) [m], for positions (..., B, 3); zero where there is no support."""
     support = results.support

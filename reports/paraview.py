@@ -1,19 +1,22 @@
-"""A run for ParaView: the blocks and the joints as polygons over time.
+"""A run for ParaView: the blocks and the joints as polygons over time, and the elements of meshed blocks.
 
-Two meshes, each with its own file, so that either can be switched off: ``blocks``, the faces of all blocks in the world frame, and
-``joints``, the interface polygons halfway between the two blocks. Formats:
+Each mesh has its own file, so that any can be switched off: ``blocks``, the faces of all blocks in the world frame; ``joints``, the
+interface polygons halfway between the two blocks; and, where the run kept the stress of meshed blocks, ``elements``, tetrahedra, or in a
+plane triangles in the middle of the blocks. Formats:
 
-- ``vtkhdf``: blocks.vtkhdf and joints.vtkhdf, all times in one file each (VTKHDF 2.0, PolyData). The polygons never change, so they are
-  stored once: NumberOfPoints and the like have one entry, PartOffsets and CellOffsets are zero, and only points and data advance.
-- ``pvd``: blocks.pvd and joints.pvd, lists of one .vtp file per time, for older readers.
+- ``vtkhdf``: blocks.vtkhdf and so on, all times in one file each (VTKHDF 2.0, PolyData; elements UnstructuredGrid). The cells never
+  change, so they are stored once: NumberOfPoints and the like have one entry, PartOffsets and CellOffsets are zero, and only points and
+  data advance.
+- ``pvd``: blocks.pvd and so on, lists of one .vtp or .vtu file per time, for older readers.
 
 Arrays: of points ``displacement`` relative to the base [m]; of block faces ``block``, ``group``, ``fixed``, ``fallen``, ``velocity`` [m/s],
 and, where the run kept it, ``stress`` (xx yy zz xy yz xz, ParaView's symmetric tensor) and ``principal_stress``, the largest tension first
 [Pa], means over the block since the time before; of joints ``joint``, ``block_a``, ``block_b``, ``area`` [m2], ``opening``, ``sliding``
 [m], ``rotation`` [rad], ``contact_area`` [m2], ``normal_force``, ``shear_force`` [N], likewise ``edge_stress`` [Pa], NaN where the force is
 at an edge and the stress infinite, ``force_point`` in the world frame [m] and ``state`` (0 intact, 1 opened, 2 slid, 3 separated, at
-that time). ``names.csv`` lists the names of blocks and groups by their numbers: as field data that lasts through all times, VTK 9.7
-fails to read texts from VTKHDF.
+that time); of elements ``block``, ``stress``, ``principal_stress``, ``compression``, the largest at that time [Pa], and, where a strength
+is given, ``share_of_strength``. ``names.csv`` lists the names of blocks and groups by their numbers: as field data that lasts through all
+times, VTK 9.7 fails to read texts from VTKHDF.
 """
 
 from __future__ import annotations
@@ -31,16 +34,18 @@ from masonry_cd.csv_files import write_csv
 from masonry_cd.errors import InputError
 from masonry_cd.io.hdf5_file import created
 from masonry_cd.io.layout import EDGE_STRESS, JOINT_HISTORIES
+from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.model.state import rotation_matrices
 from reports.damage.definitions import Thresholds, classify
 from reports.damage.macro_elements import DamageSnapshot
-from reports.deformed import Pose, base_shift, joint_corners, solids_of
-from reports.stress.peaks import principal
+from reports.deformed import Pose, base_shift, joint_corners, moved_nodes, solids_of
+from reports.stress.peaks import principal, strengths
 
 Format = Literal["vtkhdf", "pvd"]
 Arrays = dict[str, np.ndarray]
 Instant = tuple[np.ndarray, Arrays, Arrays]  # points (N, 3), data of points, data of cells
+POLYGON, TRIANGLE, TETRAHEDRON = 7, 5, 10
 KINDS = ("Vertices", "Lines", "Polygons", "Strips")  # of the cells of a PolyData, in the order in which cell data list them
 
 
@@ -53,6 +58,7 @@ class Mesh:
     loop_start: np.ndarray  # (C + 1,)
     fixed: Arrays  # data of cells that do not change
     at: Callable[[int], Instant]  # of a frame
+    kind: int = POLYGON  # of the cells, as VTK numbers them; solids and triangles of elements make an unstructured grid
 
 
 def export(results: Results, folder: Path, form: str = "vtkhdf", thresholds: Thresholds | None = None) -> list[Path]:
@@ -77,6 +83,8 @@ def export(results: Results, folder: Path, form: str = "vtkhdf", thresholds: Thr
     meshes = [_blocks(results, thresholds or Thresholds())]
     if results.joints.count:
         meshes.append(_joints(results, thresholds or Thresholds()))
+    if results.meshes is not None:
+        meshes.append(_elements(results, results.meshes))
     files = [write(mesh, results.time, folder / f"{mesh.name}.{form}") for mesh in meshes]
     return [*files, _write_names(results, folder / "names.csv")]
 
@@ -146,21 +154,55 @@ def _joints(results: Results, thresholds: Thresholds) -> Mesh:
     )
 
 
+def _elements(results: Results, meshes: Meshes) -> Mesh:
+    """The elements of meshed blocks."""
+    solids, block = solids_of(results.blocks), meshes.block_of_element
+    strength = strengths(results)[0][block]
+
+    def at(frame: int) -> Instant:
+        position = np.asarray(results.position[frame], dtype=float)
+        world = Pose(float(results.time[frame]), position, rotation_matrices(np.asarray(results.orientation[frame], dtype=float)))
+        points = moved_nodes(results, world, frame)
+        stress = np.asarray(results.element_stress[frame], dtype=float)
+        values = principal(stress)
+        data = {"stress": stress, "principal_stress": values, "compression": -values[:, 2]}
+        if np.isfinite(strength).any():
+            data["share_of_strength"] = -values[:, 2] / strength
+        return points, {"displacement": points - meshes.nodes - base_shift(results, solids, position)}, data
+
+    corners = meshes.elements.shape[1]
+    return Mesh(
+        name="elements",
+        loops=meshes.elements.ravel(),
+        loop_start=corners * np.arange(len(meshes.elements) + 1),
+        fixed={"block": block.astype(np.int32)},
+        at=at,
+        kind=TETRAHEDRON if corners == 4 else TRIANGLE,
+    )
+
+
 def _write_vtkhdf(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
     """All times of a mesh in one file."""
     frames, cells = len(times), len(mesh.loop_start) - 1
     with replacing(path) as part, created(part, path) as (file, sink):
         root = file.create_group("VTKHDF")
         root.attrs["Version"] = np.array([2, 0], dtype=np.int64)
-        root.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
+        grid = mesh.kind != POLYGON
+        kind = "UnstructuredGrid" if grid else "PolyData"
+        root.attrs.create("Type", kind.encode(), dtype=h5py.string_dtype("ascii", len(kind)))
         steps = root.create_group("Steps")
         steps.attrs["NSteps"] = np.int64(frames)
         steps["Values"] = times.astype(float)
-        for name, shape in (("PartOffsets", (frames,)), ("CellOffsets", (frames, 4)), ("ConnectivityIdOffsets", (frames, 4))):
-            steps[name] = np.zeros(shape, dtype=np.int64)
+        steps["PartOffsets"] = np.zeros(frames, dtype=np.int64)
+        for name in ("CellOffsets", "ConnectivityIdOffsets"):
+            steps[name] = np.zeros((frames, 1 if grid else len(KINDS)), dtype=np.int64)
         steps["NumberOfParts"] = np.ones(frames, dtype=np.int64)
-        for kind in KINDS:
-            _write_cells(root.create_group(kind), mesh if kind == "Polygons" else None)
+        if grid:
+            _write_cells(root, mesh)
+            root["Types"] = np.full(cells, mesh.kind, dtype=np.uint8)
+        else:
+            for topology in KINDS:
+                _write_cells(root.create_group(topology), mesh if topology == "Polygons" else None)
         for frame in range(frames):
             sink.check()
             points, of_points, of_cells = mesh.at(frame)
@@ -171,16 +213,16 @@ def _write_vtkhdf(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
                     root[f"CellData/{name}"] = values
                     steps[f"CellDataOffsets/{name}"] = np.zeros(frames, dtype=np.int64)
             _put(root, "Points", points, frame, frames)
-            for kind, arrays, rows in (("PointData", of_points, len(points)), ("CellData", of_cells, cells)):
+            for place, arrays, rows in (("PointData", of_points, len(points)), ("CellData", of_cells, cells)):
                 for name, values in arrays.items():
-                    _put(root, f"{kind}/{name}", values, frame, frames)
+                    _put(root, f"{place}/{name}", values, frame, frames)
                     if frame == 0:
-                        steps[f"{kind}Offsets/{name}"] = np.arange(frames, dtype=np.int64) * rows
+                        steps[f"{place}Offsets/{name}"] = np.arange(frames, dtype=np.int64) * rows
     return path
 
 
 def _write_cells(group: h5py.Group, mesh: Mesh | None) -> None:
-    """The polygons of a mesh, or no cells of this kind."""
+    """The cells of a mesh, or none of this kind."""
     offsets = mesh.loop_start if mesh is not None else np.zeros(1)
     loops = mesh.loops if mesh is not None else np.zeros(0)
     group["NumberOfCells"] = np.array([len(offsets) - 1], dtype=np.int64)
@@ -205,17 +247,21 @@ def _write_pvd(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
 
     folder = path.with_suffix("")
     folder.mkdir(exist_ok=True)
-    faces = np.insert(mesh.loops, mesh.loop_start[:-1], np.diff(mesh.loop_start))
-    lines = []
+    cells = np.insert(mesh.loops, mesh.loop_start[:-1], np.diff(mesh.loop_start))
+    ending, lines = "vtp" if mesh.kind == POLYGON else "vtu", []
     for frame, time in enumerate(times):
         points, of_points, of_cells = mesh.at(frame)
-        data = pyvista.PolyData(points.astype(np.float32), faces=faces)
+        data: Any
+        if mesh.kind == POLYGON:
+            data = pyvista.PolyData(points.astype(np.float32), faces=cells)
+        else:
+            data = pyvista.UnstructuredGrid(cells, np.full(len(mesh.loop_start) - 1, mesh.kind), points.astype(np.float32))
         for name, values in of_points.items():
             data.point_data[name] = _single(values)
         for name, values in (mesh.fixed | of_cells).items():
             data.cell_data[name] = _single(values)
-        file = folder / f"{mesh.name}_{frame:05d}.vtp"
-        _write_vtp(data, file)
+        file = folder / f"{mesh.name}_{frame:05d}.{ending}"
+        _write_xml(data, file)
         lines.append(f'    <DataSet timestep="{float(time)!r}" part="0" file="{folder.name}/{file.name}"/>')
     head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n  <Collection>\n'
     with replacing(path) as part:
@@ -223,11 +269,11 @@ def _write_pvd(mesh: Mesh, times: np.ndarray, path: Path) -> Path:
     return path
 
 
-def _write_vtp(data: Any, path: Path) -> None:
+def _write_xml(data: Any, path: Path) -> None:
     """Write a mesh. VTK makes its text in memory, since it says nothing of a full disc, or crashes."""
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
-    writer = vtkXMLPolyDataWriter()
+    writer = vtkXMLPolyDataWriter() if path.suffix == ".vtp" else vtkXMLUnstructuredGridWriter()
     writer.SetInputData(data)
     writer.SetDataModeToBinary()
     writer.WriteToOutputStringOn()

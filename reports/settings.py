@@ -87,8 +87,8 @@ class Report(Table):
     """Write report.html, a page that shows the run."""
 
     stress: Flag = False
-    """Keep the mean stress of the blocks and the largest compression of the joints; write stress.csv, joint_stress.csv and stress_map.png.
-    A ``material.compressive_strength`` asks for it as well."""
+    """Keep the mean stress of the blocks and the largest compression of the joints; write stress.csv, joint_stress.csv,
+    element_stress.csv where blocks are meshed, and stress_map.png. A ``material.compressive_strength`` asks for it as well."""
     extra: Annotated[tuple[str, ...], BeforeValidator(_names_of_extra), Field(json_schema_extra=_known_extra)] = ()
     """Further reports by name: "energy" draws energy.png, what was put in, where it went, the balance."""
 

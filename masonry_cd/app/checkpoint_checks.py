@@ -10,6 +10,7 @@ import numpy as np
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.arrays import Stored
 from masonry_cd.dynamics.adaptive import AdaptiveSteps
+from masonry_cd.dynamics.element_stress import elements_of
 from masonry_cd.dynamics.mean_stress import check_sums
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.errors import InputError
@@ -50,7 +51,7 @@ def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], 
     peaks.nothing_else()
     _check_step_peaks(stored.part("step_peaks"), stepper, joints)
     if stress:
-        check_sums(stored.part("stress"), stepper.assembly.count, joints)
+        check_sums(stored.part("stress"), stepper.assembly.count, joints, elements_of(stepper.system.strains))
     if stepper.settings.adaptive:
         AdaptiveSteps(stepper).check(stored.part("pace"))
     stored.nothing_else()

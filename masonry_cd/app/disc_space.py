@@ -17,12 +17,15 @@ OF_STRESS = (6, 2)  # numbers of a frame: of a block, and of a joint
 OF_JOINT = 6 + 3  # numbers of a frame: six histories and the place of the force, see io/results.py; a tenth where joints are bonded
 
 
-def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int, stress: bool = False) -> float:
-    """About how large result.h5 will be, its ties and shocks apart [B]; ``stress``: it keeps stress."""
+def result_bytes(assembly: Assembly, joints: Joints, frames: int, steps: int, stress: bool = False, of_meshes: int = 0) -> float:
+    """About how large result.h5 will be, its ties and shocks apart [B].
+
+    ``stress``: it keeps stress; ``of_meshes``: numbers of a frame that meshed blocks then have besides, in single precision.
+    """
     of_block = OF_BLOCK + (0 if assembly.deformation is None else OF_STRAIN)
     frame = 1 + of_block * assembly.count + (OF_JOINT + bool(assembly.laws.apex.any())) * joints.count
     frame += (OF_STRESS[0] * assembly.count + OF_STRESS[1] * joints.count) * stress
-    return float(NUMBER) * (frame * frames + len(STEP_FIELDS) * steps)
+    return float(NUMBER) * ((frame + 0.5 * of_meshes * stress) * frames + len(STEP_FIELDS) * steps)
 
 
 def check_disc_space(folder: Path, needed: float, there: float = 0.0) -> None:

@@ -11,7 +11,19 @@ from masonry_cd.dynamics.energy import ENERGIES
 from masonry_cd.dynamics.mean_stress import MeanStress
 from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.dynamics.pauses import ALIKE, Aftermath
-from masonry_cd.io.layout import BONDED, CLOSING, EDGE_STRESS, GRADIENT, JOINT_PEAKS, MEAN_NORMAL_FORCE, SHOCK_PEAKS, STRESS
+from masonry_cd.io.layout import (
+    BONDED,
+    CLOSING,
+    EDGE_STRESS,
+    ELEMENT_STRESS,
+    GRADIENT,
+    JOINT_PEAKS,
+    MEAN_NORMAL_FORCE,
+    NODE_DISPLACEMENT,
+    SHOCK_PEAKS,
+    STRESS,
+)
+from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.model.edge_stress import edge_stresses
 from masonry_cd.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
@@ -44,6 +56,10 @@ class Recorder:
         support = staying_support(stepper, joints)
         self.step_peaks = StepPeaks(stepper.assembly, joints, support)
         writer.begin_step_peaks(self.step_peaks.arrays, support)
+        meshes = Meshes.of(stepper.assembly, stepper.system.strains) if stress else None
+        self._meshed = meshes is not None
+        if meshes is not None:
+            writer.begin_meshes(meshes)
         self._rows: list[tuple[float, ...]] = []  # of steps, not yet with the writer
         self._tensions: list[np.ndarray] = []  # likewise
         self._joint_of = {(a, b): j for j, (a, b) in enumerate(joint_parts(stepper.assembly).tolist())}
@@ -95,6 +111,9 @@ class Recorder:
         edge = edge_stresses(self._joints, self._stepper.assembly, self._stepper.state, force, moment, bonded)
         own = {f"joints/{MEAN_NORMAL_FORCE}": force, f"joints/{EDGE_STRESS}": edge}
         self._writer.append({STRESS: stress.stresses()} | own)
+        if self._meshed:
+            of_meshes = {NODE_DISPLACEMENT: stress.node_displacements(), ELEMENT_STRESS: stress.of_elements()}
+            self._writer.append({name: values.astype(np.float32) for name, values in of_meshes.items()})
         stress.begin()
 
     def shock(self, shock: Aftermath) -> None:

@@ -32,6 +32,7 @@ from masonry_cd.dynamics.start import drawn_velocities
 from masonry_cd.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.lock import locked
+from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import NAME as SUMMARY
@@ -41,7 +42,7 @@ RESULTS = "result.h5"
 OUTPUTS = (
     "result.h5", "joints.csv", "summary.json", "damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json",
     "damage_shocks.csv", "ties.csv", "crack_map.png", "crack_map.svg", "crack_map.pdf", "crack_map.gif", "report.html", "report.pdf",
-    "stress.csv", "joint_stress.csv", "stress_map.png", "stress_map.svg", "stress_map.pdf",
+    "stress.csv", "joint_stress.csv", "element_stress.csv", "stress_map.png", "stress_map.svg", "stress_map.pdf",
 )  # fmt: skip
 
 
@@ -78,8 +79,8 @@ def run_case(
     scene, settings = case.scene, case.scene.run
     saved, dumped = folder / checkpoint.NAME, Dump(folder, dump)
     loading = case.loading
-    _fits(case, folder, resume)
     stepper = Stepper(case.assembly, loading.support_velocity, loading.acceleration, settings, forces=loading.forces)
+    _fits(case, stepper, folder, resume)
     if not resume:
         dumped.check(1, case.steps)
         _settle(stepper, scene)
@@ -179,10 +180,11 @@ def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: f
     return summary
 
 
-def _fits(case: Case, folder: Path, resume: bool) -> None:
+def _fits(case: Case, stepper: Stepper, folder: Path, resume: bool) -> None:
     """Refuse results that do not fit on the disc."""
-    settings, file = case.scene.run, folder / RESULTS
-    needed = result_bytes(case.assembly, case.joints, case.steps // settings.frame_every + 2, case.steps, case.scene.stress)
+    settings, file, meshes = case.scene.run, folder / RESULTS, Meshes.of(case.assembly, stepper.system.strains)
+    of_meshes, frames = 0 if meshes is None else meshes.numbers, case.steps // settings.frame_every + 2
+    needed = result_bytes(case.assembly, case.joints, frames, case.steps, case.scene.stress, of_meshes)
     try:
         check_disc_space(folder, needed, float(file.stat().st_size) if resume and file.exists() else 0.0)
     except InputError as error:

@@ -22,7 +22,8 @@ The force of a rigid impact is not finite; its impulse is, so this mean does not
 two frames. What an impact carries over to the next step (``impacts.py``) has no place on the block and is left out: half a step's weight.
 
 **Blocks that deform** have the stress of their strain instead, that of their viscosity included: the same in the mean, since the step
-solves the equation of motion of the strain (``strain.py``).
+solves the equation of motion of the strain (``strain.py``). Of meshed blocks the stress of each element is kept beside
+(``element_stress.py``).
 
 **What contacts leave open.** Of the contacts of a joint only the resultant is determined where blocks are rigid: friction that pulls its
 corners apart, or together, moves nothing. Such pairs of forces would stress the blocks at random. So the tangential forces of a pair of
@@ -41,6 +42,7 @@ from masonry_cd.arrays import Stored
 from masonry_cd.contact.detector import ContactSet
 from masonry_cd.dynamics.block_arrays import BlockArrays, StepConstants
 from masonry_cd.dynamics.contact_arrays import ContactRows
+from masonry_cd.dynamics.element_stress import ElementStress
 from masonry_cd.dynamics.free_motion import turned_tensor
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.jit import borrower, entry
@@ -71,6 +73,8 @@ class MeanStress:
         self._sums = Sums(np.zeros((stepper.assembly.count, 6)), np.zeros(joints.count), np.zeros((joints.count, 3)))
         self._time = np.zeros(1)  # since the last frame [s]
         self._spin = self._spin_now()  # (B, 6) sym W J at the last frame [N m s]
+        strains = stepper.system.strains
+        self._elements = None if strains is None or strains.warps is None else ElementStress(strains)
 
     def take_step(self, pair_joint: np.ndarray) -> None:
         """Take the last step of the stepper; ``pair_joint`` names the joint of each pair of parts or -1."""
@@ -91,6 +95,9 @@ class MeanStress:
             own = strains.stresses(now.state.strain, made.start.velocity, stepper.motion.v, now.rotation)
             impulse = system.constants.step * strains.deformation.volume[:, None] * symmetric(own)
             self._sums.virial[strains.deformation.block] = kept + impulse
+            if self._elements is not None:
+                stretches = strains.stretches(now.state.strain, made.start.velocity, stepper.motion.v)
+                self._elements.take_step(strains, stretches, now.rotation)
         self._time += system.constants.step
 
     def stresses(self) -> np.ndarray:
@@ -101,6 +108,19 @@ class MeanStress:
             mean = (self._sums.virial - (self._spin_now() - self._spin)) / spent
         return np.where(assembly.fixed[:, None], np.nan, mean)
 
+    def of_elements(self) -> np.ndarray:
+        """(E, 6) mean stress since the last frame in the elements of meshed blocks, by COMPONENTS [Pa]; NaN where no step was made."""
+        sums = np.zeros((0, 6)) if self._elements is None else self._elements.sums
+        with np.errstate(invalid="ignore"):
+            return sums / self._time
+
+    def node_displacements(self) -> np.ndarray:
+        """(K, 3) how far the nodes of meshed blocks are beyond the rigid blocks now, body frames [m]."""
+        strains = self._stepper.system.strains
+        if self._elements is None or strains is None:
+            return np.zeros((0, 3))
+        return self._elements.displacements(strains, self._stepper.state.strain)
+
     def joint_forces(self) -> tuple[np.ndarray, np.ndarray]:
         """Mean normal force of each joint since the last frame (J,) [N], and times the place from the centre of block a, in its body
         frame (J, 3) [N m]; zeros where no step was made."""
@@ -109,7 +129,7 @@ class MeanStress:
 
     def begin(self) -> None:
         """Begin anew, at a frame."""
-        for array in (*self._sums, self._time):
+        for array in (*self._sums, self._time, *self._of_elements().values()):
             array[...] = 0.0
         self._spin = self._spin_now()
 
@@ -122,9 +142,13 @@ class MeanStress:
             out[self._stepper.assembly.deformation.block] = 0.0  # their stress is that of their strain
         return out
 
+    def _of_elements(self) -> dict[str, np.ndarray]:
+        """The sums of the elements, where blocks are meshed."""
+        return {} if self._elements is None else {"elements": self._elements.sums}
+
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that later frames depend on, as arrays for a checkpoint."""
-        return self._sums._asdict() | {"time": self._time, "spin": self._spin}
+        return self._sums._asdict() | {"time": self._time, "spin": self._spin} | self._of_elements()
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Take back what :meth:`snapshot` gave."""
@@ -132,14 +156,16 @@ class MeanStress:
             array[...] = arrays[name]
 
 
-def check_sums(stored: Stored, blocks: int, joints: int) -> None:
-    """Check what :meth:`MeanStress.restore` takes, of B blocks and J joints.
+def check_sums(stored: Stored, blocks: int, joints: int, elements: int = 0) -> None:
+    """Check what :meth:`MeanStress.restore` takes, of B blocks, J joints and E elements of meshed blocks.
 
     Raises:
         InputError: an array that no run of this scene leaves.
     """
     for name, shape in (("virial", (blocks, 6)), ("normal", (joints,)), ("moment", (joints, 3)), ("time", (1,)), ("spin", (blocks, 6))):
         stored.real(name, *shape)
+    if elements:
+        stored.real("elements", elements, 6)
     stored.nothing_else()
 
 

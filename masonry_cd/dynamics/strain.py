@@ -174,19 +174,26 @@ class Strains:
         elastic = [0.5 * float(np.einsum("di,dij,dj->", each, self.stiffness, each)) for each in (e, e_new)]
         return StrainWork(0.5 * float((self.mass * rate_new**2).sum()), elastic[1], elastic[0], taken - (elastic[1] - elastic[0]))
 
+    def stretches(self, at_q_m: np.ndarray, v: np.ndarray, v_new: np.ndarray) -> np.ndarray:
+        """Strains and warps (D, S) whose elastic force is that of a step, viscosity included.
+
+        Strains (B, 6 + r) at q_m; velocities (F, n) at the beginning and the end of the step.
+        """
+        theta, h, rate, rate_new = self.deformation.theta, self.step, self.rates(v), self.rates(v_new)
+        middle = self._own(at_q_m)
+        out = self._mean(middle - (1.0 - theta) * h * rate, middle + theta * h * rate_new)
+        return np.asarray(out + self.deformation.retardation[:, None] * self._mean(rate, rate_new))
+
     def stresses(self, at_q_m: np.ndarray, v: np.ndarray, v_new: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """Stress over a step, viscosity included, of the blocks that deform, in the mean of each, (D, 3, 3) [Pa], in the world frame.
 
         Strains (B, 6 + r) and rotations (B, 3, 3) at q_m; velocities (F, n) at the beginning and the end of the step.
         """
-        theta, h, rate, rate_new = self.deformation.theta, self.step, self.rates(v), self.rates(v_new)
-        middle = self._own(at_q_m)
-        stretch = self._mean(middle - (1.0 - theta) * h * rate, middle + theta * h * rate_new)
-        stretch += self.deformation.retardation[:, None] * self._mean(rate, rate_new)
-        every = np.zeros((len(middle), 6))
+        stretch = self.stretches(at_q_m, v, v_new)
+        every = np.zeros((len(stretch), 6))
         work = np.einsum("dij,dj->di", self.stiffness[:, : len(self.arrays.columns)], stretch)  # of the mean stress, on a uniform strain
         every[:, self.arrays.columns] = work / self.deformation.volume[:, None]
-        own, (i, j) = np.zeros((len(middle), 3, 3)), PAIRS.T
+        own, (i, j) = np.zeros((len(stretch), 3, 3)), PAIRS.T
         own[:, [0, 1, 2], [0, 1, 2]] = every[:, :3]
         own[:, i, j] = own[:, j, i] = every[:, 3:]
         turn = self._turned(rotation)

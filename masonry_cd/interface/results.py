@@ -25,10 +25,11 @@ from reports.damage.end_state import end_state
 from reports.damage.joint_damage import joint_damage
 from reports.damage.joint_files import damage_numbers, thresholds_of
 from reports.damage.part_damage import PartDamage
-from reports.deformed import solids_of
+from reports.deformed import Pose, base_shift, moved_nodes, solids_of
 from reports.outputs import damage_of, frame_at
 from reports.page.motion import read_motion, rotation_vectors
 from reports.settings import Report, report_of
+from reports.stress.elements import centres, element_columns, element_peaks, require_meshes
 from reports.stress.files import block_columns, joint_columns
 from reports.stress.peaks import principal, require_stress, stress_peaks
 
@@ -275,6 +276,66 @@ class Run:
             names = [block.name for block in found.blocks]
         return frame_of(columns, names, "block", unit="Pa", time=float(self.time[frame]))
 
+    def elements(self, time: float | None = None) -> DataFrame:
+        """The mean stress of the elements of meshed blocks at the frame next to a time [s], the last one by default; ``attrs["time"]`` is
+        that of the frame.
+
+        A row per element, by its block and number in it: centre x, y, z as built [m], xx, yy, zz, xy, yz, xz in the world frame, and the
+        principal stresses s1, s2, s3, the largest tension first [Pa]: means since the frame before, NaN before the first step.
+
+        Raises:
+            InputError: a time outside the run, or a run that kept no stress of meshed blocks.
+
+        >>> import masonry_cd as mc
+        >>> asked = ["deformable=tetrahedra", "mesh_size=1.0", "young=5e9", "damping=0.1", "damping_frequency=20"]
+        >>> keys = ["run.duration=0.02", "run.planar=true", "report.stress=true", *(f"material.{key}" for key in asked)]
+        >>> run = mc.run(mc.scene("examples/trilithon.toml", *keys), progress=False)
+        >>> bool(run.elements().loc["left"]["s3"].max() < 0.0)
+        True
+        >>> float(run.nodes().loc["left"]["uz"].min()) > -1e-4, run.nodes().attrs["units"]["uz"]
+        (True, 'm')
+        """
+        with self.results() as found:
+            meshes, frame = require_meshes(found), frame_at(found, time) % found.frames
+            tensor = np.asarray(found.element_stress[frame], dtype=float)
+            columns = _columns("xyz", centres(meshes)) | _columns(STRESSES, np.concatenate([tensor, principal(tensor)], axis=1))
+            names = _numbered(found, meshes.block, meshes.element_start)
+        return _of_meshes(columns, names, "element", float(self.time[frame]))
+
+    def nodes(self, time: float | None = None) -> DataFrame:
+        """Where the nodes of meshed blocks are at the frame next to a time [s], the last one by default; see :meth:`elements`.
+
+        A row per node, by its block and number in it: place x, y, z, and displacement relative to the support that moves least ux, uy, uz,
+        world frame [m].
+
+        Raises:
+            InputError: as :meth:`elements`.
+        """
+        with self.results() as found:
+            meshes, frame = require_meshes(found), frame_at(found, time) % found.frames
+            pose = Pose.of(found, solids_of(found.blocks), frame)
+            relative = moved_nodes(found, pose, frame)
+            shift = base_shift(found, solids_of(found.blocks), np.asarray(found.position[frame], dtype=float))
+            columns = _columns("xyz", relative + shift) | _columns(MOTIONS[:3], relative - meshes.nodes)
+            names = _numbered(found, meshes.block, meshes.node_start)
+        return _of_meshes(columns, names, "node", float(self.time[frame]))
+
+    @cached_property
+    def element_stress(self) -> DataFrame:
+        """A row per element of meshed blocks: its largest compression and tension over the run, when, and the strength; as in
+        element_stress.csv.
+
+        Raises:
+            InputError: the run kept no stress of meshed blocks.
+        """
+        with self.results() as found:
+            require_meshes(found)
+            peaks = element_peaks(found)
+            assert peaks is not None
+            columns = element_columns(found, peaks)
+        names = list(zip(columns.pop("block"), columns.pop("element").tolist(), strict=True))
+        return _of_meshes(columns, names, "element")
+
     @cached_property
     def block_stress(self) -> DataFrame:
         """A row per block: its largest compression and tension over the run, when, and the strength; as in stress.csv.
@@ -328,6 +389,21 @@ def open_run(folder: str | os.PathLike[str]) -> Run:
         InputError: no run is there, or nothing of its results can be read.
     """
     return Run(Path(folder))
+
+
+def _numbered(found: Results, blocks: np.ndarray, start: np.ndarray) -> list[tuple[str, int]]:
+    """The name of the block and the number in it of each node or element."""
+    return [(found.blocks[b].name, k) for m, b in enumerate(blocks.tolist()) for k in range(int(start[m + 1] - start[m]))]
+
+
+def _of_meshes(columns: dict[str, Any], names: list[tuple[str, int]], what: str, time: float | None = None) -> DataFrame:
+    """A table by the block and the number of an element or node."""
+    import pandas
+
+    table = frame_of(columns)
+    table.index = pandas.MultiIndex.from_tuples(names, names=["block", what])
+    table.attrs |= {} if time is None else {"time": time}
+    return table
 
 
 def _columns(names: Any, values: Any) -> dict[str, np.ndarray]:

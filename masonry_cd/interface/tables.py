@@ -22,7 +22,7 @@ UNITS = {
     "m/s": "vx vy vz",
     "rad/s": "wx wy wz",
     "N": "normal_force shear_force max_normal_force",
-    "Pa": "max_compression max_tension strength max_edge_stress max_finite_edge_stress end_edge_stress xx yy zz xy yz xz",
+    "Pa": "max_compression max_tension strength max_edge_stress max_finite_edge_stress end_edge_stress xx yy zz xy yz xz s1 s2 s3",
     "J": "kinetic base_work gravity_work force_work correction friction impact elastic damping balance",
     "Hz": "frequency_hz",
 }

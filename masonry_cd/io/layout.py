@@ -13,6 +13,12 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
         the first frame; only where the scene asks for it, as the next two:
     /joints/mean_normal_force (F, J)   mean normal force since the frame before [N]
     /joints/edge_stress (F, J)   largest compression by that force, see masonry_cd/model/edge_stress.py [Pa]; infinite at an edge
+    /meshes/{block (M,), node_start (M + 1,), nodes (K, 3), element_start (M + 1,), elements (E, d + 1)}   the meshes of M blocks that are
+        cut into tetrahedra, or triangles in a plane: nodes as built [m], in a plane in the middle of the block; corners of elements among
+        all nodes; only where blocks are meshed and the scene asks for stress, as the next two, in single precision:
+    /meshes/displacement (F, K, 3)   of the nodes, beyond the motion of the rigid block, body frame [m]: a node built at X is at
+        x + R (X - c + u), with the position x and the rotation R of its block, built at c
+    /meshes/stress (F, E, 6)   mean stress of the elements since the frame before, as /stress [Pa]
     /peaks/{displacement (B,), drift (P,), level_displacement (P, L), level_drift (P, L)}   over all steps, of blocks, parts and levels
     /peaks/{hinge_opening (J,), hinge_time (J,), hinge_place (J, 3)}   likewise, of joints while they were hinges
     /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]
@@ -45,12 +51,16 @@ GRADIENT = "gradient"  # a history that only runs with blocks that deform have
 BONDED = "bonded"  # a history that only runs with cohesive joints have
 STRESS = "stress"  # a history that only runs have whose scene asks for it, as those of the joints:
 MEAN_NORMAL_FORCE, EDGE_STRESS = "mean_normal_force", "edge_stress"
+NODE_DISPLACEMENT, ELEMENT_STRESS = "meshes/displacement", "meshes/stress"  # and these two where blocks are meshed as well
+MESH_ARRAYS = ("block", "node_start", "nodes", "element_start", "elements")  # under /meshes, likewise
 JOINT_PEAKS = ("opening", "sliding", "rotation", "contact_area_loss", "first_opening_time")
 STEP_PEAKS = ("displacement", "drift", "level_displacement", "level_drift", "hinge_opening", "hinge_time", "hinge_place")  # under /peaks
 SHOCK_PEAKS = ("drift", "hinge_opening")  # under /shocks/peaks
 JOINT_CONSTANTS = tuple(Joints.__dataclass_fields__)
 BLOCK_ARRAYS = ("name", "group", "fixed", "density", "vertex_start", "vertices", "face_start", "loop_start", "loops")
-OPTIONAL_ARRAYS = ("blocks/structure", "blocks/support", "blocks/radius")  # where a scene has several structures; in new files; spheres
+OPTIONAL_ARRAYS = (  # where a scene has several structures; in new files; where there are spheres; stress of meshed blocks
+    "blocks/structure", "blocks/support", "blocks/radius", *(f"meshes/{name}" for name in MESH_ARRAYS),
+)  # fmt: skip
 OPTIONAL_ATTRIBUTES = ("ties",)  # where there are ties, see tie_bars.py
 ATTRIBUTES = ("scene", "title", "versions", "run", "inputs")
 CLOSING = "closing"

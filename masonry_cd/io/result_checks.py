@@ -18,12 +18,15 @@ from masonry_cd.io.layout import (
     BONDED,
     CLOSING,
     EDGE_STRESS,
+    ELEMENT_STRESS,
     FRAME_FIELDS,
     GRADIENT,
     JOINT_CONSTANTS,
     JOINT_HISTORIES,
     JOINT_PEAKS,
     MEAN_NORMAL_FORCE,
+    MESH_ARRAYS,
+    NODE_DISPLACEMENT,
     STEP_PEAKS,
     STRESS,
 )
@@ -72,6 +75,8 @@ def check_constants(file: h5py.File, path: Path) -> None:
         _shape(path, f"joints/peak/{name}", _read(file, path, f"joints/peak/{name}", REAL), (pairs,))
     if "blocks/support" in file:
         _check_support(path, _read(file, path, "blocks/support", WHOLE), blocks["fixed"])
+    if "meshes" in file:
+        _check_meshes(file, path, count)
     if "peaks" in file or "segments/step_peaks" in file:
         _check_step_peaks(file, path, count, pairs)
 
@@ -89,6 +94,22 @@ def _check_support(path: Path, support: np.ndarray, fixed: np.ndarray) -> None:
     _shape(path, "blocks/support", support, (1,))
     if not -1 <= support[0] < len(fixed) or (support[0] >= 0 and not fixed[support[0]]):
         raise InputError(f"{path}: blocks/support is no support")
+
+
+def _check_meshes(file: h5py.File, path: Path, blocks: int) -> None:
+    """Check the meshes of blocks, of which there are B in all."""
+    found = {name: _read(file, path, f"meshes/{name}", REAL if name == "nodes" else WHOLE) for name in MESH_ARRAYS}
+    meshed, nodes, elements = len(found["block"]), len(found["nodes"]), found["elements"]
+    _shape(path, "meshes/block", found["block"], (meshed,))
+    _indices(path, "meshes/block", found["block"], blocks)
+    _shape(path, "meshes/nodes", found["nodes"], (nodes, 3))
+    _starts(path, "meshes/node_start", found["node_start"], meshed, nodes)
+    _starts(path, "meshes/element_start", found["element_start"], meshed, len(elements))
+    _shape(path, "meshes/elements", elements, (len(elements), 4 if elements.shape[1:] == (4,) else 3))
+    _indices(path, "meshes/elements", elements.ravel(), nodes)
+    for name in (NODE_DISPLACEMENT, ELEMENT_STRESS):
+        if name not in file:
+            raise InputError(f"{path}: damaged: {name} is missing")
 
 
 def _check_step_peaks(file: h5py.File, path: Path, blocks: int, joints: int) -> None:
@@ -111,7 +132,8 @@ def check_growing(file: h5py.File, path: Path, rows: Mapping[str, int]) -> None:
     """
     blocks, joints = len(file["blocks/name"]), len(file["joints/area"])
     parts = len(file["peaks/drift"]) if "peaks" in file else 0
-    for name, kind, row in _growing(blocks, joints, parts):
+    meshes = (len(file["meshes/nodes"]), len(file["meshes/elements"])) if "meshes" in file else (0, 0)
+    for name, kind, row in _growing(blocks, joints, parts, meshes):
         if name in file:
             dataset = file[name]
             if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kind or dataset.shape[1:] != row:
@@ -148,11 +170,13 @@ def rows_that_read(file: h5py.File, path: Path) -> dict[str, int]:
     return found
 
 
-def _growing(blocks: int, joints: int, parts: int) -> Iterator[tuple[str, str, tuple[int, ...]]]:
-    """Name, kinds of number and shape of a row of each dataset that grows."""
+def _growing(blocks: int, joints: int, parts: int, meshes: tuple[int, int]) -> Iterator[tuple[str, str, tuple[int, ...]]]:
+    """Name, kinds of number and shape of a row of each dataset that grows; ``meshes`` have so many nodes and elements."""
     yield from zip(FRAME_FIELDS, (REAL,) * 4, ((), (blocks, 3), (blocks, 4), (blocks, 6)), strict=True)
     yield GRADIENT, REAL, (blocks, 3, 3)
     yield STRESS, REAL, (blocks, 6)
+    yield NODE_DISPLACEMENT, REAL, (meshes[0], 3)
+    yield ELEMENT_STRESS, REAL, (meshes[1], 6)
     for name in (*JOINT_HISTORIES, BONDED, MEAN_NORMAL_FORCE, EDGE_STRESS):
         yield f"joints/{name}", REAL, (joints, 3) if name == "force_point" else (joints,)
     yield from (("shocks/name", BYTES, ()), ("shocks/frame", WHOLE, ()), ("shocks/start", REAL, ()), ("shocks/end", REAL, ()))

@@ -26,7 +26,8 @@ from masonry_cd.atomic import part_of
 from masonry_cd.errors import InputError
 from masonry_cd.io import tie_bars
 from masonry_cd.io.block_arrays import write_blocks
-from masonry_cd.io.layout import CLOSING, FORMAT, JOINT_CONSTANTS, JOINT_PEAKS
+from masonry_cd.io.layout import CLOSING, FORMAT, JOINT_CONSTANTS, JOINT_PEAKS, MESH_ARRAYS
+from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.io.segments import Sealer, append, checksum_of_constants, growing, in_pieces
 from masonry_cd.io.tie_bars import ATTRIBUTE as TIES
@@ -81,6 +82,11 @@ class ResultWriter:
             for name, values in peaks.items():
                 self._file.create_dataset(f"peaks/{name}", data=np.full(values.shape, np.nan))
 
+    def begin_meshes(self, meshes: Meshes) -> None:
+        """Write the meshes of blocks whose elements' stress is kept, before the first flush; a resumed file has them."""
+        if "meshes/block" not in self._file:
+            meshes.write(self._file)
+
     @classmethod
     def resumed(cls, path: Path, rows: Mapping[str, int], mark: str | None = None, sums: bool = True) -> ResultWriter:
         """Go on with the file of a run that was stopped or killed, cut back to the given number of rows of each dataset.
@@ -127,6 +133,8 @@ class ResultWriter:
             old.copy(name, self._file.require_group(str(Path(name).parent)))
         if "peaks" in old:
             old.copy("peaks", self._file)
+        for name in (f"meshes/{name}" for name in MESH_ARRAYS if "meshes" in old):
+            old.copy(name, self._file.require_group("meshes"))
         for name, values in _named(results.peaks, results.step_peaks).items():
             self._file[name][...] = values  # not those that a kill has left half written
         for name, count in rows.items():

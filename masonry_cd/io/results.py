@@ -22,16 +22,19 @@ from masonry_cd.io.block_arrays import read_blocks
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
 from masonry_cd.io.layout import (
     CLOSING,
+    ELEMENT_STRESS,
     FORMAT,
     FRAME_FIELDS,
     GRADIENT,
     JOINT_CONSTANTS,
     JOINT_HISTORIES,
     JOINT_PEAKS,
+    NODE_DISPLACEMENT,
     SHOCK_PEAKS,
     STEP_PEAKS,
     STRESS,
 )
+from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_checks import check_constants, check_growing, rows_that_read
 from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks, checksum_of_step_peaks
 from masonry_cd.io.tie_bars import TieBar, read_bars
@@ -129,7 +132,7 @@ class Results:
     def frames(self) -> int:
         """Number of frames whose positions, orientations and joints are all written."""
         names = [*FRAME_FIELDS, *(f"joints/{name}" for name in JOINT_HISTORIES)]
-        return min(self.rows(name) for name in (*names, GRADIENT, STRESS) if name in self.file)
+        return min(self.rows(name) for name in (*names, GRADIENT, STRESS, NODE_DISPLACEMENT, ELEMENT_STRESS) if name in self.file)
 
     def gradient(self, frame: int) -> np.ndarray | None:
         """Gradients of the displacement within the blocks at a frame, body frames, (B, 3, 3); None where none deforms."""
@@ -196,6 +199,21 @@ class Results:
     def stress(self) -> h5py.Dataset:
         """(F or more, B, 6) mean stress since the frame before, see layout.py [Pa], read on indexing."""
         return self.file[STRESS]
+
+    @cached_property
+    def meshes(self) -> Meshes | None:
+        """The meshes of the blocks whose elements' stress the run kept; None where there are none."""
+        return Meshes.read(self.file) if "meshes" in self.file else None
+
+    @property
+    def element_stress(self) -> h5py.Dataset:
+        """(F or more, E, 6) mean stress of the elements since the frame before, see layout.py [Pa], read on indexing."""
+        return self.file[ELEMENT_STRESS]
+
+    @property
+    def node_displacement(self) -> h5py.Dataset:
+        """(F or more, K, 3) of the nodes, beyond the rigid block, body frames, see layout.py [m], read on indexing."""
+        return self.file[NODE_DISPLACEMENT]
 
     def has_joint_history(self, name: str) -> bool:
         """Whether the run wrote a history of its joints; older versions wrote fewer."""

@@ -31,7 +31,7 @@ class ElasticBlocks(Table):
     deformable: Annotated[str | dict[str, str], *by_group(_kind, {"type": "string", "enum": list(KINDS)})] = RIGID
     """"rigid"; "uniform": one strain per block, as in discontinuous deformation analysis; or "tetrahedra": blocks cut into elements of one
     strain each, triangles where the scene moves in a plane. One value, or values by group, ``deformable.arch = "uniform"``, and
-    ``default``."""
+    ``default``. Where "rigid" is given for all, the keys below have no effect."""
     mesh_size: Annotated[Value, *numbers(1e-6, 1e6)] | None = None
     """Size of the elements of tetrahedra [m], one value or values by group; larger than a block: as few as it can have."""
     young: Annotated[Value, *numbers(SOFTEST, STIFFEST)] | None = None
@@ -50,6 +50,8 @@ class ElasticBlocks(Table):
     def _keys_have_a_use(self) -> ElasticBlocks:
         kinds = self.deformable.values() if isinstance(self.deformable, dict) else [self.deformable]
         deforms = any(kind != RIGID for kind in kinds)
+        if not deforms and "deformable" in self.model_fields_set:  # rigid in so many words: the rest waits, to compare
+            return self
         for key in ("young", "poisson", "damping", "damping_frequency", "strain_theta"):
             if key in self.model_fields_set and not deforms:
                 raise ValueError(f'{key} needs deformable = "uniform" or "tetrahedra" beside it: rigid blocks have no strain')

@@ -61,16 +61,19 @@ def _complement(a: np.ndarray) -> np.ndarray:
     return out
 
 
+def shape_slopes(mesh: BlockMesh) -> np.ndarray:
+    """Gradients of the shapes of the corners of each element, (E, d + 1, d) [1/m]."""
+    corners = mesh.nodes[:, mesh.dims][mesh.elements]
+    spans = corners[:, 1:] - corners[:, :1]
+    inverse = np.linalg.inv(spans)  # (E, d, d): of corners 1 and on, by column
+    return np.asarray(np.concatenate([-inverse.sum(axis=2)[:, :, None], inverse], axis=2).transpose(0, 2, 1))
+
+
 def element_strains(mesh: BlockMesh) -> np.ndarray:
     """Strains of the elements by the displacements of their corners, (E, s, d + 1, d) [1/m]; shear strains as angles."""
-    dims = mesh.dims
-    d = len(dims)
-    corners = mesh.nodes[:, dims][mesh.elements]
-    spans = corners[:, 1:] - corners[:, :1]
-    inverse = np.linalg.inv(spans)  # (E, d, d): gradients of the shapes of corners 1 and on, by column
-    gradient = np.concatenate([-inverse.sum(axis=2)[:, :, None], inverse], axis=2).transpose(0, 2, 1)  # (E, d + 1, d)
+    d, gradient = len(mesh.dims), shape_slopes(mesh)
     pairs = (*((i, i) for i in range(d)), *SHEAR_PAIRS[d])
-    out = np.zeros((len(corners), len(pairs), d + 1, d))
+    out = np.zeros((len(gradient), len(pairs), d + 1, d))
     for row, (i, j) in enumerate(pairs):
         out[:, row, :, i] = gradient[:, :, j]
         out[:, row, :, j] = gradient[:, :, i]

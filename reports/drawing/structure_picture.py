@@ -129,14 +129,24 @@ def mottle(count: int) -> np.ndarray:
     return 1.0 + MOTTLE * (2.0 * ((np.arange(count) * 0.6180339887498949) % 1.0) - 1.0)  # golden ratio: neighbours differ
 
 
+def stone_colours(solids: Solids, colours: np.ndarray) -> np.ndarray:
+    """(F, 3) colours of the faces of blocks of colours (B, 3), 0..1, by which stones are told apart."""
+    return np.asarray(np.clip(colours * mottle(len(colours))[:, None], 0.0, 1.0)[solids.face_block])
+
+
 def block_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, view: View, window: Window) -> list[Surface | Lines]:
     """The faces of all blocks, shaded in colours (B, 3) 0..1, and their edges, drawn thin just before them."""
-    count = len(colours)
-    shade = np.clip(255.0 * colours * mottle(count)[:, None], 0, 255).astype(np.uint8)
+    return face_layers(solids, vertices, stone_colours(solids, colours), view, window)
+
+
+def face_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, view: View, window: Window) -> list[Surface | Lines]:
+    """The same with colours (F, 3) of the faces."""
+    count = len(solids.centre)
+    shade = (255.0 * colours).astype(np.uint8)
     lift = 5e-4 * window.height * view.towards
     thin = 1.2 if count < 2000 else 0.7
     return [
-        Surface(vertices, solids.loops, solids.loop_start, shade[solids.face_block]),
+        Surface(vertices, solids.loops, solids.loop_start, shade),
         Lines(vertices + lift, solids.edges(), EDGE, thin),
     ]
 

@@ -10,7 +10,7 @@ from masonry_cd.model.joints import Joints
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids
 from reports.drawing.render import Layer, Lines, Surface
-from reports.drawing.structure_picture import EDGE, SUPPORT, block_layers, rgb
+from reports.drawing.structure_picture import EDGE, SUPPORT, face_layers, rgb, stone_colours
 from reports.maps.bands import Bands, band_corners, dashed, face_plates, joint_bands
 from reports.maps.crack_key import FALLEN, PARTED, SHADOW, STONE, Marks, Scale
 from reports.maps.cut import caps_of, clipped, clipped_lines, traces
@@ -37,6 +37,7 @@ class Subject:
     provisional: str  # of the last frame: why it is not the end, in words
     suffered: str  # of the last frame: the damage over all steps, in words
     tint: np.ndarray | None = None  # (B, 3) colours of the blocks, 0..1; None: by their state
+    face_tint: np.ndarray | None = None  # (F, 3) colours of the faces of meshed blocks, NaN of others; None: no block is meshed
     strong: np.ndarray | None = None  # (J,) joints drawn in one dark colour; None: those that opened or slid, by how far
 
     @property
@@ -81,10 +82,16 @@ def block_colours(subject: Subject) -> np.ndarray:
     return np.asarray(colours)
 
 
+def face_colours(subject: Subject) -> np.ndarray:
+    """(F, 3) colours of the faces, 0..1, as stones of one colour differ."""
+    colours = stone_colours(subject.solids, block_colours(subject))
+    return colours if subject.face_tint is None else np.where(np.isnan(subject.face_tint), colours, subject.face_tint)
+
+
 def block_layers_of(subject: Subject) -> list[Layer]:
     """Faces and edges of the blocks; where they are cut, with caps in a darker tone."""
     solids, framed, colours = subject.solids, subject.framed, block_colours(subject)
-    whole = block_layers(solids, subject.drawn, colours, framed.view, framed.window)
+    whole = face_layers(solids, subject.drawn, face_colours(subject), framed.view, framed.window)
     if framed.cut is None:
         return list(whole)
     layers: list[Layer] = [

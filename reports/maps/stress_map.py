@@ -3,7 +3,8 @@ r"""The stress map: the structure with its blocks coloured by their largest comp
 Without a time it shows the largest of the whole run, block by block, on the shape at the end; with a frame, the stress there. The mean
 hides bending: joints whose edge is compressed above the given strength are drawn dark, or, where no strength is given, those where the
 force came to an edge; of both only those that were open then: in a closed joint, rigid blocks do not fix the place of the force. Classes
-have equal widths up to the largest compression of the run; blocks that have fallen keep their colour.
+have equal widths up to the largest compression of the run; blocks that have fallen keep their colour. Meshed blocks are drawn by their
+elements, at the surface, with the stress of each.
 View, cut, amplification and window are those of the crack map (:mod:`reports.maps.crack_map`).
 """
 
@@ -22,13 +23,15 @@ from masonry_cd.quantities import length, pressure
 from reports.deformed import frame_index
 from reports.drawing.figure import Paint, Sheet, in_metres
 from reports.drawing.render import SAMPLES, Canvas
-from reports.drawing.structure_picture import SUPPORT, box_swatch, no_swatch, rgb, tie_swatch
+from reports.drawing.structure_picture import SUPPORT, box_swatch, no_swatch, rgb, tie_swatch, within_sight
 from reports.drawing.tie_lines import LABELLED, DrawnTies
 from reports.maps.crack_key import SHADOW, STONE, ColourClasses, Marks, band_sign, draw_scale, draw_scale_bar
 from reports.maps.crack_map import subject_of, ties_of
 from reports.maps.framing import Framing, MapStyle, framing
 from reports.maps.layers import STRONG, Subject, block_layers_of, joint_layers, shadow
+from reports.maps.meshed_solids import Facetted
 from reports.settings import report_of
+from reports.stress.elements import ElementPeaks, element_peaks
 from reports.stress.peaks import StressPeaks, above_limit, principal, stress_peaks
 
 FILE = "stress_map.png"
@@ -57,6 +60,8 @@ class Pressed:
     closed_above: np.ndarray  # (J,) and while closed only
     of_run: bool  # over the whole run, not at one frame
     peaks: StressPeaks
+    of_elements: np.ndarray | None  # (E,) those of the elements of meshed blocks; None: there are none [Pa]
+    element_peaks: ElementPeaks | None
 
     @classmethod
     def of(cls, results: Results, frame: int | None) -> Pressed:
@@ -65,18 +70,36 @@ class Pressed:
         Raises:
             InputError: the run kept no stress.
         """
-        peaks = stress_peaks(results)
+        peaks, elements = stress_peaks(results), element_peaks(results)
         if frame is None:
-            return cls(peaks.compression, peaks.open_above, peaks.closed_above, True, peaks)
+            of_elements = None if elements is None else elements.compression
+            return cls(peaks.compression, peaks.open_above, peaks.closed_above, True, peaks, of_elements, elements)
         above = above_limit(np.asarray(results.joints_at(EDGE_STRESS, frame), dtype=float), peaks.joint_strength)
         gaping = results.joints_at("opening", frame) >= report_of(results.scene).opened
         compression = -principal(np.asarray(results.stress[frame], dtype=float))[:, 2]
-        return cls(compression, above & gaping, above & ~gaping, False, peaks)
+        of_elements = None if elements is None else -principal(np.asarray(results.element_stress[frame], dtype=float))[:, 2]
+        return cls(compression, above & gaping, above & ~gaping, False, peaks, of_elements, elements)
 
     @property
     def scale(self) -> StressScale:
         """Classes up to the largest compression of the run, so that the maps of its frames can be compared."""
-        return StressScale(float(np.nan_to_num(self.peaks.compression).max(initial=0.0)))
+        elements = np.zeros(0) if self.element_peaks is None else self.element_peaks.compression
+        return StressScale(max(float(np.nan_to_num(values).max(initial=0.0)) for values in (self.peaks.compression, elements)))
+
+    def largest(self, results: Results) -> tuple[float, str]:
+        """The largest compression that is drawn [Pa], and in what, in words; NaN before the first step."""
+        drawn, names = self.compression.copy(), [block.name for block in results.blocks]
+        if self.of_elements is not None and self.element_peaks is not None:
+            drawn[self.element_peaks.block] = -np.inf
+            if not np.nan_to_num(drawn).max(initial=0.0) > np.nan_to_num(self.of_elements).max(initial=0.0):
+                if not np.isfinite(self.of_elements).any():
+                    return np.nan, ""
+                worst = int(np.nanargmax(self.of_elements))
+                return float(self.of_elements[worst]), f"an element of {names[self.element_peaks.block[worst]]}"
+        if not np.isfinite(drawn).any():
+            return np.nan, ""
+        block = int(np.nanargmax(drawn))
+        return float(drawn[block]), names[block]
 
 
 def stress_sheet(results: Results, frame: int | None, style: MapStyle, samples: int = SAMPLES) -> Sheet:
@@ -121,7 +144,19 @@ def _prepared(results: Results, frame: int | None, style: MapStyle) -> tuple[int
     known = np.isfinite(pressed.compression)
     tint = np.where(known[:, None], pressed.scale(np.nan_to_num(pressed.compression)) / 255.0, rgb(STONE))
     none, no = np.zeros(subject.joints.count), np.zeros(subject.joints.count, dtype=bool)
-    return shape, framed, pressed, replace(subject, tint=tint, strong=pressed.open_above, marks=Marks(none, none, no, no, no))
+    subject = replace(subject, tint=tint, strong=pressed.open_above, marks=Marks(none, none, no, no, no))
+    return shape, framed, pressed, _with_elements(results, subject, shape, pressed)
+
+
+def _with_elements(results: Results, subject: Subject, frame: int, pressed: Pressed) -> Subject:
+    """The same with meshed blocks by their facets, each in the colour of its element."""
+    if results.meshes is None or pressed.of_elements is None:
+        return subject
+    facetted = Facetted.of(subject.solids, results.meshes)
+    colours = np.where(np.isfinite(pressed.of_elements)[:, None], pressed.scale(np.nan_to_num(pressed.of_elements)) / 255.0, rgb(STONE))
+    tint = np.where((facetted.element >= 0)[:, None], colours[facetted.element], np.nan)
+    moved = facetted.moved(results, subject.pose, frame, subject.framed.factor)
+    return replace(subject, solids=facetted.solids, drawn=within_sight(facetted.solids, moved), face_tint=tint)
 
 
 def _title(results: Results) -> str:
@@ -133,7 +168,7 @@ def _draw_around(sheet: Sheet, results: Results, subject: Subject, pressed: Pres
     framed, boxes, peaks = subject.framed, sheet.plan.keys(4), pressed.peaks
     sheet.head(_title(results), _facts(results, subject, pressed))
     scale = pressed.scale
-    draw_scale(sheet.axes(*boxes[0]), boxes[0], scale, f"Mean compression [{scale.unit}]")
+    draw_scale(sheet.axes(*boxes[0]), boxes[0], scale, f"{'Mean c' if pressed.of_elements is None else 'C'}ompression [{scale.unit}]")
     what = "edge above strength" if peaks.compared else "force at an edge"
     dark = rgb(STRONG)
     rows: list[tuple[Paint, str]] = [(partial(band_sign, first=dark, second=dark), f"open joint, {what} ({int(pressed.open_above.sum())})")]
@@ -142,6 +177,9 @@ def _draw_around(sheet: Sheet, results: Results, subject: Subject, pressed: Pres
     if peaks.compared:
         above = pressed.compression > peaks.block_strength
         rows.append((no_swatch, f"blocks above strength: {int(above.sum()) or 'none'}"))
+        if pressed.of_elements is not None and pressed.element_peaks is not None:
+            over = pressed.of_elements > pressed.element_peaks.strength
+            rows.append((no_swatch, f"elements above strength: {int(over.sum()) or 'none'} of {len(over)}"))
     sheet.swatches(sheet.axes(*boxes[1]), rows, 0, boxes[1][3] - 4, pitch=29.0)
     others: list[tuple[Paint, str]] = [(partial(box_swatch, colour=SUPPORT), "support")]
     if framed.factor * subject.largest > 2 * framed.pixel:
@@ -157,10 +195,9 @@ def _facts(results: Results, subject: Subject, pressed: Pressed) -> str:
     framed, time = subject.framed, subject.pose.time
     shape = "true shape" if framed.factor == 1 else f"displacements × {framed.factor:g}"
     cut = f", cut at {framed.cut.text}" if framed.cut else ""
+    by = "block" if pressed.of_elements is None else "element"
     over = f"means over the {length(pressed.peaks.interval, 's')} between frames"
-    which = f"largest of the run, block by block, {over}; shape at {time:.4g} s" if pressed.of_run else f"t = {time:.4g} s, {over}"
-    largest = ""
-    if np.isfinite(pressed.compression).any():
-        block = int(np.nanargmax(pressed.compression))
-        largest = f" · largest {pressure(float(pressed.compression[block]))} in {results.blocks[block].name}"
+    which = f"largest of the run, {by} by {by}, {over}; shape at {time:.4g} s" if pressed.of_run else f"t = {time:.4g} s, {over}"
+    value, place = pressed.largest(results)
+    largest = f" · largest {pressure(value)} in {place}" if place else ""
     return f"{which}{largest}\n{framed.view.name} view{cut} · {shape}, largest displacement {in_metres(subject.largest)}"

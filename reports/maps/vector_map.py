@@ -21,7 +21,7 @@ from masonry_cd.model.polygon import next_in_loop
 from reports.deformed import frame_index
 from reports.drawing.figure import Sheet
 from reports.drawing.render import AMBIENT, LIGHTS, Surface, View
-from reports.drawing.structure_picture import EDGE, mottle, rgb
+from reports.drawing.structure_picture import EDGE, rgb
 from reports.drawing.tie_lines import PULLING, SLACK, DrawnTies
 from reports.maps.bands import Bands, dashes, face_plates, joint_bands
 from reports.maps.crack_key import PARTED, draw_scales
@@ -33,6 +33,7 @@ from reports.maps.layers import (
     Subject,
     band_width,
     block_colours,
+    face_colours,
     marked_joints,
     shadow,
     some_polygons,
@@ -142,7 +143,7 @@ def _kept(surface: Surface, cut: Cut | None) -> tuple[Surface, np.ndarray]:
 def _add_faces(painting: _Painting, subject: Subject, normals: np.ndarray, rank: np.ndarray) -> None:
     """The faces of the blocks that look at the viewer, shaded as in the picture; edges with them."""
     solids, view = subject.solids, subject.framed.view
-    colours = np.clip(block_colours(subject) * mottle(len(rank))[:, None], 0.0, 1.0)[solids.face_block]
+    colours = face_colours(subject)
     seen = normals @ view.towards > 1e-6
     light = np.full(len(normals), AMBIENT)
     for (right, up, towards), strength in LIGHTS:

@@ -11,6 +11,7 @@ from masonry_cd.quantities import length, pressure
 from reports.maps.stress_map import StressScale
 from reports.page.findings import section, table
 from reports.page.words import PageContext, escaped, number
+from reports.stress.elements import element_peaks
 from reports.stress.files import share_in_words, stress_lines, stress_summary
 from reports.stress.peaks import StressPeaks, principal, stress_peaks
 
@@ -50,20 +51,36 @@ def stress(context: PageContext) -> str:
     if not found:
         return ""
     lines = "".join(f"<p>{escaped(line[0].upper() + line[1:])}.</p>" for line in stress_lines(found))
-    return section("stress", "Stress", lines + _blocks(results, peaks) + _joints(results, peaks) + _note(peaks))
+    return section(
+        "stress", "Stress", lines + _blocks(results, peaks) + _joints(results, peaks) + _note(peaks) + _note_on_elements(results)
+    )
+
+
+def _note_on_elements(results: Results) -> str:
+    """What the stress of an element says; nothing where no block is meshed."""
+    if results.meshes is None:
+        return ""
+    return (
+        '<p class="note">Meshed blocks also have a stress in each element, the largest of which the table gives. It shows how a '
+        "block bends. At its edge the true stress is higher, by about two thirds of the size of the elements over its depth; where a "
+        "force stands on a corner it grows as the mesh gets finer.</p>"
+    )
 
 
 def _blocks(results: Results, peaks: StressPeaks) -> str:
     """The blocks with the largest compression, those nearest to their strength first where it is given."""
-    measure = np.nan_to_num(peaks.block_ratio if peaks.compared else peaks.compression)
+    measure, elements = np.nan_to_num(peaks.block_ratio if peaks.compared else peaks.compression), element_peaks(results)
+    within = None if elements is None else elements.of_blocks(len(results.blocks))
     chosen = [b for b in np.argsort(-measure, kind="stable")[:ROWS].tolist() if measure[b] > 0.0]
     rows = []
     for b in chosen:
         pulled = pressure(float(peaks.tension[b])) if peaks.pulled[b] else "–"
         cells = [pressure(float(peaks.compression[b])), number(float(f"{peaks.compression_time[b]:.3g}")), pulled]
         cells += [number(float(f"{peaks.block_ratio[b]:.3g}"))] if peaks.compared else []
+        cells += [] if within is None else ["–" if np.isnan(within[b]) else pressure(float(within[b]))]
         rows.append([escaped(results.blocks[b].name), *cells])
     columns = ["block", "largest mean compression", "at [s]", "largest mean tension", *(["share of strength"] if peaks.compared else [])]
+    columns += [] if within is None else ["largest compression of an element"]
     return table(columns, rows, range(1, len(columns))) if rows else ""
 
 

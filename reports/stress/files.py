@@ -1,4 +1,5 @@
-"""The stress of a run in files: stress.csv of blocks, joint_stress.csv of joints, their share of summary.json, and closing lines."""
+"""The stress of a run in files: stress.csv of blocks, joint_stress.csv of joints, element_stress.csv of elements of meshed blocks; their
+share of summary.json, and closing lines."""
 
 from __future__ import annotations
 
@@ -13,6 +14,7 @@ from masonry_cd.csv_files import write_csv
 from masonry_cd.io.layout import EDGE_STRESS
 from masonry_cd.io.results import Results
 from masonry_cd.quantities import length, pressure
+from reports.stress.elements import element_peaks, element_summary, write_elements
 from reports.stress.peaks import StressPeaks
 
 BLOCKS, JOINTS = "stress.csv", "joint_stress.csv"
@@ -49,13 +51,14 @@ def joint_columns(results: Results, peaks: StressPeaks) -> dict[str, Any]:
 
 
 def write_stress(results: Results, peaks: StressPeaks, folder: Path) -> list[Path]:
-    """Write both tables, supports left out; return the files."""
+    """Write the tables, supports left out; return the files."""
     paths = [folder / BLOCKS, folder / JOINTS]
     free = [not block.fixed for block in results.blocks]
     for path, columns, kept in ((paths[0], block_columns(results, peaks), free), (paths[1], joint_columns(results, peaks), None)):
         rows = zip(*columns.values(), strict=True)
         write_csv(path, columns, (map(_cell, row) for k, row in enumerate(rows) if kept is None or kept[k]))
-    return paths
+    of_elements = element_peaks(results)
+    return paths if of_elements is None else [*paths, write_elements(results, of_elements, folder)]
 
 
 def _cell(value: object) -> object:
@@ -87,6 +90,8 @@ def stress_summary(results: Results, peaks: StressPeaks) -> dict[str, Any]:
         out |= {"edge_max": float(peaks.finite_edge[joint]), "edge_max_joint": joint, "edge_max_blocks": _pair(results, joint)}
     if peaks.compared:
         out["strength"] = _against_strength(results, peaks)
+    if elements := element_summary(results, element_peaks(results)):
+        out["elements"] = elements
     return out
 
 
@@ -136,7 +141,22 @@ def stress_lines(found: Mapping[str, Any]) -> list[str]:
         )
     if parts:
         lines.append("; ".join(parts))
-    return [*lines, *_strength_lines(found.get("strength"))]
+    return [*lines, *_element_lines(found.get("elements")), *_strength_lines(found.get("strength"))]
+
+
+def _element_lines(found: Mapping[str, Any] | None) -> list[str]:
+    """The largest stresses of elements, in words."""
+    if not found:
+        return []
+    pulled = f", largest tension {pressure(found['tension_max'])} in {found['tension_max_block']}" if found["tension_max"] > 0.0 else ""
+    above = ""
+    if "above" in found:
+        where = f", in {', '.join(found['blocks_above_names'])}{' and others' if found['blocks_above'] > NAMED else ''}"
+        above = f"; {found['above'] or 'none'} of {found['compared']} come above their strength{where if found['above'] else ''}"
+    return [
+        f"elements of meshed blocks: largest compression {pressure(found['compression_max'])} in {found['compression_max_block']} at "
+        f"{found['compression_max_time']:.4g} s{pulled}{above}"
+    ]
 
 
 def _strength_lines(found: Mapping[str, Any] | None) -> list[str]:

@@ -141,8 +141,8 @@ def stress_peaks(results: Results) -> StressPeaks:
     """
     require_stress(results)
     blocks, joints, time = len(results.blocks), results.joints.count, np.asarray(results.time, dtype=float)
-    largest = {name: _Largest(n) for name, n in (("compression", blocks), ("tension", blocks), ("edge", joints), ("force", joints))}
-    finite, above = _Largest(joints), np.zeros((3, joints), dtype=bool)  # at all, while open; at an edge while open
+    largest = {name: Largest(n) for name, n in (("compression", blocks), ("tension", blocks), ("edge", joints), ("force", joints))}
+    finite, above = Largest(joints), np.zeros((3, joints), dtype=bool)  # at all, while open; at an edge while open
     of_block, of_joint = strengths(results)
     opened = report_of(results.scene).opened
     for first in range(1, results.frames, AT_ONCE):  # the first frame is before any step
@@ -168,7 +168,7 @@ def above_limit(edge: np.ndarray, strength: np.ndarray) -> np.ndarray:
     return edge > strength if np.isfinite(strength).any() else np.isinf(edge)
 
 
-class _Largest:
+class Largest:
     """The largest of n values so far, and when; NaN before any."""
 
     def __init__(self, count: int) -> None:

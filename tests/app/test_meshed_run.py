@@ -119,8 +119,8 @@ def test_rigid_uniform_and_meshed_blocks_come_to_rest_under_their_weight(tmp_pat
 @pytest.mark.parametrize("name", ["elastic", "tilt"])
 def test_a_run_that_was_stopped_ends_with_the_bits_of_one_that_was_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     """Ctrl-C on its way, then --resume: all that the steps depend on is in the checkpoint."""
-    scene, advance = BITS / f"{name}.toml", Stepper.step
-    assert run(scene, tmp_path / "whole", "run.duration=0.1").exit_code == 0
+    scene, advance, keys = BITS / f"{name}.toml", Stepper.step, ("run.duration=0.1", "report.stress=true")
+    assert run(scene, tmp_path / "whole", *keys).exit_code == 0
 
     def step(self: Stepper) -> object:
         if self.steps == 12:
@@ -128,11 +128,12 @@ def test_a_run_that_was_stopped_ends_with_the_bits_of_one_that_was_not(tmp_path:
         return advance(self)
 
     monkeypatch.setattr(Stepper, "step", step)
-    assert run(scene, tmp_path / "parts", "run.duration=0.1").exit_code == 130
+    assert run(scene, tmp_path / "parts", *keys).exit_code == 130
     monkeypatch.setattr(Stepper, "step", advance)
-    assert run(scene, tmp_path / "parts", "run.duration=0.1", more=("-q", "--resume")).exit_code == 0
+    assert run(scene, tmp_path / "parts", *keys, more=("-q", "--resume")).exit_code == 0
     whole, parts = (contents(tmp_path / word / "result.h5") for word in ("whole", "parts"))
     assert any(name.endswith("gradient") for name in whole)
+    assert {"meshes/elements", "meshes/displacement", "meshes/stress"} <= {name.lstrip("/") for name in whole}
     assert whole == parts
 
 

@@ -239,3 +239,21 @@ def test_the_buttresses_of_the_arch_bear_its_weight_far_below_the_strength_of_th
     assert -vertical.sum() * area == pytest.approx(weight - area * height * 2200.0 * GRAVITY, rel=1e-4)  # above the middles of the two
     found = summary["stress"]["strength"]
     assert found["blocks_above"] == 0 < found["crushed_share_max"] < found["ratio_max"] * 2 < 0.2
+
+
+def test_the_aqueduct_with_blocks_that_deform_stands_with_all_its_kinds_of_blocks_and_as_rigid(tmp_path):
+    quiet = ("run.duration=0.04", "loads[0].amplitude=0")
+    summary = run("aqueduct_deformable.toml", tmp_path / "soft", *quiet)
+    reaction, weight = base_reaction(tmp_path / "soft")
+    assert reaction == pytest.approx(weight, rel=1e-4)
+    assert summary["planar"]
+    assert summary["energy"]["balance_error"] < 1e-6
+    with Results.open(tmp_path / "soft" / "result.h5") as results:
+        strain = np.abs(results.gradient(0)).max(axis=(1, 2))
+        group = [block.group for block in results.blocks]
+    strained = {name for name, moved in zip(group, strain, strict=True) if moved > 0.0}
+    assert strained == set(group) - {"base", "top"}
+    assert 1e-6 < strain.max() < 1e-4  # some 0.2 MPa over 10 GPa, settled before the run
+    run("aqueduct_deformable.toml", tmp_path / "rigid", *quiet, "material.deformable=rigid")
+    with Results.open(tmp_path / "rigid" / "result.h5") as results:
+        assert results.gradient(0) is None

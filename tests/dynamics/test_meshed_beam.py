@@ -1,4 +1,4 @@
-"""Own frequencies of one meshed block as a beam, of the masses and stiffness of the step, against Timoshenko's closed forms.
+"""A meshed block as a beam: own frequencies, by the masses and stiffness of the step, against Timoshenko's closed forms; its stress.
 
 Uniform-strain triangles are too stiff in bending where few lie across the beam, and converge at second order all the same.
 """
@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from models import box, stepper
 from scipy import linalg, optimize
 
+from masonry_cd.dynamics.element_stress import ElementStress
 from masonry_cd.dynamics.system import System
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 
@@ -22,11 +24,11 @@ SIZES = (0.125, 0.0625, 0.047)
 Held = Callable[[np.ndarray], list[tuple[int, int]]]
 
 
-def beam(size: float) -> System:
+def beam(size: float, length: float = LENGTH) -> System:
     """A block along x, that touches nothing, in its plane."""
     blocks = [
         box("base", (-1.0, -1.0, -3.0), (2.0, 1.0, -2.0), fixed=True),
-        box("beam", (-LENGTH / 2, -WIDTH / 2, -DEPTH / 2), (LENGTH / 2, WIDTH / 2, DEPTH / 2), density=DENSITY),
+        box("beam", (-length / 2, -WIDTH / 2, -DEPTH / 2), (length / 2, WIDTH / 2, DEPTH / 2), density=DENSITY),
     ]
     keys = {"deformable": "tetrahedra", "young": YOUNG, "poisson": 0.0, "mesh_size": size}
     return stepper(blocks, 1, material=ElasticBlocks.model_validate(keys), planar=True).system
@@ -73,6 +75,48 @@ def clamped(nodes: np.ndarray) -> list[tuple[int, int]]:
 def on_supports(nodes: np.ndarray) -> list[tuple[int, int]]:
     """Both ends held upright, free to turn and to move along."""
     return [(node, 1) for node in np.flatnonzero(np.abs(nodes[:, 0]) > LENGTH / 2 - 1e-9)]
+
+
+def bent(size: float, fibre: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A short beam held at one end, with a couple of the stress ``fibre`` = M / W at the other: stress along it in each element, the place
+    of its centre (E, 3), its share of the volume."""
+    length = 2.0 * DEPTH
+    system = beam(size, length)
+    strains, moved = system.strains, moved_nodes(system)
+    assert strains is not None
+    assert strains.warps is not None
+    mesh = strains.warps.meshes[0]
+    nodes, used = mesh.nodes, np.abs(moved).max(axis=(0, 1)) > 0.0
+    end = np.flatnonzero(nodes[:, 0] > length / 2 - 1e-9)
+    end = end[np.argsort(nodes[end, 2])]
+    force = np.zeros((len(nodes), 2))
+    for a, b in pairwise(end):
+        low, high = 2.0 * fibre / DEPTH * WIDTH * nodes[[a, b], 2]
+        force[[a, b], 0] += (nodes[b, 2] - nodes[a, 2]) / 6.0 * np.array([2.0 * low + high, low + 2.0 * high])
+    held = np.flatnonzero(nodes[:, 0] < -length / 2 + 1e-9)
+    rows = [(node, 0) for node in held] + [(held[np.argmin(np.abs(nodes[held, 2]))], 1)]
+    free = linalg.null_space(np.array([moved[node, k, used] for node, k in rows]))
+    stiffness = np.zeros((len(used), len(used)))
+    stiffness[3:, 3:] = strains.stiffness[0]
+    load = np.einsum("nk,nku->u", force, moved)[used]
+    found = np.zeros(len(used))
+    found[used] = free @ np.linalg.solve(free.T @ stiffness[np.ix_(used, used)] @ free, free.T @ load)
+    stress = ElementStress(strains)
+    stress.take_step(strains, found[None, 3:], np.tile(np.eye(3), (2, 1, 1)))
+    return stress.sums[:, 0] / strains.step, nodes[mesh.elements].mean(axis=1), mesh.shares()
+
+
+def test_the_stress_at_the_edge_of_a_bent_beam_tends_to_that_of_its_moment() -> None:
+    """M / W: the largest stress of an element at first order, since its centre is a third of it inside; the slope of the stress over the
+    depth at second."""
+    fibre, largest, slope = 1e6, [], []
+    for size in (0.5 * DEPTH, 0.25 * DEPTH, 0.125 * DEPTH):
+        along, centre, share = bent(size, fibre)
+        largest.append(np.max(along[np.abs(centre[:, 0]) < 0.6 * DEPTH]) / fibre - 1.0)
+        slope.append(0.5 * DEPTH * (share * along * centre[:, 2]).sum() / (share * centre[:, 2] ** 2).sum() / fibre - 1.0)
+    assert largest == pytest.approx([-0.31, -0.087, -0.025], abs=0.02)
+    assert slope == pytest.approx([-0.18, -0.064, -0.018], abs=0.01)
+    assert slope[1] / slope[2] > 3.0
 
 
 def closed_form(cantilever: bool) -> np.ndarray:

@@ -10,11 +10,15 @@ import pytest
 from models import BOX_FACES, GRAVITY, box, ground, stepper, still, tower, turned
 
 from loads.bars import Forces, PointLoad
+from masonry_cd.arrays import Stored
 from masonry_cd.contact.detector import Detector
+from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
+from masonry_cd.dynamics.mean_stress import MeanStress, check_sums
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.dynamics.strain import unknowns_of_strain
+from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.materials import JointLaw
@@ -85,6 +89,53 @@ def test_the_number_of_nodes_tells_that_of_unknowns(planar: bool) -> None:
     assert machine.system.unknowns == len(machine.system.blocks.columns) + unknowns_of_strain(machine.assembly, machine.plane)
     for mesh in machine.system.strains.warps.meshes:
         assert mesh.warps == warp_shapes(mesh).shape[2] > 0
+
+
+def recorded(machine: Stepper, steps: int) -> MeanStress:
+    """The stresses of so many more steps."""
+    record = MeanStress(machine, find_joints(machine.assembly))
+    for _ in range(steps):
+        machine.step()
+        record.take_step(np.full(len(machine.detector.pairs), -1))
+    return record
+
+
+@BOTH
+def test_each_element_of_a_pressed_stack_has_the_same_stress(planar: bool) -> None:
+    """Patch test of the stress: the pressure, and nothing else, whatever the mesh."""
+    press = 1e3
+    machine = pressed_stack(planar, press)
+    for _ in range(24):
+        machine.step()
+    record = recorded(machine, 1)
+    pressure = press / (0.8 * 0.4)
+    assert len(record.of_elements()) > 3 * (4 if planar else 12)
+    assert np.abs(record.of_elements() - [0.0, 0.0, -pressure, 0.0, 0.0, 0.0]).max() < 1e-9 * pressure
+    shortened = record.node_displacements()[:, ZZ]
+    assert np.abs(shortened).max() == pytest.approx(0.15 * pressure / YOUNG, rel=1e-9)  # half of the highest block
+
+
+@BOTH
+def test_the_stress_of_a_block_is_the_mean_of_its_elements(planar: bool) -> None:
+    """While it falls askew, turns and rings, viscosity included: by volume, over the same steps."""
+    blocks = [ground(3.0), box("a", (-0.5, -0.5, 0.0), (0.5, 0.5, 0.3)), box("b", (-0.1, -0.5, 0.31), (0.4, 0.5, 0.6))]
+    material = meshed(young=2e7, damping=0.05, damping_frequency=20.0, mesh_size=0.3)
+    machine = stepper(blocks, 60, friction=0.3, material=material, solver="auto", tolerance=1e-8, planar=planar)
+    machine.kick(np.array([[0.0] * 6, [0.0] * 6, [0.3, 0.0, -1.0, 0.0, 2.0, 0.0]]))
+    record, strains = recorded(machine, 60), machine.system.strains
+    assert strains is not None
+    assert strains.warps is not None
+    meshes = [strains.warps.meshes[g] for g in strains.warps.of_block[1:]]
+    ends = np.cumsum([len(mesh.elements) for mesh in meshes])
+    for b, of_block, mesh in zip((1, 2), np.split(record.of_elements(), ends[:-1]), meshes, strict=True):
+        own = record.stresses()[b]
+        assert np.abs(mesh.shares() @ of_block - own).max() < 1e-9 * np.abs(own).max()
+        assert np.ptp(of_block[:, ZZ]) > 0.1 * np.abs(own).max()  # it bends
+    kept, sizes = record.snapshot(), (len(blocks), find_joints(machine.assembly).count)
+    check_sums(Stored(kept), *sizes, len(record.of_elements()))
+    for wrong in (kept | {"elements": kept["elements"][1:]}, {name: array for name, array in kept.items() if name != "elements"}):
+        with pytest.raises(InputError, match="elements"):
+            check_sums(Stored(wrong), *sizes, len(record.of_elements()))
 
 
 def places(machine: Stepper, block: int) -> tuple[np.ndarray, np.ndarray]:

@@ -76,6 +76,13 @@ def test_groups_that_do_not_fit_the_blocks_are_refused(keys: dict[str, object], 
         ElasticBlocks.model_validate(keys).of_group("pier-east", GROUPS)
 
 
+@pytest.mark.parametrize("rigid", ["rigid", {"default": "rigid"}])
+def test_a_scene_with_elasticity_may_be_run_with_rigid_blocks(rigid: object) -> None:
+    """Its other keys wait: one scene gives both runs of a comparison."""
+    keys = {"deformable": rigid, "young": 1e9, "mesh_size": 0.1, "damping": 0.05, "damping_frequency": 10.0}
+    assert ElasticBlocks.model_validate(keys).of_group("arch", GROUPS) is None
+
+
 def test_a_vibration_without_damping_may_be_asked_for_by_zero() -> None:
     """A study over damping may begin at none."""
     keys = {"deformable": "uniform", "young": 1e9, "damping": 0.0, "damping_frequency": 10.0}
