@@ -161,11 +161,8 @@ def _data(arguments: Sequence[Any]) -> float:
             symbolic = each
     factors = 0
     if isinstance(arguments[0], int) and symbolic is not None:
-        factors = (
-            8
-            * next(len(each.n) for each in arguments if isinstance(each, ProblemArrays)) ** 2
-            * int(symbolic.square[-1] + 2 * symbolic.panel[-1])
-        )
+        n = next(len(each.n) for each in arguments if isinstance(each, ProblemArrays))
+        factors = 8 * n * n * int(symbolic.square[-1] + 2 * symbolic.panel[-1])
     return float(sum(arrays.values()) + factors)
 
 
