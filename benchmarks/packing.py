@@ -114,10 +114,8 @@ def energy_over_weight(machine: Stepper, rim: float) -> float:
     return float(np.mean(0.5 * speed / (GRAVITY * 2.0 * r)))
 
 
-def slope(machine: Stepper, rim: float) -> float:
-    """Angle of repose [deg]: of the line through the tops on rings half a diameter apart, 24 points on each."""
-    on = inside(machine, rim)
-    p, r = machine.state.position[on], machine.assembly.shapes.rounding[on]
+def slope(p: np.ndarray, r: np.ndarray, rim: float) -> float:
+    """Angle of repose [deg] of spheres at p (N, 3) of radius r (N,) [m]: of a line through tops, 24 on rings half a diameter apart."""
     distance, height = [], []
     for ring in np.arange(0.5 * DIAMETER, rim - 0.5 * DIAMETER, 0.5 * DIAMETER):
         for turn in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False):
@@ -134,15 +132,17 @@ def row(asked: argparse.Namespace, friction: float) -> str:
     done = pour(asked, friction)
     error, missed = done.errors, int((done.errors > asked.tolerance).sum())
     worst, median = f"{error.max():.1e}", f"{np.median(error):.1e}"
-    time_of = f"{done.machine.state.time:.2f}" + ("" if done.settled else " (not settled)")
-    angle = f"{slope(done.machine, done.rim):.1f}" if asked.heap else ""
-    counts = [len(inside(done.machine, done.rim)), done.contacts, time_of, len(error), f"{done.iterations.mean():.0f}"]
+    time_of = f"{done.machine.state.time:.2f}" + ("" if done.settled else " (still moves)")
+    on, machine = inside(done.machine, done.rim), done.machine
+    angle = f"{slope(machine.state.position[on], machine.assembly.shapes.rounding[on], done.rim):.1f}" if asked.heap else ""
+    energy = f"{energy_over_weight(machine, done.rim):.0e}"
+    counts = [len(on), done.contacts, time_of, energy, len(error), f"{done.iterations.mean():.0f}"]
     cells = [asked.count, friction, *counts, median, worst, missed, f"{done.processor:.0f}", f"{done.clock:.0f}", angle]
     return "| " + " | ".join(map(str, cells)) + " |"
 
 
-def main() -> None:
-    """Command line."""
+def arguments() -> argparse.ArgumentParser:
+    """Of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("count", type=int, help="spheres")
     parser.add_argument("--heap", action="store_true", help="onto a floor with a low rim, not into a box")
@@ -159,9 +159,14 @@ def main() -> None:
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--seed", type=int, default=1, help="of the lattice")
     parser.add_argument("--verbose", action="store_true", help="a line every 25 steps")
-    asked = parser.parse_args()
+    return parser
+
+
+def main() -> None:
+    """Command line."""
+    asked = arguments().parse_args()
     print(sitting())
-    names = ("spheres", "friction", "inside", "contacts", "time [s]", "steps", "iterations", "median error", "worst", "missed")
+    names = ("spheres", "friction", "inside", "contacts", "time [s]", "energy", "steps", "iterations", "median error", "worst", "missed")
     print(head(*names, "processor [s]", "clock [s]", "slope [deg]"), flush=True)
     for friction in asked.friction:
         print(row(asked, friction), flush=True)

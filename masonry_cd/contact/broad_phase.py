@@ -1,8 +1,9 @@
 """Broad phase: which parts may meet at all, by their bounding boxes.
 
 The boxes are grown by a skin and by what a part may do within the step, then swept along the axis on which the fewest overlap (sweep and
-prune: Baraff, Ph.D. thesis, Cornell 1992): what falls for ever beside a structure must not have it swept from top to bottom. The list of pairs stays valid until a part has moved through that growth. The common motion of
-the supports is taken off first, so that shaking alone rebuilds nothing.
+prune: Baraff, Ph.D. thesis, Cornell 1992): what falls for ever beside a structure must not have it swept from top to bottom. The list of
+pairs stays valid until a part has moved through that growth. The common motion of the supports is taken off first, so that shaking alone
+rebuilds nothing.
 """
 
 from __future__ import annotations

@@ -9,9 +9,9 @@ with w = 1 at the start and again where the error has grown since it was last me
 Math. 15, 2015). y = G^T p is extrapolated with p, which costs less than a tenth of the sweep.
 
 **Why sweeps and not the gradient.** Accelerated projected gradient descent (Mazhar, Heyn, Negrut & Tasora, ACM Trans. Graph. 34, 2015)
-solves the convex problem without De Saxce's shift mu |u_t| n, or with one that is held. The shift is no gradient. Renewed in each iteration,
-it makes the extrapolation overshoot where contacts slip: of spheres that pour, 3,000 iterations left errors of 1e-3. A sweep
-solves the law of a contact exactly, its shift with it.
+solves the convex problem without De Saxce's shift mu |u_t| n, or with one that is held. The shift is no gradient. Renewed in each step, it
+makes the extrapolation overshoot where contacts slip: of spheres that pour, 3,000 iterations left errors of 1e-3. A sweep solves the law of
+a contact exactly, its shift with it.
 
 **What it gains.** From nothing, to an error of 1e-4: spheres at rest take a quarter of the sweeps, a wall of ten courses and an arch of 27
 voussoirs an eighth, which is still far more than ADMM's iterations. Spheres that pour take a fifth of them from step to step. What slips

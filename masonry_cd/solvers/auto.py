@@ -18,7 +18,7 @@
    they come first; and every LOOK-th step begins as usual, to see whether the sliding is over, but ADMM does not go on in it.
 4. Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that accelerated sweeps get far. From
    GRAINS contacts on, where most pairs of blocks touch in a single point, a step begins with them, in GRAIN_TURNS turns of GRAIN_TURN
-   sweeps, and no factors are analysed; only what they leave goes the way of 2 and 3.
+   sweeps, and no factors are analysed. What they leave goes the way of 2 and 3 only where the scene does not accept it: no method gets far.
 5. A step that has cost PATIENCE times what steps usually do, and more than is CHEAP, ends where its error is small enough for the scene to
    accept (``run.accept``). It counts as one that missed its tolerance.
 
@@ -110,6 +110,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         known.deeper = False
         for _ in range(GRAIN_TURNS):
             search.turn(ACCELERATED, GRAIN_TURN)
+        search.accepted |= search.error <= options.accept
     if search.ended:
         known.learn(ADMM, (0.0, 0.0), search.cost)
     else:

@@ -171,13 +171,16 @@ def test_the_error_that_it_reports_is_that_of_the_measure() -> None:
 
 
 def test_packed_grains_begin_with_sweeps() -> None:
-    """Packed spheres touch in points: sweeps come first, and what they leave goes to the methods that factorise."""
+    """Packed spheres touch in points: sweeps come first, and what they leave goes to the methods that factorise, unless it is accepted."""
     problem = scenes.packing(4, mu=0.3, speed=0.0)
     solved = solve(problem, Options(tolerance=1e-4), None)
     assert solved.reason == "accelerated: converged"
     assert natural_map_error(problem, solved.impulse) == solved.error <= 1e-4
     hard = solve(problem, Options(tolerance=1e-300, max_iterations=auto.GRAIN_TURNS * auto.GRAIN_TURN + 5), None)
     assert hard.reason.startswith(auto.GRAIN_TURNS * "accelerated + " + "admm: missed")
+    left = solve(problem, Options(tolerance=1e-300, accept=1e-4), None)
+    assert left.iterations == auto.GRAIN_TURNS * auto.GRAIN_TURN
+    assert 0.0 < left.error <= 1e-4
 
 
 def test_a_turn_of_sweeps_may_do() -> None:
