@@ -156,8 +156,8 @@ SWITCHED: dict[str, Any] = {
     "GLANCE": 120.0,
     "CLOSE": 0.0,  # ADMM does not go on
     "NEWTON_LIMIT": 50,
-    "SWEEPS": (10**9, 0),  # none
-    "SWEEP_SHARE": 1.0,
+    "GRAINS": 10**9,  # none
+    "GRAIN_TURNS": 1,
     "PATIENCE": 1e6,
     "CHEAP": 0.0,
     "BUDGET": 1e12,
@@ -212,7 +212,7 @@ def _cost(problem: Problem, method: int, found: Solution) -> float:
     """Of a call [us]; an iteration of the interior point method is one of Newton's."""
     if not found.iterations:
         return 0.0
-    if method == auto.NLGS:
+    if method == auto.ACCELERATED:
         return found.iterations * auto.SWEEP * auto.entries(problem)
     if isinstance(problem, LocalProblem):
         pattern = in_elimination_order(local_arrays(problem)[0])[1]

@@ -14,7 +14,7 @@ import numpy as np
 
 from masonry_cd.friction.problem import FrictionProblem, Solution
 from masonry_cd.linalg.ordering import Pattern
-from masonry_cd.solvers import Options, admm, auto, interior, newton, nlgs, pivoting
+from masonry_cd.solvers import Options, accelerated, admm, auto, interior, newton, nlgs, pivoting
 
 BESIDE = 0.6  # of a step for each contact: detection, assembly, update and account [us]
 
@@ -62,7 +62,7 @@ def counted() -> Iterator[CountedCost]:
         (newton, lambda problem, pattern: float(auto.work(problem, pattern) @ auto.ITERATION[auto.NEWTON])),
         (interior, lambda problem, pattern: float(auto.work(problem, pattern) @ auto.ITERATION[auto.NEWTON])),
         (pivoting, lambda problem, pattern: float(auto.work(problem, pattern) @ auto.ITERATION[auto.NEWTON])),
-        (nlgs, lambda problem, pattern: auto.sweep(problem)),
+        *((sweeps, lambda problem, pattern: auto.sweep(problem)) for sweeps in (nlgs, accelerated)),
     )
     with ExitStack() as stack:
         for method, weight in by_method:

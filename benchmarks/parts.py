@@ -33,7 +33,7 @@ from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.model.joints import JointPeaks
-from masonry_cd.solvers import admm, interior, newton, nlgs
+from masonry_cd.solvers import accelerated, admm, interior, newton, nlgs
 from reports.damage.step_peaks import StepPeaks
 
 PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: owner and attribute
@@ -43,7 +43,10 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
     "contact rows": ((moreau_jean, "assemble"),),
     "impacts found": ((impacts, "find_impacts"), (impacts, "carried_impulse")),
     "analysis": ((Pattern, "of"), (Pattern, "locate")),
-    "iterations": ((nlgs, "nlgs_bodies"), (admm, "admm_bodies"), (newton, "linearised_bodies"), (interior, "linearised_bodies")),
+    "iterations": (
+        (nlgs, "nlgs_bodies"), (accelerated, "run_by_team"), (admm, "admm_bodies"), (newton, "linearised_bodies"),
+        (interior, "linearised_bodies"),
+    ),
     "error measure": ((problem, "error_bodies"),),
     "islands": ((islands.Islands, "link"), (islands.Islands, "solve")),
     "energy": ((moreau_jean, "account"),),

@@ -38,8 +38,9 @@ from masonry_cd.dynamics import moreau_jean
 from masonry_cd.errors import InputError
 from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.linalg.symbolic import SymbolicFactor
-from masonry_cd.solvers import admm, interior, newton, nlgs, pivoting
+from masonry_cd.solvers import accelerated, admm, interior, newton, nlgs, pivoting
 from masonry_cd.solvers.linearised_bodies import INTERIOR, PATH, PIVOTING, PROXIMAL
+from masonry_cd.solvers.nlgs_table import ScaledProblem
 
 SHAKEN = (  # strongly: a plane, and in space a church that slides and a larger one
     HERE.parent / "examples/aqueduct_sinusoidal.toml",
@@ -139,12 +140,12 @@ def _watched(out: Profile) -> Iterator[None]:
             before, begin = counters.read()[0] if counters else nan, time.process_time()
             found = function(*args)
             spent, counted = time.process_time() - begin, counters.read()[0] - before if counters else nan
-            turns, iterations, problem = out.methods.setdefault(name(*args), Turns()), int(found[0]), _problem_of(args)
+            turns, iterations, contacts = out.methods.setdefault(name(*args), Turns()), int(found[0]), _contacts_of(args)
             turns.turns += 1
             turns.iterations += iterations
             turns.seconds += spent
             turns.instructions += counted
-            turns.contacts += iterations * len(problem.mu)
+            turns.contacts += iterations * contacts
             turns.moved += iterations * _data(args)
             return found
 
@@ -157,6 +158,7 @@ def _watched(out: Profile) -> Iterator[None]:
         (interior, "linearised_bodies", method(interior.linearised_bodies, lambda kind, *_: NAMES[kind])),
         (pivoting, "linearised_bodies", method(pivoting.linearised_bodies, lambda kind, *_: NAMES[kind])),
         (nlgs, "nlgs_bodies", method(nlgs.nlgs_bodies, lambda *_: "nlgs")),
+        (accelerated, "run_by_team", method(accelerated.run_by_team, lambda *_: "accelerated")),
     ]
     with ExitStack() as stack:
         for owner, name, watched in places:
@@ -164,9 +166,9 @@ def _watched(out: Profile) -> Iterator[None]:
         yield
 
 
-def _problem_of(arguments: Sequence[Any]) -> ProblemArrays:
-    """The problem among the arguments of a method."""
-    return next(each for each in arguments if isinstance(each, ProblemArrays))
+def _contacts_of(arguments: Sequence[Any]) -> int:
+    """Contacts of the problem among the arguments of a method."""
+    return next(len(each.bodies) for each in arguments if isinstance(each, ProblemArrays | ScaledProblem))
 
 
 def _data(arguments: Sequence[Any]) -> float:
@@ -184,7 +186,8 @@ def _data(arguments: Sequence[Any]) -> float:
             symbolic = each
     factors = 0
     if isinstance(arguments[0], int) and symbolic is not None:
-        factors = 8 * len(_problem_of(arguments).n) ** 2 * int(symbolic.square[-1] + 2 * symbolic.panel[-1])
+        n = next(len(each.n) for each in arguments if isinstance(each, ProblemArrays))
+        factors = 8 * n * n * int(symbolic.square[-1] + 2 * symbolic.panel[-1])
     return float(sum(arrays.values()) + factors)
 
 

@@ -38,7 +38,7 @@ def of(scene: str, *changes: str, dump: int | None = None, solves: tuple[Solve, 
     return Case(HERE / f"{scene}.toml", changes, dump, solves)
 
 
-SOLVERS = ("auto", "nlgs", "admm", "newton", "interior", "pivoting")
+SOLVERS = ("auto", "nlgs", "accelerated", "admm", "newton", "interior", "pivoting")
 BODIES = tuple(Solve(name) for name in SOLVERS)
 LOCAL = tuple(Solve(name, local=True) for name in SOLVERS)
 LIMIT = "run.max_iterations=300"  # a step that misses its tolerance has bits too

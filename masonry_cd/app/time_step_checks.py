@@ -116,22 +116,32 @@ def dominant_frequency(support_velocity: np.ndarray, step: float) -> float:
 def fastest(assembly: Assembly, results: Results) -> tuple[float, int, float] | None:
     """Largest speed of a free block over the frames [m/s], the block, and when [s]; None without one.
 
-    Relative to the support that moves least: one that settles, or is shaken late, is no measure of the others.
+    Relative to the support that moves least: one that settles, or is shaken late, is no measure of the others. What has dropped below all
+    supports, off the edge of a floor, falls for ever and meets nothing any more: it counts as still.
     """
     free = np.flatnonzero(~assembly.fixed)
     if not len(free) or not results.frames:
         return None
     support = results.support
-    velocity, best = results.velocity, (-1.0, 0, 0.0)
+    velocity, position, best = results.velocity, results.position, (-1.0, 0, 0.0)
     chunk = max(1, CHUNK_BYTES // (48 * assembly.count))
     for first in range(0, results.frames, chunk):
         linear = velocity[first : min(first + chunk, results.frames), :, :3]
         relative = linear[:, free] - (linear[:, [support]] if support >= 0 else 0.0)
         speed = np.sqrt((relative**2).sum(axis=2))
+        speed[below_supports(assembly, position[first : first + chunk, :, 2])[:, free]] = 0.0
         frame, block = np.unravel_index(int(np.argmax(speed)), speed.shape)
         if speed[frame, block] > best[0]:
             best = (float(speed[frame, block]), int(free[block]), float(results.time[first + frame]))
     return best
+
+
+def below_supports(assembly: Assembly, height: np.ndarray) -> np.ndarray:
+    """(F, B) True where a block is wholly below all supports, by the heights (F, B) of the centres of mass [m]; z is up."""
+    if not assembly.fixed.any():
+        return np.zeros(height.shape, dtype=np.bool_)
+    ground = (height - assembly.reach)[:, assembly.fixed].min(axis=1)
+    return np.asarray(height + assembly.reach < ground[:, None])
 
 
 def _round_down(value: float) -> float:

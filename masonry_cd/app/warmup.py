@@ -57,6 +57,8 @@ def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = Fal
         with second_process(planar, strained):
             _shake_cubes("admm", planar, by_area, strained=strained, spheres=spheres)
     _shake_cubes(solver, planar, by_area, stress, strained, spheres)
+    if solver == "auto" and spheres:  # which begins with them only where there are many
+        _shake_cubes("accelerated", planar, by_area, strained=strained, spheres=spheres)
     islands.compile_kernels()
 
 

@@ -16,9 +16,9 @@
    Both start near the impulses of the last step, not where the others got stuck, within a BUDGET; then comes Newton again. Structures slide
    for many steps: after a step that these solved (but for the first of all, which begins without impulses) at a cost that rule 5 allows
    they come first; and every LOOK-th step begins as usual, to see whether the sliding is over, but ADMM does not go on in it.
-4. Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that sweeps of Gauss-Seidel get far. Where
-   SWEEPS of them cost at most SWEEP_SHARE of the interior point method's first start, they follow it, and Newton them.
-
+4. Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that accelerated sweeps get far. From
+   GRAINS contacts on, where most pairs of blocks touch in a single point, a step begins with them, in GRAIN_TURNS turns of GRAIN_TURN
+   sweeps, and no factors are analysed. What they leave goes the way of 2 and 3 only where the scene does not accept it: no method gets far.
 5. A step that has cost PATIENCE times what steps usually do, and more than is CHEAP, ends where its error is small enough for the scene to
    accept (``run.accept``). It counts as one that missed its tolerance.
 
@@ -37,12 +37,12 @@ import numpy as np
 from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
 from masonry_cd.linalg.ordering import Pattern
-from masonry_cd.solvers import admm, interior, newton, nlgs, pivoting
+from masonry_cd.solvers import accelerated, admm, interior, newton, pivoting
 from masonry_cd.solvers.options import MOST_ITERATIONS, Options
 
-ADMM, NEWTON, INTERIOR, NLGS, PIVOTING = 0, 1, 2, 3, 4
-METHODS = (admm, newton, interior, nlgs, pivoting)
-NAMES = ("admm", "newton", "interior", "nlgs", "pivoting")
+ADMM, NEWTON, INTERIOR, ACCELERATED, PIVOTING = 0, 1, 2, 3, 4
+METHODS = (admm, newton, interior, accelerated, pivoting)
+NAMES = ("admm", "newton", "interior", "accelerated", "pivoting")
 
 LAST = (INTERIOR, PIVOTING)  # methods for structures that slide or rock as a whole
 
@@ -63,7 +63,11 @@ GLANCE = 10.0  # of Newton, at whose cost ADMM is left at first: what costs more
 CLOSE = 100.0  # error, in tolerances, from which ADMM goes on
 WORTH = 120.0  # and at whose cost it is given up: what the interior point method's first start may cost
 NEWTON_LIMIT = 16
-SWEEPS = (2000, 20000)  # sweeps: fewer lead nowhere, more are not made
+
+# Packed grains.
+GRAINS = 300  # contacts; with fewer all methods are cheap
+SINGLE = 2.0  # contacts of a joint in the mean, below which they touch in points
+GRAIN_TURNS, GRAIN_TURN = 4, 1000  # turns, and sweeps of each; after a turn an error may do, see PATIENCE
 
 # What a step may cost.
 PATIENCE = 5.0  # times the usual cost of a step, after which an error will do that the scene accepts
@@ -78,10 +82,9 @@ ROUGH = 1.0  # friction above which pivoting is not asked: there are several sol
 CALL = ((35.0, 0.02, 0.01, 0.0), (22.0, 0.0, 0.0074, 0.0))
 ITERATION = ((3.3, 0.014, 0.001, 0.0), (0.2, 0.049, 0.019, 1.3e-4))
 Costs = tuple[float, float, float, float]  # of an iteration of ADMM and of Newton, and of a call
-SWEEP = 0.002  # of a sweep of Gauss-Seidel for an entry of H on one side, or of W
-BUDGET = 1e6  # that the interior point method may spend on a step, but for its first start, and sweeps: about a second
+SWEEP = 0.002  # of an accelerated sweep for an entry of H on one side
+BUDGET = 1e6  # that the interior point method may spend on a step, but for its first start: about a second
 COLD_BUDGET = 1e7  # for a problem without a step before, which is solved once
-SWEEP_SHARE = 0.5  # of the interior point method's first start that sweeps may cost
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -93,7 +96,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         start: its impulse (C, m) is the first iterate, its memory the one of the step before.
     """
     if problem.contacts == 0:
-        return nlgs.solve(problem, options, start)
+        return accelerated.solve(problem, options, start)
     known, deeper = Experience.recall(start), max(DEEPER * options.tolerance, ROUNDING)
     error = np.inf
     if start is not None and (known.error <= FAR * options.tolerance or known.steps % LOOK == 0):
@@ -102,15 +105,30 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
             known.deeper = False
             velocity = problem.body_velocity(start.impulse) if isinstance(problem, FrictionProblem) else None
             return Solution(start.impulse.copy(), velocity, 0, "as in the last step: converged", known.beside(start.memory), error)
-    costs, memory = _costs(problem, known, start)
-    search = _Search(problem, options, start, memory, costs, known.allowance())
-    nearly = error <= NEARLY * options.tolerance
+    search = _Search(problem, options, start, known.allowance())
+    if touch_in_points(problem):
+        known.deeper = False
+        for _ in range(GRAIN_TURNS):
+            search.turn(ACCELERATED, GRAIN_TURN)
+        search.accepted |= search.error <= options.accept
+    if search.ended:
+        known.learn(ADMM, (0.0, 0.0), search.cost)
+    else:
+        _solve_by_factors(search, known, start, error)
+    return search.solution(known)
+
+
+def _solve_by_factors(search: _Search, known: Experience, start: Solution | None, error: float) -> None:
+    """Give the methods that factorise their turns; ``error`` is that of the start, where it was measured."""
+    problem, options = search.problem, search.options
+    search.costs, search.memory = costs, _ = _costs(problem, known, start)
+    nearly = error <= NEARLY * options.tolerance and not search.iterations[ACCELERATED]
     known.deeper = nearly and error > options.tolerance
     usual = not known.slides or known.steps % LOOK == 0
     opening, hard = openings(known.first(), costs, known), turns(problem, costs, start is None)
     first, limit = opening[0]
     if nearly:
-        search.turn(first, min(limit, DEEP_LIMIT), deeper)
+        search.turn(first, min(limit, DEEP_LIMIT), max(DEEPER * options.tolerance, ROUNDING))
     for method, limit in opening if usual else hard:
         search.turn(method, limit)
     if usual and not known.slides and search.error <= CLOSE * options.tolerance:
@@ -121,7 +139,6 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         known.slides = known.steps > 0 and search.asked_last and search.solved_at_a_usual_cost
         known.stalls = known.stalls if search.stalled is None else search.stalled
     known.learn(first, [spent(costs, method, search.iterations[method]) for method in (ADMM, NEWTON)], search.cost)
-    return search.solution(known)
 
 
 @dataclass(slots=True)
@@ -180,10 +197,10 @@ class Experience:
 class _Search:
     """The best answer so far, and the way to it."""
 
-    def __init__(
-        self, problem: Problem, options: Options, start: Solution | None, memory: dict[str, np.ndarray], costs: Costs, allowance: float
-    ) -> None:
-        self.problem, self.options, self.memory, self.costs, self.allowance = problem, options, memory, costs, allowance
+    def __init__(self, problem: Problem, options: Options, start: Solution | None, allowance: float) -> None:
+        self.problem, self.options, self.allowance = problem, options, allowance
+        self.memory: dict[str, np.ndarray] = {} if start is None else start.memory
+        self.costs: Costs = (0.0, 0.0, 0.0, 0.0)  # until a method that factorises has its turn
         self.start, self.best = start or Solution(np.zeros((problem.contacts, problem.dimension)), None, 0), start
         self.error, self.accepted = np.inf, False
         self.stalled: bool | None = None  # whether Newton, where it had a turn before the LAST, did not end the step
@@ -214,7 +231,7 @@ class _Search:
 
     def enough(self, method: int) -> int:
         """Iterations of a method until the step has cost what is allowed."""
-        each = self.costs[ADMM] if method == ADMM else sweep(self.problem) if method == NLGS else self.costs[NEWTON]
+        each = self.costs[ADMM] if method == ADMM else sweep(self.problem) if method == ACCELERATED else self.costs[NEWTON]
         return int(min(max(self.allowance - self.cost, 0.0) / each, MOST_ITERATIONS))
 
     def turn(self, method: int, limit: int, tolerance: float | None = None) -> None:
@@ -233,7 +250,7 @@ class _Search:
                 return
         if self.options.max_iterations is not None:
             limit = min(limit, self.options.max_iterations - sum(self.iterations))
-        begin = self.start if method in LAST and not self.iterations[NLGS] else self.best or self.start
+        begin = self.start if method in LAST and not self.iterations[ACCELERATED] else self.best or self.start
         begin = Solution(begin.impulse, begin.velocity, 0, memory=self.memory)
         options = Options(tolerance, limit, self.options.seed, self.options.threads, self.options.accept, enough)
         found = METHODS[method].solve(self.problem, options, begin)
@@ -261,7 +278,7 @@ def spent(costs: Costs, method: int, iterations: int) -> float:
 
 
 def sweep(problem: Problem) -> float:
-    """Cost of a sweep of Gauss-Seidel."""
+    """Cost of an accelerated sweep."""
     return SWEEP * max(entries(problem), 1)
 
 
@@ -270,6 +287,14 @@ def work(problem: Problem, pattern: Pattern) -> np.ndarray:
     operations of a factorisation divided by the unknowns per body, or contact."""
     n, share = (problem.v_free.shape[1], 1.0) if isinstance(problem, FrictionProblem) else (problem.dimension, 1.0 / 3.0)
     return np.array([1.0, problem.contacts, share * entries(problem), pattern.operations(n) / n])
+
+
+def touch_in_points(problem: Problem) -> bool:
+    """Whether these are packed grains: many contacts in space, of which most are the only one between their two blocks."""
+    if not isinstance(problem, FrictionProblem) or problem.dimension < 3 or problem.contacts < GRAINS:
+        return False
+    joints = 1 + int((problem.bodies[1:] != problem.bodies[:-1]).any(axis=1).sum())
+    return problem.contacts < SINGLE * joints
 
 
 def entries(problem: Problem) -> int:
@@ -302,13 +327,10 @@ def turns(problem: Problem, costs: Costs, cold: bool) -> list[tuple[int, int]]:
     """
     budget = COLD_BUDGET if cold else BUDGET
     one_start = interior.affordable(0.0)  # iterations
-    allowed = min(SWEEP_SHARE * one_start * costs[NEWTON], budget)
-    sweeps = min(int(allowed / sweep(problem)), SWEEPS[1])
-    packed = [(INTERIOR, one_start), (NLGS, sweeps), (NEWTON, NEWTON_LIMIT)] if sweeps >= SWEEPS[0] else []
     pivots = [(PIVOTING, one_start)] if pivoting.applies(problem) and problem.mu.max() <= ROUGH else []
     if cold and pivots:  # from nothing the interior point method mostly needs one start, and half as many factorisations
         pivots = [(INTERIOR, one_start), *pivots]
-    return [*packed, *pivots, (INTERIOR, interior.affordable(budget / costs[NEWTON])), (NEWTON, NEWTON_LIMIT)]
+    return [*pivots, (INTERIOR, interior.affordable(budget / costs[NEWTON])), (NEWTON, NEWTON_LIMIT)]
 
 
 def _costs(problem: Problem, known: Experience, start: Solution | None) -> tuple[Costs, dict[str, np.ndarray]]:

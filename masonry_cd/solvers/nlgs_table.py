@@ -121,12 +121,12 @@ def collect(g, index, p, y):
 
 
 @kernel()
-def table_residual(g, y, index, law):
-    """Natural map error of the impulses in the table, whose y = G^T p is given."""
-    contacts, _, m, n = g.shape
+def squared_residuals_of(g, y, index, law, first, end):
+    """Squares of the norms of the natural map residual and of q / sqrt(d) over the contacts first to end, whose y = G^T p is given."""
+    m, n = g.shape[2], g.shape[3]
     residual, size = 0.0, 0.0
     w = np.zeros(3)
-    for c in range(contacts):
+    for c in range(first, end):
         a, b = index[c, 0], index[c, 1]
         for i in range(m):
             size += law[c, Q + i] * law[c, Q + i] / law[c, SCALE]
@@ -134,6 +134,12 @@ def table_residual(g, y, index, law):
             for k in range(n):
                 w[i] += g[c, 0, i, k] * y[a, k] + g[c, 1, i, k] * y[b, k]
         residual += squared_residual(law[c, P], law[c, P + 1], law[c, P + 2], w[0], w[1], w[2], law[c, MU], law[c, SCALE])
+    return residual, size
+
+
+@kernel(inline="always")
+def error_of(residual, size):
+    """The natural map error by the squares of both norms."""
     return np.sqrt(residual / size) if size > 0.0 else np.sqrt(residual)
 
 
@@ -141,7 +147,8 @@ def table_residual(g, y, index, law):
 def measure_error(scaled):
     """Set y = G^T p of a ScaledProblem anew; returns the natural map error of its impulses."""
     collect(scaled.jacobian, scaled.bodies, scaled.table[:, P : P + scaled.jacobian.shape[2]], scaled.y)
-    return table_residual(scaled.jacobian, scaled.y, scaled.bodies, scaled.table)
+    residual, size = squared_residuals_of(scaled.jacobian, scaled.y, scaled.bodies, scaled.table, 0, len(scaled.table))
+    return error_of(residual, size)
 
 
 @borrower()

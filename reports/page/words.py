@@ -52,6 +52,12 @@ class PageContext:
         found: Mapping[str, Any] = self.tables.get("report", {})
         return found
 
+    def fallen_of_kinds(self) -> list[tuple[str, int, int]]:
+        """Of blocks and of spheres, where there are free ones: how many fell, and of how many."""
+        down, free = set(self.fallen), [block for block, fixed in zip(self.results.blocks, self.solids.fixed, strict=True) if not fixed]
+        kinds = {"blocks": [b for b in free if not b.radius], "spheres": [b for b in free if b.radius]}
+        return [(kind, sum(b.name in down for b in those), len(those)) for kind, those in kinds.items() if those]
+
     def count(self, state: str) -> int:
         """Joints of a state."""
         return int((self.table.state == state).sum())
@@ -122,10 +128,13 @@ def outcome(context: PageContext) -> str:
         f"{context.count('separated') or 'none'} separated",
     ]
     widest = f"the widest opening was {in_metres(_most(table.max_opening))}, the farthest sliding {in_metres(_most(table.max_sliding))}"
-    free = int((~context.solids.fixed).sum())
-    down = f"{len(context.fallen)} of {free} blocks fell" if context.fallen else "no block fell"
+    kinds = context.fallen_of_kinds()
+    if context.fallen:
+        down = " and ".join(f"{fell or 'none'} of {free} {kind}" for kind, fell, free in kinds)
+    else:
+        down = " and ".join(f"no {kind.removesuffix('s')}" for kind, *_ in kinds) or "no block"
     farthest = f"The largest displacement relative to the base is {in_metres(context.displacement_max)}."
-    return f"{_graded(context)}{', '.join(counts)}; {widest}; {down}. {farthest}"
+    return f"{_graded(context)}{', '.join(counts)}; {widest}; {down} fell. {farthest}"
 
 
 def _graded(context: PageContext) -> str:
@@ -170,7 +179,7 @@ def tiles(context: PageContext) -> str:
         ("joints slid", f"{context.only('slid')}<small> of {joints}</small>"),
         ("joints opened and slid", f"{int(context.table.both.sum())}<small> of {joints}</small>"),
         ("joints separated", f"{context.count('separated')}<small> of {joints}</small>"),
-        ("blocks fallen", f"{len(context.fallen)}<small> of {int((~context.solids.fixed).sum())}</small>"),
+        *((f"{kind} fallen", f"{fell}<small> of {free}</small>") for kind, fell, free in context.fallen_of_kinds()),
         ("largest opening", in_metres(_most(context.table.max_opening))),
         ("largest sliding", in_metres(_most(context.table.max_sliding))),
         ("largest displacement", in_metres(context.displacement_max)),

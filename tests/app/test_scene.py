@@ -186,7 +186,7 @@ def test_toml_written_reads_back_the_same():
         (("duration = 8.0", "duration = 1e12"), "run: duration 1e+12 s takes 1e+15 steps of dt 0.001 s; at most 2e+07"),
         (
             ("[run]\ndt", "[run]\nsolver = 'nlgz'\ndt"),
-            "run.solver: input should be 'admm', 'auto', 'interior', 'newton', 'nlgs' or 'pivoting', got 'nlgz'",
+            "run.solver: input should be 'accelerated', 'admm', 'auto', 'interior', 'newton', 'nlgs' or 'pivoting', got 'nlgz'",
         ),
         (
             ("[run]\ndt", f"[run]\nseed = {2**63}\ndt"),
@@ -268,7 +268,7 @@ def test_a_scene_takes_every_solver(write, solver):
 
 
 def test_these_solvers_come_with_the_program():
-    assert set(SOLVERS) == {"admm", "auto", "interior", "newton", "nlgs", "pivoting"}
+    assert set(SOLVERS) == {"accelerated", "admm", "auto", "interior", "newton", "nlgs", "pivoting"}
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from masonry_cd.app.time_step_checks import after_run, before_run, dominant_freq
 from masonry_cd.cli.app import app
 from masonry_cd.dynamics.moreau_jean import RunStopped
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.blocks import Assembly, Block
 
 PLATE = box("plate", (-2, -2, -1), (2, 2, 0), fixed=True)
 
@@ -107,6 +107,19 @@ def test_a_run_that_breaks_down_names_step_block_and_contact():
     ) as stopped:
         machine.step()
     assert stopped.match('"high"')
+
+
+@pytest.mark.parametrize("drop", [box("drop", (3, 0, 0), (3.2, 0.2, 0.2)), Block.sphere("drop", np.array([3.1, 0.1, 0.1]), 0.1)])
+def test_what_falls_past_the_supports_is_not_looked_at(drop, tmp_path):
+    """A stone and a ball beside the plate fall at 30 m/s: above its lower side they may meet something, far below it nothing."""
+    blocks, found = [PLATE, box("stone", (0, 0, 0), (1, 1, 1)), drop], []
+    for depth in (0.5, 45.0):
+        state = shifted(at_rest(blocks), 2, (0, 0, -depth))
+        state.velocity[2, 2] = -30.0
+        with Results.open(write_run(tmp_path / "r.h5", blocks, [state])) as results:
+            found.append(fastest(Assembly.from_blocks(blocks, 0.5), results)[0])
+            assert bool(after_run(Assembly.from_blocks(blocks, 0.5), results, 1e-2)) == (depth < 1.0)
+    assert found == [30.0, 0.0]
 
 
 def test_speeds_are_relative_to_a_support_that_stays(tmp_path):

@@ -10,6 +10,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+import scenes
 from numba.core.dispatcher import Dispatcher
 
 from masonry_cd.app import warmup
@@ -18,6 +19,7 @@ from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.flat_calls import FlatCall
 from masonry_cd.jit import compiled, kept
+from masonry_cd.solvers import SOLVERS, Options
 from masonry_cd.solvers.linearised_bodies import linearised_bodies
 
 
@@ -61,6 +63,20 @@ def test_blocks_that_drop_and_land_compile_nothing(block_on_plate, tmp_path):
     prepared = prepare(read_scene(scene, ["run.solver=auto", "run.settle=false", "run.duration=0.1"]))
     before = versions()
     assert run_case(prepared, tmp_path / "out")["steps"] == 100
+    assert versions() - before == Counter()
+
+
+def test_packed_grains_find_their_sweeps_compiled(block_on_plate):
+    """auto begins with them from hundreds of contacts on, which the cubes do not have."""
+    scene = block_on_plate()
+    blocks = scene.parent / "blocks.json"
+    structure = json.loads(blocks.read_text())
+    structure["blocks"].append({"name": "ball", "centre": [-1.2, 0.0, 0.26], "radius": 0.25, "density": 2000.0})
+    blocks.write_text(json.dumps(structure))
+    prepare(read_scene(scene, ["run.solver=auto"]))
+    before = versions()
+    assert SOLVERS["auto"](scenes.packing(4, mu=0.3, speed=0.0), Options(tolerance=1e-4), None).reason == "accelerated: converged"
+    assert before["masonry_cd.solvers.accelerated_kernels.accelerated_bodies"] > 0
     assert versions() - before == Counter()
 
 

@@ -5,6 +5,7 @@ import pytest
 from models import box, ground, tower, turned, wall
 from scipy.optimize import linprog
 
+from masonry_cd.contact.broad_phase import overlapping_boxes, sweep_axis
 from masonry_cd.contact.detector import ContactSet, Detector
 from masonry_cd.contact.pair_memory import CLIPPED, KEPT, SEARCHED, STILL
 from masonry_cd.model.blocks import Assembly, Block
@@ -271,3 +272,15 @@ def test_a_block_that_tips_over_an_edge_touches_along_it():
         assert rows(contacts.point) == {(0, -0.2, 0), (0, 0.2, 0)}
         assert np.abs(contacts.gap).max() < 1e-12
         assert contacts.normal == pytest.approx(np.tile([np.sin(angle), 0.0, np.cos(angle)], (2, 1)))  # across the face of the block
+
+
+def test_boxes_are_swept_along_the_axis_that_parts_them():
+    """A flat heap of which half the grains fall for ever: they spread most from top to bottom, the others lie side by side."""
+    rng = np.random.default_rng(0)
+    heap, fallen = rng.uniform((-1, -0.2, 0), (1, 0.2, 0.1), (200, 3)), rng.uniform((-1, -0.2, -40), (1, 0.2, -1), (200, 3))
+    centre = np.concatenate([heap, fallen])
+    boxes = np.concatenate([centre - 0.05, centre + 0.05], axis=1)
+    assert np.std(centre, axis=0).argmax() == 2
+    assert sweep_axis(boxes) == 0
+    meet = np.triu((np.abs(centre[:, None] - centre[None]) <= 0.1).all(axis=2), k=1)
+    np.testing.assert_array_equal(overlapping_boxes(boxes, np.arange(400), np.zeros(400, dtype=bool)), np.argwhere(meet))

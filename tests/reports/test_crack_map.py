@@ -93,6 +93,18 @@ def test_a_block_flung_far_does_not_make_the_structure_a_dot() -> None:
     assert window.width <= rest.width + framing.REACH * rest.height + 1e-9
 
 
+@pytest.mark.parametrize("stone", [box("stone", (1.8, 0.4, 2.0), (2.0, 0.6, 2.2)), Block.sphere("ball", np.array([1.9, 0.5, 2.1]), 0.1)])
+def test_what_has_fallen_for_ever_is_left_out_of_the_picture(stone: Block, tmp_path: Path) -> None:
+    """A ball that rolled off as a stone that fell off: the picture is as wide and high as without it."""
+    blocks = [*COLUMN, stone]
+    rest, sizes = at_rest(blocks), []
+    for fall in ((0.0, 0.0, 0.0), (3.0, 0.0, -40.0)):
+        with Results.open(write_run(tmp_path / "run.h5", blocks, [rest, shifted(rest, len(COLUMN), fall)])) as results:
+            window = framing.framing(results, [1], framing.MapStyle()).window
+            sizes.append((window.width, window.height))
+    assert sizes[0] == sizes[1]
+
+
 def test_a_block_is_in_the_picture_whole_or_not_at_all() -> None:
     """One lies across the limit, 3 m beside the structure."""
     rest = render.Window(-1.0, 1.0, 0.0, 3.0)

@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 from masonry_cd.cli.app import app
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.model.blocks import Block
 from masonry_cd.model.state import rotation_matrices
 from reports.damage.definitions import Thresholds
 from reports.damage.macro_elements import DamageSnapshot
@@ -169,6 +170,27 @@ def test_a_killed_run_has_a_page_too(tmp_path):
     with Results.open(write_run(tmp_path / "result.h5", pillar(), pillar_states(3), peaks=False)) as results:
         write_page(results, tmp_path / "report.html")
     assert "The run has no summary" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("stones", "down", "sentence", "tiles"),
+    [
+        (1, 1, "none of 1 blocks and 1 of 2 spheres fell", ["blocks fallen", "spheres fallen"]),
+        (0, 1, "1 of 2 spheres fell", ["spheres fallen"]),
+        (0, 0, "no sphere fell", ["spheres fallen"]),
+        (1, 0, "no block and no sphere fell", ["blocks fallen", "spheres fallen"]),
+    ],
+)
+def test_fallen_spheres_are_called_spheres(stones, down, sentence, tiles, tmp_path):
+    """One of two balls rolls off the floor, beside a stone or alone."""
+    balls = [Block.sphere(f"ball{k}", np.array([0.3 * k, 0.0, 0.1]), 0.1, 2000.0) for k in range(2)]
+    blocks = [box("floor", (-1, -1, -1), (1, 1, 0), fixed=True), *balls, *[box("stone", (-0.8, 0, 0), (-0.5, 0.3, 0.3))][:stones]]
+    states = [at_rest(blocks), shifted(at_rest(blocks), 2, (2.0, 0.0, -40.0 * down))]
+    with Results.open(write_run(tmp_path / "result.h5", blocks, states)) as results:
+        write_page(results, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert f"; {sentence}. " in text
+    assert re.findall(r"<dt>(\w+ fallen)</dt>", text) == tiles
 
 
 def test_bad_settings_are_reported(tmp_path):

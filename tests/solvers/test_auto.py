@@ -170,26 +170,34 @@ def test_the_error_that_it_reports_is_that_of_the_measure() -> None:
     np.testing.assert_allclose(again.velocity, first.velocity, atol=1e-12)
 
 
-def test_sweeps_lead_on_in_packed_grains(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Packed spheres that slide past each other fill the factors: sweeps are cheap there, and reach the tolerance."""
-    problem = scenes.packing(4, mu=0.8, speed=0.05)
-    solution = solve(problem, Options(tolerance=1e-8), None)
-    assert natural_map_error(problem, solution.impulse) <= 1e-8
-    assert "nlgs" in solution.reason
-    few = Options(tolerance=1e-8, max_iterations=1500)  # the sweeps begin before that
-    assert "nlgs" in solve(problem, few, None).reason
-    monkeypatch.setattr(auto, "SWEEPS", (10**9, 0))
-    assert "nlgs" not in solve(problem, few, None).reason
+def test_packed_grains_begin_with_sweeps() -> None:
+    """Packed spheres touch in points: sweeps come first, and what they leave goes to the methods that factorise, unless it is accepted."""
+    problem = scenes.packing(4, mu=0.3, speed=0.0)
+    solved = solve(problem, Options(tolerance=1e-4), None)
+    assert solved.reason == "accelerated: converged"
+    assert natural_map_error(problem, solved.impulse) == solved.error <= 1e-4
+    hard = solve(problem, Options(tolerance=1e-300, max_iterations=auto.GRAIN_TURNS * auto.GRAIN_TURN + 5), None)
+    assert hard.reason.startswith(auto.GRAIN_TURNS * "accelerated + " + "admm: missed")
+    left = solve(problem, Options(tolerance=1e-300, accept=1e-4), None)
+    assert left.iterations == auto.GRAIN_TURNS * auto.GRAIN_TURN
+    assert 0.0 < left.error <= 1e-4
 
 
-def test_sweeps_come_where_they_are_cheap() -> None:
-    """Between two turns of the interior point method, where its first start costs more than they do."""
-    problem = scenes.wall(3, 4)
-    sweep = auto.SWEEP * auto.entries(problem)
-    hard = [auto.INTERIOR, auto.NEWTON]
-    for newton, methods in ((1.0, hard), (100.0 * sweep, [auto.INTERIOR, auto.NLGS, auto.NEWTON, *hard])):
-        turns = auto.turns(problem, (1.0, newton, 0.0, 0.0), cold=False)
-        assert [method for method, _ in turns] == methods
+def test_a_turn_of_sweeps_may_do() -> None:
+    """Where the error is accepted and the steps before took little, sweeps end with what any step may cost."""
+    problem = scenes.packing(4, mu=0.3, speed=0.05)
+    easy = solve(problem, Options(tolerance=1e-3), solve(problem, Options(tolerance=1e-1), None))
+    solution = solve(problem, Options(tolerance=1e-300, accept=1e-2), Solution(np.zeros_like(easy.impulse), None, 0, memory=easy.memory))
+    assert solution.iterations == int(auto.CHEAP / auto.sweep(problem)) < auto.GRAIN_TURNS * auto.GRAIN_TURN
+    assert solution.reason.startswith(" + ".join(auto.GRAIN_TURNS * ["accelerated"]) + ": missed")
+
+
+def test_what_touches_in_points() -> None:
+    """Many spheres do; few spheres, blocks on faces, scenes in a plane, and problems that name no blocks go by other rules."""
+    grains = scenes.packing(4, mu=0.3, speed=0.05)
+    assert auto.touch_in_points(grains)
+    for other in (scenes.packing(2, mu=0.3, speed=0.05), scenes.wall(12, 10), grains.to_local()):
+        assert not auto.touch_in_points(other)
 
 
 def test_limits_follow_costs() -> None:
