@@ -3,8 +3,10 @@
 Implicit steps (theta = 1), long for the swing of a block on its joint or on itself, with the supports held and the gravity of the first
 instant. Where the kinetic energy falls the motion has passed equilibrium: it is taken out, and the next swing begins from rest (kinetic
 damping, Barnes, Comput. Struct. 30, 1988). What is low comes to rest in a step or two; a tall tower would creep in steps that each began
-from rest. Ties pull with their first tension however the structure gives way, as held by a jack, and are locked as long as they then are: so
-the run begins with that tension, and without a jolt. Their stiffness comes with the run, and so do point loads.
+from rest.
+
+Ties pull with their first tension however the structure gives way, as held by a jack, and are locked as long as they then are: so the run
+begins with that tension, and without a jolt. Their stiffness comes with the run, and so do point loads.
 """
 
 from __future__ import annotations

@@ -12,6 +12,7 @@ from masonry_cd.linalg.intrinsics import prefetch
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.triangular import backward_substitution, forward_substitution
 
+
 @borrower()
 def eliminate_subtree(work, q, coming, relaxation, follow, p, new, line):
     """The contacts of subtree q, p to new (C, m), and L^-1 of the momentum that they leave; returns the squared scaled change of p.
