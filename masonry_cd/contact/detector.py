@@ -267,7 +267,7 @@ def update_pairs(
         width = min(size[a], size[b])
         margin = pair_margin(motion, block_a, block_b, radius[a], radius[b], width)
         relative_pose(motion.position, motion.rotation, motion.affine, block_a, block_b, now)
-        if is_stuck(memory, k, now, radius[b], width):
+        if is_stuck(memory, k, now, motion.affine, radius[b], width):
             update_gaps(memory, k, now, motion.affine)
             tally[KEPT] += 1
         else:
@@ -323,7 +323,7 @@ def _keep_points(memory, k, shapes, motion, work, tally):
     block_a, block_b, width = shapes.part_block[a], shapes.part_block[b], min(shapes.size[a], shapes.size[b])
     margin = pair_margin(motion, block_a, block_b, shapes.radius[a], shapes.radius[b], width)
     relative_pose(motion.position, motion.rotation, motion.affine, block_a, block_b, work.now)
-    kept = is_stuck(memory, k, work.now, shapes.radius[b], width)
+    kept = is_stuck(memory, k, work.now, motion.affine, shapes.radius[b], width)
     if kept:
         update_gaps(memory, k, work.now, motion.affine)
         tally[KEPT] += 1

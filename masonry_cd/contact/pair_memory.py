@@ -24,6 +24,7 @@ from masonry_cd.model.blocks import Shapes
 from masonry_cd.model.geometry import Polyhedra, inverse_row
 
 STILL = 1e-9  # a manifold is kept until the pair has moved by this share of the smaller part's width
+RINGING = 1e-6  # and of blocks that deform, which are never quite still
 REUSE = 1e-3  # a remembered feature is trusted until the pair has moved by this share of the smaller part's width
 APART, KEPT, CLIPPED, SEARCHED = 0, 1, 2, 3  # what was done with a pair: nothing, points carried along, points found, feature found
 MATCH = 0.05  # a contact is the same as one of the last step if it moved by less than this share of the smaller part's width
@@ -157,9 +158,13 @@ OF_POINTS = ("local", "height", "area", "place")
 
 
 @borrower()
-def is_stuck(memory, k, now, radius, width):
-    """Whether the points of pair k can be kept; ``now`` (12,) is its pose, ``radius`` that of b and ``width`` of the smaller part [m]."""
-    return memory.feature[k, 0] > FAR_APART and distance_moved(now, memory.built[k], radius) < STILL * width
+def is_stuck(memory, k, now, affine, radius, width):
+    """Whether the points of pair k can be kept; ``now`` (12,) is its pose, ``radius`` that of b and ``width`` of the smaller part [m].
+
+    ``affine``: two zeros where poses hold strains, else one.
+    """
+    still = RINGING if len(affine) == 2 else STILL
+    return memory.feature[k, 0] > FAR_APART and distance_moved(now, memory.built[k], radius) < still * width
 
 
 @borrower()
