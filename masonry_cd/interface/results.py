@@ -14,10 +14,11 @@ import numpy as np
 
 from masonry_cd.app.summary import closing_lines, damage_line
 from masonry_cd.errors import InputError, suggest
+from masonry_cd.interface.mesh_tables import STRESSES, element_peak_table, element_table, node_table
 from masonry_cd.interface.plots import Plots
 from masonry_cd.interface.scenes import Scene, scene_of
 from masonry_cd.interface.structure import Structure
-from masonry_cd.interface.tables import frame_of, frame_of_rows
+from masonry_cd.interface.tables import columns_of, frame_of, frame_of_rows
 from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
@@ -25,11 +26,10 @@ from reports.damage.end_state import end_state
 from reports.damage.joint_damage import joint_damage
 from reports.damage.joint_files import damage_numbers, thresholds_of
 from reports.damage.part_damage import PartDamage
-from reports.deformed import Pose, base_shift, moved_nodes, solids_of
+from reports.deformed import solids_of
 from reports.outputs import damage_of, frame_at
 from reports.page.motion import read_motion, rotation_vectors
 from reports.settings import Report, report_of
-from reports.stress.elements import centres, element_columns, element_peaks, require_meshes
 from reports.stress.files import block_columns, joint_columns
 from reports.stress.peaks import principal, require_stress, stress_peaks
 
@@ -48,7 +48,6 @@ MEASURES = {  # of joints over time, and their units
     "mean_normal_force": "N",
     "edge_stress": "Pa",
 }
-STRESSES = ("xx", "yy", "zz", "xy", "yz", "xz", "s1", "s2", "s3")
 MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 VELOCITIES = ("vx", "vy", "vz", "wx", "wy", "wz")
 PER_STEP = {  # and their types
@@ -209,9 +208,9 @@ class Run:
             columns = {
                 "group": [block.group for block in found.blocks],
                 "fixed": [block.fixed for block in found.blocks],
-                **_columns("xyz", found.position[frame]),
-                **_columns(MOTIONS, np.concatenate([moved.displacement[0], moved.rotation[0]], axis=1)),
-                **_columns(VELOCITIES, found.velocity[frame]),
+                **columns_of("xyz", found.position[frame]),
+                **columns_of(MOTIONS, np.concatenate([moved.displacement[0], moved.rotation[0]], axis=1)),
+                **columns_of(VELOCITIES, found.velocity[frame]),
             }
             names = [block.name for block in found.blocks]
         return frame_of(columns, names, "block", time=float(self.time[frame]))
@@ -228,11 +227,11 @@ class Run:
             place = np.asarray(found.position[: found.frames, index], dtype=float)
             base = found.position[: found.frames, support] - centre[support] if support >= 0 else np.zeros_like(place)
             columns = {
-                **_columns("xyz", place),
-                **_columns(MOTIONS[:3], place - centre[index] - base),
-                **_columns(MOTIONS[3:], rotation_vectors(np.asarray(found.orientation[: found.frames, index], dtype=float))),
-                **_columns(VELOCITIES, found.velocity[: found.frames, index]),
-                **_columns(("base_x", "base_y", "base_z"), base),
+                **columns_of("xyz", place),
+                **columns_of(MOTIONS[:3], place - centre[index] - base),
+                **columns_of(MOTIONS[3:], rotation_vectors(np.asarray(found.orientation[: found.frames, index], dtype=float))),
+                **columns_of(VELOCITIES, found.velocity[: found.frames, index]),
+                **columns_of(("base_x", "base_y", "base_z"), base),
             }
         return frame_of(columns, self.time, "time")
 
@@ -272,7 +271,7 @@ class Run:
             require_stress(found)
             frame = frame_at(found, time) % found.frames
             tensor = np.asarray(found.stress[frame], dtype=float)
-            columns = _columns(STRESSES, np.concatenate([tensor, principal(tensor)], axis=1))
+            columns = columns_of(STRESSES, np.concatenate([tensor, principal(tensor)], axis=1))
             names = [block.name for block in found.blocks]
         return frame_of(columns, names, "block", unit="Pa", time=float(self.time[frame]))
 
@@ -296,11 +295,7 @@ class Run:
         (True, 'm')
         """
         with self.results() as found:
-            meshes, frame = require_meshes(found), frame_at(found, time) % found.frames
-            tensor = np.asarray(found.element_stress[frame], dtype=float)
-            columns = _columns("xyz", centres(meshes)) | _columns(STRESSES, np.concatenate([tensor, principal(tensor)], axis=1))
-            names = _numbered(found, meshes.block, meshes.element_start)
-        return _of_meshes(columns, names, "element", float(self.time[frame]))
+            return element_table(found, frame_at(found, time) % found.frames)
 
     def nodes(self, time: float | None = None) -> DataFrame:
         """Where the nodes of meshed blocks are at the frame next to a time [s], the last one by default; see :meth:`elements`.
@@ -312,13 +307,7 @@ class Run:
             InputError: as :meth:`elements`.
         """
         with self.results() as found:
-            meshes, frame = require_meshes(found), frame_at(found, time) % found.frames
-            pose = Pose.of(found, solids_of(found.blocks), frame)
-            relative = moved_nodes(found, pose, frame)
-            shift = base_shift(found, solids_of(found.blocks), np.asarray(found.position[frame], dtype=float))
-            columns = _columns("xyz", relative + shift) | _columns(MOTIONS[:3], relative - meshes.nodes)
-            names = _numbered(found, meshes.block, meshes.node_start)
-        return _of_meshes(columns, names, "node", float(self.time[frame]))
+            return node_table(found, frame_at(found, time) % found.frames)
 
     @cached_property
     def element_stress(self) -> DataFrame:
@@ -329,12 +318,7 @@ class Run:
             InputError: the run kept no stress of meshed blocks.
         """
         with self.results() as found:
-            require_meshes(found)
-            peaks = element_peaks(found)
-            assert peaks is not None
-            columns = element_columns(found, peaks)
-        names = list(zip(columns.pop("block"), columns.pop("element").tolist(), strict=True))
-        return _of_meshes(columns, names, "element")
+            return element_peak_table(found)
 
     @cached_property
     def block_stress(self) -> DataFrame:
@@ -389,23 +373,3 @@ def open_run(folder: str | os.PathLike[str]) -> Run:
         InputError: no run is there, or nothing of its results can be read.
     """
     return Run(Path(folder))
-
-
-def _numbered(found: Results, blocks: np.ndarray, start: np.ndarray) -> list[tuple[str, int]]:
-    """The name of the block and the number in it of each node or element."""
-    return [(found.blocks[b].name, k) for m, b in enumerate(blocks.tolist()) for k in range(int(start[m + 1] - start[m]))]
-
-
-def _of_meshes(columns: dict[str, Any], names: list[tuple[str, int]], what: str, time: float | None = None) -> DataFrame:
-    """A table by the block and the number of an element or node."""
-    import pandas
-
-    table = frame_of(columns)
-    table.index = pandas.MultiIndex.from_tuples(names, names=["block", what])
-    table.attrs |= {} if time is None else {"time": time}
-    return table
-
-
-def _columns(names: Any, values: Any) -> dict[str, np.ndarray]:
-    """The columns of an array (N, C) by their names."""
-    return dict(zip(names, np.asarray(values, dtype=float).T, strict=True))

@@ -5,8 +5,10 @@ Columns are called as in the CSV files of a run; values are in SI units, angles 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -53,3 +55,8 @@ def frame_of_rows(rows: Sequence[Mapping[str, Any]], index: str = "", **about: A
     """A DataFrame with its units from rows of equal keys; ``index`` is the column that becomes the index."""
     columns = {key: [row[key] for row in rows] for key in (rows[0] if rows else ())}
     return frame_of(columns, columns.pop(index, None) if index else None, index or None, **about)
+
+
+def columns_of(names: Iterable[str], values: Any) -> dict[str, np.ndarray]:
+    """The columns of an array (N, C) by their names."""
+    return dict(zip(names, np.asarray(values, dtype=float).T, strict=True))

@@ -42,11 +42,6 @@ a = 2, and what hardly changes from one iteration to the next fades a times as f
 k and far from the answer: there a = 1.5 saves a quarter of the iterations, 1.3 and 1.7 less (churches of 315 and 700 blocks, 1e-3). A wall
 that stands, at k = 1e4, would take twice as many, and so would the last digits.
 
-**Slip.** Where steps are relaxed, the slip |u_t| in s goes 0.3 of its way from one iteration to the next. Renewed at once it lets contacts
-chatter between sticking and slipping: their impulses leave the cone by R |u_t| in each iteration, for ever. The base of a tower of 6,000
-blocks then stays at errors of 1e-2 (k = 20), and comes below 7e-3 in 20 iterations like this; churches of 315 and 710 blocks take as many
-iterations either way.
-
 **Cost.** The factorisation costs as much as ten to fifty iterations and is kept from step to step while it pays. To measure the error costs
 as much as one or two iterations; the change of p, which costs nothing, tells when to, by the ratio of the two as measured last, if need be
 in the step before.

@@ -37,7 +37,6 @@ GROWTH, FALL = 5.0, 0.01  # factor by which k grows, and the least by which it f
 LEG = 200  # iterations after which it is asked whether there is hope
 HOPE = 10.0  # times the limit: ADMM goes on while its last leg promises an end within that; legs are uneven
 RELAXATION, SLOW, ROUGH = 1.5, 300.0, 1e-4  # of the steps; the k below which and the natural map error above which they are relaxed
-SMOOTH = 0.3  # share of its way that the slip goes in an iteration, where steps are relaxed
 SOFT, STIFF = 1.0, 1e6  # bounds of k
 SOFTEST = 1e-3  # k at which a factorisation that fails is not tried at a tenth of it again
 
@@ -152,7 +151,6 @@ def sort_contacts(given, work, p, first, end):
     m, moved = len(problem.m), len(partition.start) > 2
     for c in range(first, end):
         old = partition.contact[c]
-        work.iterates.slip[c] = 0.0
         for i in range(m):
             work.iterates.even[c, i] = p[old, i]
         if not moved:
@@ -184,11 +182,11 @@ def eliminate(team, work, iterations, ahead, relaxation, p, new, line):
 
     If ``ahead``, the first level is done: :func:`update` did it while the factors were in the cache.
     """
-    level, changes, follow = work.factor.symbolic.level, work.sums[iterations % 2], share_of_slip(iterations, relaxation)
+    level, changes = work.factor.symbolic.level, work.sums[iterations % 2]
     for y in range(1 if ahead else 0, len(level) - 1):
         first, last = share_of(team, level[y], level[y + 1])
         for q in range(first, last):
-            changes[q] = eliminate_subtree(work, q, -1, relaxation, follow, p, new, line)
+            changes[q] = eliminate_subtree(work, q, -1, relaxation, p, new, line)
         wait(team)
     return np.sqrt(changes.sum())
 
@@ -200,7 +198,7 @@ def update(team, work, iterations, ahead, relaxation, p, new, line):
     If ``ahead``, the first step of the next iteration, p to new, follows in each subtree of the first level while its factors are in the
     cache.
     """
-    level, changes, follow = work.factor.symbolic.level, work.sums[iterations % 2], share_of_slip(iterations, relaxation)
+    level, changes = work.factor.symbolic.level, work.sums[iterations % 2]
     for y in range(len(level) - 2, 0, -1):
         first, last = share_of(team, level[y], level[y + 1])
         for q in range(first, last):
@@ -210,15 +208,8 @@ def update(team, work, iterations, ahead, relaxation, p, new, line):
     for q in range(first, last):
         update_subtree(work, q, relaxation, line)
         if ahead:
-            coming = q + 1 if q + 1 < last else -1
-            changes[q] = eliminate_subtree(work, q, coming, relaxation, follow, p, new, line)
+            changes[q] = eliminate_subtree(work, q, q + 1 if q + 1 < last else -1, relaxation, p, new, line)
     wait(team)
-
-
-@borrower()
-def share_of_slip(iterations, relaxation):
-    """Share of the way that the slip in De Saxce's shift goes from that of the last iteration to its own."""
-    return SMOOTH if relaxation > 1.0 and iterations > 0 else 1.0
 
 
 @borrower()

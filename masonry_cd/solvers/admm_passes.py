@@ -14,7 +14,7 @@ from masonry_cd.linalg.triangular import backward_substitution, forward_substitu
 
 
 @borrower()
-def eliminate_subtree(work, q, coming, relaxation, follow, p, new, line):
+def eliminate_subtree(work, q, coming, relaxation, p, new, line):
     """The contacts of subtree q, p to new (C, m), and L^-1 of the momentum that they leave; returns the squared scaled change of p.
 
     ``coming`` is the subtree of the next backward substitution, or -1; ``line`` is room for :func:`longest_line` numbers.
@@ -26,7 +26,7 @@ def eliminate_subtree(work, q, coming, relaxation, follow, p, new, line):
     clear_ghosts(symbolic, q, momentum)
     add_ghosts(symbolic, q, momentum)
     ahead = panels_of(symbolic, coming, len(problem.n)) if coming >= 0 else (0, 0)
-    change = meet_contacts(work, q, relaxation, follow, p, new, ahead)
+    change = meet_contacts(work, q, relaxation, p, new, ahead)
     copy_flat(momentum[first:last], x[first:last])
     clear_ghosts(symbolic, q, x)
     add_ghosts(symbolic, q, x)
@@ -57,14 +57,14 @@ def panels_of(symbolic, q, n):
 
 
 @borrower(fastmath={"contract"})
-def meet_contacts(work, q, relaxation, follow, p, new, ahead):
+def meet_contacts(work, q, relaxation, p, new, ahead):
     """p+ = P_K(p - S (w + mu |w_t| n)), S^-1 = R^-1 + C, new = p + relaxation (p+ - p), momentum += H^T (2 p+ - p), for subtree q.
 
     There is more to calculate than to fetch, so the panels between the two entries ``ahead``, which the next backward substitution needs,
     are fetched on the way. Returns the squared scaled change of p.
     """
     problem, partition, rho, panels, joints = work.problem, work.partition, work.factor.rho, work.factor.panels, work.partition.joints
-    v, momentum, slip = work.iterates.v, work.iterates.momentum, work.iterates.slip
+    v, momentum = work.iterates.v, work.iterates.momentum
     offset, mu, compliance, d = problem.offset, problem.mu, problem.compliance, problem.d
     m, n, place, target = len(problem.m), len(problem.n), partition.place, partition.target
     line, end = ahead
@@ -84,12 +84,10 @@ def meet_contacts(work, q, relaxation, follow, p, new, ahead):
                 un += compliance[c, 0] * pn
                 u1 += compliance[c, 1] * p1
                 u2 += compliance[c, m - 1] * p2
-            slip[c] += follow * (tangent_length(u1, u2) - slip[c])
-            if len(compliance):
                 s, r = r / (1.0 + r * max(compliance[c, 1], compliance[c, m - 1])), r / (1.0 + r * compliance[c, 0])
-                xn, x1, x2 = project_stretched(pn - r * (un + mu[c] * slip[c]), p1 - s * u1, p2 - s * u2, mu[c], r / s)
+                xn, x1, x2 = project_stretched(pn - r * (un + mu[c] * tangent_length(u1, u2)), p1 - s * u1, p2 - s * u2, mu[c], r / s)
             else:
-                xn, x1, x2 = project_to_cone(pn - r * (un + mu[c] * slip[c]), p1 - r * u1, p2 - r * u2, mu[c])
+                xn, x1, x2 = project_to_cone(pn - r * (un + mu[c] * tangent_length(u1, u2)), p1 - r * u1, p2 - r * u2, mu[c])
             new[c, 0], new[c, 1] = pn + relaxation * (xn - pn), p1 + relaxation * (x1 - p1)
             if m == 3:
                 new[c, 2] = p2 + relaxation * (x2 - p2)

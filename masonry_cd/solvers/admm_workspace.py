@@ -44,7 +44,6 @@ class Iterates(NamedTuple):
     odd: np.ndarray  # (C, m) p after an odd number
     carried: np.ndarray  # (C, m) p^, the impulses that belong to the velocities
     best: np.ndarray  # (C, m) the p^ of the smallest error
-    slip: np.ndarray  # (C,) |u_t| as it enters the law
     v: np.ndarray  # (N + 1, n)
     trial: np.ndarray  # (N + 1, n) velocities of p^
     best_v: np.ndarray  # (N + 1, n) those of the smallest error
@@ -97,8 +96,8 @@ def allocate_workspace(
         np.empty(blocks), np.empty(blocks), np.empty((count, n)), offset, mu, compliance, np.empty(contacts), given.m, given.n
     )
     iterates = Iterates(
-        np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(contacts), np.empty(bodies),
-        np.empty(bodies), np.empty(bodies), np.empty((rows, n)), np.empty((rows, n), dtype=np.float32),
+        np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(bodies), np.empty(bodies),
+        np.empty(bodies), np.empty((rows, n)), np.empty((rows, n), dtype=np.float32),
     )  # fmt: skip
     matrix = np.empty((rows, n * n)), np.empty((len(symbolic.row), n, n))
     factor = AdmmFactor(symbolic, *kept, *matrix, *(np.empty(size) for size in doubles))
