@@ -225,6 +225,14 @@ class Solution:
     error: float | None = None  # :func:`natural_map_error`, where it had to be asked on the way
 
 
+def first_impulse(problem: Problem, start: Solution | None) -> np.ndarray:
+    """Impulses (C, m) to begin with and to overwrite: those of another solution, or zeros [N s]."""
+    impulse = np.zeros((problem.contacts, problem.dimension))
+    if start is not None:
+        impulse[:] = start.impulse
+    return impulse
+
+
 def natural_map_error(problem: Problem, impulse: np.ndarray, scaled: bool = True) -> float:
     """The natural map error of impulses (C, m), see the head of this file.
 

@@ -26,7 +26,7 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.friction.local_blocks import local_arrays
-from masonry_cd.friction.problem import FrictionProblem, Problem, Solution
+from masonry_cd.friction.problem import FrictionProblem, Problem, Solution, first_impulse
 from masonry_cd.linalg.threads import run_by_team
 from masonry_cd.solvers.accelerated_kernels import PARTS, AcceleratedSettings, SweepHistory, accelerated_bodies, accelerated_local
 from masonry_cd.solvers.nlgs_kernels import begin_sweeps, colour_joints, end_sweeps
@@ -44,10 +44,8 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         options: ``max_iterations`` counts sweeps.
         start: its impulse (C, m) is the first iterate; None starts from zero.
     """
-    impulse = np.zeros((problem.contacts, problem.dimension))
-    if start is not None:
-        impulse[:] = start.impulse
-    settings = AcceleratedSettings(options.tolerance, LIMIT if options.max_iterations is None else options.max_iterations, EVERY)
+    impulse = first_impulse(problem, start)
+    settings = AcceleratedSettings(options.tolerance, options.limit(LIMIT), EVERY)
     if isinstance(problem, FrictionProblem):
         return _solve_bodies(problem, options, impulse, settings)
     given, own = local_arrays(problem)

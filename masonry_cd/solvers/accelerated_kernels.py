@@ -52,7 +52,9 @@ def accelerated_bodies(
     smallest = error = measure_by_team(team, scaled, joints, history.sums)
     keep(team, scaled, history.best)
     keep(team, scaled, history.p)
-    copy_y(team, scaled.y, history.y)
+    first, end = share_of(team, 0, len(scaled.y))
+    copy_flat(scaled.y[first:end], history.y[first:end])
+    wait(team)  # the others sweep over what is copied here
     sweeps, weight = 0, 1.0
     while smallest > settings.tolerance and sweeps < settings.limit:
         sweep_by_team(team, scaled, joints)
@@ -171,15 +173,6 @@ def restore(team, scaled, p):
         for i in range(p.shape[1]):
             scaled.table[c, P + i] = p[c, i]
     wait(team)
-
-
-@borrower()
-def copy_y(team, y, out):
-    """Copy y (B + 1, n)."""
-    first, end = share_of(team, 0, len(y))
-    for b in range(first, end):
-        for k in range(y.shape[1]):
-            out[b, k] = y[b, k]
 
 
 @entry()

@@ -57,7 +57,7 @@ import numpy as np
 
 from masonry_cd.friction.joint_twists import size_of_twist
 from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
-from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution
+from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, first_impulse
 from masonry_cd.linalg.ordering import FIELDS, Pattern
 from masonry_cd.linalg.threads import run_by_team
 from masonry_cd.solvers.admm_kernels import admm_bodies
@@ -172,10 +172,8 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         options: ``max_iterations`` counts iterations (one sparse solve each).
         start: its impulse (C, m) is the first iterate, with its velocity or else that of the impulses; its memory that of the step before.
     """
-    impulse = np.zeros((problem.contacts, problem.dimension))
-    if start is not None:
-        impulse[:] = start.impulse
-    limit = LIMIT if options.max_iterations is None else options.max_iterations
+    impulse = first_impulse(problem, start)
+    limit = options.limit(LIMIT)
     if isinstance(problem, LocalProblem):
         return _solve_local(problem, options, impulse, limit)
     return _solve_bodies(problem, options, impulse, limit, start)

@@ -142,7 +142,7 @@ def _starts(begin: np.ndarray, methods: tuple[tuple[Method, int], ...]) -> list[
 
 def _search(tries: list[Try], options: Options) -> tuple[np.ndarray, int, float]:
     """One try after the other: the best impulses, the iterations spent, and the error reached."""
-    limit = sum(most for *_, methods in tries for _, most in methods) if options.max_iterations is None else options.max_iterations
+    limit = options.limit(sum(most for *_, methods in tries for _, most in methods))
     best, error, iterations = np.zeros_like(tries[0][0]), np.inf, 0
     for start, distance, methods in tries:
         impulse = start.copy()

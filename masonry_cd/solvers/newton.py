@@ -68,7 +68,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     if start is None:
         rough = Options(tolerance=max(options.tolerance, NEAR), max_iterations=SWEEPS, seed=options.seed)
         start = nlgs.solve(problem, rough)
-    limit = LIMIT if options.max_iterations is None else options.max_iterations
+    limit = options.limit(LIMIT)
     if isinstance(problem, LocalProblem):
         return _solve_local(problem, options, start, limit)
     arrays, (bodies, n) = problem.arrays(), problem.v_free.shape

@@ -19,7 +19,7 @@ import numpy as np
 from numba import config, set_num_threads
 
 from masonry_cd.friction.local_blocks import local_arrays
-from masonry_cd.friction.problem import FrictionProblem, Problem, Solution
+from masonry_cd.friction.problem import FrictionProblem, Problem, Solution, first_impulse
 from masonry_cd.solvers.local_kernels import nlgs_local
 from masonry_cd.solvers.nlgs_kernels import (
     NlgsSettings,
@@ -46,10 +46,8 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         options: ``max_iterations`` counts sweeps.
         start: its impulse (C, m) is the first iterate; None starts from zero.
     """
-    impulse = np.zeros((problem.contacts, problem.dimension))
-    if start is not None:
-        impulse[:] = start.impulse
-    limit = LIMIT if options.max_iterations is None else options.max_iterations
+    impulse = first_impulse(problem, start)
+    limit = options.limit(LIMIT)
     if isinstance(problem, FrictionProblem) and problem.contacts == 0:  # blocks in the air; nothing is compiled for them
         return Solution(impulse, problem.body_velocity(impulse), 0, _reason(0.0, options))
     if isinstance(problem, FrictionProblem) and problem.contacts >= COLOURED:

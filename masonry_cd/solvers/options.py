@@ -30,6 +30,10 @@ class Options:
     accept: float = 0.0
     enough: int = MOST_ITERATIONS
 
+    def limit(self, own: int) -> int:
+        """Iterations at most, of a solver whose own limit is given."""
+        return own if self.max_iterations is None else self.max_iterations
+
 
 def cores() -> int:
     """Cores that this process may use: more threads than these would only wait for one another."""

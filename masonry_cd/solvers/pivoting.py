@@ -59,7 +59,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     memory, index, block = admm.recall(arrays.bodies, bodies, n, start)
     elimination = Elimination(memory.pattern.order, memory.pattern.symbolic, index, block)
     impulse, velocity = np.zeros((problem.contacts, 2)) if start is None else start.impulse.copy(), np.empty((bodies, n))
-    limit = LIMIT if options.max_iterations is None else options.max_iterations
+    limit = options.limit(LIMIT)
     settings = Settings(0.0, STIFFNESS, 0.0, options.tolerance, limit, size_tuple(3), options.accept, options.enough)
     iterations, error, *_ = linearised_bodies(PIVOTING, arrays, elimination, settings, impulse, velocity)
     reason = "pivoting: converged" if error <= options.tolerance else f"pivoting: stopped at an error of {error:.1e}"
