@@ -122,8 +122,9 @@ def rows_without_seconds(folder: Path) -> list[str]:
 
 
 def row_names(folder: Path) -> dict[str, int]:
-    """The rows that are there, by name, with the instant at which each was written."""
-    return {file.stem: file.stat().st_mtime_ns for file in (folder / "rows").glob("*.json")}
+    """The rows that are there whole, by name, with the instant at which each was written."""
+    rows = [file for file in (folder / "rows").glob("*.json") if ".part" not in file.name]
+    return {file.stem: file.stat().st_mtime_ns for file in rows}
 
 
 def started(path: Path, *options: str) -> subprocess.Popen[str]:
