@@ -3,19 +3,27 @@ r"""Contact of two polyhedra: the face or the edges that separate them, and the 
 **Fast pairs.** Blocks that pass each other edge by edge face nothing of one another now, and yet may meet before the next look. Where a
 pair has no points and may move by FAR of its width, they are those of its pose a step later, if both go on as they move.
 
+**Springs.** The parts of an elastic joint overlap by what it is shortened. Where a pair overlaps whose joint was not there before, its
+springs would be born with an energy that nobody put in: a stone at the toe of a rocking tower, squeezed by some centimetres, turns another
+face to its neighbour, and is shot out. Such springs begin without force. What they do not feel of the overlap is forgotten as far as the
+parts come out of each other.
+
 **Meshed blocks.** Where one of the faces has facets, the points are those between them (``facets.py``).
 """
 
 from __future__ import annotations
 
+import numpy as np
+
 from masonry_cd.contact.facets import has_facets, split
-from masonry_cd.contact.manifold import contact_points, incident_face
+from masonry_cd.contact.manifold import across_edges, contact_points, incident_face
 from masonry_cd.contact.motion import distance_moved, pose_ahead
 from masonry_cd.contact.pair_memory import APART, CLIPPED, REUSE, SEARCHED, store_points, update_gaps
 from masonry_cd.contact.separation import EDGES, FACE_OF_A, FAR_APART, WHOLE, Placed, place_part, separate
 from masonry_cd.jit import borrower
 
 EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
+SAME = 0.9  # least cosine of the angle between the normals of a contact before and now; where it is less it is another one
 FAR = 0.05  # a pair that may move by more than this share of the smaller part's width in a step is looked at as it will be then, too
 
 
@@ -35,7 +43,7 @@ def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay,
         Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
         place_part(now, b, solids, motion.affine, work.vertices, work.normals),
     )
-    if feature[0] == FAR_APART or not moved < REUSE * width:
+    if feature[0] == FAR_APART or not moved < REUSE * width or _edges_turned(memory, k, solids, own, other):
         tally[SEARCHED] += 1
         apart = separate(a, b, solids, own, other, EDGE_BIAS * width, feature)
         _copy(now, memory.pose[k])
@@ -44,15 +52,54 @@ def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay,
             return
     tally[CLIPPED] += 1
     with_area = by_area and feature[0] != EDGES
+    facing = _facing(memory, k)
     if overlay is None:
         found = contact_points((a, b), feature, solids, own, other, width, with_area, memory.normal[k], work.manifold)
     else:
         found = _points_of_facets(memory, k, solids, own, other, now, width, with_area, work, overlay)
     _copy(now, memory.built[k])
+    if with_area:
+        _forgive(memory, k, found, facing, EDGE_BIAS * width, work.manifold.height)
     if found == 0 and margin > FAR * width and not with_area:
         found = _look_ahead(memory, k, shapes, motion, margin, width, work, overlay)
     store_points(memory, k, found, work.manifold, with_area, width, work.place)
     update_gaps(memory, k, now, motion.affine)
+
+
+@borrower()
+def _edges_turned(memory, k, solids, own, other):
+    """Whether the normal across the edges of pair k has turned by more than they have: they were nearly parallel."""
+    feature, n = memory.feature[k], memory.normal[k]
+    if feature[0] != EDGES:
+        return False
+    x, y, z = across_edges(solids.edges[feature[1]], solids.edges[feature[2]], own, other)
+    return abs(x * n[0] + y * n[1] + z * n[2]) < SAME * np.sqrt(x * x + y * y + z * z)
+
+
+@borrower()
+def _facing(memory, k):
+    """The direction in which the springs of pair k act; three zeros where it has none."""
+    n, count = memory.normal[k], memory.point_count[k]
+    if count == 0 or memory.area[memory.slot[k] + count - 1] == 0.0:
+        return 0.0, 0.0, 0.0
+    return n[0], n[1], n[2]
+
+
+@borrower()
+def _forgive(memory, k, found, facing, allowed, height):
+    """Take what its springs do not feel of the overlap of pair k off the gaps ``height`` of its ``found`` points.
+
+    ``facing``: where its springs faced before, three numbers; a new joint has its springs feel an overlap up to ``allowed`` [m].
+    """
+    deepest, n = 0.0, memory.normal[k]
+    for i in range(found):
+        deepest = max(deepest, -height[i])
+    if n[0] * facing[0] + n[1] * facing[1] + n[2] * facing[2] < SAME:
+        memory.unfelt[k] = deepest if deepest > allowed else 0.0
+    else:
+        memory.unfelt[k] = min(memory.unfelt[k], deepest)
+    for i in range(found):
+        height[i] += memory.unfelt[k]
 
 
 @borrower()

@@ -196,6 +196,16 @@ def _triangle(p, q, r, nx, ny, nz):
 
 
 @borrower()
+def across_edges(edge_a, edge_b, own, other):
+    """The direction across edges (4,) of a and b, as long as the parallelogram that they span is large [m2]: three numbers."""
+    p, p_end = own.vertices[edge_a[0] - own.first_vertex], own.vertices[edge_a[1] - own.first_vertex]
+    q, q_end = other.vertices[edge_b[0] - other.first_vertex], other.vertices[edge_b[1] - other.first_vertex]
+    ux, uy, uz = p_end[0] - p[0], p_end[1] - p[1], p_end[2] - p[2]
+    vx, vy, vz = q_end[0] - q[0], q_end[1] - q[1], q_end[2] - q[2]
+    return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+
+
+@borrower()
 def _edge_contact(edge_a, edge_b, own, other, normal, manifold):
     """The point midway between two crossing edges (4,) of a and b, its gap, and the normal (3,) from a to b; returns 1: one point."""
     p, p_end = own.vertices[edge_a[0] - own.first_vertex], own.vertices[edge_a[1] - own.first_vertex]
@@ -204,11 +214,10 @@ def _edge_contact(edge_a, edge_b, own, other, normal, manifold):
     point, height = manifold.point, manifold.height
     uu, uv, vv, uw, vw = 0.0, 0.0, 0.0, 0.0, 0.0  # u, v along the edges, w from one to the other
     length, side = 0.0, 0.0
+    normal[0], normal[1], normal[2] = across_edges(edge_a, edge_b, own, other)
     for d in range(3):
-        e, f = (d + 1) % 3, (d + 2) % 3
         u, v, w = p_end[d] - p[d], q_end[d] - q[d], q[d] - p[d]
         uu, uv, vv, uw, vw = uu + u * u, uv + u * v, vv + v * v, uw + u * w, vw + v * w
-        normal[d] = (p_end[e] - p[e]) * (q_end[f] - q[f]) - (p_end[f] - p[f]) * (q_end[e] - q[e])
         length += normal[d] * normal[d]
         side += normal[d] * (left[d] + right[d])
     scale = (1.0 if side >= 0.0 else -1.0) / np.sqrt(length)

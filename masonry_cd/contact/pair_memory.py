@@ -39,6 +39,7 @@ class PairMemory(NamedTuple):
     pose: np.ndarray  # (P, 12) pose of b in the frame of a when the feature was found
     built: np.ndarray  # (P, 12) that when the points were found
     normal: np.ndarray  # (P, 3) from a to b, in the frame of a
+    unfelt: np.ndarray  # (P,) overlap that the springs between a and b do not feel [m]
     point_count: np.ndarray  # (P,)
     slot: np.ndarray  # (P + 1,)
     local: np.ndarray  # (S, 3) point in the frame of a [m]
@@ -60,6 +61,7 @@ class PairMemory(NamedTuple):
             pose=np.full((pairs, 12), np.inf),
             built=np.full((pairs, 12), np.inf),
             normal=np.zeros((pairs, 3)),
+            unfelt=np.zeros(pairs),
             point_count=np.zeros(pairs, dtype=np.int64),
             slot=slot,
             local=np.zeros((points, 3)),
@@ -129,6 +131,7 @@ def check_pairs(stored: Stored, parts: np.ndarray, capacity: np.ndarray, shapes:
         if known[feature[:, 0] == UNKNOWN].any():
             stored.refuse(name, "known of a pair whose feature is not")
     stored.real("normal", pairs, 3)
+    stored.real("unfelt", pairs)
     count = stored.whole("point_count", pairs, high=capacity + 1)
     points = int(count.sum())
     stored.real("local", points, 3)
@@ -153,7 +156,7 @@ def _features_exist(feature: np.ndarray, parts: np.ndarray, solids: Polyhedra) -
     return known and bool(((kind >= UNKNOWN) & (kind <= ROUND)).all())
 
 
-OF_PAIRS = ("feature", "budget", "pose", "built", "normal", "point_count")
+OF_PAIRS = ("feature", "budget", "pose", "built", "normal", "unfelt", "point_count")
 OF_POINTS = ("local", "height", "area", "place")
 
 

@@ -23,6 +23,8 @@ UNKNOWN, FAR_APART, FACE_OF_A, FACE_OF_B, EDGES, ROUND = 0, 1, 2, 3, 4, 5  # kin
 PARALLEL = 1e-6  # edges at less than this angle [rad] are parallel: a face axis is at least as good
 FICKLE = 0.1  # share of the bias by which a face of the other part must be better than one of the part of the last face
 
+HELD = 0.5  # deep in another part, one is freed by a face other than the last only where that takes at most this share of the way
+
 WHOLE: Any = np.int64(0)  # number of the first vertex and face in arrays of all; for a plain 0 numba would compile the code twice
 
 
@@ -61,10 +63,14 @@ def separate(a, b, solids, own, other, bias, feature):
     """Find the axis of largest separation of polyhedra a and b, write it into ``feature`` (3,), return the separation [m].
 
     ``own`` and ``other`` are a and b as placed. ``feature`` has the kind and the face, or the kind and the two edges; faces win over
-    edges, and the face of the last step over others, unless beaten by the ``bias`` [m]: the normal must not flicker.
+    edges, and the face of the last step over others, unless beaten by the ``bias`` [m], or by HELD of its depth where this is larger than
+    the bias: the normal must not flicker.
     """
     best, face = face_axis(a, b, solids, own, other)
     best_b, face_b = face_axis(b, a, solids, other, own)
+    last = _separation_of_last(a, b, solids, own, other, feature)
+    if last < -bias and max(best, best_b) <= HELD * last:
+        return last
     kind = FACE_OF_A
     if best_b > best + (-FICKLE * bias if feature[0] == FACE_OF_B else FICKLE * bias):
         best, face, kind = best_b, face_b, FACE_OF_B
@@ -74,6 +80,27 @@ def separate(a, b, solids, own, other, bias, feature):
         return edge_best
     feature[0], feature[1], feature[2] = kind, face, -1
     return best
+
+
+@borrower()
+def _separation_of_last(a, b, solids, own, other, feature):
+    """Separation by the face of the last step [m]; inf where there is none."""
+    if feature[0] == FACE_OF_A:
+        return face_separation(feature[1], b, solids, own, other)
+    if feature[0] == FACE_OF_B:
+        return face_separation(feature[1], a, solids, other, own)
+    return np.inf
+
+
+@borrower()
+def face_separation(face, b, solids, own, other):
+    """Separation of polyhedron b, placed as ``other``, from a face of the polyhedron placed as ``own`` [m]."""
+    n, corner = own.normals[face - own.first_face], own.vertices[solids.loops[solids.loop_start[face]] - own.first_vertex]
+    least = np.inf
+    for i in range(solids.vertex_start[b] - other.first_vertex, solids.vertex_start[b + 1] - other.first_vertex):
+        v = other.vertices[i]
+        least = min(least, n[0] * (v[0] - corner[0]) + n[1] * (v[1] - corner[1]) + n[2] * (v[2] - corner[2]))
+    return least
 
 
 @borrower()
