@@ -45,7 +45,7 @@ def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay,
     )
     if feature[0] == FAR_APART or not moved < REUSE * width or _edges_turned(memory, k, solids, own, other):
         tally[SEARCHED] += 1
-        apart = separate(a, b, solids, own, other, EDGE_BIAS * width, feature)
+        apart = separate(a, b, solids, own, other, EDGE_BIAS * width, by_area, feature)
         _copy(now, memory.pose[k])
         if apart > margin:
             feature[0], memory.budget[k], memory.point_count[k] = FAR_APART, apart, 0
@@ -120,7 +120,7 @@ def _look_ahead(memory, k, shapes, motion, margin, width, work, overlay):
         place_part(pose, b, solids, motion.affine, work.vertices, work.normals),
     )
     _copy(pose, memory.pose[k])
-    if separate(a, b, solids, own, other, EDGE_BIAS * width, feature) > margin:
+    if separate(a, b, solids, own, other, EDGE_BIAS * width, False, feature) > margin:
         return 0
     if overlay is None:
         return contact_points((a, b), feature, solids, own, other, width, False, memory.normal[k], work.manifold)

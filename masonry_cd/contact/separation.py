@@ -23,7 +23,7 @@ UNKNOWN, FAR_APART, FACE_OF_A, FACE_OF_B, EDGES, ROUND = 0, 1, 2, 3, 4, 5  # kin
 PARALLEL = 1e-6  # edges at less than this angle [rad] are parallel: a face axis is at least as good
 FICKLE = 0.1  # share of the bias by which a face of the other part must be better than one of the part of the last face
 
-HELD = 0.5  # deep in another part, one is freed by a face other than the last only where that takes at most this share of the way
+HELD = 0.5  # of the depth of a pair on springs: what frees it by another face than the last goes at most this share of the way
 
 WHOLE: Any = np.int64(0)  # number of the first vertex and face in arrays of all; for a plain 0 numba would compile the code twice
 
@@ -59,17 +59,17 @@ def place_part(pose, p, solids, affine, vertices, normals):
 
 
 @borrower()
-def separate(a, b, solids, own, other, bias, feature):
+def separate(a, b, solids, own, other, bias, springs, feature):
     """Find the axis of largest separation of polyhedra a and b, write it into ``feature`` (3,), return the separation [m].
 
     ``own`` and ``other`` are a and b as placed. ``feature`` has the kind and the face, or the kind and the two edges; faces win over
-    edges, and the face of the last step over others, unless beaten by the ``bias`` [m], or by HELD of its depth where this is larger than
-    the bias: the normal must not flicker.
+    edges, and the face of the last step over others, unless beaten by the ``bias`` [m]: the normal must not flicker. Where ``springs``
+    carry a load, a face deeper than the bias stays until another one is at most HELD as deep.
     """
     best, face = face_axis(a, b, solids, own, other)
     best_b, face_b = face_axis(b, a, solids, other, own)
     last = _separation_of_last(a, b, solids, own, other, feature)
-    if last < -bias and max(best, best_b) <= HELD * last:
+    if springs and last < -bias and max(best, best_b) <= HELD * last:
         return last
     kind = FACE_OF_A
     if best_b > best + (-FICKLE * bias if feature[0] == FACE_OF_B else FICKLE * bias):

@@ -70,7 +70,7 @@ SINGLE = 2.0  # contacts of a joint in the mean, below which they touch in point
 GRAIN_TURNS, GRAIN_TURN = 4, 1000  # turns, and sweeps of each; after a turn an error may do, see PATIENCE
 
 # What a step may cost.
-PATIENCE = 5.0  # times the usual cost of a step, after which an error will do that the scene accepts
+PATIENCE = 8.0  # times the usual cost of a step, after which an error will do that the scene accepts
 CHEAP = 1e5  # a tenth of a second, which a step may always cost
 RATE, MORE = 1 / 16, 3.0  # of what is learnt about the usual cost from a step, and the most that it counts, in times of it
 
