@@ -38,6 +38,8 @@ class RunReport:
     sleeping_mean: float = 0.0  # share of the blocks that slept
     penetration_max: float = 0.0  # [m]
     penetration_where: str = ""  # in words, of one that is DEEP
+    shortening_max: float = 0.0  # of springs [m]
+    shortening_where: str = ""  # in words, of one that is DEEP
     steps_closing: int = 0  # steps missed that left a contact closing, so that overlaps grow
     closing_max: float = 0.0  # fastest of them [m/s]
     closing_seen: float = 0.0  # and of those that were looked into [m/s]
@@ -99,10 +101,14 @@ class RunReport:
         return abs(self.energy.get("correction", 0.0)) / scale if scale > 0 else 0.0
 
     def look(self, step: StepReport, stepper: Stepper) -> None:
-        """Name the blocks of a step that overlap most, and what leaves them no solution."""
+        """Name the blocks of a step that overlap most, those whose joint is shortened most, and what leaves a step no solution."""
         assembly, time, closing = stepper.assembly, stepper.state.time, step.closing
         if step.penetration > max(self.penetration_max, DEEP * stepper.width):
             self.penetration_where = f"{named([assembly.names[b] for b in step.overlapping])} at {time:.4g} s"
+        if step.shortening.depth > max(self.shortening_max, DEEP * stepper.width):
+            share = 100.0 * step.shortening.depth / stepper.width
+            pair = named([assembly.names[b] for b in step.shortening.blocks])
+            self.shortening_where = f"{share:.2g} % of the smallest width, between {pair} at {time:.4g} s"
         if closing is not None and closing.speed > FASTER * self.closing_seen:
             jam, self.closing_seen = find_jam(closing), closing.speed
             self.jam = self.jam if jam is None else f"{jam.in_words(assembly)} at {time:.4g} s"
@@ -128,6 +134,7 @@ class RunReport:
         self.iterations_max = max(self.iterations_max, step.iterations)
         self.error_max = max(self.error_max, step.error)
         self.penetration_max = max(self.penetration_max, step.penetration)
+        self.shortening_max = max(self.shortening_max, step.shortening.depth)
         if step.closing is not None:
             self.steps_closing += 1
             self.closing_max = max(self.closing_max, step.closing.speed)

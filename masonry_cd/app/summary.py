@@ -66,6 +66,8 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
         "built_gap": case.built_gap,
         "penetration_max": report.penetration_max,
         "penetration_where": report.penetration_where,
+        "shortening_max": report.shortening_max,
+        "shortening_where": report.shortening_where,
         "closing": {"steps": report.steps_closing, "speed_max": report.closing_max, "jam": report.jam},
         "energy": energy
         | {
@@ -122,10 +124,19 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         *_stress_lines(s),
         f"contacts: {s['contacts_mean']:.0f} on average, {s['contacts_max']} at most{', solved in their plane' if s['planar'] else ''}; "
         f"largest penetration {length(s['penetration_max'])}{deep}",
+        *_shortening_lines(s),
         f"solver {solver['name']}{on}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
         f"energy: balance closed to {_balance(energy)}{lift}",
     ]
+
+
+def _shortening_lines(s: dict[str, Any]) -> list[str]:
+    """How far elastic joints were shortened, where it is more than stones bear."""
+    if not s.get("shortening_where"):
+        return []
+    shortened = f"joints shortened by up to {length(s['shortening_max'])}, {s['shortening_where']}"
+    return [f"{shortened}; stones would crush, elastic joints do not"]
 
 
 def _balance(energy: dict[str, Any]) -> str:

@@ -36,7 +36,7 @@ from masonry_cd.dynamics.impacts import open_among, open_contacts, solve_apart
 from masonry_cd.dynamics.islands import Islands
 from masonry_cd.dynamics.joint_history import bonded_shares, pretensioned
 from masonry_cd.dynamics.new_state import RunStopped, update
-from masonry_cd.dynamics.overlaps import Overlap, still_closing
+from masonry_cd.dynamics.overlaps import Overlap, largest_shortening, still_closing
 from masonry_cd.dynamics.planar import Plane
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.dynamics.snapshot import check_motion, motion_arrays, part, prefixed, restored_motion
@@ -71,6 +71,7 @@ class StepReport(NamedTuple):
     overlapping: tuple[int, int] = (-1, -1)  # the blocks of the largest overlap
     closing: Closing | None = None  # what a step that missed its tolerance has left closing
     accepted: bool = False  # the step missed its tolerance, by no more than the scene accepts
+    shortening: Overlap = Overlap()  # the largest one of springs
 
 
 class StepStart(NamedTuple):
@@ -265,6 +266,7 @@ class Stepper:
             deepest.blocks,
             closing,
             not met and solved.error <= self.settings.accepted,
+            largest_shortening(made),
         )
 
     @property

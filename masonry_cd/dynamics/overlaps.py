@@ -28,7 +28,7 @@ SWEEPS = 20  # of Gauss-Seidel
 
 
 class Overlap(NamedTuple):
-    """The largest overlap of rigid contacts at q_m."""
+    """The largest overlap of some contacts at q_m."""
 
     depth: float = 0.0  # [m]
     blocks: tuple[int, int] = (-1, -1)  # of the contact with the smallest gap; -1: there is no contact
@@ -65,12 +65,21 @@ def correct_overlaps(system: System, made: StepProblem, deepest: Overlap, state:
 
 def deepest_overlap(made: StepProblem) -> Overlap:
     """The largest overlap of rigid contacts in a step."""
-    gap = made.rigid_gap
-    if not len(gap):
+    return _deepest(made, made.rigid)
+
+
+def largest_shortening(made: StepProblem) -> Overlap:
+    """The largest shortening of springs in a step."""
+    return Overlap() if made.springs is None else _deepest(made, np.flatnonzero(made.springs.elastic))
+
+
+def _deepest(made: StepProblem, among: np.ndarray) -> Overlap:
+    """The largest overlap of some contacts, by their indices."""
+    if not len(among):
         return Overlap()
-    at = int(gap.argmin())
-    first, second = made.rows.blocks[at if made.springs is None else made.rigid[at]].tolist()
-    return Overlap(max(0.0, -float(gap[at])), (first, second))
+    at = int(among[made.rows.gap[among].argmin()])
+    first, second = made.rows.blocks[at].tolist()
+    return Overlap(max(0.0, -float(made.rows.gap[at])), (first, second))
 
 
 def still_closing(system: System, made: StepProblem, v: np.ndarray) -> Closing | None:
