@@ -19,7 +19,8 @@
 4. Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that accelerated sweeps get far. From
    GRAINS contacts on, where most pairs of blocks touch in a single point, a step begins with them, in GRAIN_TURNS turns of GRAIN_TURN
    sweeps. With much friction these creep or go round in circles: between two turns that end CLOSE Newton has one, at no more than their
-   cost. What they leave goes the way of 2 and 3 only where the scene does not accept it: no method gets far.
+   cost, if it ended the last step that it was asked in, and in every LOOK-th step. What they leave goes the way of 2 and 3 only where the
+   scene does not accept it: no method gets far.
 5. A step that has cost PATIENCE times what steps usually do, and more than is CHEAP, ends where its error is small enough for the scene to
    accept (``run.accept``). It counts as one that missed its tolerance.
 
@@ -126,12 +127,15 @@ def _solve_grains(search: _Search, known: Experience) -> None:
     search.turn(ACCELERATED, GRAIN_TURN)
     if search.ended:
         return
-    search.costs, search.memory = _costs(problem, known, None)
-    limit = min(int(GRAIN_TURN * sweep(problem) / search.costs[NEWTON]), NEWTON_LIMIT)
+    limit = 0
+    if not known.stalls or known.steps % LOOK == 0:
+        search.costs, search.memory = _costs(problem, known, None)
+        limit = min(int(GRAIN_TURN * sweep(problem) / search.costs[NEWTON]), NEWTON_LIMIT)
     for _ in range(GRAIN_TURNS - 1):
         if limit and search.error <= CLOSE * options.tolerance:
             search.turn(NEWTON, limit)
         search.turn(ACCELERATED, GRAIN_TURN)
+    known.stalls = known.stalls if search.stalled is None else search.stalled
     search.accepted |= search.error <= options.accept
 
 

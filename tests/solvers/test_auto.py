@@ -198,6 +198,14 @@ def test_newton_has_the_pattern_of_the_grains_in_touch() -> None:
     assert len(second.memory["admm_pairs"]) < len(first.memory["admm_pairs"])
 
 
+@pytest.mark.parametrize(("steps", "asked"), [(auto.LOOK, True), (auto.LOOK + 1, False)])
+def test_newton_that_stalled_on_grains_is_asked_now_and_then(steps: int, asked: bool) -> None:
+    """After a step that Newton did not end it has a turn in every LOOK-th step only."""
+    problem, known = scenes.packing(4, mu=0.7, speed=0.1), auto.Experience(steps=steps, stalls=True)
+    start = Solution(np.zeros((problem.contacts, 3)), None, 0, memory=known.beside({}))
+    assert ("newton" in solve(problem, Options(tolerance=1e-4, accept=1e-3), start).reason) == asked
+
+
 def test_packed_grains_begin_with_sweeps() -> None:
     """Packed spheres touch in points: sweeps come first, and what they leave goes to the methods that factorise, unless it is accepted."""
     problem = scenes.packing(4, mu=0.3, speed=0.0)
