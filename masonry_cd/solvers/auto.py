@@ -18,7 +18,9 @@
    they come first; and every LOOK-th step begins as usual, to see whether the sliding is over, but ADMM does not go on in it.
 4. Packed grains have neighbours on all sides, which fills the factors, but few contacts each, so that accelerated sweeps get far. From
    GRAINS contacts on, where most pairs of blocks touch in a single point, a step begins with them, in GRAIN_TURNS turns of GRAIN_TURN
-   sweeps, and no factors are analysed. What they leave goes the way of 2 and 3 only where the scene does not accept it: no method gets far.
+   sweeps. With much friction these creep or go round in circles: between two turns that end CLOSE Newton has one, at no more than their
+   cost, if it ended the last step that it was asked in, and in every LOOK-th step. What they leave goes the way of 2 and 3 only where the
+   scene does not accept it: no method gets far.
 5. A step that has cost PATIENCE times what steps usually do, and more than is CHEAP, ends where its error is small enough for the scene to
    accept (``run.accept``). It counts as one that missed its tolerance.
 
@@ -108,14 +110,33 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     search = _Search(problem, options, start, known.allowance())
     if touch_in_points(problem):
         known.deeper = False
-        for _ in range(GRAIN_TURNS):
-            search.turn(ACCELERATED, GRAIN_TURN)
-        search.accepted |= search.error <= options.accept
+        _solve_grains(search, known)
     if search.ended:
         known.learn(ADMM, (0.0, 0.0), search.cost)
     else:
         _solve_by_factors(search, known, start, error)
     return search.solution(known)
+
+
+def _solve_grains(search: _Search, known: Experience) -> None:
+    """Give accelerated sweeps their turns, and between them Newton, which may cost as much.
+
+    Newton's pattern is made anew in each step, of the contacts that there are: that of all that ever touched would fill up.
+    """
+    problem, options = search.problem, search.options
+    search.turn(ACCELERATED, GRAIN_TURN)
+    if search.ended:
+        return
+    limit = 0
+    if not known.stalls or known.steps % LOOK == 0:
+        search.costs, search.memory = _costs(problem, known, None)
+        limit = min(int(GRAIN_TURN * sweep(problem) / search.costs[NEWTON]), NEWTON_LIMIT)
+    for _ in range(GRAIN_TURNS - 1):
+        if limit and search.error <= CLOSE * options.tolerance:
+            search.turn(NEWTON, limit)
+        search.turn(ACCELERATED, GRAIN_TURN)
+    known.stalls = known.stalls if search.stalled is None else search.stalled
+    search.accepted |= search.error <= options.accept
 
 
 def _solve_by_factors(search: _Search, known: Experience, start: Solution | None, error: float) -> None:
