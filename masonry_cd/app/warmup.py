@@ -42,7 +42,7 @@ from masonry_cd.model.joints import touching_places
 from masonry_cd.model.materials import JointLaw
 from masonry_cd.model.state import State
 from masonry_cd.solvers import Options, cores, interior
-from masonry_cd.solvers.condensed import is_meshed
+from masonry_cd.solvers.condensed import is_condensed
 from masonry_cd.solvers.linearised_bodies import linearised_bodies
 
 STEPS, STEP = 6, 1e-3  # [s]
@@ -125,7 +125,7 @@ def _rows_and_unknowns(planar: bool, strained: int) -> tuple[int, int]:
 def _rows_and_solved_unknowns(planar: bool, strained: int) -> tuple[int, int]:
     """Of a contact, and of a block as solvers see it: meshed ones have others, see condensation.py."""
     rows, unknowns = _rows_and_unknowns(planar, strained)
-    return rows, room_for(0) if is_meshed(unknowns, rows) else unknowns
+    return rows, room_for(0) if is_condensed(unknowns) else unknowns
 
 
 @contextmanager

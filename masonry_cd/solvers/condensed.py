@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from masonry_cd.friction.problem import FrictionProblem, Problem, Solution
+from masonry_cd.linalg.small_blocks import NARROW
 from masonry_cd.solvers.options import Options
 
 if TYPE_CHECKING:
@@ -20,19 +21,19 @@ KEPT, UNKNOWNS = "condensed_kept", "condensed_unknowns"  # in the memory: rows t
 
 
 def in_condensed_unknowns(solver: Solver) -> Solver:
-    """The solver, given equivalent problems where blocks have more unknowns than those of uniform strain, which their contacts all feel."""
+    """The solver, given equivalent problems where blocks have more unknowns than those of uniform strain, which contacts all feel."""
 
     def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
-        if not (isinstance(problem, FrictionProblem) and is_meshed(problem.v_free.shape[1], problem.dimension) and problem.contacts):
+        if not (isinstance(problem, FrictionProblem) and is_condensed(problem.v_free.shape[1]) and problem.contacts):
             return solver(problem, options, start)
         return _solve(solver, problem, options, start)
 
     return solve
 
 
-def is_meshed(unknowns: int, rows: int) -> bool:
-    """Whether a block with so many unknowns, where contacts have so many rows, has more than one of uniform strain."""
-    return unknowns > 6 * (rows - 1)
+def is_condensed(unknowns: int) -> bool:
+    """Whether blocks with so many unknowns are: more than one of uniform strain has. Kernels for fewer have their loops unrolled."""
+    return unknowns > NARROW
 
 
 def _solve(solver: Solver, problem: FrictionProblem, options: Options, start: Solution | None) -> Solution:
