@@ -72,4 +72,4 @@ def counted() -> Iterator[CountedCost]:
 
 def _pattern(problem: FrictionProblem, start: Solution | None) -> Pattern:
     """The pattern of a factorisation, made for the count."""
-    return admm.recall(problem.arrays().bodies, len(problem.v_free), problem.v_free.shape[1], start)[0].pattern
+    return admm.recall(problem.arrays(), start)[0].pattern

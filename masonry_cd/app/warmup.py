@@ -24,21 +24,25 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from numba import types
 
 from masonry_cd.app.run_loop import run
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics import islands
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
+from masonry_cd.friction.condensation import room_for
 from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.jit import has_cache, kept
+from masonry_cd.linalg.small_blocks import size_of_blocks
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.joints import touching_places
 from masonry_cd.model.materials import JointLaw
 from masonry_cd.model.state import State
 from masonry_cd.solvers import Options, cores, interior
+from masonry_cd.solvers.condensed import is_condensed
 from masonry_cd.solvers.linearised_bodies import linearised_bodies
 
 STEPS, STEP = 6, 1e-3  # [s]
@@ -105,12 +109,23 @@ def _material(planar: bool, strained: int, spheres: bool) -> ElasticBlocks | Non
 def is_kept(planar: bool, strained: int = 0) -> bool:
     """Whether the largest kernel is in the cache."""
     problems = [kinds[1] for kinds in kept(linearised_bodies)]  # numba's types of ProblemArrays
-    return any((len(problem.m), len(problem.n)) == _rows_and_unknowns(planar, strained) for problem in problems)
+    rows, unknowns = _rows_and_solved_unknowns(planar, strained)
+    wanted = type(size_of_blocks(unknowns)) is np.ndarray  # one kernel for all that many
+    return any(
+        len(problem.m) == rows and (isinstance(problem.n, types.Array) if wanted else getattr(problem.n, "count", 0) == unknowns)
+        for problem in problems
+    )
 
 
 def _rows_and_unknowns(planar: bool, strained: int) -> tuple[int, int]:
     """Of a contact, and of a block with so many unknowns more than a rigid one has."""
     return (2, 3 + strained) if planar else (3, 6 + strained)
+
+
+def _rows_and_solved_unknowns(planar: bool, strained: int) -> tuple[int, int]:
+    """Of a contact, and of a block as solvers see it: meshed ones have others, see condensation.py."""
+    rows, unknowns = _rows_and_unknowns(planar, strained)
+    return rows, room_for(0) if is_condensed(unknowns) else unknowns
 
 
 @contextmanager
@@ -149,7 +164,7 @@ def _leave_at_end_of_input() -> None:
 
 def compile_largest(planar: bool, strained: int = 0) -> None:
     """Have the largest kernel compiled, by an iteration on a block that falls onto a support."""
-    m, n = _rows_and_unknowns(planar, strained)
+    m, n = _rows_and_solved_unknowns(planar, strained)
     jacobian = np.zeros((1, 2, m, n))
     jacobian[0, 0, :, :m] = np.eye(m)
     body, contact = np.zeros((1, n)), np.zeros((1, m))

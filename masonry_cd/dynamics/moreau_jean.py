@@ -49,6 +49,7 @@ from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State, body_maps, rotation_matrices
 from masonry_cd.solvers import SOLVERS, Options, threads_that_pay
+from masonry_cd.solvers.condensed import in_condensed_unknowns
 
 __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
 
@@ -202,7 +203,7 @@ class Stepper:
         self.system = System.of(assembly, settings, loads, plane)
         self.motion = motion_at_start(self.system, state)
         self.detector = Detector(assembly, facets=self.system.facets)
-        self.islands = Islands(SOLVERS[settings.solver], len(self.system.reach), settings.islands)
+        self.islands = Islands(in_condensed_unknowns(SOLVERS[settings.solver]), len(self.system.reach), settings.islands)
         self.load_step = 0  # k of the loads; it may run ahead of the steps, see pauses.py
         self.watch: Watch | None = None  # sees each problem that is solved
         self.last: StepProblem | None = None  # of the last step

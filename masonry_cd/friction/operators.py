@@ -8,7 +8,7 @@ import numpy as np
 
 from masonry_cd.friction.natural_map import natural_map_norms, squared_residual
 from masonry_cd.jit import borrower, entry, kernel
-from masonry_cd.linalg.small_blocks import copy_flat, invert
+from masonry_cd.linalg.small_blocks import copy_flat, invert, is_wide
 
 
 class ProblemArrays(NamedTuple):
@@ -21,8 +21,9 @@ class ProblemArrays(NamedTuple):
     offset: np.ndarray  # (C, m)
     mu: np.ndarray  # (C,)
     compliance: np.ndarray  # (C, m); (0, m) where all contacts are rigid
+    width: np.ndarray  # (B,) unknowns that a body of unit mass has, see condensation.py; (0,): each has n
     m: tuple[int, ...]  # m zeros, see small_blocks.py
-    n: tuple[int, ...]  # n zeros
+    n: tuple[int, ...]  # n zeros, which may be an array
 
 
 class OrderedProblem(NamedTuple):
@@ -37,6 +38,7 @@ class OrderedProblem(NamedTuple):
     offset: np.ndarray  # (C, m)
     mu: np.ndarray  # (C,)
     compliance: np.ndarray  # (C, m) or (0, m)
+    width: np.ndarray  # (B + 1,) unknowns of a body of unit mass at each place, none of the supports; (0,): each has n
     d: np.ndarray  # (C,) trace(W_cc + C_cc) / m
     m: tuple[int, ...]  # m zeros
     n: tuple[int, ...]  # n zeros
@@ -47,22 +49,37 @@ def in_order(problem, order, places, block):
     """The :class:`OrderedProblem` of ProblemArrays; ``order`` (B,) is the body at each place, places and block are its fields."""
     bodies, n = len(order), len(problem.n)
     inverse, mass, free = np.empty((bodies, n, n)), np.empty((bodies, n, n)), np.empty((bodies, n))
-    put_in_order(problem.inverse_mass, problem.v_free, order, 0, bodies, inverse, mass, free, problem.n)
+    put_in_order(problem, order, 0, bodies, inverse, mass, free)
     ordered = OrderedProblem(
-        inverse, mass, free, places, block, problem.jacobian, problem.offset, problem.mu, problem.compliance, np.empty(len(places)),
-        problem.m, problem.n,
+        inverse, mass, free, places, block, problem.jacobian, problem.offset, problem.mu, problem.compliance,
+        widths_in_order(problem.width, order), np.empty(len(places)), problem.m, problem.n,
     )  # fmt: skip
     measure_scales(ordered, 0, len(places))
     return ordered
 
 
 @kernel()
-def put_in_order(inverse_mass, v_free, order, first, end, inverse, mass, free, size_n):
-    """M^-1, M (N, n, n) and v_free (N, n) of the bodies at places first to end of an order."""
-    n = len(size_n)
+def widths_in_order(width, order):
+    """Unknowns of the bodies (B + 1,), or (0,), at the places of an order (B,), the supports last."""
+    if len(width) == 0:
+        return width
+    out = np.zeros(len(order) + 1, dtype=np.int64)
+    for b in range(len(order)):
+        out[b] = width[order[b]]
+    return out
+
+
+@kernel()
+def put_in_order(given, order, first, end, inverse, mass, free):
+    """M^-1, M (N, n, n) and v_free (N, n) of the bodies at places first to end of an order; unit masses nobody reads."""
+    inverse_mass, v_free, n = given.inverse_mass, given.v_free, len(given.n)
     work = np.empty((n, n))
     for b in range(first, end):
         coupled = False
+        if has_unit_masses(given):
+            for i in range(n):
+                free[b, i] = v_free[order[b], i]
+            continue
         for i in range(n):
             free[b, i] = v_free[order[b], i]
             for j in range(n):
@@ -70,7 +87,7 @@ def put_in_order(inverse_mass, v_free, order, first, end, inverse, mass, free, s
                 mass[b, i, j] = 0.0
                 coupled = coupled or (i != j and inverse[b, i, j] != 0.0)
         if coupled:
-            invert(inverse[b], mass[b], work, size_n)
+            invert(inverse[b], mass[b], work, given.n)
         else:  # as in a plane
             for i in range(n):
                 mass[b, i, i] = 1.0 / inverse[b, i, i]
@@ -81,7 +98,11 @@ def measure_scales(problem, first, end):
     """Fill d_c = trace(W_cc + C_cc) / m of the contacts first to end."""
     compliance, m = problem.compliance, len(problem.m)
     for c in range(first, end):
-        trace = delassus_trace(problem.inverse, problem.jacobian, c, problem.places[c, 0], problem.places[c, 1], m, len(problem.n))
+        a, b = problem.places[c, 0], problem.places[c, 1]
+        if has_unit_masses(problem):
+            trace = unit_delassus_trace(problem, problem.jacobian, c, a, b)
+        else:
+            trace = delassus_trace(problem.inverse, problem.jacobian, c, a, b, m, len(problem.n))
         if len(compliance):
             for i in range(m):
                 trace += compliance[c, i]
@@ -107,6 +128,31 @@ def delassus_trace(inverse, jacobian, c, a, b, m, n):
     return trace
 
 
+@borrower(fastmath={"contract"})
+def unit_delassus_trace(problem, jacobian, c, a, b):
+    """:func:`delassus_trace` for bodies of unit mass."""
+    trace = 0.0
+    for side in range(2):
+        body = b if side else a
+        for i in range(len(problem.m)):
+            for k in range(problem.width[body]):
+                other = jacobian[c, 1 - side, i, k] if a == b else 0.0
+                trace += jacobian[c, side, i, k] * (jacobian[c, side, i, k] + other)
+    return trace
+
+
+@kernel(inline="always")
+def has_unit_masses(problem):
+    """Whether bodies have unit masses, and ``width`` says how many unknowns; known to be false where blocks are not wide."""
+    return is_wide(problem.n) and len(problem.width) > 0
+
+
+@kernel(inline="always")
+def unknowns_at(problem, a, b):
+    """Unknowns that the bodies at two places have, the more of both."""
+    return max(problem.width[a], problem.width[b]) if has_unit_masses(problem) else len(problem.n)
+
+
 @borrower()
 def relative_velocity(problem, v, u):
     """u = H v + b (C, m) for body velocities v (B + 1, n)."""
@@ -116,9 +162,10 @@ def relative_velocity(problem, v, u):
 @borrower()
 def relative_velocity_of(problem, v, first, end, u):
     """u = H v + b for the contacts first to end."""
-    jacobian, index, offset, m, n = problem.jacobian, problem.places, problem.offset, len(problem.m), len(problem.n)
+    jacobian, index, offset, m = problem.jacobian, problem.places, problem.offset, len(problem.m)
     for c in range(first, end):
         a, b = index[c, 0], index[c, 1]
+        n = unknowns_at(problem, a, b)
         for i in range(m):
             total = offset[c, i]
             for k in range(n):
@@ -155,9 +202,10 @@ def add_generalised_impulse(problem, p, out):
 @borrower(fastmath={"contract"})
 def add_generalised_impulse_of(problem, rows, p, first, end, out):
     """out += H^T p for the contacts first to end, whose bodies have the rows (C, 2) of out."""
-    jacobian, m, n = problem.jacobian, len(problem.m), len(problem.n)
+    jacobian, m = problem.jacobian, len(problem.m)
     for c in range(first, end):
         a, b = rows[c, 0], rows[c, 1]
+        n = unknowns_at(problem, problem.places[c, 0], problem.places[c, 1])
         for i in range(m):
             x = p[c, i]
             for k in range(n):
@@ -173,6 +221,9 @@ def body_velocity(problem, p, room, v):
     add_generalised_impulse(problem, p, room)
     for b in range(len(inverse)):
         for i in range(n):
+            if has_unit_masses(problem):
+                v[b, i] = free[b, i] + room[b, i]
+                continue
             total = free[b, i]
             for k in range(n):
                 total += inverse[b, i, k] * room[b, k]
@@ -183,16 +234,19 @@ def body_velocity(problem, p, room, v):
 @borrower()
 def missing_momentum(problem, v, out):
     """out = M (v_free - v) (B + 1, n)."""
-    missing_momentum_of(problem.mass, problem.free, v, 0, len(problem.mass), out, problem.n)
+    missing_momentum_of(problem, v, 0, len(problem.mass), out)
     out[-1] = 0.0
 
 
 @borrower()
-def missing_momentum_of(mass, free, v, first, end, out, size_n):
+def missing_momentum_of(problem, v, first, end, out):
     """out = M (v_free - v) for the bodies first to end."""
-    n = len(size_n)
+    mass, free, n = problem.mass, problem.free, len(problem.n)
     for b in range(first, end):
         for i in range(n):
+            if has_unit_masses(problem):
+                out[b, i] = free[b, i] - v[b, i]
+                continue
             total = 0.0
             for k in range(n):
                 total += mass[b, i, k] * (free[b, k] - v[b, k])
@@ -209,10 +263,11 @@ def map_norm(problem, p, v):
 def squared_map_norm_of(problem, p, v, first, end):
     """Square of the norm of the natural map residual, of the contacts first to end."""
     jacobian, index, offset, compliance = problem.jacobian, problem.places, problem.offset, problem.compliance
-    m, n, mu, d = len(problem.m), len(problem.n), problem.mu, problem.d
+    m, mu, d = len(problem.m), problem.mu, problem.d
     total = 0.0
     for c in range(first, end):
         a, b = index[c, 0], index[c, 1]
+        n = unknowns_at(problem, a, b)
         un, u1, u2 = offset[c, 0], offset[c, 1], 0.0
         if m == 3:
             u2 = offset[c, 2]
@@ -252,7 +307,8 @@ def as_given(problem):
             index[c, side] = bodies[c, side] if bodies[c, side] >= 0 else count
     return OrderedProblem(
         problem.inverse_mass, np.empty((0, len(problem.n), len(problem.n))), problem.v_free, index, np.empty(0, dtype=np.int64),
-        problem.jacobian, problem.offset, problem.mu, problem.compliance, np.ones(contacts), problem.m, problem.n,
+        problem.jacobian, problem.offset, problem.mu, problem.compliance, widths_in_order(problem.width, np.arange(count)),
+        np.ones(contacts), problem.m, problem.n,
     )  # fmt: skip
 
 

@@ -31,10 +31,12 @@ import numpy as np
 
 from masonry_cd.friction.natural_map import natural_map_norms
 from masonry_cd.friction.operators import ProblemArrays, error_bodies, new_velocity
-from masonry_cd.linalg.small_blocks import EPSILON, size_tuple
+from masonry_cd.linalg.small_blocks import EPSILON, size_of_blocks, size_tuple
 
 if TYPE_CHECKING:
     from scipy import sparse
+
+ALL = np.zeros(0, dtype=np.int64)  # width of bodies with n unknowns each
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +53,7 @@ class FrictionProblem:
     offset: np.ndarray  # (C, m) b [m/s]
     mu: np.ndarray  # (C,) coefficients of friction
     compliance: np.ndarray  # (C, m) diagonal of C, not negative [m/s per N s], zeros: rigid contacts; (0, m): all are rigid
+    width: np.ndarray | None = None  # (B,) unknowns of each body, all of unit mass; the rows of others are zero, see condensation.py
 
     @property
     def contacts(self) -> int:
@@ -61,6 +64,11 @@ class FrictionProblem:
     def dimension(self) -> int:
         """Rows per contact m."""
         return int(self.offset.shape[1])
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of a body, those of bodies of unit mass in the mean."""
+        return int(self.v_free.shape[1]) if self.width is None else max(int(self.width.mean()), 1)
 
     def arrays(self) -> ProblemArrays:
         """The problem as the compiled kernels take it."""
@@ -81,8 +89,9 @@ class FrictionProblem:
             np.ascontiguousarray(self.offset, dtype=np.float64),
             np.ascontiguousarray(self.mu, dtype=np.float64),
             np.ascontiguousarray(compliance, dtype=np.float64),
+            ALL if self.width is None else self.width,
             size_tuple(self.dimension),
-            size_tuple(self.v_free.shape[1]),
+            size_of_blocks(self.v_free.shape[1]),
         )
 
     def relative_velocity(self, v: np.ndarray) -> np.ndarray:
@@ -131,7 +140,7 @@ class FrictionProblem:
         bodies = self.bodies[contacts]
         return FrictionProblem(
             self.inverse_mass[blocks], self.v_free[blocks], np.where(bodies >= 0, place[bodies], -1), self.jacobian[contacts],
-            self.offset[contacts], self.mu[contacts], self._compliance_of(contacts),
+            self.offset[contacts], self.mu[contacts], self._compliance_of(contacts), None if self.width is None else self.width[blocks],
         )  # fmt: skip
 
     def _compliance_of(self, contacts: np.ndarray) -> np.ndarray:

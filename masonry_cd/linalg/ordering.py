@@ -6,7 +6,7 @@ approximate minimum degree ordering of the body graph (Amestoy, Davis & Duff, SI
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from cvxopt import amd, spmatrix
@@ -14,7 +14,8 @@ from cvxopt import amd, spmatrix
 from masonry_cd.linalg.elimination_tree import SUBTREE, partition_tree
 from masonry_cd.linalg.symbolic import SymbolicFactor, analyse, locate
 
-FIELDS = ("pairs", "order", "place", *SymbolicFactor._fields)  # of a pattern
+FIELDS = ("pairs", "order", "place", *SymbolicFactor._fields[:-1])  # of a pattern, without the width
+FULL = np.zeros(0, dtype=np.int64)  # width of nodes that have all rows of a block
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +64,24 @@ class Pattern:
     def read(cls, arrays: tuple[np.ndarray, ...]) -> Pattern:
         """A pattern from what :meth:`arrays` gave."""
         pairs, order, place, *symbolic = arrays
-        return cls(pairs, order, place, SymbolicFactor(*symbolic))
+        return cls(pairs, order, place, SymbolicFactor(*(*symbolic, FULL)))
 
     def arrays(self) -> tuple[np.ndarray, ...]:
         """The pattern for a checkpoint, in the order of ``FIELDS``."""
-        return (self.pairs, self.order, self.place, *self.symbolic)
+        return (self.pairs, self.order, self.place, *self.symbolic[:-1])
+
+    def with_width(self, width: np.ndarray) -> Pattern:
+        """The pattern of nodes with so many rows each (N,), in their own order; (0,): all that a block has."""
+        return replace(self, symbolic=self.symbolic._replace(width=width[self.order])) if len(width) else self
 
     def operations(self, n: int) -> float:
         """Operations of an unsymmetric factorisation, for n unknowns per node."""
-        width, below = n * np.diff(self.symbolic.first).astype(float), n * np.diff(self.symbolic.start).astype(float)
+        nodes, rows = self.symbolic.first, self.symbolic.start
+        if len(self.symbolic.width):
+            own, other = (np.concatenate([[0.0], np.cumsum(of)]) for of in (self.symbolic.width, self.symbolic.width[self.symbolic.below]))
+            width, below = np.diff(own[nodes]), np.diff(other[rows])
+        else:
+            width, below = n * np.diff(nodes).astype(float), n * np.diff(rows).astype(float)
         return float(4.0 * np.sum(width * (width * width / 2 + width * below + below * below)))
 
     def locate(self, bodies: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool] | None:

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.small_blocks import invert
+from masonry_cd.linalg.small_blocks import invert, is_wide
+from masonry_cd.linalg.wide_columns import backward_wide_columns, eliminate_wide_columns, forward_wide_columns
 
 SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
 
@@ -99,6 +100,8 @@ def factorise_columns(matrix, factor, symmetric):
         np.full(count, -1), np.full(count, -1), np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64), np.empty((n, n)),
         np.empty((1, n, n)), np.empty((n, n)), np.empty((n, n)),
     )  # fmt: skip
+    if is_wide(factor.size):
+        return eliminate_wide_columns(matrix, factor, symmetric, scratch)
     return _eliminate_columns(matrix, factor, symmetric, scratch)
 
 
@@ -147,6 +150,9 @@ def _eliminate_columns(matrix, factor, symmetric, scratch):
 def forward_columns(symbolic, low, x, size_n):
     """:func:`forward_substitution` where each supernode is one node."""
     n, below = len(size_n), symbolic.below
+    if is_wide(size_n):
+        forward_wide_columns(symbolic, low, x, n)
+        return
     lows = low.reshape((len(below), n, n))
     for j in range(len(symbolic.column) - 1):
         nothing = True  # where only a few rows of x are not zero, few columns have anything to pass on
@@ -167,6 +173,9 @@ def forward_columns(symbolic, low, x, size_n):
 def backward_columns(symbolic, inverse, up, x, y, size_n):
     """:func:`backward_substitution` where each supernode is one node; y is room for the entries of a node, at least."""
     n, below, size = len(size_n), symbolic.below, len(symbolic.column) - 1
+    if is_wide(size_n):
+        backward_wide_columns(symbolic, inverse, up, x, y, n)
+        return
     squares, ups = inverse.reshape((size, n, n)), up.reshape((len(below), n, n))
     for j in range(size):
         for p in range(n):

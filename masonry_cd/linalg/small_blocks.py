@@ -5,11 +5,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from masonry_cd.jit import borrower, entry, kernel
 
 EPSILON = 2.2e-16  # relative rounding error of a float
+NARROW = 12  # unknowns of a rigid block, or of one of uniform strain, at the most: loops over so many are unrolled
+STEP = 4  # rows or columns of wider blocks that kernels take at a time
 
 
 def size_tuple(n: int) -> tuple[int, ...]:
@@ -18,6 +22,17 @@ def size_tuple(n: int) -> tuple[int, ...]:
     Such tuples are fields of problems and factors.
     """
     return (0,) * n
+
+
+def size_of_blocks(n: int) -> Any:
+    """What has n for its length: a tuple as :func:`size_tuple` makes it, or an array where blocks are wide, with one kernel for all n."""
+    return np.zeros(n) if n > NARROW and n % STEP == 0 else size_tuple(n)
+
+
+@kernel(inline="always")
+def is_wide(size):
+    """Whether blocks have many rows: not all nodes need have all then, and loops go four at a time. Known when kernels are compiled."""
+    return len(size) > NARROW and len(size) % STEP == 0
 
 
 @borrower()

@@ -44,6 +44,7 @@ class SymbolicFactor(NamedTuple):
     ghost_start: np.ndarray  # (K + 1,) starts of the ghosts of each subtree; ghost e is row N + 1 + e, after the nodes and the supports
     node_start: np.ndarray  # (N + 1,) starts of the ghosts of each node
     node_ghost: np.ndarray  # (E,) rows of these ghosts, by subtree
+    width: np.ndarray  # (N,) rows that each node has, of the n of a block; (0,): n each. No part of the pattern: values, that may change
 
 
 @kernel()
@@ -187,7 +188,7 @@ def analyse(one: np.ndarray, other: np.ndarray, size: int, subtree_node: np.ndar
     target, ghost_start, node_start, node_ghost = ghosts_of(first, start, below, subtree, size)
     return SymbolicFactor(
         column, row, first, start, below, square, panel, update_start, updater, update_first, subtree, level, target, ghost_start,
-        node_start, node_ghost,
+        node_start, node_ghost, np.zeros(0, dtype=np.int64),
     )  # fmt: skip
 
 

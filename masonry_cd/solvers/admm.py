@@ -57,6 +57,7 @@ import numpy as np
 
 from masonry_cd.friction.joint_twists import size_of_twist
 from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
+from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, first_impulse
 from masonry_cd.linalg.ordering import FIELDS, Pattern
 from masonry_cd.linalg.threads import run_by_team
@@ -181,10 +182,10 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
 def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarray, limit: int, start: Solution | None) -> Solution:
     """ADMM in the body velocities."""
-    given, n = problem.arrays(), problem.v_free.shape[1]
+    given = problem.arrays()
     moving = start is not None and start.velocity is not None
     velocity = start.velocity.copy() if start is not None and start.velocity is not None else np.empty(problem.v_free.shape)
-    memory, index, block = recall(given.bodies, len(velocity), n, start)
+    memory, index, block = recall(given, start)
     pattern, tally, k = memory.pattern, memory.tally, memory.tally.next_k()
     settings = AdmmSettings(k, tally.stale or k != tally.k, moving, tally.rate, options.tolerance, limit)
     partition = partition_contacts(given, index, block, pattern.symbolic, size_of_twist(given.jacobian, given.bodies))
@@ -197,9 +198,12 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     return Solution(impulse, velocity, iterations, _reason(error, options, iterations < limit), memory.arrays())
 
 
-def recall(bodies: np.ndarray, count: int, n: int, start: Solution | None) -> tuple[Memory, np.ndarray, np.ndarray]:
+def recall(given: ProblemArrays, start: Solution | None) -> tuple[Memory, np.ndarray, np.ndarray]:
     """The memory of the last step as far as it still fits, and the places (C, 2) and coupling blocks (C,) of the contacts."""
+    bodies, (count, n) = given.bodies, given.v_free.shape
     memory = Memory.read(start.memory) if start is not None else None
+    if memory is not None and len(memory.squares) != n * n * int(memory.pattern.symbolic.square[-1]):  # other unknowns
+        memory = Memory.empty(memory.pattern, memory.bodies, n, memory.tally)
     if memory is None or memory.pattern.nodes != count:  # other bodies; the tally may outlive them
         learnt = start.memory.get("admm_tally") if start is not None else None
         memory = Memory.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1]), bodies, n, Tally() if learnt is None else Tally.read(learnt))
@@ -213,7 +217,17 @@ def recall(bodies: np.ndarray, count: int, n: int, start: Solution | None) -> tu
     if not same:
         memory.bodies, memory.rho = bodies.copy(), np.empty(len(bodies))
         memory.tally.stale = True
+    memory.pattern = memory.pattern.with_width(given.width)
     return memory, index, block
+
+
+def with_stale_factors(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """What :meth:`Memory.arrays` gave, for a problem in other unknowns: the next step is to factorise anew."""
+    if NAMES[-1] not in arrays:
+        return arrays
+    tally = Tally.read(arrays[NAMES[-1]])
+    tally.stale = True
+    return arrays | {NAMES[-1]: tally.array()}
 
 
 def _reason(error: float, options: Options, given_up: bool = False) -> str:

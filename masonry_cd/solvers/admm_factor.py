@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.friction.joint_twists import add_up_stiffness, rows_of_twist
+from masonry_cd.friction.operators import has_unit_masses
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.cholesky import factorise_by_team, factorise_cholesky
 from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
-from masonry_cd.linalg.small_blocks import copy_flat
+from masonry_cd.linalg.small_blocks import copy_flat, is_wide
 from masonry_cd.linalg.supernodes import has_single_columns
 from masonry_cd.linalg.threads import share_of, wait
+from masonry_cd.linalg.wide_columns import add_outer_products
 
 
 @kernel()
@@ -66,7 +68,7 @@ def augment(work, q):
     for b in range(first, last):
         for p in range(n):
             for r in range(n):
-                diagonal[b, n * p + r] = mass[b, p, r]
+                diagonal[b, n * p + r] = (1.0 if p == r else 0.0) if has_unit_masses(work.problem) else mass[b, p, r]
     for g in range(partition.joint[q], partition.joint[q + 1]):
         add_up_stiffness(joints, g, work.factor.rho, stiffness)
         rows_of_twist(joints, g, rows)
@@ -78,6 +80,9 @@ def augment(work, q):
                         total += stiffness[i, k] * rows[side, k, p]
                     turned[side, i, p] = total
         a, b = target[g, 0], target[g, 1]
+        if is_wide(work.problem.n):
+            add_wide_joint(work, g, rows, turned)
+            continue
         low = 0 if place[g, 0] > place[g, 1] else 1
         for i in range(s):
             for p in range(n):
@@ -91,3 +96,24 @@ def augment(work, q):
                         diagonal[a, n * p + t] += x * rows[1, i, t] + y * rows[0, i, t]
                     if block[g] >= 0:
                         lower[block[g], p, t] += turned[low, i, p] * rows[1 - low, i, t]
+
+
+@borrower()
+def add_wide_joint(work, g, rows, turned):
+    """What joint g adds to the matrix where blocks are wide: rows of H and R H (2, s, n)."""
+    problem, n = work.problem, len(work.problem.n)
+    place, target, block = work.partition.place, work.partition.target, work.partition.block
+    s, unit = rows.shape[1], has_unit_masses(work.problem)
+    a, b = place[g, 0], place[g, 1]
+    diagonal = work.factor.diagonal.reshape((len(work.factor.diagonal), n, n))
+    for side in range(2):
+        body = place[g, side]
+        if body < len(problem.free):
+            width = problem.width[body] if unit else n
+            add_outer_products(turned[side], rows[side], width, width, diagonal[target[g, side]], s)
+            if a == b:
+                add_outer_products(turned[side], rows[1 - side], width, width, diagonal[target[g, side]], s)
+    if block[g] >= 0:
+        low = 0 if a > b else 1
+        own, other = (problem.width[place[g, low]], problem.width[place[g, 1 - low]]) if unit else (n, n)
+        add_outer_products(turned[low], rows[1 - low], own, other, work.factor.lower[block[g]], s)

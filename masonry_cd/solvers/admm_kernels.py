@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from masonry_cd.friction.natural_map import size_of
-from masonry_cd.friction.operators import ProblemArrays, delassus_trace, put_in_order
+from masonry_cd.friction.operators import ProblemArrays, delassus_trace, has_unit_masses, put_in_order, unit_delassus_trace
 from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat
@@ -114,7 +114,7 @@ def start_iterates(team, given, order, work, settings, p_out, v_out):
     problem, partition, iterates = work.problem, work.partition, work.iterates
     b0, b1 = share_of(team, 0, len(order))
     begin, end = share_of_subtrees(team, work.factor.symbolic)
-    put_in_order(given.inverse_mass, given.v_free, order, b0, b1, problem.inverse, problem.mass, problem.free, problem.n)
+    put_in_order(given, order, b0, b1, problem.inverse, problem.mass, problem.free)
     copy_flat(problem.free[b0:b1], iterates.v[b0:b1])
     iterates.v[len(order)] = 0.0
     iterates.trial[len(order)] = 0.0
@@ -169,7 +169,10 @@ def measure_scales(given, work, q):
     for g in range(partition.joint[q], partition.joint[q + 1]):
         a, b = partition.place[g, 0], partition.place[g, 1]
         for c in range(joints.start[g], joints.start[g + 1]):
-            trace = delassus_trace(problem.inverse, given.jacobian, partition.contact[c], a, b, m, len(problem.n))
+            if has_unit_masses(problem):
+                trace = unit_delassus_trace(problem, given.jacobian, partition.contact[c], a, b)
+            else:
+                trace = delassus_trace(problem.inverse, given.jacobian, partition.contact[c], a, b, m, len(problem.n))
             if len(problem.compliance):
                 for i in range(m):
                     trace += problem.compliance[c, i]
@@ -226,7 +229,8 @@ def measure_carried(team, work, relaxation, last, p):
 @borrower()
 def velocity_of_momentum(team, work, v):
     """v = v_free + M^-1 (generalised impulses of all subtrees), into v (N + 1, n)."""
-    inverse, free, momentum, symbolic = work.problem.inverse, work.problem.free, work.iterates.momentum, work.factor.symbolic
+    problem, momentum, symbolic = work.problem, work.iterates.momentum, work.factor.symbolic
+    inverse, free = problem.inverse, problem.free
     n, (begin, end) = len(work.problem.n), share_of_subtrees(team, symbolic)
     wait(team)
     for q in range(begin, end):
@@ -234,6 +238,9 @@ def velocity_of_momentum(team, work, v):
         add_ghosts(symbolic, q, momentum)
         for b in range(first, last):
             for i in range(n):
+                if has_unit_masses(problem):
+                    v[b, i] = free[b, i] + momentum[b, i]
+                    continue
                 total = free[b, i]
                 for k in range(n):
                     total += inverse[b, i, k] * momentum[b, k]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from masonry_cd.friction.coulomb_law import tangent_length
 from masonry_cd.friction.joint_twists import add_to_wrench, add_wrench, twist_of, velocity_at
 from masonry_cd.friction.natural_map import project_stretched, project_to_cone, squared_residual
-from masonry_cd.friction.operators import missing_momentum_of
+from masonry_cd.friction.operators import missing_momentum_of, unknowns_at
 from masonry_cd.jit import borrower
 from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of
 from masonry_cd.linalg.intrinsics import prefetch
@@ -22,7 +22,7 @@ def eliminate_subtree(work, q, coming, relaxation, p, new, line):
     problem, symbolic, panels = work.problem, work.factor.symbolic, work.factor.panels
     v, momentum, x = work.iterates.v, work.iterates.momentum, work.iterates.correction
     first, last = nodes_of(symbolic, q)
-    missing_momentum_of(problem.mass, problem.free, v, first, last, momentum, problem.n)
+    missing_momentum_of(problem, v, first, last, momentum)
     clear_ghosts(symbolic, q, momentum)
     add_ghosts(symbolic, q, momentum)
     ahead = panels_of(symbolic, coming, len(problem.n)) if coming >= 0 else (0, 0)
@@ -66,7 +66,7 @@ def meet_contacts(work, q, relaxation, p, new, ahead):
     problem, partition, rho, panels, joints = work.problem, work.partition, work.factor.rho, work.factor.panels, work.partition.joints
     v, momentum = work.iterates.v, work.iterates.momentum
     offset, mu, compliance, d = problem.offset, problem.mu, problem.compliance, problem.d
-    m, n, place, target = len(problem.m), len(problem.n), partition.place, partition.target
+    m, place, target = len(problem.m), partition.place, partition.target
     line, end = ahead
     change, count = 0.0, max(partition.joint[q + 1] - partition.joint[q], 1)
     share = (end - line + count - 1) // count
@@ -74,6 +74,7 @@ def meet_contacts(work, q, relaxation, p, new, ahead):
         for entry in range(line, min(line + share, end), 16):
             prefetch(panels, entry)
         line += share
+        n = unknowns_at(problem, place[g, 0], place[g, 1])
         twist, wrench = twist_of(joints, g, v, place[g, 0], place[g, 1], n), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for c in range(joints.start[g], joints.start[g + 1]):
             r, (un, u1, u2) = rho[c], velocity_at(joints, twist, c)
@@ -108,9 +109,9 @@ def clear_momentum(work, q):
 @borrower()
 def add_momentum(work, q, p):
     """momentum += H^T p of the contacts of subtree q."""
-    joints, target, n = work.partition.joints, work.partition.target, len(work.problem.n)
+    joints, place, target = work.partition.joints, work.partition.place, work.partition.target
     for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
-        wrench = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        wrench, n = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), unknowns_at(work.problem, place[g, 0], place[g, 1])
         for c in range(joints.start[g], joints.start[g + 1]):
             wrench = add_to_wrench(joints, wrench, c, p[c, 0], p[c, 1], p[c, 2] if p.shape[1] == 3 else 0.0)
         add_wrench(joints, g, wrench, target[g, 0], target[g, 1], work.iterates.momentum, n)
@@ -119,8 +120,9 @@ def add_momentum(work, q, p):
 @borrower(fastmath={"contract"})
 def contact_velocity(work, q, v, u):
     """u = H v + b (C, m) of the contacts of subtree q for body velocities v (N + 1, n)."""
-    joints, place, offset, n = work.partition.joints, work.partition.place, work.problem.offset, len(work.problem.n)
+    joints, place, offset = work.partition.joints, work.partition.place, work.problem.offset
     for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
+        n = unknowns_at(work.problem, place[g, 0], place[g, 1])
         twist = twist_of(joints, g, v, place[g, 0], place[g, 1], n)
         for c in range(joints.start[g], joints.start[g + 1]):
             velocity = velocity_at(joints, twist, c)
@@ -132,8 +134,9 @@ def contact_velocity(work, q, v, u):
 def squared_map_norm(work, q, p, v):
     """Square of the norm of the natural map residual of the contacts of subtree q, for impulses p (C, m) and velocities v (N + 1, n)."""
     problem, joints, place = work.problem, work.partition.joints, work.partition.place
-    offset, compliance, m, n, total = problem.offset, problem.compliance, len(problem.m), len(problem.n), 0.0
+    offset, compliance, m, total = problem.offset, problem.compliance, len(problem.m), 0.0
     for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
+        n = unknowns_at(problem, place[g, 0], place[g, 1])
         twist = twist_of(joints, g, v, place[g, 0], place[g, 1], n)
         for c in range(joints.start[g], joints.start[g + 1]):
             un, u1, u2 = velocity_at(joints, twist, c)
@@ -154,9 +157,10 @@ def carry_impulses(work, q, relaxation, last, p):
 
     For the contacts of subtree q; last (C, m) and p = last + relaxation (p+ - last) are the impulses before and after the iteration.
     """
-    partition, joints, rho, n = work.partition, work.partition.joints, work.factor.rho, len(work.problem.n)
+    partition, joints, rho = work.partition, work.partition.joints, work.factor.rho
     step, carried, place, target = work.iterates.correction, work.iterates.carried, partition.place, partition.target
     for g in range(partition.joint[q], partition.joint[q + 1]):
+        n = unknowns_at(work.problem, place[g, 0], place[g, 1])
         twist, wrench = twist_of(joints, g, step, place[g, 0], place[g, 1], n), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for c in range(joints.start[g], joints.start[g + 1]):
             gain = velocity_at(joints, twist, c)

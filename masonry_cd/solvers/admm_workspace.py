@@ -32,6 +32,7 @@ class SortedProblem(NamedTuple):
     offset: np.ndarray  # (C, m)
     mu: np.ndarray  # (C,)
     compliance: np.ndarray  # (C, m) or (0, m)
+    width: np.ndarray  # (N + 1,) or (0,), see operators.OrderedProblem
     d: np.ndarray  # (C,) trace(W_cc + C_cc) / m
     m: tuple[int, ...]  # m zeros
     n: tuple[int, ...]  # n zeros
@@ -91,9 +92,10 @@ def allocate_workspace(
     if len(symbolic.subtree) > 2:
         offset, mu, compliance = (np.empty_like(array) for array in (offset, mu, compliance))
     blocks, bodies, impulses, subtrees = (count, n, n), (count + 1, n), (contacts, m), len(symbolic.subtree) - 1
+    width = np.append(given.width[pattern.order], 0) if len(given.width) else given.width
     doubles = [n * n * int(starts[-1]) if pattern.has_single_columns else 0 for starts in (symbolic.square, symbolic.panel)]
     problem = SortedProblem(
-        np.empty(blocks), np.empty(blocks), np.empty((count, n)), offset, mu, compliance, np.empty(contacts), given.m, given.n
+        np.empty(blocks), np.empty(blocks), np.empty((count, n)), offset, mu, compliance, width, np.empty(contacts), given.m, given.n
     )
     iterates = Iterates(
         np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(bodies), np.empty(bodies),

@@ -306,7 +306,7 @@ def sweep(problem: Problem) -> float:
 def work(problem: Problem, pattern: Pattern) -> np.ndarray:
     """Work of a call or an iteration, (4,): one; contacts; entries of H on one side, or a third of those of W, with which less is done;
     operations of a factorisation divided by the unknowns per body, or contact."""
-    n, share = (problem.v_free.shape[1], 1.0) if isinstance(problem, FrictionProblem) else (problem.dimension, 1.0 / 3.0)
+    n, share = (problem.unknowns, 1.0) if isinstance(problem, FrictionProblem) else (problem.dimension, 1.0 / 3.0)
     return np.array([1.0, problem.contacts, share * entries(problem), pattern.operations(n) / n])
 
 
@@ -321,7 +321,7 @@ def touch_in_points(problem: Problem) -> bool:
 def entries(problem: Problem) -> int:
     """Number of entries of H on one side, or of W."""
     if isinstance(problem, FrictionProblem):
-        return problem.contacts * problem.dimension * problem.v_free.shape[1]
+        return problem.contacts * problem.dimension * problem.unknowns
     return int(problem.w.nnz)
 
 
@@ -364,7 +364,7 @@ def _costs(problem: Problem, known: Experience, start: Solution | None) -> tuple
         else:
             last = admm.Memory.read(memory)
             if last is None:
-                last, *_ = admm.recall(problem.arrays().bodies, len(problem.v_free), problem.v_free.shape[1], start)
+                last, *_ = admm.recall(problem.arrays(), start)
                 memory = memory | last.arrays()
             pattern = last.pattern
         known.contacts, known.costs = problem.contacts, tuple(np.sum(np.array(ITERATION + CALL) * work(problem, pattern), axis=1).tolist())

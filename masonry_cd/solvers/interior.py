@@ -90,7 +90,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     if isinstance(problem, LocalProblem):
         return _solve_local(problem, options, start)
     arrays, (bodies, n), m = problem.arrays(), problem.v_free.shape, problem.dimension
-    memory, index, block = admm.recall(arrays.bodies, bodies, n, start)
+    memory, index, block = admm.recall(arrays, start)
     elimination = Elimination(memory.pattern.order, memory.pattern.symbolic, index, block)
     velocity = np.empty((bodies, n))
 

@@ -12,10 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.friction.natural_map import size_of
+from masonry_cd.friction.operators import has_unit_masses
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.small_blocks import copy_flat
+from masonry_cd.linalg.small_blocks import copy_flat, is_wide
 from masonry_cd.linalg.supernodes import BlockMatrix, Factor, allocate_factors, allocate_matrix
 from masonry_cd.linalg.symbolic import SymbolicFactor
+from masonry_cd.linalg.wide_columns import add_outer_products
 
 Kernel = Any  # a compiled function
 
@@ -118,6 +120,9 @@ def keep_better(answer, p, v, error):
 @kernel(fastmath={"contract"})
 def augment_blocks(problem, blocks, matrix):
     """The :class:`BlockMatrix` of M + H^T B H; B has one (m, m) block per contact, the first rows of ``blocks`` (C, m or more, m)."""
+    if is_wide(problem.n):
+        augment_wide_blocks(problem, blocks, matrix)
+        return
     jacobian, index, block, bodies = problem.jacobian, problem.places, problem.block, len(problem.mass)
     diagonal, lower, upper, m, n = matrix.diagonal, matrix.lower, matrix.upper, len(problem.m), len(problem.n)
     copy_flat(problem.mass, diagonal)
@@ -157,3 +162,41 @@ def augment_blocks(problem, blocks, matrix):
                         other += jacobian[c, low, i, q] * turned[high, i, p]
                     lower[block[c], p, q] += one
                     upper[block[c], p, q] += other
+
+
+@kernel()
+def augment_wide_blocks(problem, blocks, matrix):
+    """:func:`augment_blocks` for wide blocks: as many rows and columns of each as its bodies have unknowns."""
+    jacobian, index, block, bodies = problem.jacobian, problem.places, problem.block, len(problem.mass)
+    m, n = len(problem.m), len(problem.n)
+    unit, turned, width = has_unit_masses(problem), np.empty((2, m, n)), np.zeros(2, dtype=np.int64)
+    matrix.lower[:] = 0.0
+    matrix.upper[:] = 0.0
+    if unit:
+        matrix.diagonal[:] = 0.0
+        for b in range(bodies):
+            for i in range(n):
+                matrix.diagonal[b, i, i] = 1.0
+    else:
+        copy_flat(problem.mass, matrix.diagonal)
+    for c in range(len(index)):
+        a, b = index[c, 0], index[c, 1]
+        for side in range(2):
+            body, rows = index[c, side], jacobian[c, side]
+            width[side] = 0 if body == bodies else problem.width[body] if unit else n
+            for i in range(m):
+                for q in range(width[side]):
+                    total = 0.0
+                    for k in range(m):
+                        total += blocks[c, i, k] * rows[k, q]
+                    turned[side, i, q] = total
+            if body < bodies:
+                add_outer_products(rows, turned[side], width[side], width[side], matrix.diagonal[body], m)
+        if a == b < bodies:
+            add_outer_products(jacobian[c, 0], turned[1], width[0], width[0], matrix.diagonal[a], m)
+            add_outer_products(jacobian[c, 1], turned[0], width[0], width[0], matrix.diagonal[a], m)
+        if block[c] >= 0:
+            low = 1 if a > b else 0
+            high = 1 - low
+            add_outer_products(jacobian[c, high], turned[low], width[high], width[low], matrix.lower[block[c]], m)
+            add_outer_products(turned[high], jacobian[c, low], width[high], width[low], matrix.upper[block[c]], m)

@@ -16,11 +16,13 @@ from masonry_cd.friction.operators import (
     add_generalised_impulse,
     body_velocity,
     change_at,
+    has_unit_masses,
     in_order,
     law_velocity,
     missing_momentum,
     put_back,
     relative_velocity,
+    unknowns_at,
 )
 from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.ldu import factorise_ldu
@@ -104,7 +106,7 @@ def linearise_contacts(problem, p, w, stiffness, law):
 def take_newton_step(problem, work, law_work, stiffness, p, v):
     """Impulses p and velocities v <- those that solve the linearised problem, see newton.py; returns the norm of their natural map."""
     law, w = law_work
-    room, m, n = work.room, len(problem.m), len(problem.n)
+    room, m = work.room, len(problem.m)
     law_velocity(problem, v, p, w)
     linearise_contacts(problem, p, w, stiffness, law)
     if factorise(problem, work, law.block) == 0.0:
@@ -118,7 +120,7 @@ def take_newton_step(problem, work, law_work, stiffness, p, v):
         for i in range(m):
             p[c, i] = target[c, i]
         for i in range(m):
-            change = change_at(jacobian, index, c, i, room, n)
+            change = change_at(jacobian, index, c, i, room, unknowns_at(problem, index[c, 0], index[c, 1]))
             for k in range(m):
                 p[c, k] -= block[c, k, i] * change
     return map_norm(problem, p, room, v)
@@ -143,7 +145,7 @@ def movable(problem):
     """Room for the problem in the change of the velocities from those of a centre, which spares rounding."""
     return OrderedProblem(
         problem.inverse, problem.mass, np.empty(problem.free.shape), problem.places, problem.block, problem.jacobian,
-        np.empty(problem.offset.shape), problem.mu, problem.compliance, problem.d, problem.m, problem.n,
+        np.empty(problem.offset.shape), problem.mu, problem.compliance, problem.width, problem.d, problem.m, problem.n,
     )  # fmt: skip
 
 
@@ -186,6 +188,9 @@ def spring_residual(problem, springs, stiffness, v, held, out):
     total = 0.0
     for b in range(len(problem.inverse)):
         for i in range(n):
+            if has_unit_masses(problem):
+                total += out[b, i] * out[b, i]
+                continue
             for j in range(n):
                 total += out[b, i] * problem.inverse[b, i, j] * out[b, j]
     return np.sqrt(max(total, 0.0))

@@ -10,7 +10,9 @@ import numpy as np
 
 from masonry_cd.arrays import Stored
 from masonry_cd.linalg.ordering import FIELDS, Pattern
+from masonry_cd.linalg.small_blocks import NARROW, STEP
 from masonry_cd.solvers.admm import NAMES
+from masonry_cd.solvers.condensed import KEPT, UNKNOWNS
 
 TALLIES = {"admm_tally": 8, "auto_tally": 13}  # numbers in each
 COUNTS = {"admm_tally": (1, 3), "auto_tally": (2, 3, 8, 10, 11)}  # those of them that are whole numbers or flags
@@ -28,6 +30,10 @@ def check_memory(stored: Stored, bodies: int, unknowns: int) -> None:
     Raises:
         InputError: one that is not what a solver leaves.
     """
+    if stored.holds(KEPT):
+        stored.flags(KEPT, None)
+    if stored.holds(UNKNOWNS):
+        unknowns = int(stored.whole(UNKNOWNS, 1, low=1, high=max(unknowns, NARROW) + STEP + 1)[0])
     for name in TALLIES:
         if stored.holds(name):
             _check_tally(stored, name)

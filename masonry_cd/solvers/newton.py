@@ -72,7 +72,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     if isinstance(problem, LocalProblem):
         return _solve_local(problem, options, start, limit)
     arrays, (bodies, n) = problem.arrays(), problem.v_free.shape
-    memory, index, block = admm.recall(arrays.bodies, bodies, n, start)
+    memory, index, block = admm.recall(arrays, start)
     impulse, velocity, pattern, tally = start.impulse.copy(), np.empty((bodies, n)), memory.pattern, memory.tally
     settings = Settings(0.0, tally.newton_stiffness, 0.0, options.tolerance, limit, size_tuple(problem.dimension + 1))
     elimination = Elimination(pattern.order, pattern.symbolic, index, block)

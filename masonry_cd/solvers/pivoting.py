@@ -56,7 +56,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     if not (isinstance(problem, FrictionProblem) and applies(problem) and problem.contacts):
         return interior.solve(problem, options, start)
     arrays, (bodies, n) = problem.arrays(), problem.v_free.shape
-    memory, index, block = admm.recall(arrays.bodies, bodies, n, start)
+    memory, index, block = admm.recall(arrays, start)
     elimination = Elimination(memory.pattern.order, memory.pattern.symbolic, index, block)
     impulse, velocity = np.zeros((problem.contacts, 2)) if start is None else start.impulse.copy(), np.empty((bodies, n))
     limit = options.limit(LIMIT)

@@ -1,0 +1,245 @@
+"""Blocks of more than NARROW rows whose columns stay alone: :mod:`single_columns` with loops as long as each node has rows.
+
+Blocks have room for (n, n) entries, of which a node uses ``width``, see condensation.py; both are multiples of STEP. Most of the work is in
+products, two rows and four columns of the result at a time, which fit into the registers.
+"""
+
+from __future__ import annotations
+
+from masonry_cd.jit import borrower, kernel
+from masonry_cd.linalg.small_blocks import STEP
+
+
+@kernel(inline="always")
+def rows_of(symbolic, j, n):
+    """Rows of node j, of the n of a block."""
+    return symbolic.width[j] if len(symbolic.width) else n
+
+
+@borrower(fastmath={"contract"})
+def add_product(sign, a, b, rows, inner, columns, out):
+    """out (rows, columns) += sign times a (rows, inner) b (inner, columns)."""
+    for p in range(0, rows, 2):
+        for t in range(0, columns, STEP):
+            c0, c1, c2, c3, d0, d1, d2, d3 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            for r in range(inner):
+                x, y, b0, b1, b2, b3 = a[p, r], a[p + 1, r], b[r, t], b[r, t + 1], b[r, t + 2], b[r, t + 3]
+                c0 += x * b0
+                c1 += x * b1
+                c2 += x * b2
+                c3 += x * b3
+                d0 += y * b0
+                d1 += y * b1
+                d2 += y * b2
+                d3 += y * b3
+            e0, e1, e2, e3 = out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3]
+            f0, f1, f2, f3 = out[p + 1, t], out[p + 1, t + 1], out[p + 1, t + 2], out[p + 1, t + 3]
+            out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3] = e0 + sign * c0, e1 + sign * c1, e2 + sign * c2, e3 + sign * c3
+            p1 = p + 1
+            out[p1, t], out[p1, t + 1], out[p1, t + 2], out[p1, t + 3] = f0 + sign * d0, f1 + sign * d1, f2 + sign * d2, f3 + sign * d3
+
+
+@borrower()
+def set_product(a, b, rows, inner, columns, out):
+    """out (rows, columns) = a (rows, inner) b (inner, columns)."""
+    for p in range(rows):
+        for q in range(columns):
+            out[p, q] = 0.0
+    add_product(1.0, a, b, rows, inner, columns, out)
+
+
+@borrower()
+def transpose(a, rows, columns, out):
+    """out (columns, rows) = a^T, and out for the caller."""
+    for p in range(rows):
+        for q in range(columns):
+            out[q, p] = a[p, q]
+
+
+@borrower(fastmath={"contract"})
+def invert_wide(a, width, work, out):
+    """Inverse of the first rows of a block by Gauss and Jordan in place, with row pivoting; the sign of its determinant, or 0 if there is
+    none. ``work`` (2, n) is scratch."""
+    sign, factors, pivots = 1.0, work[0], work[1]
+    for i in range(width):
+        for j in range(width):
+            out[i, j] = a[i, j]
+    for k in range(width):
+        best = k
+        for i in range(k + 1, width):
+            if abs(out[i, k]) > abs(out[best, k]):
+                best = i
+        pivot = out[best, k]
+        if not (0.0 < abs(pivot) < float("inf")):
+            return 0.0
+        if (pivot < 0.0) != (best != k):
+            sign = -sign
+        pivots[k] = best
+        if best != k:
+            for j in range(width):
+                out[k, j], out[best, j] = out[best, j], out[k, j]
+        for i in range(width):
+            factors[i], out[i, k] = out[i, k], 0.0
+        factors[k], out[k, k] = 0.0, 1.0
+        scale = 1.0 / pivot
+        for t in range(0, width, STEP):
+            x0, x1, x2, x3 = out[k, t] * scale, out[k, t + 1] * scale, out[k, t + 2] * scale, out[k, t + 3] * scale
+            out[k, t], out[k, t + 1], out[k, t + 2], out[k, t + 3] = x0, x1, x2, x3
+            for i in range(width):
+                f, y0, y1, y2, y3 = factors[i], out[i, t], out[i, t + 1], out[i, t + 2], out[i, t + 3]
+                out[i, t], out[i, t + 1], out[i, t + 2], out[i, t + 3] = y0 - f * x0, y1 - f * x1, y2 - f * x2, y3 - f * x3
+    for k in range(width - 1, -1, -1):
+        best = int(pivots[k])
+        if best != k:
+            for i in range(width):
+                out[i, k], out[i, best] = out[i, best], out[i, k]
+    return sign
+
+
+@borrower()
+def eliminate_wide_columns(matrix, factor, symmetric, scratch):
+    """Column after column, each by those before it; the sign of the determinant, 0 when a diagonal block cannot be inverted.
+
+    As in :func:`single_columns.factorise_columns`: column k leaves L D^-1 and U^T D^-T in its blocks as it meets them in row j.
+    """
+    symbolic, n = factor.symbolic, len(factor.size)
+    count, first, below, sign = len(symbolic.column) - 1, symbolic.start, symbolic.below, 1.0
+    squares, lows = factor.squares.reshape((count, n, n)), factor.panels.reshape((len(below), n, n))
+    ups = factor.others.reshape((len(below), n, n))
+    head, following, at, where, work, square, turned, other = scratch
+    for j in range(count):
+        own = rows_of(symbolic, j, n)
+        load_wide_column(matrix, symbolic, j, where, (square[0], lows, ups), symmetric, n)
+        k = head[j]
+        while k >= 0:  # all columns k < j with a block in row j
+            coming, t0, end, inner = following[k], at[k], first[k + 1], rows_of(symbolic, k, n)
+            transpose(squares[k], inner, inner, work)
+            set_product(lows[t0] if symmetric else ups[t0], work, own, inner, inner, other)  # U^T D^-T
+            transpose(other, own, inner, turned)
+            add_product(-1.0, lows[t0], turned, own, inner, own, square[0])
+            for t in range(t0 + 1, end):
+                add_product(-1.0, lows[t], turned, rows_of(symbolic, below[t], n), inner, own, lows[where[below[t]]])
+            if symmetric:
+                copy_rows(other, own, inner, lows[t0])
+            else:
+                copy_rows(other, own, inner, ups[t0])
+                set_product(lows[t0], squares[k], own, inner, inner, other)  # L D^-1
+                copy_rows(other, own, inner, lows[t0])
+                transpose(other, own, inner, turned)
+                for t in range(t0 + 1, end):
+                    add_product(-1.0, ups[t], turned, rows_of(symbolic, below[t], n), inner, own, ups[where[below[t]]])
+            if t0 + 1 < end:
+                at[k], following[k] = t0 + 1, head[below[t0 + 1]]
+                head[below[t0 + 1]] = k
+            k = coming
+        sign *= invert_wide(square[0], own, work, squares[j])
+        if sign == 0.0:
+            return sign
+        if first[j] < first[j + 1]:
+            at[j], following[j] = first[j], head[below[first[j]]]
+            head[below[first[j]]] = j
+    return sign
+
+
+@borrower()
+def load_wide_column(matrix, symbolic, j, where, to, symmetric, n):
+    """Blocks of A in column j into ``to``: a square (n, n), the blocks of L and of U^T; ``where`` (N,) numbers their rows."""
+    (diagonal, lower, upper), (square, lows, ups), row, below = matrix, to, symbolic.row, symbolic.below
+    own = rows_of(symbolic, j, n)
+    for t in range(symbolic.start[j], symbolic.start[j + 1]):
+        where[below[t]] = t
+        clear_rows(rows_of(symbolic, below[t], n), own, lows[t])
+        if not symmetric:
+            clear_rows(rows_of(symbolic, below[t], n), own, ups[t])
+    for t in range(symbolic.column[j], symbolic.column[j + 1]):
+        copy_rows(lower[t], rows_of(symbolic, row[t], n), own, lows[where[row[t]]])
+        if not symmetric:
+            copy_rows(upper[t], rows_of(symbolic, row[t], n), own, ups[where[row[t]]])
+    copy_rows(diagonal[j], own, own, square)
+
+
+@borrower()
+def clear_rows(rows, columns, out):
+    """The first rows and columns of a block = 0."""
+    for p in range(rows):
+        for q in range(columns):
+            out[p, q] = 0.0
+
+
+@borrower()
+def copy_rows(a, rows, columns, out):
+    """The first rows and columns of a block."""
+    for p in range(rows):
+        for q in range(columns):
+            out[p, q] = a[p, q]
+
+
+@borrower(fastmath={"contract"})
+def subtract_rows_times(a, x, rows, columns, out):
+    """out (rows,) -= a (rows, columns) x."""
+    for p in range(0, rows, STEP):
+        t0, t1, t2, t3 = out[p], out[p + 1], out[p + 2], out[p + 3]
+        for q in range(columns):
+            y = x[q]
+            t0 -= a[p, q] * y
+            t1 -= a[p + 1, q] * y
+            t2 -= a[p + 2, q] * y
+            t3 -= a[p + 3, q] * y
+        out[p], out[p + 1], out[p + 2], out[p + 3] = t0, t1, t2, t3
+
+
+@borrower(fastmath={"contract"})
+def subtract_columns_times(a, x, rows, columns, out):
+    """out (columns,) -= a^T x, a (rows, columns)."""
+    for q in range(0, columns, STEP):
+        t0, t1, t2, t3 = out[q], out[q + 1], out[q + 2], out[q + 3]
+        for p in range(rows):
+            y = x[p]
+            t0 -= a[p, q] * y
+            t1 -= a[p, q + 1] * y
+            t2 -= a[p, q + 2] * y
+            t3 -= a[p, q + 3] * y
+        out[q], out[q + 1], out[q + 2], out[q + 3] = t0, t1, t2, t3
+
+
+@borrower()
+def forward_wide_columns(symbolic, low, x, n):
+    """x <- L^-1 x in place, x (N or more, n)."""
+    below = symbolic.below
+    lows = low.reshape((len(below), n, n))
+    for j in range(len(symbolic.column) - 1):
+        own = rows_of(symbolic, j, n)
+        for t in range(symbolic.start[j], symbolic.start[j + 1]):
+            subtract_rows_times(lows[t], x[j], rows_of(symbolic, below[t], n), own, x[below[t]])
+
+
+@borrower()
+def backward_wide_columns(symbolic, inverse, up, x, y, n):
+    """x <- U^-1 D^-1 x in place; y is room for the entries of a node, at least."""
+    below, size = symbolic.below, len(symbolic.column) - 1
+    squares, ups = inverse.reshape((size, n, n)), up.reshape((len(below), n, n))
+    for j in range(size):
+        own = rows_of(symbolic, j, n)
+        for p in range(own):
+            y[p], x[j, p] = x[j, p], up.dtype.type(0.0)
+        subtract_rows_times(squares[j], y, own, own, x[j])
+        for p in range(own):
+            x[j, p] = -x[j, p]
+    for j in range(size - 1, -1, -1):
+        own = rows_of(symbolic, j, n)
+        for t in range(symbolic.start[j], symbolic.start[j + 1]):
+            subtract_columns_times(ups[t], x[below[t]], rows_of(symbolic, below[t], n), own, x[j])
+
+
+@borrower(fastmath={"contract"})
+def add_outer_products(x, y, rows, columns, out, m):
+    """out (rows, columns) += x^T y for x (m, rows), y (m, columns), four columns at a time."""
+    for p in range(rows):
+        x0, x1, x2 = x[0, p], x[1, p], x[m - 1, p] if m == 3 else 0.0
+        for t in range(0, columns, STEP):
+            c0, c1, c2, c3 = out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3]
+            c0, c1, c2, c3 = c0 + x0 * y[0, t], c1 + x0 * y[0, t + 1], c2 + x0 * y[0, t + 2], c3 + x0 * y[0, t + 3]
+            c0, c1, c2, c3 = c0 + x1 * y[1, t], c1 + x1 * y[1, t + 1], c2 + x1 * y[1, t + 2], c3 + x1 * y[1, t + 3]
+            if m == 3:
+                c0, c1, c2, c3 = c0 + x2 * y[2, t], c1 + x2 * y[2, t + 1], c2 + x2 * y[2, t + 2], c3 + x2 * y[2, t + 3]
+            out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3] = c0, c1, c2, c3
