@@ -222,9 +222,9 @@ def test_a_balance_beside_no_work_has_a_measure_of_its_own():
     report = RunReport(fall=2.0, balance_max=1e-11, work_max=1e-25)
     assert report.balance_error == pytest.approx(1e14)  # nothing was solved yet: no other measure
     energy = dict.fromkeys((*ENERGIES, "kinetic"), 0.0) | {"balance": 1e-11}
-    step = StepReport(*[0] * len(StepReport._fields))
+    step = StepReport(iterations=0, error=0.0, seconds=0.0, contacts=0, penetration=0.0, reason="")
     for _ in range(5):
-        report.add(step._replace(reason="", closing=None), 1e-8, energy)
+        report.add(step, 1e-8, energy)
     assert report.resolution == pytest.approx(1e-7)
     assert report.balance_error == pytest.approx(1e-4)
     assert report.at_rest
