@@ -68,9 +68,10 @@ def separate(a, b, solids, own, other, bias, springs, feature):
     """
     best, face = face_axis(a, b, solids, own, other)
     best_b, face_b = face_axis(b, a, solids, other, own)
-    last = _separation_of_last(a, b, solids, own, other, feature)
-    if springs and last < -bias and max(best, best_b) <= HELD * last:
-        return last
+    if springs:
+        last = _separation_of_last(a, b, solids, own, other, feature)
+        if last < -bias and max(best, best_b) <= HELD * last:
+            return last
     kind = FACE_OF_A
     if best_b > best + (-FICKLE * bias if feature[0] == FACE_OF_B else FICKLE * bias):
         best, face, kind = best_b, face_b, FACE_OF_B

@@ -7,7 +7,8 @@ With mean velocities over the step, v = (v_old + v_new) / 2, it is exact for the
 
 The kinetic energy changes by p . H v, which is the relative motion of the contacts (lost in friction and impacts) less the part of the
 supports' own motion (work of the base). What a tie stores in its stretch counts as work until it gives it back. elastic is the energy of
-the springs of elastic joints and of blocks that deform, damping what these lost to their dashpots, to their theta and in breaking.
+the springs of elastic joints and of blocks that deform, damping what these lost to their dashpots, to their theta, in breaking and where a
+joint passes to another face, whose springs begin without force.
 correction is the work of lifting blocks out of overlaps, beside the balance.
 """
 

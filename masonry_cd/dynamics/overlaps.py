@@ -65,21 +65,22 @@ def correct_overlaps(system: System, made: StepProblem, deepest: Overlap, state:
 
 def deepest_overlap(made: StepProblem) -> Overlap:
     """The largest overlap of rigid contacts in a step."""
-    return _deepest(made, made.rigid)
+    gap = made.rows.gap
+    return _deepest(made, gap if made.springs is None else np.where(made.springs.elastic, np.inf, gap))
 
 
 def largest_shortening(made: StepProblem) -> Overlap:
     """The largest shortening of springs in a step."""
-    return Overlap() if made.springs is None else _deepest(made, np.flatnonzero(made.springs.elastic))
+    return Overlap() if made.springs is None else _deepest(made, np.where(made.springs.elastic, made.rows.gap, np.inf))
 
 
-def _deepest(made: StepProblem, among: np.ndarray) -> Overlap:
-    """The largest overlap of some contacts, by their indices."""
-    if not len(among):
+def _deepest(made: StepProblem, gap: np.ndarray) -> Overlap:
+    """The largest overlap by gaps (C,), inf of contacts that do not count [m]."""
+    at = int(gap.argmin()) if len(gap) else -1
+    if at < 0 or gap[at] == np.inf:
         return Overlap()
-    at = int(among[made.rows.gap[among].argmin()])
     first, second = made.rows.blocks[at].tolist()
-    return Overlap(max(0.0, -float(made.rows.gap[at])), (first, second))
+    return Overlap(max(0.0, -float(gap[at])), (first, second))
 
 
 def still_closing(system: System, made: StepProblem, v: np.ndarray) -> Closing | None:

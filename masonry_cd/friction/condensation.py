@@ -28,7 +28,7 @@ import numpy as np
 from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.jit import borrower, entry
-from masonry_cd.linalg.small_blocks import NARROW, STEP, copy_flat
+from masonry_cd.linalg.small_blocks import STEP, copy_flat, room_for
 from masonry_cd.linalg.triangular import add_columns
 
 DEPENDENT = 1e-12  # share of a row, in the norm of M^-1, that may be off those before it without an unknown: rounding leaves 1e-15
@@ -70,11 +70,6 @@ def condense(problem: FrictionProblem, velocity: np.ndarray | None = None) -> Co
         offset=rows.offset, width=width,
     )  # fmt: skip
     return Condensed(condensed, rows.velocity[:, :count], rows.kept)
-
-
-def room_for(count: int) -> int:
-    """Unknowns that bodies have room for, of which one has ``count``: more than NARROW."""
-    return max(-(-count // STEP) * STEP, NARROW + STEP)
 
 
 @lru_cache(maxsize=4)

@@ -75,13 +75,12 @@ def put_in_order(given, order, first, end, inverse, mass, free):
     inverse_mass, v_free, n = given.inverse_mass, given.v_free, len(given.n)
     work = np.empty((n, n))
     for b in range(first, end):
-        coupled = False
-        if has_unit_masses(given):
-            for i in range(n):
-                free[b, i] = v_free[order[b], i]
-            continue
         for i in range(n):
             free[b, i] = v_free[order[b], i]
+        if has_unit_masses(given):
+            continue
+        coupled = False
+        for i in range(n):
             for j in range(n):
                 inverse[b, i, j] = inverse_mass[order[b], i, j]
                 mass[b, i, j] = 0.0
@@ -99,10 +98,7 @@ def measure_scales(problem, first, end):
     compliance, m = problem.compliance, len(problem.m)
     for c in range(first, end):
         a, b = problem.places[c, 0], problem.places[c, 1]
-        if has_unit_masses(problem):
-            trace = unit_delassus_trace(problem, problem.jacobian, c, a, b)
-        else:
-            trace = delassus_trace(problem.inverse, problem.jacobian, c, a, b, m, len(problem.n))
+        trace = trace_of_contact(problem, problem.jacobian, c, a, b)
         if len(compliance):
             for i in range(m):
                 trace += compliance[c, i]
@@ -126,6 +122,14 @@ def delassus_trace(inverse, jacobian, c, a, b, m, n):
                         total += inverse[body, k, l] * jacobian[c, 1 - side, i, l]
                 trace += total * jacobian[c, side, i, k]
     return trace
+
+
+@kernel(inline="always")
+def trace_of_contact(problem, jacobian, c, a, b):
+    """Trace of W_cc of the contact in row c of ``jacobian``, between the bodies at places a and b."""
+    if has_unit_masses(problem):
+        return unit_delassus_trace(problem, jacobian, c, a, b)
+    return delassus_trace(problem.inverse, jacobian, c, a, b, len(problem.m), len(problem.n))
 
 
 @borrower(fastmath={"contract"})

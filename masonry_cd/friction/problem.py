@@ -31,12 +31,10 @@ import numpy as np
 
 from masonry_cd.friction.natural_map import natural_map_norms
 from masonry_cd.friction.operators import ProblemArrays, error_bodies, new_velocity
-from masonry_cd.linalg.small_blocks import EPSILON, size_of_blocks, size_tuple
+from masonry_cd.linalg.small_blocks import EPSILON, FULL, size_of_blocks, size_tuple
 
 if TYPE_CHECKING:
     from scipy import sparse
-
-ALL = np.zeros(0, dtype=np.int64)  # width of bodies with n unknowns each
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +87,7 @@ class FrictionProblem:
             np.ascontiguousarray(self.offset, dtype=np.float64),
             np.ascontiguousarray(self.mu, dtype=np.float64),
             np.ascontiguousarray(compliance, dtype=np.float64),
-            ALL if self.width is None else self.width,
+            FULL if self.width is None else self.width,
             size_tuple(self.dimension),
             size_of_blocks(self.v_free.shape[1]),
         )

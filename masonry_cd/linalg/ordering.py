@@ -12,10 +12,10 @@ import numpy as np
 from cvxopt import amd, spmatrix
 
 from masonry_cd.linalg.elimination_tree import SUBTREE, partition_tree
+from masonry_cd.linalg.small_blocks import FULL
 from masonry_cd.linalg.symbolic import SymbolicFactor, analyse, locate
 
 FIELDS = ("pairs", "order", "place", *SymbolicFactor._fields[:-1])  # of a pattern, without the width
-FULL = np.zeros(0, dtype=np.int64)  # width of nodes that have all rows of a block
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from masonry_cd.jit import borrower, entry, kernel
 EPSILON = 2.2e-16  # relative rounding error of a float
 NARROW = 12  # unknowns of a rigid block, or of one of uniform strain, at the most: loops over so many are unrolled
 STEP = 4  # rows or columns of wider blocks that kernels take at a time
+FULL = np.zeros(0, dtype=np.int64)  # width of blocks that use all their rows
 
 
 def size_tuple(n: int) -> tuple[int, ...]:
@@ -27,6 +28,11 @@ def size_tuple(n: int) -> tuple[int, ...]:
 def size_of_blocks(n: int) -> Any:
     """What has n for its length: a tuple as :func:`size_tuple` makes it, or an array where blocks are wide, with one kernel for all n."""
     return np.zeros(n) if n > NARROW and n % STEP == 0 else size_tuple(n)
+
+
+def room_for(count: int) -> int:
+    """Rows of wide blocks that have room for so many: more than NARROW, in steps of STEP."""
+    return max(-(-count // STEP) * STEP, NARROW + STEP)
 
 
 @kernel(inline="always")

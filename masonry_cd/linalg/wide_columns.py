@@ -42,15 +42,13 @@ def add_product(sign, a, b, rows, inner, columns, out):
 @borrower()
 def set_product(a, b, rows, inner, columns, out):
     """out (rows, columns) = a (rows, inner) b (inner, columns)."""
-    for p in range(rows):
-        for q in range(columns):
-            out[p, q] = 0.0
+    clear_rows(rows, columns, out)
     add_product(1.0, a, b, rows, inner, columns, out)
 
 
 @borrower()
 def transpose(a, rows, columns, out):
-    """out (columns, rows) = a^T, and out for the caller."""
+    """out (columns, rows) = a^T of the first rows and columns of a block."""
     for p in range(rows):
         for q in range(columns):
             out[q, p] = a[p, q]
@@ -160,7 +158,7 @@ def load_wide_column(matrix, symbolic, j, where, to, symmetric, n):
 
 @borrower()
 def clear_rows(rows, columns, out):
-    """The first rows and columns of a block = 0."""
+    """out = 0, in the first rows and columns of a block."""
     for p in range(rows):
         for q in range(columns):
             out[p, q] = 0.0
@@ -168,7 +166,7 @@ def clear_rows(rows, columns, out):
 
 @borrower()
 def copy_rows(a, rows, columns, out):
-    """The first rows and columns of a block."""
+    """out = a, in the first rows and columns of a block."""
     for p in range(rows):
         for q in range(columns):
             out[p, q] = a[p, q]

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from masonry_cd.friction.natural_map import size_of
-from masonry_cd.friction.operators import ProblemArrays, delassus_trace, has_unit_masses, put_in_order, unit_delassus_trace
+from masonry_cd.friction.operators import ProblemArrays, has_unit_masses, put_in_order, trace_of_contact
 from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat
@@ -169,10 +169,7 @@ def measure_scales(given, work, q):
     for g in range(partition.joint[q], partition.joint[q + 1]):
         a, b = partition.place[g, 0], partition.place[g, 1]
         for c in range(joints.start[g], joints.start[g + 1]):
-            if has_unit_masses(problem):
-                trace = unit_delassus_trace(problem, given.jacobian, partition.contact[c], a, b)
-            else:
-                trace = delassus_trace(problem.inverse, given.jacobian, partition.contact[c], a, b, m, len(problem.n))
+            trace = trace_of_contact(problem, given.jacobian, partition.contact[c], a, b)
             if len(problem.compliance):
                 for i in range(m):
                     trace += problem.compliance[c, i]

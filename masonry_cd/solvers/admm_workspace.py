@@ -92,7 +92,7 @@ def allocate_workspace(
     if len(symbolic.subtree) > 2:
         offset, mu, compliance = (np.empty_like(array) for array in (offset, mu, compliance))
     blocks, bodies, impulses, subtrees = (count, n, n), (count + 1, n), (contacts, m), len(symbolic.subtree) - 1
-    width = np.append(given.width[pattern.order], 0) if len(given.width) else given.width
+    width = np.append(symbolic.width, 0) if len(symbolic.width) else symbolic.width
     doubles = [n * n * int(starts[-1]) if pattern.has_single_columns else 0 for starts in (symbolic.square, symbolic.panel)]
     problem = SortedProblem(
         np.empty(blocks), np.empty(blocks), np.empty((count, n)), offset, mu, compliance, width, np.empty(contacts), given.m, given.n
