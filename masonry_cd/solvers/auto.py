@@ -4,7 +4,8 @@
 
 1. The impulses of the last step are tried as they are: at rest they do again. The error that they leave adds up from step to step, so a
    step that begins close to the solution (NEARLY) is solved DEEPER than asked, and so is the next, in at most DEEP_LIMIT iterations: ten
-   more, for thousands of steps that then need none. Where the last start was FAR off, only every LOOK-th one is measured.
+   more, for thousands of steps that then need none. Where the step after it begins beyond the tolerance all the same, as in a structure
+   that sways, that was in vain, and only every LOOK-th step is tried so. Where the last start was FAR off, only every LOOK-th is measured.
 2. A step begins with ADMM or with Newton's method, whichever cost less when a step last began with it. An ADMM iteration propagates the
    error through the whole structure and is cheap; a Newton iteration is expensive, but few are needed if it starts close. Steps 4, 16, 64,
    256 ... begin with the other one, unless a single iteration of it costs more than a step of the first. What ADMM does not solve at the
@@ -103,6 +104,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     error = np.inf
     if start is not None and (known.error <= FAR * options.tolerance or known.steps % LOOK == 0):
         error = known.error = natural_map_error(problem, start.impulse)
+        known.in_vain = error > options.tolerance if known.deeper else known.in_vain
         if error <= (AGAIN * deeper if known.deeper else options.tolerance):
             known.deeper = False
             velocity = problem.body_velocity(start.impulse) if isinstance(problem, FrictionProblem) else None
@@ -143,7 +145,7 @@ def _solve_by_factors(search: _Search, known: Experience, start: Solution | None
     """Give the methods that factorise their turns; ``error`` is that of the start, where it was measured."""
     problem, options = search.problem, search.options
     search.costs, search.memory = costs, _ = _costs(problem, known, start)
-    nearly = error <= NEARLY * options.tolerance and not search.iterations[ACCELERATED]
+    nearly = error <= NEARLY * options.tolerance and not search.iterations[ACCELERATED] and not (known.in_vain and known.steps % LOOK)
     known.deeper = nearly and error > options.tolerance
     usual = not known.slides or known.steps % LOOK == 0
     opening, hard = openings(known.first(), costs, known), turns(problem, costs, start is None)
@@ -175,20 +177,21 @@ class Experience:
     slides: bool = False  # whether one of the LAST methods solved the last step begun as usual, not the first, at a usual cost
     stalls: bool = False  # whether Newton did not end the last step in which it had a turn before them
     usual: float = 0.0  # cost of a step, where one that costs more is counted as MORE times as much; 0: none but the first was solved
+    in_vain: bool = False  # whether the step after the last one solved deeper began beyond the tolerance
 
     @classmethod
     def recall(cls, start: Solution | None) -> Experience:
         """That of the step before, or a new one."""
         if start is None or "auto_tally" not in start.memory:
             return cls()
-        admm_cost, newton_cost, steps, contacts, *costs, deeper, error, slides, stalls, usual = start.memory["auto_tally"].tolist()
-        counted = (costs[0], costs[1], costs[2], costs[3])
-        return cls([admm_cost, newton_cost], int(steps), int(contacts), counted, bool(deeper), error, bool(slides), bool(stalls), usual)
+        admm_cost, newton_cost, steps, contacts, *costs, deeper, error, slides, stalls, usual, vain = start.memory["auto_tally"].tolist()
+        counted, flags = (costs[0], costs[1], costs[2], costs[3]), (bool(slides), bool(stalls), usual, bool(vain))
+        return cls([admm_cost, newton_cost], int(steps), int(contacts), counted, bool(deeper), error, *flags)
 
     def beside(self, memory: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The memory of the methods, and this one (13,)."""
-        own = (*self.cost, self.steps, self.contacts, *self.costs, self.deeper, self.error, self.slides, self.stalls, self.usual)
-        return memory | {"auto_tally": np.array(own, dtype=float)}
+        """The memory of the methods, and this one (14,)."""
+        learnt = (self.deeper, self.error, self.slides, self.stalls, self.usual, self.in_vain)
+        return memory | {"auto_tally": np.array((*self.cost, self.steps, self.contacts, *self.costs, *learnt), dtype=float)}
 
     def first(self) -> int:
         """The method to begin with: the cheaper one; in a trial the other, unless a single iteration of it costs more than the step."""

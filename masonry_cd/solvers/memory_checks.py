@@ -14,8 +14,8 @@ from masonry_cd.linalg.small_blocks import NARROW, STEP
 from masonry_cd.solvers.admm import NAMES
 from masonry_cd.solvers.condensed import KEPT, UNKNOWNS
 
-TALLIES = {"admm_tally": 8, "auto_tally": 13}  # numbers in each
-COUNTS = {"admm_tally": (1, 3), "auto_tally": (2, 3, 8, 10, 11)}  # those of them that are whole numbers or flags
+TALLIES = {"admm_tally": 8, "auto_tally": 14}  # numbers in each
+COUNTS = {"admm_tally": (1, 3), "auto_tally": (2, 3, 8, 10, 11, 13)}  # those of them that are whole numbers or flags
 POSITIVE = {"admm_tally": (0, 5), "auto_tally": ()}  # and those that a matrix is scaled by
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,8 +13,8 @@ from scenes import thrown
 
 from benchmarks import ours
 from benchmarks.scenes import arch
-from masonry_cd.friction.problem import Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options, auto
+from masonry_cd.friction.problem import Problem, Solution, natural_map_error
+from masonry_cd.solvers import SOLVERS, Options, admm, auto, newton
 
 solve = SOLVERS["auto"]
 
@@ -158,6 +159,32 @@ def test_at_rest_hardly_any_step_needs_an_iteration() -> None:
     assert sum(r.iterations > 0 for r in reports) <= 6
     assert max(r.error for r in reports) <= 1e-8
     assert np.abs(machine.state.position - machine.assembly.centre).max() < 1e-9
+
+
+def test_what_goes_on_moving_is_not_solved_deeper_in_vain(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each step begins close to its solution, and none deeper does for the next one: only one in LOOK is solved so, until it moves no more."""
+    asked: list[float] = []
+
+    def noted(method: Any) -> Any:
+        solved_by = method.solve
+
+        def solved(given: Problem, options: Options, start: Solution | None = None) -> Solution:
+            asked.append(options.tolerance)
+            return solved_by(given, options, start)
+
+        return solved
+
+    for method in (admm, newton):
+        monkeypatch.setattr(method, "solve", noted(method))
+    problem, options = thrown(0.1), Options(tolerance=1e-3)
+    last = solve(problem, options, None)
+    for k in range(3 * auto.LOOK):
+        last = solve(replace(problem, v_free=(1.0 + 0.05 * (k % 2)) * problem.v_free), options, last)
+    deeper = [tolerance < options.tolerance for tolerance in asked]
+    assert 3 <= sum(deeper) <= 5
+    for _ in range(auto.LOOK + 1):
+        last = solve(problem, options, last)
+    assert last.iterations == 0
 
 
 def test_the_error_that_it_reports_is_that_of_the_measure() -> None:
