@@ -7,6 +7,7 @@ r"""Contact detection between convex parts: which surfaces may touch within the 
     manifold       the points of contact of these
     facets         and those between the facets of faces of meshed blocks
     round_contact  spheres: where they come nearest to others, and to polyhedra
+    contact_set    the points within the margin, in the world frame
 
 Points are contacts where the gap may close within the step.
 """
@@ -15,12 +16,13 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from masonry_cd.arrays import Stored
 from masonry_cd.contact.broad_phase import SKIN, Listing, list_holds, list_pairs
+from masonry_cd.contact.contact_set import ContactSet, write_contacts
 from masonry_cd.contact.facets import Facets, Overlay
 from masonry_cd.contact.flat_contact import look_again
 from masonry_cd.contact.motion import Motion, pair_margin
@@ -28,8 +30,9 @@ from masonry_cd.contact.pair_memory import APART, KEPT, SEARCHED, PairMemory, ch
 from masonry_cd.contact.round_contact import POINTS, find_round_contact
 from masonry_cd.contact.workspace import Workspace
 from masonry_cd.jit import borrower, entry
+from masonry_cd.linalg.threads import in_shares
 from masonry_cd.model.blocks import Assembly, Shapes
-from masonry_cd.model.geometry import relative_pose, turned_normal
+from masonry_cd.model.geometry import relative_pose
 
 ROOM_OF_FACETS = (32, 8)  # points of a pair whose faces have facets, and for each: meshes of nearly one size have three or so
 
@@ -48,27 +51,6 @@ class TooManyPoints(RuntimeError):
     def __init__(self, blocks: tuple[int, int]) -> None:
         super().__init__(f"blocks {blocks}")
         self.blocks = blocks
-
-
-class ContactSet(NamedTuple):
-    """C contacts. The normal points from the antagonist (second body) to the candidate (first body)."""
-
-    bodies: np.ndarray  # (C, 2) candidate and antagonist block
-    point: np.ndarray  # (C, 3) world frame [m]
-    normal: np.ndarray  # (C, 3) unit
-    gap: np.ndarray  # (C,) [m], negative when the blocks overlap
-    area: np.ndarray  # (C,) share of the joint's area where its law goes by area, else 0 [m2]
-    pair: np.ndarray  # (C,) row of the detector's pair list
-    previous: np.ndarray  # (C,) the same contact in the last set, -1 for a new one
-
-    @classmethod
-    def allocate(cls, count: int) -> ContactSet:
-        """Room for a number of contacts, to be filled."""
-        one, three, index = (count,), (count, 3), np.int64
-        return cls(
-            np.empty((count, 2), index), np.empty(three), np.empty(three), np.empty(one), np.empty(one), np.empty(one, index),
-            np.empty(one, index),
-        )  # fmt: skip
 
 
 class Detector:
@@ -92,11 +74,12 @@ class Detector:
         self._rolling = assembly.rolling if not corners_only else np.zeros_like(assembly.rolling)
         facets = Facets.none() if facets is None else facets
         self._facets = facets.most(shapes.solids.owner_of_face(), len(shapes.part_block))  # (P,) most of a face
-        self._work = Workspace.allocate(shapes, int(self._corners.max()), int(more_points(2 * self._facets.max())))
+        self._work = [self._workspace()]  # of each thread
         self._overlay = Overlay.allocate(facets, int(self._corners.max()))
         self._listing = Listing.none(assembly.count, len(shapes.part_block))
         self._remember(PairMemory.none())
         self.rebuilds = 0
+        self.contacts = 0  # of the last set
         self.tally = np.zeros(4, dtype=np.int64)  # pairs so far that were APART, KEPT, CLIPPED, SEARCHED
 
     @property
@@ -111,7 +94,14 @@ class Detector:
         return {"broad_phases": self.rebuilds} | dict(zip(names, self.tally.tolist(), strict=True))
 
     def detect(
-        self, position: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, step: float, slack: float, origin: np.ndarray
+        self,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        velocity: np.ndarray,
+        step: float,
+        slack: float,
+        origin: np.ndarray,
+        threads: int = 1,
     ) -> ContactSet:
         """List the contacts of a configuration.
 
@@ -122,18 +112,19 @@ class Detector:
             step: time step [s].
             slack: distance that forces not yet known may add within the step [m].
             origin: (3,) displacement of the supports since the start [m].
+            threads: that share the pairs of polyhedra; they change no bit.
 
         Raises:
             TooManyPoints: the meshes of two faces cross too often.
         """
         motion = Motion(position, rotation, velocity, float(step), float(slack), self._affine)
-        count = self._update(motion, origin, False)
+        count = self._update(motion, origin, False, threads)
         if count < 0:
             self._rebuild(motion, origin)
-            count = self._update(motion, origin, True)
+            count = self._update(motion, origin, True, threads)
         if self._overlay.crowded[0] >= 0:
             raise self._crowding()
-        found = ContactSet.allocate(count)
+        self.contacts, found = count, ContactSet.allocate(count)
         write_contacts(self._memory, self._shapes.part_block, motion, found)
         return found
 
@@ -176,15 +167,29 @@ class Detector:
         self._listing = Listing(arrays["listed_position"], arrays["listed_rotation"], arrays["allowance"])
         self.tally, self.rebuilds = arrays["tally"], int(arrays["rebuilds"])
 
-    def _update(self, motion: Motion, origin: np.ndarray, just_listed: bool) -> int:
+    def _update(self, motion: Motion, origin: np.ndarray, just_listed: bool, threads: int) -> int:
         """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed anew."""
-        known = (self._listing, self._memory, self._shapes)
-        count = int(update_pairs(*known, motion, origin, just_listed, self._kind, self._work, self.tally))
-        if count >= 0 and self._meshed:
-            count += update_facet_pairs(*known[1:], motion, self._kind, self._work, self._overlay, self.tally)
-        if count >= 0 and self._round:
-            count += update_round_pairs(*known[1:], motion, self._kind, self._arm, self._work, self.tally)
+        known, work = (self._memory, self._shapes, motion, self._kind), self._work
+        work.extend(self._workspace() for _ in range(threads - len(work)))
+        tally = [self.tally, *np.zeros((threads - 1, 4), dtype=np.int64)]
+
+        def update(rank: int, first: int, end: int) -> int:
+            return update_pairs(self._listing, origin, just_listed, *known, work[rank], tally[rank], (first, end))
+
+        counts = in_shares(update, threads, len(self.pairs))
+        self.tally += sum(tally[1:])
+        if counts[0] < 0:  # so says each
+            return -1
+        count = sum(counts)
+        if self._meshed:
+            count += update_facet_pairs(*known, work[0], self._overlay, self.tally)
+        if self._round:
+            count += update_round_pairs(*known, self._arm, work[0], self.tally)
         return count
+
+    def _workspace(self) -> Workspace:
+        """Scratch arrays for a thread."""
+        return Workspace.allocate(self._shapes, int(self._corners.max()), int(more_points(2 * self._facets.max())))
 
     def _crowding(self) -> TooManyPoints:
         """What is wrong with the faces that have no room for their points; other detections may go on."""
@@ -237,19 +242,20 @@ def _most_corners(shapes: Shapes) -> np.ndarray:
 @entry()
 def update_pairs(
     listing: Listing,
+    origin: np.ndarray,
+    just_listed: bool,
     memory: PairMemory,
     shapes: Shapes,
     motion: Motion,
-    origin: np.ndarray,
-    just_listed: bool,
     kind: np.ndarray,
     work: Workspace,
     tally: np.ndarray,
+    share: tuple[int, int],
 ) -> int:
-    """Bring the points of the P pairs without spheres and facets up to date, and the gap of each, inf where it is beyond the margin.
+    """Bring the points of the pairs without spheres and facets up to date, and the gap of each, inf where it is beyond the margin.
 
     ``origin`` (3,) is the displacement of the supports since the start [m]; ``just_listed``: the list holds, where motions are not finite
-    too; ``kind`` (P,) of each pair; ``tally`` (4,) counts what was done.
+    too; ``kind`` (P,) of each pair; ``tally`` (4,) counts what was done; ``share``: the first pair that is looked at, and the end.
 
     Returns:
         how many points are within the margin; -1, and nothing is done, where the list of pairs no longer holds.
@@ -259,7 +265,7 @@ def update_pairs(
     part_block, radius, size = shapes.part_block, shapes.radius, shapes.size
     parts, slot, count, gap, now = memory.parts, memory.slot, memory.point_count, memory.gap, work.now
     within = 0
-    for k in range(parts.shape[0]):
+    for k in range(share[0], share[1]):
         if kind[k] > BY_AREA:
             continue
         a, b = parts[k, 0], parts[k, 1]
@@ -340,40 +346,3 @@ def _within_margin(memory, k, margin):
         else:
             within += 1
     return within
-
-
-@entry()
-def write_contacts(memory: PairMemory, part_block: np.ndarray, motion: Motion, rows: ContactSet) -> None:
-    """Fill the rows of a set with the points within the margin, in the world frame, and note the row of each."""
-    total = 0
-    for k in range(memory.parts.shape[0]):
-        if memory.point_count[k] == 0:
-            continue
-        a, b = part_block[memory.parts[k, 0]], part_block[memory.parts[k, 1]]
-        r, x, scale = motion.rotation[a], motion.position[a], 1.0
-        if len(motion.affine) == 2:
-            nx, ny, nz, scale = turned_normal(motion.rotation, a, memory.normal[k])
-        else:
-            nx, ny, nz = _turned(r, memory.normal[k])
-        for s in range(memory.slot[k], memory.slot[k] + memory.point_count[k]):
-            if memory.gap[s] == np.inf:
-                memory.place[s] = -1
-                continue
-            px, py, pz = _turned(r, memory.local[s])
-            rows.point[total, 0], rows.point[total, 1], rows.point[total, 2] = x[0] + px, x[1] + py, x[2] + pz
-            rows.normal[total, 0], rows.normal[total, 1], rows.normal[total, 2] = nx, ny, nz
-            rows.bodies[total, 0], rows.bodies[total, 1] = b, a
-            rows.gap[total], rows.area[total] = scale * memory.gap[s], memory.area[s]
-            rows.pair[total], rows.previous[total] = k, memory.place[s]
-            memory.place[s] = total
-            total += 1
-
-
-@borrower()
-def _turned(r, v):
-    """The vector r v, r (3, 3), as three numbers: no array is made."""
-    return (
-        r[0, 0] * v[0] + r[0, 1] * v[1] + r[0, 2] * v[2],
-        r[1, 0] * v[0] + r[1, 1] * v[1] + r[1, 2] * v[2],
-        r[2, 0] * v[0] + r[2, 1] * v[1] + r[2, 2] * v[2],
-    )

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.contact.contact_set import ContactSet
+from masonry_cd.contact.detector import Detector
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.polygon import loop_area

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.contact.detector import ContactSet
+from masonry_cd.contact.contact_set import ContactSet
 from masonry_cd.dynamics.block_arrays import BlockArrays, StepConstants
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.free_motion import Prediction
@@ -24,6 +24,7 @@ from masonry_cd.dynamics.system import Motion, System
 from masonry_cd.dynamics.warps import fill_warp_rows, warped_gaps
 from masonry_cd.friction.problem import FrictionProblem, Solution
 from masonry_cd.jit import borrower, entry
+from masonry_cd.linalg.threads import in_shares
 from masonry_cd.model.deformation import STRAINS
 
 
@@ -35,11 +36,10 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
         touch = warps.touches(found.bodies, found.point, now.position, predicted.maps, system.constants.plane_axis)
         found = found._replace(gap=warped_gaps(warps.arrays, found, touch, predicted.rotation, now.strain[:, STRAINS:]))
     room = ContactRows.allocate(len(found.gap), system.rows, system.unknowns)
-    count = fill_rows(
-        found, system.blocks, system.constants, predicted.state.position, predicted.loads.support_after, system.assembly.friction,
-        last.impulse, room,
-    )  # fmt: skip
-    rows = room.first(count)
+    given = (found, system.blocks, system.constants, predicted.state.position, predicted.loads.support_after, system.assembly.friction)
+    threads = system.threads_for(len(found.gap)) if system.constants.plane_axis < 0 else 1
+    counts = in_shares(lambda _, first, end: fill_rows(*given, last.impulse, room, (first, end)), threads, len(found.gap))
+    rows = room.first(sum(counts))
     if system.strains is not None:
         at, axis = predicted.state.position, system.constants.plane_axis
         fill_strain_rows(system.strains.arrays, found.point, at, predicted.rotation, predicted.maps, axis, rows)
@@ -61,8 +61,11 @@ def fill_rows(
     friction: np.ndarray,
     last_impulse: np.ndarray,
     rows: ContactRows,
+    share: tuple[int, int],
 ) -> int:
     """Fill ``rows``, with room for all contacts found, as of rigid joints; return how many the friction problem has.
+
+    ``share``: the first contact that is looked at, and the end; all of them in a plane, where not each becomes a row.
 
     Positions (B, 3) at q_m [m], velocities of the supports (S, 3) at the end of the step [m/s], coefficients of friction (G, G) by group,
     impulses of all contacts of the last set (., m) [N s].
@@ -79,8 +82,8 @@ def fill_rows(
     frames, jacobian, offset = rows.frame, rows.jacobian, rows.offset
     m, n = jacobian.shape[2], len(columns)
     arm, row = np.empty(3), np.empty(6)
-    count = 0
-    for c in range(gap.shape[0]):
+    count = share[0]
+    for c in range(share[0], share[1]):
         if plane_axis >= 0 and point[c, plane_axis] > plane_at + (closed if area[c] > 0.0 else 0.0):
             continue
         is_closed = 0.0 <= gap[c] <= closed
@@ -110,7 +113,7 @@ def fill_rows(
                     offset[count, i] += sign * (tx * support_velocity[s, 0] + ty * support_velocity[s, 1] + tz * support_velocity[s, 2])
         rows.mu[count] = friction[rows.groups[count, 0], rows.groups[count, 1]]
         count += 1
-    return count
+    return count - share[0]
 
 
 @borrower()

@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.arrays import Stored
-from masonry_cd.friction.operators import errors_by_group
+from masonry_cd.friction.law_terms import errors_by_group
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.jit import borrower, entry
 from masonry_cd.solvers import Options, Solver
@@ -163,7 +163,9 @@ class Islands:
                 self._asleep[name] = solved.iterations == 0
             if solved.iterations >= hardest.iterations:
                 hardest = solved
-        return Solution(impulse, None, hardest.iterations, hardest.reason, error=natural_map_error(problem, impulse))
+        return Solution(
+            impulse, None, hardest.iterations, hardest.reason, error=natural_map_error(problem, impulse, threads=options.threads)
+        )
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """All that the next step depends on, as arrays for a checkpoint."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.contact.detector import ContactSet
+from masonry_cd.contact.contact_set import ContactSet
 from masonry_cd.dynamics.block_arrays import StepConstants
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.step_problem import StepProblem

@@ -50,7 +50,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.contact.detector import ContactSet
+from masonry_cd.contact.contact_set import ContactSet
 from masonry_cd.dynamics.block_arrays import StepConstants
 from masonry_cd.dynamics.contact_arrays import ContactRows, Velocities
 from masonry_cd.dynamics.relative_velocity import of_bodies, of_both, of_supports

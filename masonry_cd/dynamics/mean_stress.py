@@ -39,7 +39,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.arrays import Stored
-from masonry_cd.contact.detector import ContactSet
+from masonry_cd.contact.contact_set import ContactSet
 from masonry_cd.dynamics.block_arrays import BlockArrays, StepConstants
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.element_stress import ElementStress

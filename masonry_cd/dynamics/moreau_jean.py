@@ -26,7 +26,8 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.arrays import Stored
-from masonry_cd.contact.detector import ContactSet, Detector, TooManyPoints
+from masonry_cd.contact.contact_set import ContactSet
+from masonry_cd.contact.detector import Detector, TooManyPoints
 from masonry_cd.dynamics import joint_forces
 from masonry_cd.dynamics.block_forces import BlockForces
 from masonry_cd.dynamics.contact_rows import assemble
@@ -48,7 +49,7 @@ from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_e
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State, body_maps, rotation_matrices
-from masonry_cd.solvers import SOLVERS, Options, threads_that_pay
+from masonry_cd.solvers import SOLVERS, Options
 from masonry_cd.solvers.condensed import in_condensed_unknowns
 
 __all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
@@ -105,8 +106,9 @@ def detect(system: System, detector: Detector, predicted: Prediction, number: in
     h, support, state = system.constants.step, system.support, predicted.state
     slack = 4.0 * h * h * predicted.pull + system.stretch + predicted.swelling
     moved = state.position[support] - system.assembly.centre[support] if support >= 0 else np.zeros(3)
+    threads = system.threads_for(detector.contacts)
     try:
-        return detector.detect(state.position, predicted.maps, state.velocity, h, slack, moved)
+        return detector.detect(state.position, predicted.maps, state.velocity, h, slack, moved, threads)
     except TooManyPoints as reason:
         a, b = (system.assembly.names[block] for block in reason.blocks)
         raise RunStopped(f'step {number}: the meshes of "{a}" and "{b}" cross in too many points; {ALIKE}') from None
@@ -132,8 +134,7 @@ def _shifted(impulse: np.ndarray, normal: np.ndarray) -> np.ndarray:
 def _solve_cones(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None) -> Solved:
     """Find the impulses of contacts whose cones begin at zero, impacts apart from forces."""
     s, problem, start = system.settings, made.problem, made.start
-    threads = threads_that_pay(s.threads, problem.contacts, problem.dimension)
-    options = Options(s.tolerance, s.max_iterations, s.seed + number - 1, threads, s.accepted)
+    options = Options(s.tolerance, s.max_iterations, s.seed + number - 1, system.threads_for(problem.contacts), s.accepted)
     impact = _impact(system, made)
     islands.link(problem, start.impulse, s.tolerance)
     if impact is None:

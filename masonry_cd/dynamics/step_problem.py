@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.contact.detector import ContactSet
+from masonry_cd.contact.contact_set import ContactSet
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.free_motion import Prediction
 from masonry_cd.dynamics.joint_law import Springs

@@ -18,6 +18,7 @@ from masonry_cd.dynamics.strain import Strains
 from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.state import State
+from masonry_cd.solvers import threads_that_pay
 
 TOUCHING = 1e-8  # gaps up to this share of the smallest width count as closed, or those of the joints as built
 SLACK = 1.5  # times the latter: a joint that slips or turns a little stays closed
@@ -139,6 +140,10 @@ class System:
     def turning_axes(self) -> tuple[np.ndarray, ...]:
         """Index of the components of the angular momenta (B, 3) that the unknowns of the free blocks change."""
         return np.ix_(self.free, self.blocks.columns[self.turning] - 3)
+
+    def threads_for(self, contacts: int) -> int:
+        """Threads that pay for so many contacts, see :func:`masonry_cd.solvers.options.threads_that_pay`."""
+        return threads_that_pay(self.settings.threads, contacts, self.rows)
 
     def unknowns_of(self, velocity: np.ndarray) -> np.ndarray:
         """The unknowns (F, n) of the free blocks in velocities (B, 6) of blocks without strain rates."""

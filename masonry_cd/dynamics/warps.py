@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.contact.detector import ContactSet
+from masonry_cd.contact.contact_set import ContactSet
 from masonry_cd.contact.facets import Facets
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.planar import Plane

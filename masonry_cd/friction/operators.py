@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.friction.natural_map import natural_map_norms, squared_residual
+from masonry_cd.friction.natural_map import squared_residual
 from masonry_cd.jit import borrower, entry, kernel
-from masonry_cd.linalg.small_blocks import copy_flat, invert, is_wide
+from masonry_cd.linalg.small_blocks import invert, is_wide
 
 
 class ProblemArrays(NamedTuple):
@@ -189,10 +189,16 @@ def change_at(jacobian, index, c, i, change, n):
 @borrower()
 def law_velocity(problem, v, p, w):
     """w = H v + b + C p (C, m), the velocity that the law is about."""
-    relative_velocity(problem, v, w)
+    law_velocity_of(problem, v, p, 0, len(p), w)
+
+
+@borrower()
+def law_velocity_of(problem, v, p, first, end, w):
+    """w = H v + b + C p for the contacts first to end."""
+    relative_velocity_of(problem, v, first, end, w)
     compliance = problem.compliance
     if len(compliance):
-        for c in range(len(p)):
+        for c in range(first, end):
             for i in range(len(problem.m)):
                 w[c, i] += compliance[c, i] * p[c, i]
 
@@ -220,19 +226,25 @@ def add_generalised_impulse_of(problem, rows, p, first, end, out):
 @borrower(fastmath={"contract"})
 def body_velocity(problem, p, room, v):
     """v = v_free + M^-1 H^T p (B + 1, n) of impulses (C, m), with a last row of zeros; ``room`` (B + 1, n) gets H^T p."""
-    inverse, free, n = problem.inverse, problem.free, len(problem.n)
     room[:] = 0.0
     add_generalised_impulse(problem, p, room)
-    for b in range(len(inverse)):
+    body_velocity_of(problem, room, 0, len(problem.inverse), v)
+    v[-1] = 0.0
+
+
+@borrower(fastmath={"contract"})
+def body_velocity_of(problem, momentum, first, end, v):
+    """v = v_free + M^-1 momentum of the bodies first to end."""
+    inverse, free, n = problem.inverse, problem.free, len(problem.n)
+    for b in range(first, end):
         for i in range(n):
             if has_unit_masses(problem):
-                v[b, i] = free[b, i] + room[b, i]
+                v[b, i] = free[b, i] + momentum[b, i]
                 continue
             total = free[b, i]
             for k in range(n):
-                total += inverse[b, i, k] * room[b, k]
+                total += inverse[b, i, k] * momentum[b, k]
             v[b, i] = total
-    v[-1] = 0.0
 
 
 @borrower()
@@ -298,39 +310,6 @@ def put_back(v, order, out):
             out[order[b], i] = v[b, i]
 
 
-# --- error measures over the bodies in the order of the problem ---------------------------------------------------------------------
-
-
-@kernel()
-def as_given(problem):
-    """ProblemArrays as an :class:`OrderedProblem` whose bodies keep their order, and without M, for the operators that do not need it."""
-    contacts, count = len(problem.mu), len(problem.v_free)
-    index, bodies = np.empty((contacts, 2), dtype=np.int64), problem.bodies
-    for c in range(contacts):
-        for side in range(2):
-            index[c, side] = bodies[c, side] if bodies[c, side] >= 0 else count
-    return OrderedProblem(
-        problem.inverse_mass, np.empty((0, len(problem.n), len(problem.n))), problem.v_free, index, np.empty(0, dtype=np.int64),
-        problem.jacobian, problem.offset, problem.mu, problem.compliance, widths_in_order(problem.width, np.arange(count)),
-        np.ones(contacts), problem.m, problem.n,
-    )  # fmt: skip
-
-
-@kernel()
-def law_terms(given, p, scaled):
-    """w = H v + b + C p of impulses p, q = H v_free + b, and d, which is 1 if not ``scaled``."""
-    problem = as_given(given)
-    rows, contacts = (len(problem.free) + 1, len(problem.n)), (len(p), len(problem.m))
-    v, room, q, w = np.zeros(rows), np.empty(rows), np.empty(contacts), np.empty(contacts)
-    copy_flat(problem.free, v)
-    relative_velocity(problem, v, q)
-    body_velocity(problem, p, room, v)
-    law_velocity(problem, v, p, w)
-    if scaled:
-        measure_scales(problem, 0, len(p))
-    return w, q, problem.d
-
-
 @entry()
 def new_velocity(problem: ProblemArrays, p: np.ndarray, v: np.ndarray) -> None:
     """v = v_free + M^-1 H^T p (B, n) of impulses p (C, m) over ProblemArrays.
@@ -352,23 +331,3 @@ def new_velocity(problem: ProblemArrays, p: np.ndarray, v: np.ndarray) -> None:
             for k in range(n):
                 value += problem.inverse_mass[b, j, k] * impulse[b, k]
             v[b, j] = value
-
-
-@entry()
-def error_bodies(problem: ProblemArrays, p: np.ndarray, scaled: bool) -> tuple[float, float]:
-    """Norms of the natural map residual and of q for impulses p over ProblemArrays; scaled by d, or with d = 1."""
-    w, q, d = law_terms(problem, p, scaled)
-    return natural_map_norms(p, w, q, problem.mu, d)
-
-
-@entry()
-def errors_by_group(problem: ProblemArrays, p: np.ndarray, group: np.ndarray, groups: int) -> tuple[np.ndarray, np.ndarray]:
-    """Norms of the scaled natural map residual and of q over each group of contacts, (G,) each; ``group`` (C,) numbers them."""
-    w, q, d = law_terms(problem, p, True)
-    residual, size, m = np.zeros(groups), np.zeros(groups), len(problem.m)
-    for c in range(len(p)):
-        p2, w2 = (p[c, 2], w[c, 2]) if m == 3 else (0.0, 0.0)
-        residual[group[c]] += squared_residual(p[c, 0], p[c, 1], p2, w[c, 0], w[c, 1], w2, problem.mu[c], d[c])
-        for i in range(m):
-            size[group[c]] += q[c, i] * q[c, i] / d[c]
-    return np.sqrt(residual), np.sqrt(size)

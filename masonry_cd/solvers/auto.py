@@ -103,7 +103,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     known, deeper = Experience.recall(start), max(DEEPER * options.tolerance, ROUNDING)
     error = np.inf
     if start is not None and (known.error <= FAR * options.tolerance or known.steps % LOOK == 0):
-        error = known.error = natural_map_error(problem, start.impulse)
+        error = known.error = natural_map_error(problem, start.impulse, threads=options.threads)
         known.in_vain = error > options.tolerance if known.deeper else known.in_vain
         if error <= (AGAIN * deeper if known.deeper else options.tolerance):
             known.deeper = False
@@ -281,7 +281,7 @@ class _Search:
         self.memory = found.memory or self.memory
         self.iterations[method] += found.iterations
         self.story.append(NAMES[method])
-        error = natural_map_error(self.problem, found.impulse)
+        error = natural_map_error(self.problem, found.impulse, threads=self.options.threads)
         if method == NEWTON and not self.asked_last:
             self.stalled = error > self.options.tolerance
         if error < self.error or self.best is None:

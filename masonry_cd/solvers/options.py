@@ -47,6 +47,9 @@ def threads_that_pay(asked: int | None, contacts: int, dimension: int) -> int:
     """
     if asked is not None:
         return min(asked, cores())
+    wanted = contacts // THREAD_WORTH[dimension]
+    if wanted <= 1:
+        return 1
     allowed = os.environ.get("OMP_NUM_THREADS", "")
     most = min(cores(), int(allowed)) if allowed.isdecimal() else cores()
-    return max(1, min(contacts // THREAD_WORTH[dimension], most))
+    return max(1, min(wanted, most))

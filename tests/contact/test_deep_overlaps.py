@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from models import box, ground, turned
 
-from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.contact.contact_set import ContactSet
+from masonry_cd.contact.detector import Detector
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.materials import JointLaw
 from masonry_cd.model.state import State, rotation_matrices

@@ -6,7 +6,8 @@ from models import box, ground, tower, turned, wall
 from scipy.optimize import linprog
 
 from masonry_cd.contact.broad_phase import overlapping_boxes, sweep_axis
-from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.contact.contact_set import ContactSet
+from masonry_cd.contact.detector import Detector
 from masonry_cd.contact.pair_memory import CLIPPED, KEPT, SEARCHED, STILL
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.state import State, rotation_matrices

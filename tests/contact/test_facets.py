@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from masonry_cd.contact.detector import ContactSet, Detector, TooManyPoints
+from masonry_cd.contact.contact_set import ContactSet
+from masonry_cd.contact.detector import Detector, TooManyPoints
 from masonry_cd.dynamics.warps import Warps
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.elastic_blocks import ElasticBlocks

@@ -5,7 +5,8 @@ import pytest
 from models import box
 from scipy.optimize import nnls
 
-from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.contact.contact_set import ContactSet
+from masonry_cd.contact.detector import Detector
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.contact.round_contact import round_depths
 from masonry_cd.model.blocks import Assembly, Block, Shapes

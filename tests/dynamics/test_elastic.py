@@ -7,7 +7,8 @@ import pytest
 from block_on_joint import AREA, HEIGHT, MASS, SIDES, STIFFNESS, block, history, on_joint
 from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
 
-from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.contact.contact_set import ContactSet
+from masonry_cd.contact.detector import Detector
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
-from masonry_cd.contact.detector import ContactSet, Detector
+from masonry_cd.contact.contact_set import ContactSet
+from masonry_cd.contact.detector import Detector
 from masonry_cd.contact.manifold import SLIVER, SNAP
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.materials import JointLaw

@@ -162,7 +162,7 @@ def test_at_rest_hardly_any_step_needs_an_iteration() -> None:
 
 
 def test_what_goes_on_moving_is_not_solved_deeper_in_vain(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each step begins close to its solution, and none deeper does for the next one: only one in LOOK is solved so, until it moves no more."""
+    """Each step begins close to its solution, and no deeper one does for the next: one in LOOK is solved so, until it moves no more."""
     asked: list[float] = []
 
     def noted(method: Any) -> Any:
