@@ -222,8 +222,8 @@ class Strains:
         """The constants as the kernels read them."""
         own = self.deformation
         return StrainLaw(
-            own.block, self.free, self.columns, self.mass, self.stiffness, self.inverse, self.across, self.normal, own.retardation, own.theta,
-            self.step,
+            own.block, self.free, self.columns, self.mass, self.stiffness, self.inverse, self.across, self.normal, own.retardation,
+            own.theta, self.step,
         )  # fmt: skip
 
     def _warp_rates(self, v: np.ndarray) -> np.ndarray:
@@ -310,11 +310,11 @@ def _in_axes(maps, block, arm, axes, d, inner):
 @borrower()
 def _turned_back(rotation, block, unit, axes, d, along):
     """Fill along (3,) with the components of a unit vector (3,) in the principal axes of a block."""
-    for i in range(3):
-        along[i] = 0.0
-        for k in range(3):
-            for l in range(3):  # noqa: E741
-                along[i] += axes[d, k, i] * rotation[block, l, k] * unit[l]
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(3):
+        value = rotation[block, 0, k] * unit[0] + rotation[block, 1, k] * unit[1] + rotation[block, 2, k] * unit[2]
+        x, y, z = x + axes[d, k, 0] * value, y + axes[d, k, 1] * value, z + axes[d, k, 2] * value
+    along[0], along[1], along[2] = x, y, z
 
 
 @borrower()
