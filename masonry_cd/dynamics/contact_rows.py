@@ -33,8 +33,9 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
     warps, now = None if system.strains is None else system.strains.warps, predicted.state
     touch = None
     if warps is not None:
-        touch = warps.touches(found.bodies, found.point, now.position, predicted.maps, system.constants.plane_axis)
-        found = found._replace(gap=warped_gaps(warps.arrays, found, touch, predicted.rotation, now.strain[:, STRAINS:]))
+        own = on_this_side(found.point, found.area, system.constants)
+        touch = warps.touches(found.bodies[own], found.point[own], now.position, predicted.maps, system.constants.plane_axis)
+        found = found._replace(gap=warped_gaps(warps.arrays, found, own, touch, predicted.rotation, now.strain[:, STRAINS:]))
     room = ContactRows.allocate(len(found.gap), system.rows, system.unknowns)
     given = (found, system.blocks, system.constants, predicted.state.position, predicted.loads.support_after, system.assembly.friction)
     threads = system.threads_for(len(found.gap)) if system.constants.plane_axis < 0 else 1
@@ -49,6 +50,24 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
     rigid = FrictionProblem(predicted.inverse_mass, predicted.v_free, rows.bodies, rows.jacobian, rows.offset, rows.mu, compliance=none)
     made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0))
     return made if system.laws is None else with_springs(system, system.laws, last, made)
+
+
+@entry()
+def on_this_side(point: np.ndarray, area: np.ndarray, constants: StepConstants) -> np.ndarray:
+    """Which contacts found the friction problem has, (C,), by their points (., 3) [m] and areas (.,) [m2]."""
+    out, count = np.empty(len(point), dtype=np.int64), 0
+    for c in range(len(point)):
+        if not _is_image(point, area, constants, c):
+            out[count] = c
+            count += 1
+    return out[:count]
+
+
+@borrower()
+def _is_image(point, area, constants, c):
+    """Whether contact c is the mirror image of another one, see :func:`fill_rows`."""
+    axis = constants.plane_axis
+    return axis >= 0 and point[c, axis] > constants.plane_at + (constants.closed if area[c] > 0.0 else 0.0)
 
 
 @entry()
@@ -78,13 +97,13 @@ def fill_rows(
     """
     point, gap, area, previous = found.point, found.gap, found.area, found.previous
     free_index, support_of, group_of, columns = blocks.free_index, blocks.support_of, blocks.group_of, blocks.columns
-    step, plane_axis, plane_at, closed = constants.step, constants.plane_axis, constants.plane_at, constants.closed
+    step, plane_axis, closed = constants.step, constants.plane_axis, constants.closed
     frames, jacobian, offset = rows.frame, rows.jacobian, rows.offset
     m, n = jacobian.shape[2], len(columns)
     arm, row = np.empty(3), np.empty(6)
     count = share[0]
     for c in range(share[0], share[1]):
-        if plane_axis >= 0 and point[c, plane_axis] > plane_at + (closed if area[c] > 0.0 else 0.0):
+        if _is_image(point, area, constants, c):
             continue
         is_closed = 0.0 <= gap[c] <= closed
         rows.active[count], rows.gap[count], rows.pair[count] = c, 0.0 if is_closed else gap[c], found.pair[c]

@@ -71,13 +71,8 @@ def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:
 
 def _with_strains(system: System, strains: Strains, last: Motion, free: Prediction) -> Prediction:
     """Move the strains to q_m, and fill in their free rates and what stands for their mass; those of rigid blocks stay zero."""
-    k, state = len(system.blocks.columns), free.state
-    inverse, v_free = free.inverse_mass, free.v_free
-    inverse[:, k:, :k] = inverse[:, :k, k:] = 0.0
-    inverse[:, k:, k:] = np.eye(system.unknowns - k)
-    v_free[:, k:] = 0.0
-    inverse[strains.free, k:, k:] = strains.inverse
-    strains.set_unknowns(v_free, strains.free_rates(state.strain, last.v))
+    state = free.state
+    strains.fill_free(state.strain, last.v, free.inverse_mass, free.v_free)
     state.strain = strains.at_q_m(state.strain, last.v)
     swelling = 4.0 * system.constants.step * strains.fastest(last.v, system.reach) + 2.0 * strains.farthest(state.strain)
     return free._replace(maps=strains.deformation.maps(free.rotation, state.strain), swelling=swelling)

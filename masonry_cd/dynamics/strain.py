@@ -37,6 +37,7 @@ import numpy as np
 
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.planar import Plane
+from masonry_cd.dynamics.strain_kernels import StrainLaw, fill_free_strains, move_strains, strain_energies
 from masonry_cd.dynamics.warps import Warps, warps_of
 from masonry_cd.jit import borrower, entry
 from masonry_cd.linalg.small_blocks import inverses, size_tuple
@@ -152,27 +153,25 @@ class Strains:
 
     def at_q_m(self, strain: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Strains (B, 6 + r) at q_m from those at the beginning of the step and the velocities (F, n)."""
-        return self._moved(strain, (1.0 - self.deformation.theta) * self.step * self.rates(v))
+        return self._moved(strain, v, (1.0 - self.deformation.theta) * self.step)
 
     def after(self, at_q_m: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Strains (B, 6 + r) at the end of the step from those at q_m and the new velocities (F, n)."""
-        return self._moved(at_q_m, self.deformation.theta * self.step * self.rates(v))
+        return self._moved(at_q_m, v, self.deformation.theta * self.step)
 
-    def free_rates(self, strain: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Strain rates (D, S) at the end of the step without contact, from strains (B, 6 + r) and velocities (F, n) at its beginning."""
-        theta, beta, h, rate = self.deformation.theta, self.deformation.retardation, self.step, self.rates(v)
-        stretch = h * self._own(strain) + h * (theta * h + beta)[:, None] * rate
-        if self.warps is None:  # one sum: few unknowns
-            return np.asarray(rate - np.einsum("dij,djk,dk->di", self.inverse, self.stiffness, stretch))
-        return np.asarray(rate - np.einsum("dij,dj->di", self.inverse, np.einsum("djk,dk->dj", self.stiffness, stretch)))
+    def fill_free(self, strain: np.ndarray, v: np.ndarray, inverse_mass: np.ndarray, v_free: np.ndarray) -> None:
+        """Fill in what stands for the mass of the strains in M^-1 (F, n, n), and their rates without contact in v_free (F, n).
+
+        From strains (B, 6 + r) and velocities (F, n) at the beginning of the step. The strains of rigid blocks stay zero.
+        """
+        own = np.full(len(v), -1)
+        own[self.free] = np.arange(len(self.free))
+        fill_free_strains(self._law, own, strain, v, inverse_mass, v_free)
 
     def work(self, before: np.ndarray, after: np.ndarray, v: np.ndarray, v_new: np.ndarray) -> StrainWork:
         """The energies over a step between strains (B, 6 + r) and velocities (F, n)."""
-        e, e_new, rate, rate_new = self._own(before), self._own(after), self.rates(v), self.rates(v_new)
-        stretch = self._mean(e, e_new) + self.deformation.retardation[:, None] * self._mean(rate, rate_new)
-        taken = 0.5 * self.step * float(np.einsum("di,dij,dj->", rate + rate_new, self.stiffness, stretch))
-        elastic = [0.5 * float(np.einsum("di,dij,dj->", each, self.stiffness, each)) for each in (e, e_new)]
-        return StrainWork(0.5 * float((self.mass * rate_new**2).sum()), elastic[1], elastic[0], taken - (elastic[1] - elastic[0]))
+        kinetic, elastic, at_start, taken = strain_energies(self._law, before, after, v, v_new)
+        return StrainWork(kinetic, elastic, at_start, taken - (elastic - at_start))
 
     def stretches(self, at_q_m: np.ndarray, v: np.ndarray, v_new: np.ndarray) -> np.ndarray:
         """Strains and warps (D, S) whose elastic force is that of a step, viscosity included.
@@ -212,14 +211,20 @@ class Strains:
         """The unknown strains (D, S) among all (B, 6 + r)."""
         return strain[self.deformation.block[:, None], self.columns]
 
-    def _moved(self, strain: np.ndarray, by: np.ndarray) -> np.ndarray:
-        """Strains (B, 6 + r) with the unknown ones changed by (D, S)."""
+    def _moved(self, strain: np.ndarray, v: np.ndarray, time: float) -> np.ndarray:
+        """Strains (B, 6 + r) moved with velocities (F, n) for a time [s]."""
         out = strain.copy()
-        own = self._own(strain) + by
-        out[self.deformation.block[:, None], self.columns] = own
-        if self.normal >= 0:
-            out[self.deformation.block, self.normal] = (self.across * own[:, : len(self.arrays.columns)]).sum(axis=1)
+        move_strains(self._law, out, v, time)
         return out
+
+    @property
+    def _law(self) -> StrainLaw:
+        """The constants as the kernels read them."""
+        own = self.deformation
+        return StrainLaw(
+            own.block, self.free, self.columns, self.mass, self.stiffness, self.inverse, self.across, self.normal, own.retardation,
+            own.theta, self.step,
+        )  # fmt: skip
 
     def _warp_rates(self, v: np.ndarray) -> np.ndarray:
         """Rates of the warps of all blocks (B, r), in velocities (F, n) [m/s]."""
@@ -305,11 +310,11 @@ def _in_axes(maps, block, arm, axes, d, inner):
 @borrower()
 def _turned_back(rotation, block, unit, axes, d, along):
     """Fill along (3,) with the components of a unit vector (3,) in the principal axes of a block."""
-    for i in range(3):
-        along[i] = 0.0
-        for k in range(3):
-            for l in range(3):  # noqa: E741
-                along[i] += axes[d, k, i] * rotation[block, l, k] * unit[l]
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(3):
+        value = rotation[block, 0, k] * unit[0] + rotation[block, 1, k] * unit[1] + rotation[block, 2, k] * unit[2]
+        x, y, z = x + axes[d, k, 0] * value, y + axes[d, k, 1] * value, z + axes[d, k, 2] * value
+    along[0], along[1], along[2] = x, y, z
 
 
 @borrower()

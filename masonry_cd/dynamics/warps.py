@@ -232,18 +232,19 @@ def _on_facet(nodes, facet, at, share):
 
 
 @entry()
-def warped_gaps(arrays: WarpArrays, found: ContactSet, touch: Touch, rotation: np.ndarray, warp: np.ndarray) -> np.ndarray:
-    """Gaps (C,) of contacts found [m], with warps (B, r) of their blocks, of rotations (B, 3, 3)."""
+def warped_gaps(arrays: WarpArrays, found: ContactSet, own: np.ndarray, touch: Touch, rotation: np.ndarray, warp: np.ndarray) -> np.ndarray:
+    """Gaps of contacts found [m], those ``own`` (C,) with warps (B, r) of their blocks, of rotations (B, 3, 3)."""
     out, along, row = found.gap.copy(), np.empty(3), np.empty(warp.shape[1])
-    for c in range(len(out)):
+    for c in range(len(own)):
+        at = own[c]
         for side in range(2):
-            b = found.bodies[c, side]
+            b = found.bodies[at, side]
             if arrays.mesh[b] < 0:
                 continue
-            _turned_back(rotation, b, found.normal[c], along)
+            _turned_back(rotation, b, found.normal[at], along)
             _fill_row(arrays.shapes, touch.node[c, side], touch.share[c, side], along, 1.0 - 2.0 * side, row)
             for k in range(len(row)):
-                out[c] += row[k] * warp[b, k]
+                out[at] += row[k] * warp[b, k]
     return out
 
 
@@ -253,7 +254,6 @@ def fill_warp_rows(arrays: WarpArrays, touch: Touch, rotation: np.ndarray, rows:
     jacobian, along = rows.jacobian, np.empty(3)
     first = jacobian.shape[3] - arrays.shapes.shape[2]
     for c in range(len(rows.active)):
-        at = rows.active[c]
         for side in range(2):
             b = rows.blocks[c, side]
             for i in range(jacobian.shape[2]):
@@ -262,7 +262,7 @@ def fill_warp_rows(arrays: WarpArrays, touch: Touch, rotation: np.ndarray, rows:
                     row[:] = 0.0
                     continue
                 _turned_back(rotation, b, rows.frame[c, i], along)
-                _fill_row(arrays.shapes, touch.node[at, side], touch.share[at, side], along, 1.0 - 2.0 * side, row)
+                _fill_row(arrays.shapes, touch.node[c, side], touch.share[c, side], along, 1.0 - 2.0 * side, row)
 
 
 @borrower()

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.small_blocks import invert, is_wide
+from masonry_cd.linalg.small_blocks import invert, is_wide, multiply
 from masonry_cd.linalg.wide_columns import backward_wide_columns, eliminate_wide_columns, forward_wide_columns
 
 SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
@@ -57,23 +57,12 @@ def load_column(matrix, symbolic, j, where, square, lows, ups, symmetric, n):
             square[0, p, q] = diagonal[j, p, q]
 
 
-@kernel(fastmath={"contract"}, inline="always")
-def multiply_transposed(a, i, turned, b, t, out, n):
-    """out = a[i] b[t]^T for blocks, or if ``turned`` a[i]^T b[t]^T = (b[t] a[i])^T."""
-    for p in range(n):
-        for q in range(n):
-            total = 0.0
-            for r in range(n):
-                total += (a[i, r, q] if turned else a[i, q, r]) * b[t, p, r]
-            out[q, p] = total
-
-
 @kernel(inline="always")
-def put_transposed(block, blocks, t, n):
-    """blocks[t] = block^T."""
+def put_transposed(block, out, n):
+    """out = block^T."""
     for p in range(n):
         for q in range(n):
-            blocks[t, p, q] = block[q, p]
+            out[p, q] = block[q, p]
 
 
 class ColumnScratch(NamedTuple):
@@ -121,18 +110,20 @@ def _eliminate_columns(matrix, factor, symmetric, scratch):
         k = head[j]
         while k >= 0:  # all columns k < j with a block in row j
             coming, t0, end = following[k], at[k], first[k + 1]
-            multiply_transposed(squares, k, False, lows if symmetric else ups, t0, turned, n)
+            put_transposed((lows if symmetric else ups)[t0], work, n)
+            multiply(squares[k], work, False, turned, size)  # D^-1 U
             subtract_block_product(square, 0, lows, t0, turned, size)
             for t in range(t0 + 1, end):
                 subtract_block_product(lows, where[below[t]], lows, t, turned, size)
             if symmetric:
-                put_transposed(turned, lows, t0, n)
+                put_transposed(turned, lows[t0], n)
             else:
-                multiply_transposed(squares, k, True, lows, t0, other, n)
+                multiply(lows[t0], squares[k], False, work, size)  # L D^-1
+                put_transposed(work, other, n)
                 for t in range(t0 + 1, end):
                     subtract_block_product(ups, where[below[t]], ups, t, other, size)
-                put_transposed(other, lows, t0, n)
-                put_transposed(turned, ups, t0, n)
+                put_transposed(other, lows[t0], n)
+                put_transposed(turned, ups[t0], n)
             if t0 + 1 < end:
                 at[k], following[k] = t0 + 1, head[below[t0 + 1]]
                 head[below[t0 + 1]] = k

@@ -70,48 +70,112 @@ def cholesky_small(a: np.ndarray, factor: np.ndarray, n: int) -> None:
 
 @borrower()
 def invert(a, out, work, size_n):
-    """Inverse of an (n, n) block by Gauss-Jordan with row pivoting; the sign of its determinant, or 0 if it is singular or not finite."""
-    n, sign = len(size_n), 1.0
+    """Inverse of an (n, n) block by Gauss and Jordan in place, with row pivoting; the sign of its determinant, or 0 if it is singular or
+    not finite. ``work`` (2 or more, n) is scratch."""
+    n, sign, factors, pivots = len(size_n), 1.0, work[0], work[1]
     for i in range(n):
         for j in range(n):
-            work[i, j] = a[i, j]
-            out[i, j] = 1.0 if i == j else 0.0
+            out[i, j] = a[i, j]
     for k in range(n):
         best = k
         for i in range(k + 1, n):
-            if abs(work[i, k]) > abs(work[best, k]):
+            if abs(out[i, k]) > abs(out[best, k]):
                 best = i
-        if not (0.0 < abs(work[best, k]) < np.inf):
+        pivot = out[best, k]
+        if not (0.0 < abs(pivot) < np.inf):
             return 0.0
-        if (work[best, k] < 0.0) != (best != k):
+        if (pivot < 0.0) != (best != k):
             sign = -sign
+        pivots[k] = best
         if best != k:
             for j in range(n):
-                work[k, j], work[best, j] = work[best, j], work[k, j]
                 out[k, j], out[best, j] = out[best, j], out[k, j]
-        scale = 1.0 / work[k, k]
-        for j in range(n):
-            work[k, j] *= scale
-            out[k, j] *= scale
         for i in range(n):
-            factor = work[i, k]
-            if i != k and factor != 0.0:
-                for j in range(n):
-                    work[i, j] -= factor * work[k, j]
-                    out[i, j] -= factor * out[k, j]
+            factors[i], out[i, k] = out[i, k], 0.0
+        factors[k], out[k, k] = 0.0, 1.0
+        _take_off_row(out, k, 1.0 / pivot, factors, n)
+    for k in range(n - 1, -1, -1):
+        best = int(pivots[k])
+        if best != k:
+            for i in range(n):
+                out[i, k], out[i, best] = out[i, best], out[i, k]
     return sign
+
+
+@kernel(inline="always")
+def _take_off_row(a, k, scale, factors, n):
+    """Scale row k of a block (n, n), and take it off all rows, so many times each. Half a dozen of its entries are held in registers."""
+    if n % 6 == 0:
+        for t in range(0, n, 6):
+            x0, x1, x2, x3, x4, x5 = a[k, t], a[k, t + 1], a[k, t + 2], a[k, t + 3], a[k, t + 4], a[k, t + 5]
+            x0, x1, x2, x3, x4, x5 = x0 * scale, x1 * scale, x2 * scale, x3 * scale, x4 * scale, x5 * scale
+            a[k, t], a[k, t + 1], a[k, t + 2], a[k, t + 3], a[k, t + 4], a[k, t + 5] = x0, x1, x2, x3, x4, x5
+            for i in range(n):
+                f = factors[i]
+                if f == 0.0:  # what is rigid does not couple with strains
+                    continue
+                y0, y1, y2, y3, y4, y5 = a[i, t], a[i, t + 1], a[i, t + 2], a[i, t + 3], a[i, t + 4], a[i, t + 5]
+                y0, y1, y2, y3, y4, y5 = y0 - f * x0, y1 - f * x1, y2 - f * x2, y3 - f * x3, y4 - f * x4, y5 - f * x5
+                a[i, t], a[i, t + 1], a[i, t + 2], a[i, t + 3], a[i, t + 4], a[i, t + 5] = y0, y1, y2, y3, y4, y5
+    else:
+        for j in range(n):
+            x = a[k, j] * scale
+            a[k, j] = x
+            for i in range(n):
+                a[i, j] -= factors[i] * x
 
 
 @borrower(fastmath={"contract"})
 def multiply(a, b, transposed, out, size_n):
-    """out = a b, or a b^T."""
+    """out = a b, or a b^T. Of a b for n = 6 or 12 half a dozen entries of a row are held in registers."""
     n = len(size_n)
+    if n % 6 == 0 and not transposed:
+        for p in range(n):
+            for t in range(0, n, 6):
+                c0, c1, c2, c3, c4, c5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+                for r in range(n):
+                    x = a[p, r]
+                    c0 += x * b[r, t]
+                    c1 += x * b[r, t + 1]
+                    c2 += x * b[r, t + 2]
+                    c3 += x * b[r, t + 3]
+                    c4 += x * b[r, t + 4]
+                    c5 += x * b[r, t + 5]
+                out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3], out[p, t + 4], out[p, t + 5] = c0, c1, c2, c3, c4, c5
+        return
     for p in range(n):
         for q in range(n):
             total = 0.0
             for r in range(n):
                 total += a[p, r] * (b[q, r] if transposed else b[r, q])
             out[p, q] = total
+
+
+@borrower(fastmath={"contract"})
+def add_outer_product(x, y, out, size_m, size_n):
+    """out (n, n) += x^T y of x and y (m, n). For n = 6 or 12 half a dozen entries of a row are held in registers."""
+    m, n = len(size_m), len(size_n)
+    for p in range(n):
+        if n % 6 == 0:
+            for t in range(0, n, 6):
+                c0, c1, c2, c3, c4, c5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+                for i in range(m):
+                    z = x[i, p]
+                    c0 += z * y[i, t]
+                    c1 += z * y[i, t + 1]
+                    c2 += z * y[i, t + 2]
+                    c3 += z * y[i, t + 3]
+                    c4 += z * y[i, t + 4]
+                    c5 += z * y[i, t + 5]
+                d0, d1, d2, d3, d4, d5 = out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3], out[p, t + 4], out[p, t + 5]
+                d0, d1, d2, d3, d4, d5 = d0 + c0, d1 + c1, d2 + c2, d3 + c3, d4 + c4, d5 + c5
+                out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3], out[p, t + 4], out[p, t + 5] = d0, d1, d2, d3, d4, d5
+        else:
+            for q in range(n):
+                total = 0.0
+                for i in range(m):
+                    total += x[i, p] * y[i, q]
+                out[p, q] += total
 
 
 @entry()

@@ -14,7 +14,7 @@ import numpy as np
 from masonry_cd.friction.natural_map import size_of
 from masonry_cd.friction.operators import has_unit_masses
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.small_blocks import copy_flat, is_wide
+from masonry_cd.linalg.small_blocks import add_outer_product, copy_flat, is_wide
 from masonry_cd.linalg.supernodes import BlockMatrix, Factor, allocate_factors, allocate_matrix
 from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.linalg.wide_columns import add_outer_products
@@ -140,12 +140,7 @@ def augment_blocks(problem, blocks, matrix):
                     turned[side, i, q] = total
             body = index[c, side]
             if body < bodies:
-                for p in range(n):
-                    for q in range(n):
-                        total = 0.0
-                        for i in range(m):
-                            total += jacobian[c, side, i, p] * turned[side, i, q]
-                        diagonal[body, p, q] += total
+                add_outer_product(jacobian[c, side], turned[side], diagonal[body], problem.m, problem.n)
         if a == b < bodies:
             for p in range(n):
                 for q in range(n):
@@ -154,14 +149,8 @@ def augment_blocks(problem, blocks, matrix):
         if block[c] >= 0:
             low = 1 if a > b else 0
             high = 1 - low
-            for p in range(n):
-                for q in range(n):
-                    one, other = 0.0, 0.0
-                    for i in range(m):
-                        one += jacobian[c, high, i, p] * turned[low, i, q]
-                        other += jacobian[c, low, i, q] * turned[high, i, p]
-                    lower[block[c], p, q] += one
-                    upper[block[c], p, q] += other
+            add_outer_product(jacobian[c, high], turned[low], lower[block[c]], problem.m, problem.n)
+            add_outer_product(turned[high], jacobian[c, low], upper[block[c]], problem.m, problem.n)
 
 
 @kernel()
