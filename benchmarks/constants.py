@@ -195,10 +195,10 @@ def counted(spent: Spent) -> Iterator[None]:
 
         return SimpleNamespace(solve=solve)
 
-    def measured(problem: Problem, impulse: np.ndarray) -> float:
+    def measured(problem: Problem, impulse: np.ndarray, **how: Any) -> float:
         spent.measurements += 1
         spent.cost += float(np.array(auto.ITERATION[auto.ADMM][:2]) @ [1.0, problem.contacts])
-        return measure(problem, impulse)
+        return measure(problem, impulse, **how)
 
     auto.METHODS = tuple(count(method) for method in range(len(methods)))  # type: ignore[assignment]
     auto.natural_map_error = measured  # type: ignore[assignment]
