@@ -35,8 +35,8 @@ VISIBLE = 1e-4  # what a crack map shows of a joint [m]
 HEAD = """# Gallery
 
 Every scene in `examples/` with its crack map: at the end of the run, or where nothing is left by then, at its widest cracks. Written by
-`python docs/draw_gallery.py`, which runs each of them and measures its processor time: checking, computing and drawing, on all the threads that it takes, with
-kernels compiled before. Other programs shared the machine.
+`python docs/draw_gallery.py`, which runs each of them and measures its processor time: checking, computing and drawing, on all threads
+that it takes, with kernels compiled before. Other programs shared the machine.
 
 """
 
