@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry
+from masonry_cd.jit import entry
+from masonry_cd.linalg.small_blocks import dot
 
 
 class StrainLaw(NamedTuple):
@@ -53,9 +54,9 @@ def fill_free_strains(
             rate = v[f, first + i]
             stretch[i] = h * strain[law.block[d], law.columns[i]] + h * (theta * h + law.retardation[d]) * rate
         for i in range(size):
-            force[i] = dot(law.stiffness[d, i], stretch)
+            force[i] = dot(law.stiffness[d, i], stretch, size)
         for i in range(size):
-            v_free[f, first + i] = v[f, first + i] - dot(law.inverse[d, i], force)
+            v_free[f, first + i] = v[f, first + i] - dot(law.inverse[d, i], force, size)
 
 
 @entry()
@@ -93,16 +94,7 @@ def strain_energies(
             kinetic += 0.5 * law.mass[d, i] * rate_new[i] ** 2
         for i in range(size):
             row = law.stiffness[d, i]
-            elastic += 0.5 * e[i] * dot(row, e)
-            elastic_new += 0.5 * e_new[i] * dot(row, e_new)
-            taken += 0.5 * law.step * (rate[i] + rate_new[i]) * dot(row, stretch)
+            elastic += 0.5 * e[i] * dot(row, e, size)
+            elastic_new += 0.5 * e_new[i] * dot(row, e_new, size)
+            taken += 0.5 * law.step * (rate[i] + rate_new[i]) * dot(row, stretch, size)
     return kinetic, elastic_new, elastic, taken
-
-
-@borrower(fastmath={"contract", "reassoc"})
-def dot(x, y):
-    """x . y of (n,) each."""
-    total = 0.0
-    for k in range(len(y)):
-        total += x[k] * y[k]
-    return total

@@ -28,7 +28,7 @@ import numpy as np
 from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.jit import borrower, entry
-from masonry_cd.linalg.small_blocks import STEP, copy_flat, room_for
+from masonry_cd.linalg.small_blocks import STEP, copy_flat, dot, room_for
 from masonry_cd.linalg.triangular import add_columns
 
 DEPENDENT = 1e-12  # share of a row, in the norm of M^-1, that may be off those before it without an unknown: rounding leaves 1e-15
@@ -164,12 +164,3 @@ def take_off_basis(basis, rank, own, line):
             for k in range(n):
                 own[k] -= along * basis[j, k]
     return np.sqrt(dot(own, own, n))
-
-
-@borrower(fastmath={"contract", "reassoc"})
-def dot(x, y, length):
-    """x . y of so many entries."""
-    total = 0.0
-    for k in range(length):
-        total += x[k] * y[k]
-    return total

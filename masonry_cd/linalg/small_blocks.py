@@ -125,6 +125,15 @@ def _take_off_row(a, k, scale, factors, n):
                 a[i, j] -= factors[i] * x
 
 
+@borrower(fastmath={"contract", "reassoc"})
+def dot(x, y, length):
+    """x . y of so many entries."""
+    total = 0.0
+    for k in range(length):
+        total += x[k] * y[k]
+    return total
+
+
 @borrower(fastmath={"contract"})
 def multiply(a, b, transposed, out, size_n):
     """out = a b, or a b^T. Of a b for n = 6 or 12 half a dozen entries of a row are held in registers."""
