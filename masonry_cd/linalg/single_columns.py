@@ -15,8 +15,18 @@ SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
 
 @borrower(fastmath={"contract"})
 def subtract_block_product(c, at, a, i, b, size_n):
-    """c[at] -= a[i] b for blocks. For n = 6 a row of c is held in registers."""
+    """c[at] -= a[i] b for blocks. For n = 6 a row of c is held in registers, for n = 3 all of b."""
     n = len(size_n)
+    if n == 3:
+        b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
+        b10, b11, b12 = b[1, 0], b[1, 1], b[1, 2]
+        b20, b21, b22 = b[2, 0], b[2, 1], b[2, 2]
+        for p in range(3):
+            x, y, z = a[i, p, 0], a[i, p, 1], a[i, p, 2]
+            c[at, p, 0] -= x * b00 + y * b10 + z * b20
+            c[at, p, 1] -= x * b01 + y * b11 + z * b21
+            c[at, p, 2] -= x * b02 + y * b12 + z * b22
+        return
     for p in range(n):
         if n == 6:
             c0, c1, c2, c3, c4, c5 = c[at, p, 0], c[at, p, 1], c[at, p, 2], c[at, p, 3], c[at, p, 4], c[at, p, 5]
@@ -151,6 +161,14 @@ def forward_columns(symbolic, low, x, size_n):
             nothing = nothing and x[j, q] == 0.0
         if nothing:
             continue
+        if n == 3:
+            y0, y1, y2 = x[j, 0], x[j, 1], x[j, 2]
+            for t in range(symbolic.start[j], symbolic.start[j + 1]):
+                i = below[t]
+                x[i, 0] -= lows[t, 0, 0] * y0 + lows[t, 0, 1] * y1 + lows[t, 0, 2] * y2
+                x[i, 1] -= lows[t, 1, 0] * y0 + lows[t, 1, 1] * y1 + lows[t, 1, 2] * y2
+                x[i, 2] -= lows[t, 2, 0] * y0 + lows[t, 2, 1] * y1 + lows[t, 2, 2] * y2
+            continue
         for t in range(symbolic.start[j], symbolic.start[j + 1]):
             i = below[t]
             for p in range(n):
@@ -177,6 +195,16 @@ def backward_columns(symbolic, inverse, up, x, y, size_n):
         for p in range(n):
             x[j, p] = y[p]
     for j in range(size - 1, -1, -1):
+        if n == 3:  # the sums stay in registers: no block of the column waits for the one before it
+            s0, s1, s2 = x[j, 0], x[j, 1], x[j, 2]
+            for t in range(symbolic.start[j], symbolic.start[j + 1]):
+                i = below[t]
+                y0, y1, y2 = x[i, 0], x[i, 1], x[i, 2]
+                s0 -= ups[t, 0, 0] * y0 + ups[t, 1, 0] * y1 + ups[t, 2, 0] * y2
+                s1 -= ups[t, 0, 1] * y0 + ups[t, 1, 1] * y1 + ups[t, 2, 1] * y2
+                s2 -= ups[t, 0, 2] * y0 + ups[t, 1, 2] * y1 + ups[t, 2, 2] * y2
+            x[j, 0], x[j, 1], x[j, 2] = s0, s1, s2
+            continue
         for t in range(symbolic.start[j], symbolic.start[j + 1]):
             i = below[t]
             for q in range(n):  # summed first: the next block of the column waits for one subtraction then

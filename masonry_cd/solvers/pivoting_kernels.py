@@ -38,13 +38,16 @@ class Path(NamedTuple):
     a: np.ndarray  # (2,) of the last pivot
     b: np.ndarray  # (UPDATES, 2)
     ratio: np.ndarray  # (UPDATES,) of the determinants, after and before
+    product: np.ndarray  # (UPDATES, UPDATES) b_e^T H z_f of each pivot e with those before it, f < e
+    share: np.ndarray  # (UPDATES,) of the z before it in that of the last pivot
 
 
 @kernel()
 def allocate_path(shape):
     """A :class:`Path` for velocities of a shape (B + 1, n)."""
     z, contact, b, ratio = np.zeros((UPDATES, *shape)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
-    return Path(np.zeros(shape), np.empty(shape), np.empty(shape), z, contact, np.empty(2), b, ratio)
+    product, share = np.empty((UPDATES, UPDATES)), np.empty(UPDATES)
+    return Path(np.zeros(shape), np.empty(shape), np.empty(shape), z, contact, np.empty(2), b, ratio, product, share)
 
 
 @borrower()
@@ -72,6 +75,32 @@ def weigh(problem, path, k, v):
     return b[0] * change_at(problem.jacobian, problem.places, c, 0, v, n) + b[1] * change_at(problem.jacobian, problem.places, c, 1, v, n)
 
 
+@borrower()
+def apply_earlier(problem, path, k):
+    """Take z of pivot k from a solution with the old factors to one with the matrix before this pivot.
+
+    One pivot e after the other would subtract b_e^T H z / ratio_e times z_e, each from what the last one left. These shares follow from the
+    products of the b with the z alone, and all z_e are subtracted at once.
+    """
+    z, product, share = path.z, path.product, path.share
+    for e in range(k):
+        product[k, e] = weigh(problem, path, k, z[e])
+        share[e] = weigh(problem, path, e, z[k])
+    for e in range(k):
+        left = share[e]
+        for f in range(e):
+            left -= share[f] * product[e, f]
+        share[e] = left / path.ratio[e]
+    own, fours = z[k].reshape(z[k].size), k - k % 4
+    for e in range(0, fours, 4):
+        z0, z1, z2, z3 = z[e].reshape(own.size), z[e + 1].reshape(own.size), z[e + 2].reshape(own.size), z[e + 3].reshape(own.size)
+        s0, s1, s2, s3 = share[e], share[e + 1], share[e + 2], share[e + 3]
+        for i in range(len(own)):
+            own[i] -= s0 * z0[i] + s1 * z1[i] + s2 * z2[i] + s3 * z3[i]
+    for e in range(fours, k):
+        add_flat(z[k], -share[e], z[e])
+
+
 @kernel()
 def pivot(problem, work, path, k):
     """Change the matrix by pivot k; returns the ratio of its determinants, after and before.
@@ -85,8 +114,7 @@ def pivot(problem, work, path, k):
             z[index[c, side], i] += jacobian[c, side, 0, i] * path.a[0] + jacobian[c, side, 1, i] * path.a[1]
     solve_ldu(work.factor, z)
     z[-1] = 0.0
-    for e in range(k):
-        add_flat(z, -weigh(problem, path, e, z) / path.ratio[e], path.z[e])
+    apply_earlier(problem, path, k)
     path.ratio[k] = 1.0 + weigh(problem, path, k, z)
     if path.ratio[k] != 0.0:
         add_flat(path.rate, -weigh(problem, path, k, path.rate) / path.ratio[k], z)
