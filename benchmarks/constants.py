@@ -163,6 +163,8 @@ SWITCHED: dict[str, Any] = {
     "BUDGET": 1e12,
     "COLD_BUDGET": 1e12,
     "ROUGH": -1.0,  # pivoting is not asked
+    "admm.OPEN": 1.0,  # R of open contacts as of those that stick
+    "admm.SLIDES": 1.0,
     "interior.CLOSE": 1e-6,  # the path by its length is followed as far as it leads
 }
 

@@ -4,27 +4,31 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.friction.joint_twists import add_up_stiffness, rows_of_twist
-from masonry_cd.friction.operators import has_unit_masses
+from masonry_cd.friction.coulomb_law import tangent_length
+from masonry_cd.friction.joint_twists import add_up_stiffness, rows_of_twist, twist_of, velocity_at
+from masonry_cd.friction.operators import has_unit_masses, unknowns_at
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.cholesky import factorise_by_team, factorise_cholesky
 from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat, is_wide
 from masonry_cd.linalg.supernodes import has_single_columns
-from masonry_cd.linalg.threads import share_of, wait
+from masonry_cd.linalg.threads import wait
 from masonry_cd.linalg.wide_columns import add_outer_products
+
+SLIDING = 300.0  # k below which much slides
 
 
 @kernel()
-def factorise_augmented(team, work, k):
-    """Factorise M + H^T R H, R by k, by a team; the factors are in single precision. False if it is not positive definite."""
+def factorise_augmented(team, work, k, shares, p):
+    """Factorise M + H^T R H, R by k and what the contacts do at impulses p, by a team; the factors are in single precision.
+
+    ``shares`` of k are for contacts that are open, and that slide. False if the matrix is not positive definite.
+    """
     problem = work.problem
-    symbolic, squares, panels, rho, diagonal, lower, double_squares, double_panels = work.factor
+    symbolic, squares, panels, _, diagonal, lower, double_squares, double_panels = work.factor
     n, (begin, end) = len(problem.n), share_of_subtrees(team, symbolic)
-    first, last = share_of(team, 0, len(rho))
-    choose_stiffness(k, problem.d, problem.compliance, first, last, rho)
-    wait(team)
     for q in range(begin, end):
+        choose_stiffness(work, q, k, shares, p)
         augment(work, q)
     wait(team)
     for q in range(begin, end):
@@ -40,14 +44,53 @@ def factorise_augmented(team, work, k):
 
 
 @borrower()
-def choose_stiffness(k, d, compliance, first, end, rho):
-    """R of the contacts first to end: k / d_c for rigid ones, softer for elastic ones."""
-    for c in range(first, end):
-        rho[c] = k / d[c]
-        if len(compliance):
-            soft = compliance[c].sum() / compliance.shape[1]
-            own = d[c] - soft
-            rho[c] = 1.0 / (own / k + soft / np.sqrt(1.0 + soft / own))
+def choose_stiffness(work, q, k, shares, p):
+    """R of the contacts of subtree q: k / d_c for rigid ones that stick, less for others, softer for elastic ones; see admm.py."""
+    problem, joints, rho = work.problem, work.partition.joints, work.factor.rho
+    d, compliance = problem.d, problem.compliance
+    for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
+        twist = twist_of_joint(work, g)
+        for c in range(joints.start[g], joints.start[g + 1]):
+            if len(compliance):
+                soft = compliance[c].sum() / compliance.shape[1]
+                own = d[c] - soft
+                rho[c] = 1.0 / (own / k + soft / np.sqrt(1.0 + soft / own))
+            else:
+                rho[c] = k / d[c] * (share_of_contact(work, twist, c, k, shares, p) if k < SLIDING else 1.0)
+
+
+@borrower()
+def count_changes(work, q, k, shares, p):
+    """How many contacts of subtree q would have another R at the same k."""
+    problem, joints, rho, changed = work.problem, work.partition.joints, work.factor.rho, 0
+    if k >= SLIDING or len(problem.compliance):
+        return changed
+    for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
+        twist = twist_of_joint(work, g)
+        for c in range(joints.start[g], joints.start[g + 1]):
+            changed += rho[c] != k / problem.d[c] * share_of_contact(work, twist, c, k, shares, p)
+    return changed
+
+
+@kernel(inline="always")
+def twist_of_joint(work, g):
+    """The relative twist of joint g."""
+    a, b = work.partition.place[g, 0], work.partition.place[g, 1]
+    return twist_of(work.partition.joints, g, work.iterates.v, a, b, unknowns_at(work.problem, a, b))
+
+
+@kernel(inline="always")
+def share_of_contact(work, twist, c, k, shares, p):
+    """The share of k / d_c that rigid contact c has, by what it does: open, sticking or sliding."""
+    problem, (un, u1, u2) = work.problem, velocity_at(work.partition.joints, twist, c)
+    offset, mu, r, m = problem.offset, problem.mu[c], k / problem.d[c], len(problem.m)
+    un, u1, p2 = un + offset[c, 0], u1 + offset[c, 1], 0.0
+    if m == 3:
+        u2, p2 = u2 + offset[c, 2], p[c, 2]
+    normal, tangent = p[c, 0] - r * (un + mu * tangent_length(u1, u2)), tangent_length(p[c, 1] - r * u1, p2 - r * u2)
+    if mu * tangent <= -normal:
+        return shares[0]
+    return 1.0 if tangent <= mu * normal else shares[1]
 
 
 @kernel(fastmath={"contract"})

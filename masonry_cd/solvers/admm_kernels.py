@@ -17,7 +17,7 @@ from masonry_cd.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.supernodes import longest_line
 from masonry_cd.linalg.threads import ThreadTeam, share_of, wait
-from masonry_cd.solvers.admm_factor import factorise_augmented
+from masonry_cd.solvers.admm_factor import SLIDING, count_changes, factorise_augmented
 from masonry_cd.solvers.admm_passes import (
     add_momentum,
     carry_impulses,
@@ -33,10 +33,11 @@ PATIENCE = 20  # iterations without a measurement of the error, half as many whe
 SWITCH, WORSE = 40, 20  # iterations at one k after which it is reviewed, and where the error has grown
 WON = 0.1  # share of the error that may be left after as many iterations, or k changes
 BALANCE, ALL = 0.6, 0.95  # shares of the error that lie in the law: k falls below the one, grows above the other
+CHANGED = 0.1  # share of the contacts that do something else, above which the matrix is factorised anew
 GROWTH, FALL = 5.0, 0.01  # factor by which k grows, and the least by which it falls, at a time
 LEG = 200  # iterations after which it is asked whether there is hope
 HOPE = 10.0  # times the limit: ADMM goes on while its last leg promises an end within that; legs are uneven
-RELAXATION, SLOW, ROUGH = 1.5, 300.0, 1e-4  # of the steps; the k below which and the natural map error above which they are relaxed
+RELAXATION, ROUGH = 1.5, 1e-4  # of the steps where much slides; the natural map error above which they are relaxed
 SOFT, STIFF = 1.0, 1e6  # bounds of k
 SOFTEST = 1e-3  # k at which a factorisation that fails is not tried at a tenth of it again
 
@@ -71,13 +72,13 @@ def admm_bodies(
     while iterations < limit and smallest > tolerance:
         if fresh:
             factorisations += 1
-            if not factorise_augmented(team, work, k):
+            if not factorise_augmented(team, work, k, settings.shares, p):
                 k = 0.1 * k  # a matrix closer to that of the masses, which is definite
                 if k < SOFTEST:
                     break
                 continue
             fresh = False
-        relaxation = RELAXATION if k < SLOW and error > ROUGH else 1.0
+        relaxation = RELAXATION if k < SLIDING and error > ROUGH else 1.0
         change = eliminate(team, work, iterations, ahead, relaxation, p, new, line) / size
         iterations += 1
         p, new = new, p
@@ -100,6 +101,7 @@ def admm_bodies(
             if ends or not error < WON * before:
                 share = map_norm(team, work, p, work.iterates.v) / size / error
                 k, fresh = adapt_stiffness(k, share, ends)
+                fresh = fresh or share_of_changes(team, work, k, settings.shares, p) > CHANGED
             switched, before = iterations, error
     write_answer(team, order, work, p_out, v_out)
     return iterations, smallest, k, factorisations, rate
@@ -290,6 +292,18 @@ def adapt_stiffness(k, share, ends):
     if share < BALANCE:
         return max(k * max(np.sqrt(share / BALANCE), FALL), SOFT), True
     return k, False
+
+
+@borrower()
+def share_of_changes(team, work, k, shares, p):
+    """Share of the contacts that do something else at impulses p than when the matrix was factorised, at the same k."""
+    sums, (begin, end) = work.sums[2], share_of_subtrees(team, work.factor.symbolic)
+    for q in range(begin, end):
+        sums[q] = count_changes(work, q, k, shares, p)
+    wait(team)
+    total = sums.sum() / len(p)
+    wait(team)
+    return total
 
 
 @borrower()

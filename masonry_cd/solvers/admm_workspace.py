@@ -16,6 +16,7 @@ class AdmmSettings(NamedTuple):
     """How a solve begins and ends."""
 
     k: float  # R = diag(k / d)
+    shares: tuple[float, float]  # of it for contacts that are open, and that slide, where much slides
     fresh: bool  # whether to factorise at the start; otherwise the factor at hand is used as it is
     moving: bool  # whether to start from given velocities where the impulses fit worse than none would
     rate: float  # error over the change of p, as measured last, or 1
