@@ -147,7 +147,7 @@ def unknowns_felt(jacobian, sides):
 
 @borrower(fastmath={"contract"})
 def factorise_mass(inverse, n, work, out):
-    """The first n rows and columns of C, M^-1 = C C^T, lower triangular, into ``out`` (n, n); ``work`` (n or more, n or more) is scratch."""
+    """The first n rows and columns of C, M^-1 = C C^T, whose lower triangle goes to ``out`` (n, n); ``work``, as large as M, is scratch."""
     for i in range(n):
         for j in range(i, n):
             work[i, j] = inverse[i, j]

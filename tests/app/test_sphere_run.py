@@ -163,7 +163,7 @@ def test_stones_beside_spheres_have_springs_by_default(tmp_path: Path) -> None:
     blocks = [cuboid((-1.0, -1.0, -0.5), (1.0, 1.0, 0.0)) | {"name": "plate", "fixed": True, "group": "base"}]
     blocks.append(cuboid((-0.2, -0.2, 0.0), (0.2, 0.2, 0.4)) | {"name": "stone", "group": "stones"})
     blocks.append({"name": "ball", "centre": [0.0, 0.0, 0.4 + RADIUS], "radius": RADIUS, "group": "balls"})
-    scene(tmp_path, "", 0.1, '[material.joints.default]\nnormal_stiffness = 1e9\n')
+    scene(tmp_path, "", 0.1, "[material.joints.default]\nnormal_stiffness = 1e9\n")
     (tmp_path / "blocks.json").write_text(json.dumps({"units": "m", "blocks": blocks}))
     found = ran(tmp_path, balance=1e-3)  # of the work of settling alone, some joules
     weight = 2000.0 * 9.81 * (0.4**3 + 4.0 / 3.0 * math.pi * RADIUS**3)
