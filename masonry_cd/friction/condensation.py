@@ -28,8 +28,7 @@ import numpy as np
 from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.jit import borrower, entry
-from masonry_cd.linalg.small_blocks import STEP, copy_flat, dot, room_for
-from masonry_cd.linalg.triangular import add_columns
+from masonry_cd.linalg.small_blocks import STEP, dot, room_for
 
 DEPENDENT = 1e-12  # share of a row, in the norm of M^-1, that may be off those before it without an unknown: rounding leaves 1e-15
 
@@ -105,36 +104,53 @@ def sides_of_bodies(bodies, count):
 def fill_rows(problem: ProblemArrays, start: np.ndarray, sides: np.ndarray, moved: np.ndarray, rows: _Rows) -> None:
     """L of all bodies by :func:`sides_of_bodies`, row by row; ``moved`` (B, n) are velocities less v_free, or (0, n)."""
     n, room = problem.v_free.shape[1], rows.jacobian.shape[3]
-    basis, own, root = np.empty((room, n)), np.empty(n), np.empty((2, n, n))
+    basis, along, vector, scratch = np.empty((room, n)), np.empty(room), np.empty(n), np.empty((2, n * n))
     for b in range(len(start) - 1):
-        rank = 0
+        rank, used = 0, unknowns_felt(problem.jacobian, sides[start[b] : start[b + 1]])
+        own, root = vector[:used], scratch[0, : used * used].reshape((used, used))
         if start[b] < start[b + 1]:
-            factorise_mass(problem.inverse_mass[b], n, root[1], root[0])
+            factorise_mass(problem.inverse_mass[b], used, scratch[1].reshape((n, n)), root)
         for e in range(start[b], start[b + 1]):
             c, side = sides[e] // 2, sides[e] % 2
             for i in range(len(problem.m)):
                 row, line = problem.jacobian[c, side, i], rows.jacobian[c, side, i]
-                rows.offset[c, i] += dot(row, problem.v_free[b], n)
-                add_columns(root.reshape(root.size), 0, n, row, own, problem.n)  # g = C^T h
-                size = np.sqrt(dot(own, own, n))
-                left = take_off_basis(basis, rank, own, line)
-                if not left > DEPENDENT * size or rank == min(n, room):
+                rows.offset[c, i] += dot(row, problem.v_free[b], used)
+                turn_row(root, row, own)  # g = C^T h
+                size = np.sqrt(dot(own, own, used))
+                left = take_off_basis(basis, rank, own, line, along)
+                if not left > DEPENDENT * size or rank == min(used, room):
                     continue
-                for k in range(n):
+                for k in range(used):
                     basis[rank, k] = own[k] / left
                 line[rank] = left
                 if len(moved):
-                    rows.velocity[b, rank] = (dot(row, moved[b], n) - dot(line, rows.velocity[b], rank)) / left
+                    rows.velocity[b, rank] = (dot(row, moved[b], used) - dot(line, rows.velocity[b], rank)) / left
                 rows.kept[c, side, i] = True
                 rank += 1
         rows.width[b] = rank
 
 
+@borrower()
+def unknowns_felt(jacobian, sides):
+    """How many unknowns of a body, counted from the first, its contacts feel: what comes after them, as the room that the largest mesh
+    leaves in smaller ones, changes nothing of C^T H^T, since C is lower triangular."""
+    m, felt = jacobian.shape[2], 0
+    for e in sides:
+        for i in range(m):
+            row = jacobian[e // 2, e % 2, i]
+            k = len(row)
+            while k > felt and row[k - 1] == 0.0:
+                k -= 1
+            felt = max(felt, k)
+    return felt
+
+
 @borrower(fastmath={"contract"})
 def factorise_mass(inverse, n, work, out):
-    """C of M^-1 = C C^T, lower triangular; ``work`` (n, n) is scratch."""
-    copy_flat(inverse, work)
-    out[:] = 0.0
+    """The first n rows and columns of C, M^-1 = C C^T, whose lower triangle goes to ``out`` (n, n); ``work``, as large as M, is scratch."""
+    for i in range(n):
+        for j in range(i, n):
+            work[i, j] = inverse[i, j]
     for k in range(n):
         line = work[k]
         scale = 1.0 / np.sqrt(line[k])
@@ -149,18 +165,48 @@ def factorise_mass(inverse, n, work, out):
 
 
 @borrower(fastmath={"contract"})
-def take_off_basis(basis, rank, own, line):
+def turn_row(root, row, out):
+    """out (k,) = C^T h of the first k entries of a row h, for C (k, k) lower triangular."""
+    for i in range(len(out)):
+        out[i] = 0.0
+    for i in range(len(out)):
+        factor, line = row[i], root[i]
+        if factor != 0.0:
+            for k in range(i + 1):
+                out[k] += factor * line[k]
+
+
+@borrower(fastmath={"contract", "reassoc"})
+def take_off_basis(basis, rank, own, line, along):
     """Fill line (rank,) with the components of own (n,) along a basis, and leave what is across it; returns the length of that.
 
-    Gram and Schmidt, twice, which leaves it across to rounding (Giraud, Langou & Rozloznik, Comput. Math. Appl. 50, 2005).
+    Gram and Schmidt, all components at once, and again, which leaves it across to rounding (Giraud, Langou, Rozloznik & van den Eshof,
+    Numer. Math. 101, 2005). Four lines are taken at a time. ``along`` (rank,) is scratch.
     """
-    n = len(own)
+    n, fours = len(own), rank - rank % 4
     for j in range(rank):
         line[j] = 0.0
     for _ in range(2):
-        for j in range(rank):
-            along = dot(basis[j], own, n)
-            line[j] += along
+        for j in range(0, fours, 4):
+            b0, b1, b2, b3 = basis[j], basis[j + 1], basis[j + 2], basis[j + 3]
+            t0 = t1 = t2 = t3 = 0.0
             for k in range(n):
-                own[k] -= along * basis[j, k]
+                x = own[k]
+                t0 += b0[k] * x
+                t1 += b1[k] * x
+                t2 += b2[k] * x
+                t3 += b3[k] * x
+            along[j], along[j + 1], along[j + 2], along[j + 3] = t0, t1, t2, t3
+        for j in range(fours, rank):
+            along[j] = dot(basis[j], own, n)
+        for j in range(0, fours, 4):
+            b0, b1, b2, b3 = basis[j], basis[j + 1], basis[j + 2], basis[j + 3]
+            t0, t1, t2, t3 = along[j], along[j + 1], along[j + 2], along[j + 3]
+            for k in range(n):
+                own[k] -= b0[k] * t0 + b1[k] * t1 + b2[k] * t2 + b3[k] * t3
+        for j in range(fours, rank):
+            for k in range(n):
+                own[k] -= along[j] * basis[j, k]
+        for j in range(rank):
+            line[j] += along[j]
     return np.sqrt(dot(own, own, n))

@@ -39,6 +39,30 @@ def add_product(sign, a, b, rows, inner, columns, out):
             out[p1, t], out[p1, t + 1], out[p1, t + 2], out[p1, t + 3] = f0 + sign * d0, f1 + sign * d1, f2 + sign * d2, f3 + sign * d3
 
 
+@borrower(fastmath={"contract"})
+def add_turned_product(a, b, inner, size, out):
+    """out += a^T b, a and b with so many rows (inner), out of a size (rows, columns)."""
+    rows, columns = size
+    for p in range(0, rows, 2):
+        for t in range(0, columns, STEP):
+            c0, c1, c2, c3, d0, d1, d2, d3 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            for r in range(inner):
+                x, y, b0, b1, b2, b3 = a[r, p], a[r, p + 1], b[r, t], b[r, t + 1], b[r, t + 2], b[r, t + 3]
+                c0 += x * b0
+                c1 += x * b1
+                c2 += x * b2
+                c3 += x * b3
+                d0 += y * b0
+                d1 += y * b1
+                d2 += y * b2
+                d3 += y * b3
+            e0, e1, e2, e3 = out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3]
+            f0, f1, f2, f3 = out[p + 1, t], out[p + 1, t + 1], out[p + 1, t + 2], out[p + 1, t + 3]
+            out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3] = e0 + c0, e1 + c1, e2 + c2, e3 + c3
+            p1 = p + 1
+            out[p1, t], out[p1, t + 1], out[p1, t + 2], out[p1, t + 3] = f0 + d0, f1 + d1, f2 + d2, f3 + d3
+
+
 @borrower()
 def set_product(a, b, rows, inner, columns, out):
     """out (rows, columns) = a (rows, inner) b (inner, columns)."""

@@ -19,7 +19,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.model.deformation import Deformation, deformation_of
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.geometry import Faces, MassProperties, Polyhedra, Polyhedron, mass_properties
-from masonry_cd.model.materials import JointLaw, JointLaws, friction_table, joint_table, rolling_table
+from masonry_cd.model.materials import JointLaw, JointLaws, friction_table, joint_table, refuse_unfelt_laws, rolling_table
 from masonry_cd.model.sphere import ball_centre, facetted_ball, sphere_properties
 
 
@@ -184,7 +184,7 @@ class Assembly:
 
         Raises:
             InputError: a name given twice, no free block, a pair that names an unknown group, a law that friction does not allow, spheres
-                that would deform, or rolling friction without spheres.
+                that would deform or have springs or bonds, or rolling friction without spheres.
         """
         names = tuple(block.name for block in blocks)
         if len(set(names)) < len(names):
@@ -200,6 +200,7 @@ class Assembly:
         fixed = np.array([block.fixed for block in blocks])
         coefficients = friction_table(friction, groups)
         _check_rigid_spheres(blocks, groups, material)
+        _check_dry_spheres(blocks, groups, joints or {})
         group_of = np.array([groups.index(block.group) for block in blocks])
         inertia = np.array([p.unit_inertia for p in properties]) * density[:, None, None]
         return cls(
@@ -262,3 +263,11 @@ def _check_rigid_spheres(blocks: Sequence[Block], groups: Sequence[str], materia
     for group in () if material is None else dict.fromkeys(block.group for block in blocks if block.radius and not block.fixed):
         if material is not None and material.of_group(group, groups) is not None:
             raise InputError(f'material.deformable: the group {group} has spheres, which are rigid; deformable.{group} = "rigid" says so')
+
+
+def _check_dry_spheres(blocks: Sequence[Block], groups: Sequence[str], joints: Mapping[str, JointLaw]) -> None:
+    """Refuse laws of joints that are all with spheres; where others have them too, as by default, they are left out for spheres."""
+    faced = np.array([any(block.group == group and not block.radius for block in blocks) for group in groups])
+    free = np.array([any(block.group == group and not block.fixed for block in blocks) for group in groups])
+    if not faced.all():
+        refuse_unfelt_laws(joints, groups, faced[:, None] & faced & (free[:, None] | free))

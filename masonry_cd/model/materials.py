@@ -228,6 +228,17 @@ def joint_table(laws: Mapping[str, JointLaw], groups: Sequence[str], friction: n
     return out
 
 
+def refuse_unfelt_laws(laws: Mapping[str, JointLaw], groups: Sequence[str], felt: np.ndarray) -> None:
+    """Refuse laws that no joint can have; ``felt`` (G, G): whether blocks of two groups can touch with faces.
+
+    Raises:
+        InputError: a pair, or pattern, all of whose joints are with spheres.
+    """
+    for pair, law in laws.items():
+        if not any(felt[i, j] for i, j, _ in _by_pair({pair: law}, groups, "material.joints")):
+            raise InputError(f"material.joints.{pair}: spheres touch in points, without springs and bonds, and no other joint has this law")
+
+
 def _apex(law: JointLaw, mu: float, pair: str) -> float:
     """Tension at the tip of the cone [Pa]: where the line of Mohr-Coulomb, mu p + c, comes to zero."""
     if mu == 0.0 and law.cohesion > 0.0:

@@ -17,7 +17,7 @@ from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import add_outer_product, copy_flat, is_wide
 from masonry_cd.linalg.supernodes import BlockMatrix, Factor, allocate_factors, allocate_matrix
 from masonry_cd.linalg.symbolic import SymbolicFactor
-from masonry_cd.linalg.wide_columns import add_outer_products
+from masonry_cd.linalg.wide_columns import add_turned_product
 
 Kernel = Any  # a compiled function
 
@@ -155,10 +155,12 @@ def augment_blocks(problem, blocks, matrix):
 
 @kernel()
 def augment_wide_blocks(problem, blocks, matrix):
-    """:func:`augment_blocks` for wide blocks: as many rows and columns of each as its bodies have unknowns."""
+    """:func:`augment_blocks` for wide blocks: as many rows and columns of each as its bodies have unknowns. All contacts of a joint, which
+    stand one after another, are added at once, so that each block is read and written once a joint."""
     jacobian, index, block, bodies = problem.jacobian, problem.places, problem.block, len(problem.mass)
     m, n = len(problem.m), len(problem.n)
-    unit, turned, width = has_unit_masses(problem), np.empty((2, m, n)), np.zeros(2, dtype=np.int64)
+    unit, most = has_unit_masses(problem), longest_run(index)
+    width, own, turned = np.zeros(2, dtype=np.int64), np.empty((2, most * m, n)), np.empty((2, most * m, n))
     matrix.lower[:] = 0.0
     matrix.upper[:] = 0.0
     if unit:
@@ -168,24 +170,55 @@ def augment_wide_blocks(problem, blocks, matrix):
                 matrix.diagonal[b, i, i] = 1.0
     else:
         copy_flat(problem.mass, matrix.diagonal)
-    for c in range(len(index)):
-        a, b = index[c, 0], index[c, 1]
+    first = 0
+    while first < len(index):
+        a, b, end = index[first, 0], index[first, 1], end_of_run(index, first)
+        rows = m * (end - first)
         for side in range(2):
-            body, rows = index[c, side], jacobian[c, side]
+            body = index[first, side]
             width[side] = 0 if body == bodies else problem.width[body] if unit else n
-            for i in range(m):
-                for q in range(width[side]):
-                    total = 0.0
-                    for k in range(m):
-                        total += blocks[c, i, k] * rows[k, q]
-                    turned[side, i, q] = total
+            take_rows(blocks, jacobian, (first, end, side), width[side], (own[side], turned[side]), problem.m)
             if body < bodies:
-                add_outer_products(rows, turned[side], width[side], width[side], matrix.diagonal[body], m)
+                add_turned_product(own[side], turned[side], rows, (width[side], width[side]), matrix.diagonal[body])
         if a == b < bodies:
-            add_outer_products(jacobian[c, 0], turned[1], width[0], width[0], matrix.diagonal[a], m)
-            add_outer_products(jacobian[c, 1], turned[0], width[0], width[0], matrix.diagonal[a], m)
-        if block[c] >= 0:
+            add_turned_product(own[0], turned[1], rows, (width[0], width[0]), matrix.diagonal[a])
+            add_turned_product(own[1], turned[0], rows, (width[0], width[0]), matrix.diagonal[a])
+        if block[first] >= 0:
             low = 1 if a > b else 0
-            high = 1 - low
-            add_outer_products(jacobian[c, high], turned[low], width[high], width[low], matrix.lower[block[c]], m)
-            add_outer_products(turned[high], jacobian[c, low], width[high], width[low], matrix.upper[block[c]], m)
+            high, size = 1 - low, (width[1 - low], width[low])
+            add_turned_product(own[high], turned[low], rows, size, matrix.lower[block[first]])
+            add_turned_product(turned[high], own[low], rows, size, matrix.upper[block[first]])
+        first = end
+
+
+@borrower()
+def end_of_run(places, first):
+    """The end of the contacts from ``first`` on that lie one after another between the same two bodies, by their places (C, 2)."""
+    end = first + 1
+    while end < len(places) and places[end, 0] == places[first, 0] and places[end, 1] == places[first, 1]:
+        end += 1
+    return end
+
+
+@borrower()
+def longest_run(places):
+    """The most contacts of such a run."""
+    most, first = 0, 0
+    while first < len(places):
+        end = end_of_run(places, first)
+        most, first = max(most, end - first), end
+    return most
+
+
+@borrower(fastmath={"contract"})
+def take_rows(blocks, jacobian, contacts, width, out, size_m):
+    """The rows H of some contacts on one of their sides, and B H, one after another into two arrays (K m, n)."""
+    (first, end, side), (own, turned), m = contacts, out, len(size_m)
+    for c in range(first, end):
+        at = m * (c - first)
+        for i in range(m):
+            for q in range(width):
+                total = 0.0
+                for k in range(m):
+                    total += blocks[c, i, k] * jacobian[c, side, k, q]
+                own[at + i, q], turned[at + i, q] = jacobian[c, side, i, q], total

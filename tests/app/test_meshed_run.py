@@ -1,4 +1,5 @@
-"""Scenes of meshed blocks from the command line: loads of all kinds, groups, elastic joints, resuming, and what is refused."""
+"""Scenes of blocks that deform, meshed and of one strain, from the command line: loads of all kinds, groups, elastic joints, resuming, and
+what is refused."""
 
 from __future__ import annotations
 
@@ -21,6 +22,8 @@ from masonry_cd.io.results import Results
 
 BITS = ROOT / "benchmarks" / "bits"
 MESHED = ("deformable=tetrahedra", "mesh_size=10", "young=5e9", "damping=0.05", "damping_frequency=10")
+UNIFORM = ("deformable=uniform", *MESHED[2:])
+BOTH = pytest.mark.parametrize("material", [UNIFORM, MESHED], ids=["uniform", "meshed"])
 KINDS = """
 [structure]
 kind = "file"
@@ -78,10 +81,11 @@ def towers(folder: Path, joints: str = "") -> Path:
     return folder / "scene.toml"
 
 
+@BOTH
 @pytest.mark.parametrize(("name", "duration"), [("settlement", 0.2), ("record", 0.2), ("elastic", 0.1)])
-def test_meshed_blocks_bear_what_rigid_ones_do(tmp_path: Path, name: str, duration: float) -> None:
+def test_blocks_that_deform_bear_what_rigid_ones_do(tmp_path: Path, name: str, duration: float, material: tuple[str, ...]) -> None:
     """Supports that part and sink, records, elastic joints: every step is solved and the energy closes."""
-    result = run(BITS / f"{name}.toml", tmp_path / "out", f"run.duration={duration}")
+    result = run(BITS / f"{name}.toml", tmp_path / "out", f"run.duration={duration}", material=material)
     assert result.exit_code == 0, result.output
     found = summary_of(tmp_path / "out")
     assert found["solver"]["steps_missed"] == 0
@@ -91,9 +95,10 @@ def test_meshed_blocks_bear_what_rigid_ones_do(tmp_path: Path, name: str, durati
     assert np.abs(gradient).max() > 1e-7
 
 
-def test_a_meshed_arch_falls_where_it_is_tilted_as_far_as_a_rigid_one(tmp_path: Path) -> None:
+@BOTH
+def test_an_arch_that_deforms_falls_where_it_is_tilted_as_far_as_a_rigid_one(tmp_path: Path, material: tuple[str, ...]) -> None:
     """Its load factor is that of limit analysis, less what its blocks give way at 5 GPa."""
-    result = run(BITS / "tilt.toml", tmp_path / "out", more=())
+    result = run(BITS / "tilt.toml", tmp_path / "out", more=(), material=material)
     assert result.exit_code == 0, result.output
     factor = summary_of(tmp_path / "out")["load_factor"]
     assert factor["given_way"] == pytest.approx(factor["limit_analysis"]["least_found"], rel=0.03)
@@ -116,11 +121,14 @@ def test_rigid_uniform_and_meshed_blocks_come_to_rest_under_their_weight(tmp_pat
     assert summary_of(tmp_path / "out")["islands"]["max"] == 2
 
 
+@BOTH
 @pytest.mark.parametrize("name", ["elastic", "tilt"])
-def test_a_run_that_was_stopped_ends_with_the_bits_of_one_that_was_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+def test_a_run_that_was_stopped_ends_with_the_bits_of_one_that_was_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, material: tuple[str, ...]
+) -> None:
     """Ctrl-C on its way, then --resume: all that the steps depend on is in the checkpoint."""
     scene, advance, keys = BITS / f"{name}.toml", Stepper.step, ("run.duration=0.1", "report.stress=true")
-    assert run(scene, tmp_path / "whole", *keys).exit_code == 0
+    assert run(scene, tmp_path / "whole", *keys, material=material).exit_code == 0
 
     def step(self: Stepper) -> object:
         if self.steps == 12:
@@ -128,12 +136,12 @@ def test_a_run_that_was_stopped_ends_with_the_bits_of_one_that_was_not(tmp_path:
         return advance(self)
 
     monkeypatch.setattr(Stepper, "step", step)
-    assert run(scene, tmp_path / "parts", *keys).exit_code == 130
+    assert run(scene, tmp_path / "parts", *keys, material=material).exit_code == 130
     monkeypatch.setattr(Stepper, "step", advance)
-    assert run(scene, tmp_path / "parts", *keys, more=("-q", "--resume")).exit_code == 0
+    assert run(scene, tmp_path / "parts", *keys, material=material, more=("-q", "--resume")).exit_code == 0
     whole, parts = (contents(tmp_path / word / "result.h5") for word in ("whole", "parts"))
     assert any(name.endswith("gradient") for name in whole)
-    assert {"meshes/elements", "meshes/displacement", "meshes/stress"} <= {name.lstrip("/") for name in whole}
+    assert material == UNIFORM or {"meshes/elements", "meshes/displacement", "meshes/stress"} <= {name.lstrip("/") for name in whole}
     assert whole == parts
 
 

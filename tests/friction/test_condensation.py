@@ -56,6 +56,25 @@ def test_the_problem_of_equivalent_bodies_is_the_same(m: int, n: int, apart: flo
         assert not small.jacobian[small.bodies == b][..., width:].any()
 
 
+@pytest.mark.parametrize("felt", [1, 10, 13])
+@pytest.mark.parametrize(("m", "n"), [(2, 24), (3, 36), (2, 16)])
+def test_bodies_have_as_many_unknowns_as_their_own_mesh(m: int, n: int, felt: int) -> None:
+    """The largest mesh leaves room in others: rows of every second body are zero beyond those that it has, whatever M^-1 holds there."""
+    problem = column(m, n)
+    jacobian = problem.jacobian.copy()
+    for side in range(2):
+        jacobian[problem.bodies[:, side] % 2 == 1, side, :, felt:] = 0.0
+    problem = replace(problem, jacobian=jacobian)
+    moved = problem.body_velocity(np.random.default_rng(2).normal(size=(problem.contacts, m)))
+    found = condense(problem, moved)
+    local, other = problem.to_local(), found.problem.to_local()
+    np.testing.assert_allclose(other.w.toarray(), local.w.toarray(), rtol=0.0, atol=1e-14 * np.abs(local.w.toarray()).max())
+    np.testing.assert_allclose(other.q, local.q, rtol=0.0, atol=1e-13)
+    np.testing.assert_allclose(found.problem.relative_velocity(found.velocity), problem.relative_velocity(moved), rtol=0.0, atol=1e-11)
+    assert found.problem.width is not None
+    assert found.problem.width[1] == -(-min(4 * m, felt) // 4) * 4
+
+
 @pytest.mark.parametrize("softness", [0.0, 1e-3])
 @pytest.mark.parametrize("name", ["newton", "admm", "auto", "interior", "nlgs", "accelerated"])
 @pytest.mark.parametrize(("m", "n"), [(2, 16), (3, 24)])
