@@ -39,8 +39,8 @@ iterations ends a step too early. And over a run a neighbouring k is tried now a
 **R by contact.** Contacts that stick want a large R, those that are open or slide a small one, and one k for all is a compromise. Where
 much slides (k < 300) a rigid contact so has k / d_c if it sticks, a tenth of that if it is open and three tenths if it slides, by the trial
 impulse p - R (u + s) when the matrix is factorised; it is factorised anew where k is looked at and more than a tenth of the contacts do
-something else. The k that does best is then some three times larger, and a step takes a fifth to a third fewer iterations (churches of 308,
-710 and 4,728 blocks). Shares of 0.03 and 0.3, 0.1 and 0.5, 0.05 and 0.2 gain no more.
+something else. The k that does best is then some three times larger, and a step takes a third to two fifths fewer iterations (churches of
+308, 710 and 4,728 blocks). Shares of 0.03 and 0.3, 0.1 and 0.5, 0.05 and 0.2 gain no more.
 
 **Relaxation.** The iteration goes on from p + a (p+ - p) and v + a (v+ - v), with the same fixed points for any a between 0 and 2
 (Eckstein & Bertsekas, Math. Program. 55, 1992). What a = 1 takes away at once comes back with 1 - a, what spirals fades most slowly at
