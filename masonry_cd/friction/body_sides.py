@@ -23,11 +23,15 @@ class BodySides(NamedTuple):
     side: np.ndarray  # (S,) 2 c + s for side s of contact c, ascending for each body
     cost: np.ndarray  # (B + 1,) what the bodies before each cost in a pass over their sides
     matrix_cost: np.ndarray  # (B + 1,) in one that assembles their columns of M + H^T B H
+    rigid: bool  # whether all contacts have frames, between rigid blocks in space, see joint_twists.py
 
 
 @entry()
-def sides_of_bodies(places: np.ndarray, block: np.ndarray, count: int) -> BodySides:
-    """:class:`BodySides` of contacts with the ``places`` (C, 2) of their bodies, ``count`` for supports, and their blocks (C,) or -1."""
+def sides_of_bodies(places: np.ndarray, block: np.ndarray, count: int, rigid: bool) -> BodySides:
+    """:class:`BodySides` of contacts with the ``places`` (C, 2) of their bodies, ``count`` for supports, their blocks (C,) or -1.
+
+    ``rigid`` is as in :class:`BodySides`.
+    """
     start, later = np.zeros(count + 1, dtype=np.int64), np.zeros(count + 1, dtype=np.int64)
     for c in range(len(places)):
         for s in range(2):
@@ -46,7 +50,7 @@ def sides_of_bodies(places: np.ndarray, block: np.ndarray, count: int) -> BodySi
                 side[at[b]] = 2 * c + s
                 at[b] += 1
     cost = start + BODY * np.arange(count + 1)
-    return BodySides(start, side, cost, cost + later)
+    return BodySides(start, side, cost, cost + later, rigid)
 
 
 @kernel(inline="always")

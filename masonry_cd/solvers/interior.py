@@ -91,7 +91,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return _solve_local(problem, options, start)
     arrays, (bodies, n), m = problem.arrays(), problem.v_free.shape, problem.dimension
     memory, index, block = admm.recall(arrays, start)
-    elimination = eliminate(memory.pattern, index, block)
+    elimination = eliminate(arrays, memory.pattern, index, block)
     velocity = np.empty((bodies, n))
 
     def method(kind: int, stiffness: float, tolerance: float) -> Method:

@@ -12,12 +12,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.friction.body_sides import BodySides, sides_of_bodies
+from masonry_cd.friction.joint_twists import fits_frames
 from masonry_cd.friction.natural_map import size_of
+from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.linalg.supernodes import BlockMatrix, Factor
 from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.linalg.threads import take
+from masonry_cd.solvers.augmented import NUMBERS
 from masonry_cd.solvers.shares import copy_share
 
 Kernel = Any  # a compiled function
@@ -33,9 +36,10 @@ class Elimination(NamedTuple):
     sides: BodySides  # the contacts of the body at each place
 
 
-def eliminate(pattern: Pattern, places: np.ndarray, block: np.ndarray) -> Elimination:
-    """The :class:`Elimination` of contacts whose bodies have these places (C, 2) and blocks (C,) in a pattern."""
-    return Elimination(pattern.order, pattern.symbolic, places, block, sides_of_bodies(places, block, len(pattern.order)))
+def eliminate(problem: ProblemArrays, pattern: Pattern, places: np.ndarray, block: np.ndarray) -> Elimination:
+    """The :class:`Elimination` of a problem whose contacts have these places (C, 2) of bodies and blocks (C,) in a pattern."""
+    rigid = problem.jacobian.shape[2:] == (3, 6) and fits_frames(problem.jacobian, problem.bodies)
+    return Elimination(pattern.order, pattern.symbolic, places, block, sides_of_bodies(places, block, len(pattern.order), rigid))
 
 
 class Settings(NamedTuple):
@@ -66,6 +70,7 @@ class Work(NamedTuple):
 
     matrix: BlockMatrix
     factor: Factor
+    world: np.ndarray  # (C, NUMBERS) the blocks of contacts between rigid blocks in space, see augmented.py, or (0, NUMBERS)
     signs: np.ndarray  # (K,) of the determinants of the subtrees
     room: np.ndarray  # (B + 1, n) or (C, m), as velocities
 
@@ -94,13 +99,13 @@ class Kind(NamedTuple):
 
 
 @kernel()
-def allocate_work(room, symbolic, size, velocity):
-    """:class:`Work` for blocks of a size, see small_blocks.py, and velocities of a shape."""
+def allocate_work(room, symbolic, size, velocity, world):
+    """:class:`Work` for blocks of a size, see small_blocks.py, velocities of a shape, and as many contacts as ``world`` has."""
     n, nodes, pairs = len(size), len(symbolic.column) - 1, len(symbolic.row)
     matrix = BlockMatrix(take(room, (nodes, n, n)), take(room, (pairs, n, n)), take(room, (pairs, n, n)))
     panel = n * n * symbolic.panel[-1]
     factor = Factor(symbolic, take(room, (n * n * symbolic.square[-1],)), take(room, (panel,)), take(room, (panel,)), size)
-    return Work(matrix, factor, take(room, (len(symbolic.subtree) - 1,)), take(room, velocity))
+    return Work(matrix, factor, take(room, (world, NUMBERS)), take(room, (len(symbolic.subtree) - 1,)), take(room, velocity))
 
 
 @kernel(inline="always")

@@ -265,7 +265,7 @@ def room_needed(method: int, problem: ProblemArrays, elimination: Elimination) -
     room, shape, rows, contacts = room_of_own(), problem.offset.shape, (len(elimination.order) + 1, len(problem.n)), len(problem.mu)
     allocate_sums(room, contacts, len(elimination.order))
     allocate_problem(room, problem)
-    allocate_work(room, elimination.symbolic, problem.n, rows)
+    allocate_work(room, elimination.symbolic, problem.n, rows, contacts if elimination.sides.rigid else 0)
     allocate_answer(room, shape, rows)
     if method == NEWTON:
         allocate_newton(room, shape, rows)
@@ -298,7 +298,7 @@ def linearised_by_team(
     sums = allocate_sums(room, len(impulse), len(elimination.order))
     shares = shares_of(team, len(impulse), elimination.sides, sums)
     ordered = in_order(shares, room, problem, elimination)
-    work = allocate_work(room, elimination.symbolic, problem.n, rows)
+    work = allocate_work(room, elimination.symbolic, problem.n, rows, len(impulse) if elimination.sides.rigid else 0)
     answer, begin, stiffness = answer_of(shares, room, ordered, work.room, impulse), np.nan, settings.stiffness
     if method == NEWTON:
         law, inside = allocate_law(room, shape, problem.m), allocate_newton(room, shape, rows)

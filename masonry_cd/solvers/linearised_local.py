@@ -139,7 +139,7 @@ def newton_local(
     """
     answer, rows = answer_of(problem, p), ScaledRows(own, np.empty(own.shape), np.empty(own.shape))
     room, shares = room_of_own(), shares_of_one(len(p))
-    work, inside = allocate_work(room, symbolic, problem.m, p.shape), allocate_newton(room, p.shape, p.shape)
+    work, inside = allocate_work(room, symbolic, problem.m, p.shape, 0), allocate_newton(room, p.shape, p.shape)
     iterations, begin, _ = newton(take_newton_step, shares, problem, work, rows, inside, answer, settings)
     return iterations, answer.error[0], begin
 
@@ -251,7 +251,7 @@ def interior_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Set
     """
     answer = answer_of(problem, impulse)
     room, shares, shape = room_of_own(), shares_of_one(len(impulse)), impulse.shape
-    work, inside = allocate_work(room, symbolic, problem.m, shape), allocate_interior(room, shape, shape)
+    work, inside = allocate_work(room, symbolic, problem.m, shape, 0), allocate_interior(room, shape, shape)
     return interior_point(LOCAL, shares, problem, work, inside, answer, settings), answer.error[0]
 
 
@@ -263,5 +263,5 @@ def proximal_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Set
     """
     answer = answer_of(problem, impulse)
     room, shares, shape = room_of_own(), shares_of_one(len(impulse)), impulse.shape
-    work, inside = allocate_work(room, symbolic, problem.m, shape), allocate_proximal(room, shape, shape)
+    work, inside = allocate_work(room, symbolic, problem.m, shape, 0), allocate_proximal(room, shape, shape)
     return proximal_points(LOCAL, shares, problem, work, inside, PATIENCE, answer, settings), answer.error[0]

@@ -57,7 +57,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return interior.solve(problem, options, start)
     arrays, (bodies, n) = problem.arrays(), problem.v_free.shape
     memory, index, block = admm.recall(arrays, start)
-    elimination = eliminate(memory.pattern, index, block)
+    elimination = eliminate(arrays, memory.pattern, index, block)
     impulse, velocity = np.zeros((problem.contacts, 2)) if start is None else start.impulse.copy(), np.empty((bodies, n))
     limit = options.limit(LIMIT)
     settings = Settings(0.0, STIFFNESS, 0.0, options.tolerance, limit, size_tuple(3), options.accept, options.enough)

@@ -10,7 +10,7 @@ from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.ldu import factorise_ldu_by_team
 from masonry_cd.linalg.threads import wait
 from masonry_cd.linalg.triangular import solve_ldu
-from masonry_cd.solvers.augmented import augment_blocks
+from masonry_cd.solvers.augmented import augment_blocks, turn_blocks
 from masonry_cd.solvers.shares import begin_sums, chunk_of, sum_of_chunks
 
 
@@ -56,8 +56,9 @@ def map_norm(shares, problem, p, room, v):
 @kernel()
 def factorise(shares, problem, work, blocks):
     """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
+    turn_blocks(problem, shares.sides, blocks, shares.contacts[0], shares.contacts[1], work.world)
     wait(shares.team)
-    augment_blocks(problem, shares.sides, blocks, work.factor.symbolic, shares.columns, work.matrix)
+    augment_blocks(problem, shares.sides, blocks, work.world, work.factor.symbolic, shares.columns, work.matrix)
     wait(shares.team)
     return factorise_ldu_by_team(shares.team, work.matrix, work.factor, work.signs)
 
