@@ -186,6 +186,7 @@ def linearise_products(shares, cones, here, linear):
             for i in range(m):
                 undone += abs(linear.miss[c, i] * p[i])
         shares.sums[turn, 0, k], shares.sums[turn, 1, k] = gap, undone
+    wait(shares.team)
     return sum_of_chunks(shares, 0, contacts) / contacts, sum_of_chunks(shares, 1, contacts) / contacts
 
 
@@ -281,6 +282,7 @@ def longest_step(shares, here, way, cones):
         for c in range(begin, stop):
             longest = min(longest, contact_step(w[c], p[c], gamma[c], dw[c], dp[c], dgamma[c], mu[c], m))
         shares.sums[turn, 0, k] = longest
+    wait(shares.team)
     return least_of_chunks(shares, len(mu))[0]
 
 

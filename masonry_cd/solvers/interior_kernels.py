@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.threads import take
+from masonry_cd.linalg.threads import take, wait
 from masonry_cd.solvers.central_path import (
     STIFFEST,
     Iterate,
@@ -66,6 +66,7 @@ def mean_second_order(shares, cones, way, wanted):
             complementarity(way.w[c], way.p[c], way.gamma[c], cones.mu[c], len(cones.m), wanted[c])
             total += 0.5 * (wanted[c, 0] + wanted[c, 1])
         shares.sums[turn, 0, k] = total
+    wait(shares.team)
     return sum_of_chunks(shares, 0, contacts) / contacts
 
 

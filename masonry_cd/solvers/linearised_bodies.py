@@ -190,6 +190,7 @@ def norm_of_momentum(shares, problem, momentum):
             for j in range(n):
                 total += momentum[b, i] * problem.inverse[b, i, j] * momentum[b, j]
         shares.sums[turn, 0, b] = total
+    wait(shares.team)
     return np.sqrt(max(sum_of_rows(shares, len(problem.inverse)), 0.0))
 
 

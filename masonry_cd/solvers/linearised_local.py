@@ -113,7 +113,7 @@ def scale_rows(problem, rows, stiffness, p, u, right):
 @kernel()
 def take_newton_step(shares, problem, work, rows, stiffness, p, u):
     """Impulses p and velocities u <- those that solve the linearised problem, see newton.py; returns the norm of their natural map."""
-    (matrix, factor, right), unit, m = work, rows.unit, len(problem.m)
+    matrix, factor, right, unit, m = work.matrix, work.factor, work.room, rows.unit, len(problem.m)
     regular = scale_rows(problem, rows, stiffness, p, u, right)
     place_blocks(problem, rows.scale, factor.symbolic, UNSYMMETRIC, matrix)
     for i in range(len(p)):

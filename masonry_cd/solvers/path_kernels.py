@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.threads import take
+from masonry_cd.linalg.threads import take, wait
 from masonry_cd.solvers.central_path import (
     Iterate,
     Linearisation,
@@ -75,6 +75,7 @@ def way_product(shares, a, b, here, cones):
             for i in range(1, m):
                 total += a.w[c, i] * b.w[c, i] * slide * slide + a.p[c, i] * b.p[c, i] * bound * bound
         shares.sums[turn, 0, k] = total
+    wait(shares.team)
     return sum_of_chunks(shares, 0, len(mu)) / len(mu)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
 from masonry_cd.jit import borrower, entry, kernel
-from masonry_cd.linalg.threads import take
+from masonry_cd.linalg.threads import take, wait
 from masonry_cd.solvers.linearised import keep_better
 from masonry_cd.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks
 
@@ -188,6 +188,7 @@ def turn_at_first(shares, moved, springs):
         begin, stop = chunk_of(k, contacts)
         step, which, _ = first_change(moved.mu, springs.status, springs.x, springs.dx, begin, stop, moved.m)
         shares.sums[turn, 0, k], shares.sums[turn, 1, k] = step, which
+    wait(shares.team)
     step, k = least_of_chunks(shares, contacts)
     if k < 0:
         return step, k

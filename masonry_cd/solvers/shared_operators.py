@@ -50,6 +50,7 @@ def map_norm(shares, problem, p, room, v):
     for k in range(first, end):
         begin, stop = chunk_of(k, len(p))
         shares.sums[turn, 0, k] = squared_map_norm_of(problem, p, v, begin, stop)
+    wait(shares.team)
     return np.sqrt(sum_of_chunks(shares, 0, len(p)))
 
 

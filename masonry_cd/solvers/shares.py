@@ -70,8 +70,7 @@ def begin_sums(shares):
 
 @borrower()
 def sum_of_rows(shares, count):
-    """When all threads are here, the sum of the numbers that went last to the first lane, one for each of so many bodies."""
-    wait(shares.team)
+    """After a wait, the sum of the numbers that went last to the first lane, one for each of so many bodies."""
     sums, turn, total = shares.sums, shares.turn[0], 0.0
     for k in range(count):
         total += sums[turn, 0, k]
@@ -80,8 +79,7 @@ def sum_of_rows(shares, count):
 
 @borrower()
 def sum_of_chunks(shares, lane, contacts):
-    """When all threads are here, the sum of the numbers that went last to a lane, one for each chunk of so many contacts."""
-    wait(shares.team)
+    """After a wait, the sum of the numbers that went last to a lane, one for each chunk of so many contacts."""
     sums, turn, total = shares.sums, shares.turn[0], 0.0
     for k in range(-(-contacts // CHUNK)):
         total += sums[turn, lane, k]
@@ -90,11 +88,10 @@ def sum_of_chunks(shares, lane, contacts):
 
 @borrower()
 def least_of_chunks(shares, contacts):
-    """When all threads are here, the least of the numbers that went last to the first lane, and the first chunk that has it.
+    """After a wait, the least of the numbers that went last to the first lane, and the first chunk that has it.
 
     Infinity and -1 where no number is less.
     """
-    wait(shares.team)
     sums, turn, best, which = shares.sums, shares.turn[0], np.inf, -1
     for k in range(-(-contacts // CHUNK)):
         if sums[turn, 0, k] < best:
@@ -108,6 +105,7 @@ def any_of(shares, own, contacts):
     turn, (first, end) = begin_sums(shares), shares.chunks
     for k in range(first, end):
         shares.sums[turn, 0, k] = 1.0 if own else 0.0
+    wait(shares.team)
     return sum_of_chunks(shares, 0, contacts) > 0.0
 
 

@@ -65,20 +65,21 @@ def test_threads_change_no_bit(method: int, elastic: bool, blocks: int, monkeypa
 @pytest.mark.parametrize("solver", ["newton", "interior"])
 def test_solvers_take_the_threads_of_the_options(solver: str) -> None:
     """They end with the same bits below the tolerance."""
-    problem, start = sliding_wall(), SOLVERS["admm"](sliding_wall(), Options(tolerance=1e-3), None)
-    one, two = (SOLVERS[solver](problem, Options(tolerance=1e-8, threads=threads), replace(start, memory={})) for threads in (1, 2))
+    problem = scenes.thrown(0.05)
+    start = replace(SOLVERS["admm"](problem, Options(tolerance=1e-4), None), memory={})
+    one, two = (SOLVERS[solver](problem, Options(tolerance=1e-8, threads=threads), start) for threads in (1, 2))
     np.testing.assert_array_equal(one.impulse, two.impulse)
     assert natural_map_error(problem, one.impulse) <= 1e-8
     assert one.iterations == two.iterations > 0
 
 
-@pytest.mark.parametrize("method", [NEWTON, INTERIOR, PROXIMAL])
-def test_rigid_blocks_have_the_matrix_of_any_others(method: int) -> None:
+@pytest.mark.parametrize("elastic", [False, True])
+def test_rigid_blocks_have_the_matrix_of_any_others(elastic: bool) -> None:
     """Assembled by cross products and from the rows of H it differs by rounding: so do the impulses after a few iterations."""
-    problem = sliding_wall()
+    problem = sliding_wall(elastic)
     elimination = eliminated(problem)
     assert elimination.sides.rigid
     by_rows = elimination._replace(sides=elimination.sides._replace(rigid=False))
-    one, other = (answer(problem, each, method, 3, 1)[0] for each in (elimination, by_rows))
-    np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-7 * np.abs(other).max())
-    assert np.abs(one).max() > 0.0
+    one, other = (answer(problem, each, INTERIOR, 4, 1)[0] for each in (elimination, by_rows))
+    np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * np.abs(other).max())
+    assert (one != other).any()
