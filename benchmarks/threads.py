@@ -2,8 +2,8 @@
 
     python -m benchmarks.threads examples/church_sine.toml examples/aqueduct_sinusoidal.toml --steps 50
 
-Each is run by turns as often as asked, and medians are shown. Only ADMM and Gauss-Seidel use more than one thread. The last column is what
-a run takes where ``run.threads`` is not given: one for each THREAD_WORTH contacts of ``masonry_cd/solvers/options.py``.
+Each is run by turns as often as asked, and medians are shown. Factors of one subtree, and pivoting, keep to one thread. The last column is
+what a run takes where ``run.threads`` is not given: one for each THREAD_WORTH contacts of ``masonry_cd/solvers/options.py``.
 """
 
 from __future__ import annotations

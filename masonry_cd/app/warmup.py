@@ -42,7 +42,7 @@ from masonry_cd.model.materials import JointLaw
 from masonry_cd.model.state import State
 from masonry_cd.solvers import Options, cores, interior
 from masonry_cd.solvers.condensed import is_condensed
-from masonry_cd.solvers.linearised_bodies import linearised_bodies
+from masonry_cd.solvers.linearised_bodies import linearised_by_team
 
 STEPS, STEP = 6, 1e-3  # [s]
 FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
@@ -67,7 +67,7 @@ def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = Fal
 
 def keeps() -> bool:
     """Whether later runs find what this one compiles."""
-    return has_cache(linearised_bodies)
+    return has_cache(linearised_by_team)
 
 
 def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False, strained: int = 0, spheres: bool = False) -> None:
@@ -107,7 +107,7 @@ def _material(planar: bool, strained: int, spheres: bool) -> ElasticBlocks | Non
 
 def is_kept(planar: bool, strained: int = 0) -> bool:
     """Whether the largest kernel is in the cache."""
-    problems = [kinds[1] for kinds in kept(linearised_bodies)]  # numba's types of ProblemArrays
+    problems = [kinds[2] for kinds in kept(linearised_by_team)]  # numba's types of ProblemArrays
     rows, unknowns = _rows_and_solved_unknowns(planar, strained)
     wanted = type(size_of_blocks(unknowns)) is np.ndarray  # one kernel for all that many
     return any(

@@ -1,4 +1,7 @@
-"""A = L D U of an unsymmetric block matrix with a symmetric pattern, looking left, supernode by supernode (see symbolic.py)."""
+"""A = L D U of an unsymmetric block matrix with a symmetric pattern, looking left, supernode by supernode, alone or by a team of threads.
+
+See symbolic.py.
+"""
 
 from __future__ import annotations
 
@@ -19,6 +22,7 @@ from masonry_cd.linalg.supernodes import (
     subtract_product,
     view_supernode,
 )
+from masonry_cd.linalg.threads import share_of, wait
 
 
 @kernel()
@@ -55,14 +59,23 @@ def apply_update(factor, s, e, where, out):
 @entry()
 def factorise_ldu(matrix: BlockMatrix, factor: Factor) -> float:
     """A = L D U: fill a :class:`Factor` from a :class:`BlockMatrix`; the sign of det A, 0 when a block of D cannot be inverted."""
+    sign = 1.0
+    for q in range(len(factor.symbolic.subtree) - 1):
+        sign *= factorise_subtree(matrix, factor, q)
+        if sign == 0.0:
+            break
+    return sign
+
+
+@kernel()
+def factorise_unsymmetric(matrix, factor, begin, stop):
+    """:func:`factorise_ldu` for the supernodes from begin to stop, after all that update them; the sign of their part of det A."""
     symbolic, size = factor.symbolic, factor.size
-    if has_single_columns(symbolic):
-        return factorise_columns(matrix, factor, UNSYMMETRIC)
-    n, count = len(size), len(symbolic.first) - 1
-    widest, longest = extent(symbolic, 0, count, n)
+    n = len(size)
+    widest, longest = extent(symbolic, begin, stop, n)
     out, column, work = np.empty((widest, longest)), np.empty((n, widest)), np.empty((3, n, n))
     where, sign = np.empty(len(symbolic.column) - 1, dtype=np.int64), 1.0
-    for s in range(count):
+    for s in range(begin, stop):
         number_rows(symbolic, s, where)
         load(matrix, factor, s, where)
         for e in range(symbolic.update_start[s], symbolic.update_start[s + 1]):
@@ -77,3 +90,32 @@ def factorise_ldu(matrix: BlockMatrix, factor: Factor) -> float:
             for i in range(length):
                 low[j, i] = out[j, i]
     return sign
+
+
+@kernel()
+def factorise_ldu_by_team(team, matrix, factor, signs):
+    """:func:`factorise_ldu` by a team, level by level of the subtrees; ``signs`` (K,) has room for theirs, shared by the threads.
+
+    Where all columns are single there is one subtree, and so one thread does it.
+    """
+    symbolic, sign = factor.symbolic, 1.0
+    for level in range(len(symbolic.level) - 1):
+        begin, end = symbolic.level[level], symbolic.level[level + 1]
+        first, last = share_of(team, begin, end)
+        for q in range(first, last):
+            signs[q] = factorise_subtree(matrix, factor, q)
+        wait(team)
+        for q in range(begin, end):
+            sign *= signs[q]
+        if sign == 0.0:
+            break
+    return sign
+
+
+@kernel()
+def factorise_subtree(matrix, factor, q):
+    """:func:`factorise_ldu` for the supernodes of subtree q, after all that update them; the sign of their part of det A."""
+    symbolic = factor.symbolic
+    if has_single_columns(symbolic):
+        return factorise_columns(matrix, factor, UNSYMMETRIC)
+    return factorise_unsymmetric(matrix, factor, symbolic.subtree[q], symbolic.subtree[q + 1])

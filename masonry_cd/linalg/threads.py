@@ -21,6 +21,7 @@ import numpy as np
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.intrinsics import atomic_add, atomic_load, yield_processor
 
+LINE = 8  # entries of an array that begin together on a line of the cache
 _ONE_TEAM = Lock()  # at a time: two teams, each waiting for threads that the other one has, would wait for ever
 
 
@@ -51,6 +52,31 @@ def share_of(team, first, end):
     """First and end of the thread's share of a range."""
     count = end - first
     return first + count * team.rank // team.size, first + count * (team.rank + 1) // team.size
+
+
+class SharedRoom(NamedTuple):
+    """Memory of a team, which kernels take piece by piece, see :func:`take`."""
+
+    values: np.ndarray  # (L,) shared, zeros; (0,): what is taken is the thread's own
+    used: np.ndarray  # (1,) entries taken so far; of each thread its own
+
+
+@kernel()
+def take(room, shape):
+    """Zeros of a shape, in a tuple. All threads of a team get the same array if each takes the same shapes, one after another."""
+    begin, count = room.used[0], 1
+    for length in shape:
+        count *= length
+    room.used[0] += (count + LINE - 1) // LINE * LINE
+    if len(room.values) == 0:
+        return np.zeros(shape)
+    return room.values[begin : begin + count].reshape(shape)
+
+
+@kernel()
+def room_of_own():
+    """:class:`SharedRoom` of a thread alone; ``used`` tells afterwards how much a team would need."""
+    return SharedRoom(np.empty(0), np.zeros(1, dtype=np.int64))
 
 
 def run_by_team(kernel: Callable[..., Any], size: int, *arguments: Any) -> Any:

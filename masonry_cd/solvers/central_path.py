@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.friction.body_sides import add_impulse_of_sides
 from masonry_cd.friction.coulomb_law import tangent_length
-from masonry_cd.friction.operators import add_generalised_impulse, relative_velocity
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.small_blocks import copy_flat
-from masonry_cd.linalg.triangular import solve_ldu
+from masonry_cd.linalg.threads import take, wait
+from masonry_cd.solvers.shared_operators import contact_velocity, solve_by_first
+from masonry_cd.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks, sum_of_chunks
 
 STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
 
@@ -52,18 +53,19 @@ def cones_of(mu, m, k):
 
 
 @kernel()
-def allocate_iterate(shape, rows):
-    """An :class:`Iterate` of zeros for numbers of contacts and of bodies; m rows a contact, n unknowns a body."""
-    return Iterate(np.zeros(shape), np.zeros(shape), np.zeros(shape[0]), np.zeros(rows))
+def allocate_iterate(room, shape, rows):
+    """An :class:`Iterate` of zeros for contacts (C, m) and velocities of a shape."""
+    return Iterate(take(room, shape), take(room, shape), take(room, shape[:1]), take(room, rows))
 
 
 @kernel()
-def allocate_linearisation(contacts, cones):
-    """Room for a :class:`Linearisation`."""
-    m, k = len(cones.m), len(cones.k)
-    product, wanted = np.empty((contacts, k)), np.empty((contacts, k))
-    inverse, gain = np.empty((contacts, k, k)), np.empty((contacts, k, m))
-    return Linearisation(product, wanted, inverse, gain, np.empty((contacts, m)), np.empty((contacts, m)), np.zeros((contacts, m)))
+def allocate_linearisation(room, shape):
+    """Room for a :class:`Linearisation` of contacts (C, m); ``far`` is zero."""
+    contacts, m = shape
+    products, blocks, gains = (contacts, m + 1), (contacts, m + 1, m + 1), (contacts, m + 1, m)
+    product, wanted = take(room, products), take(room, products)
+    inverse, gain = take(room, blocks), take(room, gains)
+    return Linearisation(product, wanted, inverse, gain, take(room, shape), take(room, shape), take(room, shape))
 
 
 @kernel(inline="always")
@@ -164,53 +166,72 @@ def linearise_contact(w, p, gamma, mu, soft, inverse, gain, size_m, size_k):
     return 0.0 < a < np.inf and 0.0 < abs(left) < np.inf
 
 
-@kernel()
-def linearise_products(cones, here, linear):
-    """Fill the products of all contacts and their linearisation. False if one cannot be solved for its impulse."""
-    regular = True
-    for c in range(len(cones.mu)):
-        w, p, gamma, mu = here.w[c], here.p[c], here.gamma[c], cones.mu[c]
-        complementarity(w, p, gamma, mu, len(cones.m), linear.product[c])
-        inverse, gain = linear.inverse[c], linear.gain[c]
-        regular = linearise_contact(w, p, gamma, mu, linear.soft[c], inverse, gain, cones.m, cones.k) and regular
-    return regular
+@borrower()
+def linearise_products(shares, cones, here, linear):
+    """Fill the products of the contacts and their linearisation.
+
+    Returns how far the products are from zero, the gap tau, and what w misses in its units, both as means over the contacts; the gap is
+    not a number if a contact cannot be solved for its impulse.
+    """
+    m, contacts, turn, (first, end) = len(cones.m), len(cones.mu), begin_sums(shares), shares.chunks
+    for k in range(first, end):
+        gap, undone = 0.0, 0.0
+        begin, stop = chunk_of(k, contacts)
+        for c in range(begin, stop):
+            w, p, gamma, mu = here.w[c], here.p[c], here.gamma[c], cones.mu[c]
+            complementarity(w, p, gamma, mu, m, linear.product[c])
+            gap += 0.5 * (linear.product[c, 0] + linear.product[c, 1])
+            if not linearise_contact(w, p, gamma, mu, linear.soft[c], linear.inverse[c], linear.gain[c], cones.m, cones.k):
+                gap = np.nan
+            for i in range(m):
+                undone += abs(linear.miss[c, i] * p[i])
+        shares.sums[turn, 0, k], shares.sums[turn, 1, k] = gap, undone
+    wait(shares.team)
+    return sum_of_chunks(shares, 0, contacts) / contacts, sum_of_chunks(shares, 1, contacts) / contacts
 
 
 @borrower()
-def soften(problem, stiffness, linear):
+def soften(shares, problem, stiffness, linear):
     """The springs in series with the products, C + d / K."""
-    compliance, d, soft = problem.compliance, problem.d, linear.soft
-    for c in range(len(d)):
+    compliance, d, soft, (first, end) = problem.compliance, problem.d, linear.soft, shares.contacts
+    for c in range(first, end):
         for i in range(len(problem.m)):
             soft[c, i] = (compliance[c, i] if len(compliance) else 0.0) + d[c] / stiffness
 
 
 @borrower()
-def missing_velocity(problem, here, tau, linear):
+def missing_velocity(shares, problem, here, tau, linear):
     """What w misses, H v + b + C p - w - tau far."""
-    compliance, miss, far = problem.compliance, linear.miss, linear.far
-    relative_velocity(problem, here.v, miss)
-    for c in range(len(miss)):
+    compliance, miss, far, (first, end) = problem.compliance, linear.miss, linear.far, shares.contacts
+    contact_velocity(shares, problem, here.v, miss)
+    for c in range(first, end):
         for i in range(len(problem.m)):
             own = compliance[c, i] if len(compliance) else 0.0
             miss[c, i] += own * here.p[c, i] - here.w[c, i] - tau * far[c, i]
 
 
 @kernel()
-def interior_direction(problem, work, linear, way):
+def interior_direction(shares, problem, work, linear, way):
     """The direction that changes the products as wanted and takes all other residuals away.
 
     The factors are those of M + H^T B H with B the first rows of the gains; ``room`` has H^T p - M (v - v_free).
     """
-    m, n, k = len(problem.m), len(problem.n), linear.product.shape[1]
-    start_direction(linear, way, m, k)
-    dw, dp, dgamma, out = way.w, way.p, way.gamma, way.v
-    copy_flat(work.room, out)
-    add_generalised_impulse(problem, dp, out)
-    solve_ldu(work.factor, out)
-    out[-1] = 0.0
+    begin, stop = shares.rows
+    start_direction(shares, linear, way, len(problem.m), linear.product.shape[1])
+    copy_share(shares.rows, work.room, way.v)
+    wait(shares.team)
+    add_impulse_of_sides(problem, shares.sides, way.p, begin, stop, way.v)
+    solve_by_first(shares, work.factor, way.v)
+    finish_direction(shares, problem, linear, way)
+
+
+@borrower()
+def finish_direction(shares, problem, linear, way):
+    """What of a direction depends on the change of the velocities, once this is known."""
+    (dw, dp, dgamma, out), m, n = way, len(problem.m), len(problem.n)
     jacobian, index, gain, miss, soft = problem.jacobian, problem.places, linear.gain, linear.miss, linear.soft
-    for c in range(len(index)):
+    first, end = shares.contacts
+    for c in range(first, end):
         a, b, h = index[c, 0], index[c, 1], jacobian[c]
         for j in range(m):
             change = 0.0
@@ -225,9 +246,10 @@ def interior_direction(problem, work, linear, way):
 
 
 @kernel(inline="always")
-def start_direction(linear, way, m, k):
+def start_direction(shares, linear, way, m, k):
     """dp and dgamma of a direction as far as they do not depend on the change of the velocities."""
-    for c in range(len(way.p)):
+    first, end = shares.contacts
+    for c in range(first, end):
         for i in range(k):
             total = 0.0
             for j in range(k):
@@ -250,48 +272,46 @@ def contact_step(w, p, gamma, dw, dp, dgamma, mu, m):
 
 
 @borrower()
-def longest_step(here, way, cones):
-    """Largest step along a direction that keeps every contact inside its cones."""
-    (w, p, gamma, _), (dw, dp, dgamma, _) = here, way
-    longest = 1e10
-    for c in range(len(cones.mu)):
-        longest = min(longest, contact_step(w[c], p[c], gamma[c], dw[c], dp[c], dgamma[c], cones.mu[c], len(cones.m)))
-    return longest
+def longest_step(shares, here, way, cones):
+    """Largest step along a direction that keeps every contact inside its cones, at most 1e10."""
+    (w, p, gamma, _), (dw, dp, dgamma, _), m, mu = here, way, len(cones.m), cones.mu
+    turn, (first, end) = begin_sums(shares), shares.chunks
+    for k in range(first, end):
+        longest = 1e10
+        begin, stop = chunk_of(k, len(mu))
+        for c in range(begin, stop):
+            longest = min(longest, contact_step(w[c], p[c], gamma[c], dw[c], dp[c], dgamma[c], mu[c], m))
+        shares.sums[turn, 0, k] = longest
+    wait(shares.team)
+    return least_of_chunks(shares, len(mu))[0]
 
 
 @borrower()
-def take_impulse(p, friction, impulse):
+def take_impulse(shares, p, friction, impulse):
     """impulse = p (C, m), without a tangential part where there is no friction."""
-    for c in range(len(friction)):
+    first, end = shares.contacts
+    for c in range(first, end):
         for i in range(p.shape[1]):
             impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
 
 
 @borrower()
-def add_flat(x, step, change):
-    """x += step change, both contiguous and of one shape."""
-    x, change = x.reshape(x.size), change.reshape(change.size)
-    for i in range(len(x)):
-        x[i] += step * change[i]
-
-
-@borrower()
-def advance(here, step, way):
+def advance(shares, here, step, way):
     """Go a share of a direction."""
-    add_flat(here.w, step, way.w)
-    add_flat(here.p, step, way.p)
-    add_flat(here.gamma, step, way.gamma)
-    add_flat(here.v, step, way.v)
+    add_share(shares.contacts, here.w, step, way.w, here.w)
+    add_share(shares.contacts, here.p, step, way.p, here.p)
+    add_share(shares.contacts, here.gamma, step, way.gamma, here.gamma)
+    add_share(shares.rows, here.v, step, way.v, here.v)
 
 
 @borrower()
-def begin_inside(problem, answer, cones, distance, here, u):
+def begin_inside(shares, problem, answer, cones, distance, here, u):
     """The start: w, p and gamma inside the cones, near the answer, and v its velocities; u (C, m) are those of the contacts.
 
     Returns the distance from the walls as a speed, ``distance`` times the largest without impulses.
     """
-    shift, impulse = distance * answer.speed, answer.impulse
-    copy_flat(answer.velocity, here.v)
-    for c in range(len(cones.mu)):
-        here.gamma[c] = central_start(impulse[c], u[c], cones.mu[c], problem.d[c], shift, here.w[c], here.p[c], len(cones.m))
+    shift, impulse, m, (first, end) = distance * answer.speed, answer.impulse, len(cones.m), shares.contacts
+    copy_share(shares.rows, answer.velocity, here.v)
+    for c in range(first, end):
+        here.gamma[c] = central_start(impulse[c], u[c], cones.mu[c], problem.d[c], shift, here.w[c], here.p[c], m)
     return shift

@@ -2,7 +2,7 @@
 
 Newton, the interior point method and proximal points are written once, for problems over bodies and for those given by W alone. What
 differs between these, such as the matrix that is factorised, are the kernels of a :class:`Kind`: linearised_bodies.py has those of the
-one, linearised_local.py those of the other.
+one, linearised_local.py those of the other. A team of threads shares them, see shares.py; a problem given by W alone has one thread.
 """
 
 from __future__ import annotations
@@ -11,13 +11,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from masonry_cd.friction.body_sides import BodySides, sides_of_bodies
+from masonry_cd.friction.joint_twists import fits_frames
 from masonry_cd.friction.natural_map import size_of
-from masonry_cd.friction.operators import has_unit_masses
+from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.small_blocks import add_outer_product, copy_flat, is_wide
-from masonry_cd.linalg.supernodes import BlockMatrix, Factor, allocate_factors, allocate_matrix
+from masonry_cd.linalg.ordering import Pattern
+from masonry_cd.linalg.supernodes import BlockMatrix, Factor
 from masonry_cd.linalg.symbolic import SymbolicFactor
-from masonry_cd.linalg.wide_columns import add_turned_product
+from masonry_cd.linalg.threads import take
+from masonry_cd.solvers.augmented import NUMBERS
+from masonry_cd.solvers.shares import copy_share
 
 Kernel = Any  # a compiled function
 
@@ -29,6 +33,13 @@ class Elimination(NamedTuple):
     symbolic: SymbolicFactor
     places: np.ndarray  # (C, 2) places of the bodies; B: a support
     block: np.ndarray  # (C,) the block that couples them, -1: none
+    sides: BodySides  # the contacts of the body at each place
+
+
+def eliminate(problem: ProblemArrays, pattern: Pattern, places: np.ndarray, block: np.ndarray) -> Elimination:
+    """The :class:`Elimination` of a problem whose contacts have these places (C, 2) of bodies and blocks (C,) in a pattern."""
+    rigid = problem.jacobian.shape[2:] == (3, 6) and fits_frames(problem.jacobian, problem.bodies)
+    return Elimination(pattern.order, pattern.symbolic, places, block, sides_of_bodies(places, block, len(pattern.order), rigid))
 
 
 class Settings(NamedTuple):
@@ -49,7 +60,7 @@ class Answer(NamedTuple):
 
     impulse: np.ndarray  # (C, m)
     velocity: np.ndarray  # (B + 1, n)
-    error: np.ndarray  # (1,) natural map error
+    error: np.ndarray  # (1,) natural map error; of each thread its own
     size: float  # |q / sqrt(d)|, by which errors are divided
     speed: float  # largest component of q
 
@@ -59,35 +70,42 @@ class Work(NamedTuple):
 
     matrix: BlockMatrix
     factor: Factor
+    world: np.ndarray  # (C, NUMBERS) the blocks of contacts between rigid blocks in space, see augmented.py, or (0, NUMBERS)
+    signs: np.ndarray  # (K,) of the determinants of the subtrees
     room: np.ndarray  # (B + 1, n) or (C, m), as velocities
 
 
 class Kind(NamedTuple):
     """What the methods ask of a kind of problem, over bodies or given by W alone: kernels that theirs are given.
 
-    Velocities v are those of the bodies (B + 1, n), or where W alone is given those of the contacts (C, m).
+    Velocities v are those of the bodies (B + 1, n), or where W alone is given those of the contacts (C, m). Each kernel does the ``shares``
+    of its thread; those that read what others have done wait for them first.
     """
 
-    map_norm: Kernel  # (problem, p, room, v): norm of the natural map of impulses p (C, m); v <- their velocities
-    contact_velocity: Kernel  # (problem, v, u): u (C, m) <- velocities of the contacts
-    factorise: Kernel  # (problem, work, blocks): for laws dp = -B du, B the first rows of blocks; the sign of the determinant or 0
+    map_norm: Kernel  # (shares, problem, p, room, v): norm of the natural map of impulses p (C, m); v <- their velocities
+    contact_velocity: Kernel  # (shares, problem, v, u): u (C, m) <- velocities of the contacts
+    factorise: Kernel  # (shares, problem, work, blocks): for laws dp = -B du, B the first rows of blocks; the sign of the determinant or 0
     # interior point
-    interior_residuals: Kernel  # (problem, here, linear, room): what w and v miss
-    interior_direction: Kernel  # (problem, work, linear, way): changes the products as wanted and takes these residuals away
+    interior_residuals: Kernel  # (shares, problem, here, linear, room): what w and v miss
+    interior_direction: Kernel  # (shares, problem, work, linear, way): changes the products as wanted and takes these residuals away
     # proximal points
-    movable: Kernel  # (problem): ``moved``, the problem with velocities as they are counted while springs settle
-    begin_at: Kernel  # (problem, moved, centre, v): v <- the velocities of the centre
-    spring_residual: Kernel  # (moved, springs, stiffness, v, held, out): x and p of the springs, what v misses, and the norm of that
-    spring_direction: Kernel  # (moved, work, springs, search): the Newton step
-    spring_changes: Kernel  # (moved, springs, stiffness, change): change dx of the trial impulses with one of the velocities
+    movable: Kernel  # (problem, room): ``moved``, the problem with velocities as they are counted while springs settle
+    begin_at: Kernel  # (shares, problem, moved, centre, v): v <- the velocities of the centre
+    spring_residual: Kernel  # (shares, moved, springs, stiffness, v, held, out): x and p of the springs, what v misses and its norm
+    spring_direction: Kernel  # (shares, moved, work, springs, search): the Newton step
+    spring_changes: Kernel  # (shares, moved, springs, stiffness, change): change dx of the trial impulses with one of the velocities
     stiffest: Kernel  # (error): the stiffest springs whose problem can be solved where rounding is felt
-    move_centre: Kernel  # (centre, v): centre <- the velocities v
+    move_centre: Kernel  # (shares, centre, v): centre <- the velocities v
 
 
-@kernel(inline="always")
-def allocate_work(symbolic, size, velocity):
-    """:class:`Work` for blocks of a size, see small_blocks.py, and velocities like those given."""
-    return Work(allocate_matrix(symbolic, size), allocate_factors(symbolic, size), np.empty(velocity.shape))
+@kernel()
+def allocate_work(room, symbolic, size, velocity, world):
+    """:class:`Work` for blocks of a size, see small_blocks.py, velocities of a shape, and as many contacts as ``world`` has."""
+    n, nodes, pairs = len(size), len(symbolic.column) - 1, len(symbolic.row)
+    matrix = BlockMatrix(take(room, (nodes, n, n)), take(room, (pairs, n, n)), take(room, (pairs, n, n)))
+    panel = n * n * symbolic.panel[-1]
+    factor = Factor(symbolic, take(room, (n * n * symbolic.square[-1],)), take(room, (panel,)), take(room, (panel,)), size)
+    return Work(matrix, factor, take(room, (world, NUMBERS)), take(room, (len(symbolic.subtree) - 1,)), take(room, velocity))
 
 
 @kernel(inline="always")
@@ -109,116 +127,18 @@ def largest(x):
 
 
 @borrower()
-def keep_better(answer, p, v, error):
+def keep_better(shares, answer, p, v, error):
     """Take impulses p and velocities v as the answer if their error is less than that of the best so far."""
     if error < answer.error[0]:
         answer.error[0] = error
-        copy_flat(p, answer.impulse)
-        copy_flat(v, answer.velocity)
-
-
-@kernel(fastmath={"contract"})
-def augment_blocks(problem, blocks, matrix):
-    """The :class:`BlockMatrix` of M + H^T B H; B has one (m, m) block per contact, the first rows of ``blocks`` (C, m or more, m)."""
-    if is_wide(problem.n):
-        augment_wide_blocks(problem, blocks, matrix)
-        return
-    jacobian, index, block, bodies = problem.jacobian, problem.places, problem.block, len(problem.mass)
-    diagonal, lower, upper, m, n = matrix.diagonal, matrix.lower, matrix.upper, len(problem.m), len(problem.n)
-    copy_flat(problem.mass, diagonal)
-    lower[:] = 0.0
-    upper[:] = 0.0
-    turned = np.empty((2, m, n))
-    for c in range(len(index)):
-        a, b = index[c, 0], index[c, 1]
-        for side in range(2):
-            for i in range(m):
-                for q in range(n):
-                    total = 0.0
-                    for k in range(m):
-                        total += blocks[c, i, k] * jacobian[c, side, k, q]
-                    turned[side, i, q] = total
-            body = index[c, side]
-            if body < bodies:
-                add_outer_product(jacobian[c, side], turned[side], diagonal[body], problem.m, problem.n)
-        if a == b < bodies:
-            for p in range(n):
-                for q in range(n):
-                    for i in range(m):
-                        diagonal[a, p, q] += jacobian[c, 0, i, p] * turned[1, i, q] + jacobian[c, 1, i, p] * turned[0, i, q]
-        if block[c] >= 0:
-            low = 1 if a > b else 0
-            high = 1 - low
-            add_outer_product(jacobian[c, high], turned[low], lower[block[c]], problem.m, problem.n)
-            add_outer_product(turned[high], jacobian[c, low], upper[block[c]], problem.m, problem.n)
+        copy_share(shares.contacts, p, answer.impulse)
+        copy_share(shares.rows, v, answer.velocity)
 
 
 @kernel()
-def augment_wide_blocks(problem, blocks, matrix):
-    """:func:`augment_blocks` for wide blocks: as many rows and columns of each as its bodies have unknowns. All contacts of a joint, which
-    stand one after another, are added at once, so that each block is read and written once a joint."""
-    jacobian, index, block, bodies = problem.jacobian, problem.places, problem.block, len(problem.mass)
-    m, n = len(problem.m), len(problem.n)
-    unit, most = has_unit_masses(problem), longest_run(index)
-    width, own, turned = np.zeros(2, dtype=np.int64), np.empty((2, most * m, n)), np.empty((2, most * m, n))
-    matrix.lower[:] = 0.0
-    matrix.upper[:] = 0.0
-    if unit:
-        matrix.diagonal[:] = 0.0
-        for b in range(bodies):
-            for i in range(n):
-                matrix.diagonal[b, i, i] = 1.0
-    else:
-        copy_flat(problem.mass, matrix.diagonal)
-    first = 0
-    while first < len(index):
-        a, b, end = index[first, 0], index[first, 1], end_of_run(index, first)
-        rows = m * (end - first)
-        for side in range(2):
-            body = index[first, side]
-            width[side] = 0 if body == bodies else problem.width[body] if unit else n
-            take_rows(blocks, jacobian, (first, end, side), width[side], (own[side], turned[side]), problem.m)
-            if body < bodies:
-                add_turned_product(own[side], turned[side], rows, (width[side], width[side]), matrix.diagonal[body])
-        if a == b < bodies:
-            add_turned_product(own[0], turned[1], rows, (width[0], width[0]), matrix.diagonal[a])
-            add_turned_product(own[1], turned[0], rows, (width[0], width[0]), matrix.diagonal[a])
-        if block[first] >= 0:
-            low = 1 if a > b else 0
-            high, size = 1 - low, (width[1 - low], width[low])
-            add_turned_product(own[high], turned[low], rows, size, matrix.lower[block[first]])
-            add_turned_product(turned[high], own[low], rows, size, matrix.upper[block[first]])
-        first = end
-
-
-@borrower()
-def end_of_run(places, first):
-    """The end of the contacts from ``first`` on that lie one after another between the same two bodies, by their places (C, 2)."""
-    end = first + 1
-    while end < len(places) and places[end, 0] == places[first, 0] and places[end, 1] == places[first, 1]:
-        end += 1
-    return end
-
-
-@borrower()
-def longest_run(places):
-    """The most contacts of such a run."""
-    most, first = 0, 0
-    while first < len(places):
-        end = end_of_run(places, first)
-        most, first = max(most, end - first), end
-    return most
-
-
-@borrower(fastmath={"contract"})
-def take_rows(blocks, jacobian, contacts, width, out, size_m):
-    """The rows H of some contacts on one of their sides, and B H, one after another into two arrays (K m, n)."""
-    (first, end, side), (own, turned), m = contacts, out, len(size_m)
-    for c in range(first, end):
-        at = m * (c - first)
-        for i in range(m):
-            for q in range(width):
-                total = 0.0
-                for k in range(m):
-                    total += blocks[c, i, k] * jacobian[c, side, k, q]
-                own[at + i, q], turned[at + i, q] = jacobian[c, side, i, q], total
+def copies_of(shares, room, answer):
+    """Impulses (C, m) and velocities to go on from, those of the answer."""
+    p, v = take(room, answer.impulse.shape), take(room, answer.velocity.shape)
+    copy_share(shares.contacts, answer.impulse, p)
+    copy_share(shares.rows, answer.velocity, v)
+    return p, v

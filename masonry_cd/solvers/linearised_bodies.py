@@ -1,6 +1,7 @@
 """Newton, the interior point method, proximal points and the path by its length over bodies, behind one entry.
 
-The matrix that all of them factorise is M + H^T B H, B from the linearised laws; see linearised.py for what they share.
+The matrix that all of them factorise is M + H^T B H, B from the linearised laws; see linearised.py for what they share, and shares.py for
+what each thread of a team does of it.
 """
 
 from __future__ import annotations
@@ -9,32 +10,29 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.friction import operators
 from masonry_cd.friction.operators import (
     OrderedProblem,
     ProblemArrays,
-    add_generalised_impulse,
-    body_velocity,
     change_at,
     has_unit_masses,
-    in_order,
-    law_velocity,
-    missing_momentum,
-    put_back,
-    relative_velocity,
+    law_velocity_of,
+    measure_scales,
+    put_in_order,
     unknowns_at,
+    widths_in_order,
 )
 from masonry_cd.jit import borrower, entry, kernel
-from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.small_blocks import copy_flat, invert, multiply
-from masonry_cd.linalg.triangular import solve_ldu
+from masonry_cd.linalg.threads import SharedRoom, ThreadTeam, room_of_own, run_by_team, take, wait
 from masonry_cd.solvers.central_path import STIFFEST, interior_direction, missing_velocity
-from masonry_cd.solvers.interior_kernels import interior_point
-from masonry_cd.solvers.linearised import Elimination, Kind, Settings, allocate_work, augment_blocks, first_answer
-from masonry_cd.solvers.newton_kernels import LinearisedLaw, linearise_law, newton
-from masonry_cd.solvers.path_kernels import path_bodies
+from masonry_cd.solvers.interior_kernels import allocate_interior, interior_point
+from masonry_cd.solvers.linearised import Elimination, Kind, Settings, allocate_work, first_answer
+from masonry_cd.solvers.newton_kernels import LinearisedLaw, allocate_newton, linearise_law, newton
+from masonry_cd.solvers.path_kernels import allocate_paths, path_bodies
 from masonry_cd.solvers.pivoting_kernels import pivoting_points
-from masonry_cd.solvers.proximal_kernels import Patience, add_step, project_trial, proximal_points, softness
+from masonry_cd.solvers.proximal_kernels import Patience, allocate_proximal, project_trial, proximal_points, softness
+from masonry_cd.solvers.shared_operators import contact_velocity, factorise, map_norm, missing_momentum, solve_by_first
+from masonry_cd.solvers.shares import add_share, allocate_sums, begin_sums, copy_share, shares_of, sum_of_rows
 
 NEWTON, INTERIOR, PATH, PROXIMAL, PIVOTING = 0, 1, 2, 3, 4  # methods that linearise the law
 PATIENCE = Patience(iterations=25, failures=8)
@@ -47,18 +45,11 @@ class LawWork(NamedTuple):
     w: np.ndarray  # (C, m) H v + b + C p
 
 
-@borrower()
-def map_norm(problem, p, room, v):
-    """Norm of the natural map of impulses p (C, m); v (B + 1, n) <- their velocities."""
-    body_velocity(problem, p, room, v)
-    return operators.map_norm(problem, p, v)
-
-
 @kernel()
-def factorise(problem, work, blocks):
-    """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
-    augment_blocks(problem, blocks, work.matrix)
-    return factorise_ldu(work.matrix, work.factor)
+def allocate_law(room, shape, size_m):
+    """:class:`LawWork` for contacts (C, m)."""
+    contacts, m = shape
+    return LawWork(LinearisedLaw(take(room, shape), take(room, (contacts, m, m)), size_m), take(room, shape))
 
 
 # --- Newton -----------------------------------------------------------------------------------------------------------------------
@@ -89,11 +80,12 @@ def take_share(share, target, p0, p1, p2, size_m):
 
 
 @kernel()
-def linearise_contacts(problem, p, w, stiffness, law):
-    """Linearise the law of all contacts at impulses p and velocities w (C, m), see :class:`LinearisedLaw`."""
+def linearise_contacts(shares, problem, p, w, stiffness, law):
+    """Linearise the law of the contacts at impulses p and velocities w (C, m), see :class:`LinearisedLaw`."""
     m, mu, d, compliance = len(problem.m), problem.mu, problem.d, problem.compliance
     share, softer, work = np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
-    for c in range(len(p)):
+    first, end = shares.contacts
+    for c in range(first, end):
         p2, w2 = (p[c, 2], w[c, 2]) if m == 3 else (0.0, 0.0)
         linearise_law((p[c, 0], p[c, 1], p2), (w[c, 0], w[c, 1], w2), mu[c], d[c], stiffness, law, c)
         if len(compliance):
@@ -103,64 +95,63 @@ def linearise_contacts(problem, p, w, stiffness, law):
 
 
 @kernel()
-def take_newton_step(problem, work, law_work, stiffness, p, v):
+def take_newton_step(shares, problem, work, law_work, stiffness, p, v):
     """Impulses p and velocities v <- those that solve the linearised problem, see newton.py; returns the norm of their natural map."""
-    law, w = law_work
-    room, m = work.room, len(problem.m)
-    law_velocity(problem, v, p, w)
-    linearise_contacts(problem, p, w, stiffness, law)
-    if factorise(problem, work, law.block) == 0.0:
+    (law, w), room, m, (first, end) = law_work, work.room, len(problem.m), shares.contacts
+    wait(shares.team)
+    law_velocity_of(problem, v, p, first, end, w)
+    linearise_contacts(shares, problem, p, w, stiffness, law)
+    if factorise(shares, problem, work, law.block) == 0.0:
         return np.inf
-    missing_momentum(problem, v, room)
-    add_generalised_impulse(problem, law.target, room)
-    solve_ldu(work.factor, room)
-    room[-1] = 0.0
+    missing_momentum(shares, problem, v, law.target, room)
+    solve_by_first(shares, work.factor, room)
     jacobian, index, target, block = problem.jacobian, problem.places, law.target, law.block
-    for c in range(len(p)):
+    for c in range(first, end):
         for i in range(m):
             p[c, i] = target[c, i]
         for i in range(m):
             change = change_at(jacobian, index, c, i, room, unknowns_at(problem, index[c, 0], index[c, 1]))
             for k in range(m):
                 p[c, k] -= block[c, k, i] * change
-    return map_norm(problem, p, room, v)
+    return map_norm(shares, problem, p, room, v)
 
 
 # --- interior point -----------------------------------------------------------------------------------------------------------------
 
 
 @borrower()
-def interior_residuals(problem, here, linear, room):
+def interior_residuals(shares, problem, here, linear, room):
     """What w and v miss: H v + b + C p - w, and H^T p - M (v - v_free), which goes to ``room``."""
-    missing_velocity(problem, here, 0.0, linear)
-    missing_momentum(problem, here.v, room)
-    add_generalised_impulse(problem, here.p, room)
+    missing_velocity(shares, problem, here, 0.0, linear)
+    missing_momentum(shares, problem, here.v, here.p, room)
 
 
 # --- proximal points ----------------------------------------------------------------------------------------------------------------
 
 
 @kernel()
-def movable(problem):
-    """Room for the problem in the change of the velocities from those of a centre, which spares rounding."""
+def movable(problem, free, offset):
+    """The problem in the change of the velocities from those of a centre, which spares rounding; free (B + 1, n) and offset (C, m) are
+    room for what changes with it."""
     return OrderedProblem(
-        problem.inverse, problem.mass, np.empty(problem.free.shape), problem.places, problem.block, problem.jacobian,
-        np.empty(problem.offset.shape), problem.mu, problem.compliance, problem.width, problem.d, problem.m, problem.n,
+        problem.inverse, problem.mass, free, problem.places, problem.block, problem.jacobian, offset, problem.mu, problem.compliance,
+        problem.width, problem.d, problem.m, problem.n,
     )  # fmt: skip
 
 
 @borrower()
-def begin_at(problem, moved, centre, v):
+def begin_at(shares, problem, moved, centre, v):
     """Count velocities from ``centre`` (B + 1, n), and begin there: at v = 0."""
-    add_step(problem.free, -1.0, centre, moved.free)
-    relative_velocity(problem, centre, moved.offset)
-    v[:] = 0.0
+    first, end = shares.rows
+    add_share(shares.rows, problem.free, -1.0, centre, moved.free)
+    contact_velocity(shares, problem, centre, moved.offset)
+    v[first:end] = 0.0
 
 
 @borrower()
-def move_centre(centre, v):
+def move_centre(shares, centre, v):
     """centre += v."""
-    add_step(centre, 1.0, v, centre)
+    add_share(shares.rows, centre, 1.0, v, centre)
 
 
 @borrower()
@@ -170,89 +161,178 @@ def stiffest(error):
 
 
 @borrower()
-def spring_residual(problem, springs, stiffness, v, held, out):
+def spring_residual(shares, problem, springs, stiffness, v, held, out):
     """Fill x and p of the springs at velocities v, and out = M (v_free - v) + H^T p (B + 1, n); returns the norm of that in M^-1."""
-    m, n, compliance, d = len(problem.m), len(problem.n), problem.compliance, problem.d
-    x, centre = springs.x, springs.centre
-    relative_velocity(problem, v, x)
-    for c in range(len(d)):
+    m, compliance, d, x, centre = len(problem.m), problem.compliance, problem.d, springs.x, springs.centre
+    first, end = shares.contacts
+    contact_velocity(shares, problem, v, x)
+    for c in range(first, end):
         soft_n, soft_t = softness(compliance, d[c] / stiffness, c, m)
         for i in range(m):
             soft = soft_n if i == 0 else soft_t
             own = compliance[c, i] if len(compliance) else 0.0
             x[c, i] = ((soft - own) * centre[c, i] - x[c, i]) / soft
         project_trial(springs, problem.mu, c, held, m)
-    missing_momentum(problem, v, out)
-    add_generalised_impulse(problem, springs.p, out)
-    out[-1] = 0.0
-    total = 0.0
-    for b in range(len(problem.inverse)):
-        for i in range(n):
-            if has_unit_masses(problem):
-                total += out[b, i] * out[b, i]
-                continue
-            for j in range(n):
-                total += out[b, i] * problem.inverse[b, i, j] * out[b, j]
-    return np.sqrt(max(total, 0.0))
-
-
-@kernel()
-def spring_direction(problem, work, springs, search):
-    """The Newton step, (M + H^T B H) dv = r with the residual r, which it uses up."""
-    residual, change = search.residual, search.change
-    solve_ldu(work.factor, residual)
-    copy_flat(residual[: len(residual) - 1], change)
+    missing_momentum(shares, problem, v, springs.p, out)
+    return norm_of_momentum(shares, problem, out)
 
 
 @borrower()
-def spring_changes(problem, springs, stiffness, change):
+def norm_of_momentum(shares, problem, momentum):
+    """Norm of momenta (B + 1, n) in M^-1."""
+    n, turn, (first, end) = len(problem.n), begin_sums(shares), shares.rows
+    for b in range(first, end):
+        total = 0.0
+        for i in range(n):
+            if has_unit_masses(problem):
+                total += momentum[b, i] * momentum[b, i]
+                continue
+            for j in range(n):
+                total += momentum[b, i] * problem.inverse[b, i, j] * momentum[b, j]
+        shares.sums[turn, 0, b] = total
+    wait(shares.team)
+    return np.sqrt(max(sum_of_rows(shares, len(problem.inverse)), 0.0))
+
+
+@kernel()
+def spring_direction(shares, problem, work, springs, search):
+    """The Newton step, (M + H^T B H) dv = r with the residual r, which it uses up."""
+    solve_by_first(shares, work.factor, search.residual)
+    copy_share(shares.rows, search.residual, search.change)
+
+
+@borrower()
+def spring_changes(shares, problem, springs, stiffness, change):
     """Change dx of the trial impulses with a change of the velocities (B + 1, n)."""
     m, n, d, jacobian, index = len(problem.m), len(problem.n), problem.d, problem.jacobian, problem.places
-    for c in range(len(d)):
+    first, end = shares.contacts
+    wait(shares.team)
+    for c in range(first, end):
         soft_n, soft_t = softness(problem.compliance, d[c] / stiffness, c, m)
         for i in range(m):
             springs.dx[c, i] = -change_at(jacobian, index, c, i, change, n) / (soft_n if i == 0 else soft_t)
 
 
 BODIES = Kind(
-    map_norm, relative_velocity, factorise, interior_residuals, interior_direction, movable, begin_at, spring_residual,
+    map_norm, contact_velocity, factorise, interior_residuals, interior_direction, movable, begin_at, spring_residual,
     spring_direction, spring_changes, stiffest, move_centre,
 )  # fmt: skip
 
 
+# --- the entry ----------------------------------------------------------------------------------------------------------------------
+
+
 @kernel()
-def answer_of(problem, impulse):
+def in_order(shares, room, problem, elimination):
+    """The :class:`OrderedProblem` of ProblemArrays."""
+    order, places, (first, end) = elimination.order, elimination.places, shares.rows
+    inverse, mass, free, d = allocate_problem(room, problem)
+    put_in_order(problem, order, first, end, inverse, mass, free)
+    ordered = OrderedProblem(
+        inverse, mass, free, places, elimination.block, problem.jacobian, problem.offset, problem.mu, problem.compliance,
+        widths_in_order(problem.width, order), d, problem.m, problem.n,
+    )  # fmt: skip
+    wait(shares.team)
+    measure_scales(ordered, shares.contacts[0], shares.contacts[1])
+    return ordered
+
+
+@kernel()
+def allocate_problem(room, problem):
+    """Room for M^-1, M (B, n, n), v_free (B, n) and d (C,) of ProblemArrays."""
+    bodies, n = problem.v_free.shape
+    return take(room, (bodies, n, n)), take(room, (bodies, n, n)), take(room, (bodies, n)), take(room, (len(problem.mu),))
+
+
+@kernel()
+def allocate_answer(room, shape, rows):
+    """Room for the velocities of the answer, and for those without impulses of the contacts (C, m)."""
+    return take(room, rows), take(room, shape)
+
+
+@kernel()
+def answer_of(shares, room, problem, scratch, impulse):
     """The answer to begin with: ``impulse`` (C, m) itself, and its velocities and error."""
-    rows = (len(problem.free) + 1, len(problem.n))
-    v, room, q = np.zeros(rows), np.empty(rows), np.empty(impulse.shape)
-    copy_flat(problem.free, v)
-    relative_velocity(problem, v, q)
-    norm = map_norm(problem, impulse, room, v)
+    v, q = allocate_answer(room, impulse.shape, scratch.shape)
+    copy_share(shares.rows, problem.free, v)
+    contact_velocity(shares, problem, v, q)
+    norm = map_norm(shares, problem, impulse, scratch, v)
     return first_answer(impulse, v, norm, q, problem.d)
 
 
 @entry()
+def room_needed(method: int, problem: ProblemArrays, elimination: Elimination) -> int:
+    """Entries of the :class:`SharedRoom` of a team for one of these methods."""
+    room, shape, rows, contacts = room_of_own(), problem.offset.shape, (len(elimination.order) + 1, len(problem.n)), len(problem.mu)
+    allocate_sums(room, contacts, len(elimination.order))
+    allocate_problem(room, problem)
+    allocate_work(room, elimination.symbolic, problem.n, rows, contacts if elimination.sides.rigid else 0)
+    allocate_answer(room, shape, rows)
+    if method == NEWTON:
+        allocate_newton(room, shape, rows)
+        allocate_law(room, shape, problem.m)
+    elif method == INTERIOR:
+        allocate_interior(room, shape, rows)
+    elif method == PATH:
+        allocate_paths(room, shape, rows)
+    else:
+        allocate_proximal(room, shape, rows)
+    return room.used[0]
+
+
+@entry()
+def linearised_by_team(
+    team: ThreadTeam,
+    method: int,
+    problem: ProblemArrays,
+    elimination: Elimination,
+    settings: Settings,
+    impulse: np.ndarray,
+    velocity: np.ndarray,
+    values: np.ndarray,
+) -> tuple[int, float, float, float]:
+    """:func:`linearised_bodies` by a team; ``values`` are those of its :class:`SharedRoom`.
+
+    Python enters here alone, so that their factorisation, the larger part of each, is compiled once.
+    """
+    room, shape, rows = SharedRoom(values, np.zeros(1, dtype=np.int64)), impulse.shape, (len(elimination.order) + 1, len(problem.n))
+    sums = allocate_sums(room, len(impulse), len(elimination.order))
+    shares = shares_of(team, len(impulse), elimination.sides, sums)
+    ordered = in_order(shares, room, problem, elimination)
+    work = allocate_work(room, elimination.symbolic, problem.n, rows, len(impulse) if elimination.sides.rigid else 0)
+    answer, begin, stiffness = answer_of(shares, room, ordered, work.room, impulse), np.nan, settings.stiffness
+    if method == NEWTON:
+        law, inside = allocate_law(room, shape, problem.m), allocate_newton(room, shape, rows)
+        iterations, begin, stiffness = newton(take_newton_step, shares, ordered, work, law, inside, answer, settings)
+    elif method == INTERIOR:
+        iterations = interior_point(BODIES, shares, ordered, work, allocate_interior(room, shape, rows), answer, settings)
+    elif method == PATH:
+        iterations = path_bodies(shares, ordered, work, allocate_paths(room, shape, rows), answer, settings)
+    elif method == PIVOTING:
+        iterations = pivoting_points(BODIES, shares, ordered, work, allocate_proximal(room, shape, rows), answer, settings)
+    else:
+        iterations = proximal_points(BODIES, shares, ordered, work, allocate_proximal(room, shape, rows), PATIENCE, answer, settings)
+    for b in range(shares.rows[0], shares.rows[1]):
+        for i in range(len(problem.n)):
+            velocity[elimination.order[b], i] = answer.velocity[b, i]
+    return iterations, answer.error[0], begin, stiffness
+
+
 def linearised_bodies(
-    method: int, problem: ProblemArrays, elimination: Elimination, settings: Settings, impulse: np.ndarray, velocity: np.ndarray
+    method: int,
+    problem: ProblemArrays,
+    elimination: Elimination,
+    settings: Settings,
+    impulse: np.ndarray,
+    velocity: np.ndarray,
+    threads: int = 1,
 ) -> tuple[int, float, float, float]:
     """One of these methods over ProblemArrays. ``impulse`` (C, m) holds the start and then the best answer found, velocity (B, n) its own.
 
-    Python enters here alone, so that their factorisation, the larger part of each, is compiled once. Returns iterations, natural map
-    error, and of Newton the error at the start and the stiffness at the end.
+    Returns iterations, natural map error, and of Newton the error at the start and the stiffness at the end.
     """
-    ordered = in_order(problem, elimination.order, elimination.places, elimination.block)
-    answer, begin, stiffness = answer_of(ordered, impulse), np.nan, settings.stiffness
-    work = allocate_work(elimination.symbolic, problem.n, answer.velocity)
-    if method == NEWTON:
-        law = LinearisedLaw(np.empty(impulse.shape), np.empty((len(impulse), len(problem.m), len(problem.m))), problem.m)
-        iterations, begin, stiffness = newton(take_newton_step, ordered, work, LawWork(law, np.empty(impulse.shape)), answer, settings)
-    elif method == INTERIOR:
-        iterations = interior_point(BODIES, ordered, work, answer, settings)
-    elif method == PATH:
-        iterations = path_bodies(BODIES, ordered, work, answer, settings)
-    elif method == PIVOTING:
-        iterations = pivoting_points(BODIES, ordered, work, answer, settings)
-    else:
-        iterations = proximal_points(BODIES, ordered, work, PATIENCE, answer, settings)
-    put_back(answer.velocity, elimination.order, velocity)
-    return iterations, answer.error[0], begin, stiffness
+    values = np.zeros(room_needed(method, problem, elimination) if threads > 1 else 0)
+    found: tuple[int, float, float, float] = run_by_team(
+        linearised_by_team, threads, method, problem, elimination, settings, impulse, velocity, values
+    )
+    return found

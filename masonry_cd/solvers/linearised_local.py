@@ -17,12 +17,14 @@ from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.single_columns import UNSYMMETRIC
 from masonry_cd.linalg.small_blocks import copy_flat, invert, multiply
 from masonry_cd.linalg.symbolic import SymbolicFactor
+from masonry_cd.linalg.threads import room_of_own
 from masonry_cd.linalg.triangular import solve_ldu
 from masonry_cd.solvers.central_path import start_direction
-from masonry_cd.solvers.interior_kernels import interior_point
+from masonry_cd.solvers.interior_kernels import allocate_interior, interior_point
 from masonry_cd.solvers.linearised import Kind, Settings, allocate_work, first_answer
-from masonry_cd.solvers.newton_kernels import LinearisedLaw, linearise_law, newton
-from masonry_cd.solvers.proximal_kernels import Patience, project_trial, proximal_points
+from masonry_cd.solvers.newton_kernels import LinearisedLaw, allocate_newton, linearise_law, newton
+from masonry_cd.solvers.proximal_kernels import Patience, allocate_proximal, project_trial, proximal_points
+from masonry_cd.solvers.shares import shares_of_one
 
 PATIENCE = Patience(iterations=60, failures=16)
 
@@ -36,7 +38,7 @@ class ScaledRows(NamedTuple):
 
 
 @borrower()
-def map_norm(problem, p, room, u):
+def map_norm(shares, problem, p, room, u):
     """Norm of the natural map of impulses p (C, m); u (C, m) <- their velocities."""
     return local_norm(problem, p, u)
 
@@ -50,13 +52,13 @@ def answer_of(problem, impulse):
 
 
 @borrower()
-def contact_velocity(problem, v, u):
+def contact_velocity(shares, problem, v, u):
     """u = v (C, m)."""
     copy_flat(v, u)
 
 
 @kernel()
-def factorise(problem, work, blocks):
+def factorise(shares, problem, work, blocks):
     """Factorise I + S W, S the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
     matrix = work.matrix
     place_blocks(problem, blocks, work.factor.symbolic, UNSYMMETRIC, matrix)
@@ -109,9 +111,9 @@ def scale_rows(problem, rows, stiffness, p, u, right):
 
 
 @kernel()
-def take_newton_step(problem, work, rows, stiffness, p, u):
+def take_newton_step(shares, problem, work, rows, stiffness, p, u):
     """Impulses p and velocities u <- those that solve the linearised problem, see newton.py; returns the norm of their natural map."""
-    (matrix, factor, right), unit, m = work, rows.unit, len(problem.m)
+    matrix, factor, right, unit, m = work.matrix, work.factor, work.room, rows.unit, len(problem.m)
     regular = scale_rows(problem, rows, stiffness, p, u, right)
     place_blocks(problem, rows.scale, factor.symbolic, UNSYMMETRIC, matrix)
     for i in range(len(p)):
@@ -136,8 +138,9 @@ def newton_local(
     Returns iterations, error, error at the start.
     """
     answer, rows = answer_of(problem, p), ScaledRows(own, np.empty(own.shape), np.empty(own.shape))
-    work = allocate_work(symbolic, problem.m, answer.velocity)
-    iterations, begin, _ = newton(take_newton_step, problem, work, rows, answer, settings)
+    room, shares = room_of_own(), shares_of_one(len(p))
+    work, inside = allocate_work(room, symbolic, problem.m, p.shape, 0), allocate_newton(room, p.shape, p.shape)
+    iterations, begin, _ = newton(take_newton_step, shares, problem, work, rows, inside, answer, settings)
     return iterations, answer.error[0], begin
 
 
@@ -145,7 +148,7 @@ def newton_local(
 
 
 @borrower()
-def interior_residuals(problem, here, linear, room):
+def interior_residuals(shares, problem, here, linear, room):
     """What w misses, W p + q - w."""
     delassus_product(problem, here.p, linear.miss)
     for c in range(len(here.p)):
@@ -154,10 +157,10 @@ def interior_residuals(problem, here, linear, room):
 
 
 @kernel()
-def direction(problem, work, linear, way):
+def direction(shares, problem, work, linear, way):
     """The direction that changes the products as wanted and takes this residual away: (I + G W) dp = r, G the first rows of the gains."""
     m, k = len(problem.m), linear.product.shape[1]
-    start_direction(linear, way, m, k)
+    start_direction(shares, linear, way, m, k)
     divide(problem, work, way.p)
     delassus_product(problem, way.p, way.w)
     for c in range(len(way.p)):
@@ -171,19 +174,19 @@ def direction(problem, work, linear, way):
 
 
 @kernel()
-def as_it_is(problem):
+def as_it_is(problem, free, offset):
     """The problem: velocities are counted from zero."""
     return problem
 
 
 @borrower()
-def begin_at(problem, moved, centre, u):
+def begin_at(shares, problem, moved, centre, u):
     """u = centre (C, m)."""
     copy_flat(centre, u)
 
 
 @borrower()
-def move_centre(centre, u):
+def move_centre(shares, centre, u):
     """centre = u."""
     copy_flat(u, centre)
 
@@ -195,7 +198,7 @@ def stiffest(error):
 
 
 @borrower()
-def spring_residual(problem, springs, stiffness, u, held, out):
+def spring_residual(shares, problem, springs, stiffness, u, held, out):
     """Fill x and p of the springs at velocities u (C, m), and out = W p + q - u (C, m); returns its norm."""
     m, total, x = len(problem.m), 0.0, springs.x
     for c in range(len(u)):
@@ -211,7 +214,7 @@ def spring_residual(problem, springs, stiffness, u, held, out):
 
 
 @kernel()
-def spring_direction(problem, work, springs, search):
+def spring_direction(shares, problem, work, springs, search):
     """The Newton step of u, du = r + W dp with (I + B W) dp = -B r and r the residual."""
     m, residual, change, room = len(problem.m), search.residual, search.change, work.room
     for c in range(len(residual)):
@@ -227,7 +230,7 @@ def spring_direction(problem, work, springs, search):
 
 
 @borrower()
-def spring_changes(problem, springs, stiffness, change):
+def spring_changes(shares, problem, springs, stiffness, change):
     """Change dx of the trial impulses with a change of u (C, m)."""
     for c in range(len(change)):
         for i in range(len(problem.m)):
@@ -247,8 +250,9 @@ def interior_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Set
     Returns iterations and natural map error.
     """
     answer = answer_of(problem, impulse)
-    work = allocate_work(symbolic, problem.m, answer.velocity)
-    return interior_point(LOCAL, problem, work, answer, settings), answer.error[0]
+    room, shares, shape = room_of_own(), shares_of_one(len(impulse)), impulse.shape
+    work, inside = allocate_work(room, symbolic, problem.m, shape, 0), allocate_interior(room, shape, shape)
+    return interior_point(LOCAL, shares, problem, work, inside, answer, settings), answer.error[0]
 
 
 @entry()
@@ -258,5 +262,6 @@ def proximal_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Set
     Returns iterations (one factorisation each) and natural map error.
     """
     answer = answer_of(problem, impulse)
-    work = allocate_work(symbolic, problem.m, answer.velocity)
-    return proximal_points(LOCAL, problem, work, PATIENCE, answer, settings), answer.error[0]
+    room, shares, shape = room_of_own(), shares_of_one(len(impulse)), impulse.shape
+    work, inside = allocate_work(room, symbolic, problem.m, shape, 0), allocate_proximal(room, shape, shape)
+    return proximal_points(LOCAL, shares, problem, work, inside, PATIENCE, answer, settings), answer.error[0]

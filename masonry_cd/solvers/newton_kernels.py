@@ -8,8 +8,9 @@ import numpy as np
 
 from masonry_cd.friction.coulomb_law import tangent_length
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.small_blocks import copy_flat
+from masonry_cd.linalg.threads import take
 from masonry_cd.solvers.linearised import keep_better
+from masonry_cd.solvers.shares import copy_share
 
 
 class LinearisedLaw(NamedTuple):
@@ -18,6 +19,21 @@ class LinearisedLaw(NamedTuple):
     target: np.ndarray  # (C, m) g
     block: np.ndarray  # (C, m, m) B
     m: tuple[int, ...]  # m zeros
+
+
+class NewtonRoom(NamedTuple):
+    """Where the iteration is, and where it goes back to if a step is refused."""
+
+    p: np.ndarray  # (C, m) impulses
+    v: np.ndarray  # their velocities
+    hold: np.ndarray  # (C, m) the last that were accepted
+    hold_v: np.ndarray
+
+
+@kernel()
+def allocate_newton(room, shape, rows):
+    """:class:`NewtonRoom` for contacts (C, m) and velocities of a shape."""
+    return NewtonRoom(take(room, shape), take(room, rows), take(room, shape), take(room, rows))
 
 
 @borrower()
@@ -65,28 +81,31 @@ def damp(new: float, error: float, first: bool, stiffness: float) -> tuple[bool,
 
 
 @kernel()
-def newton(take_step, problem, work, law, answer, settings):
+def newton(take_step, shares, problem, work, law, inside, answer, settings):
     """Semismooth Newton from ``answer`` on, which gets better.
 
     ``take_step`` takes impulses p and their velocities v to those that solve the problem with its law linearised there at a stiffness, and
-    returns the norm of the natural map, which is infinite if there are none; ``law`` is its room for that. Returns iterations, the error at
-    the start, and the stiffness at the end.
+    returns the norm of the natural map, which is infinite if there are none; ``law`` is its room for that, ``inside`` a
+    :class:`NewtonRoom`. Returns iterations, the error at the start, and the stiffness at the end.
     """
-    p, v = answer.impulse.copy(), answer.velocity.copy()
-    hold, hold_v = p.copy(), v.copy()
+    p, v, hold, hold_v = inside
+    copy_share(shares.contacts, answer.impulse, p)
+    copy_share(shares.rows, answer.velocity, v)
+    copy_share(shares.contacts, answer.impulse, hold)
+    copy_share(shares.rows, answer.velocity, hold_v)
     error = begin = answer.error[0]
     stiffness, iterations, refused = settings.stiffness, 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and refused < 8:
         iterations += 1
-        new = take_step(problem, work, law, stiffness, p, v) / answer.size
+        new = take_step(shares, problem, work, law, stiffness, p, v) / answer.size
         accepted, stiffness = damp(new, error, iterations == 1, stiffness)
         if accepted:
             error, refused = new, 0
-            copy_flat(p, hold)
-            copy_flat(v, hold_v)
+            copy_share(shares.contacts, p, hold)
+            copy_share(shares.rows, v, hold_v)
         else:
             refused += 1
-            copy_flat(hold, p)
-            copy_flat(hold_v, v)
-        keep_better(answer, p, v, error)
+            copy_share(shares.contacts, hold, p)
+            copy_share(shares.rows, hold_v, v)
+        keep_better(shares, answer, p, v, error)
     return iterations, begin, stiffness

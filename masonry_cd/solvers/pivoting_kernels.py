@@ -10,11 +10,10 @@ import numpy as np
 from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK
 from masonry_cd.friction.operators import change_at
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.triangular import solve_ldu
-from masonry_cd.solvers.central_path import add_flat
 from masonry_cd.solvers.linearised import keep_better
-from masonry_cd.solvers.proximal_kernels import FREE, HELD, allocate_springs, softness, spring_blocks
+from masonry_cd.solvers.proximal_kernels import FREE, HELD, softness, spring_blocks
+from masonry_cd.solvers.shares import copy_share
 
 UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
 GROWTH = 10.0  # of K from one problem with springs to the next
@@ -48,6 +47,14 @@ def allocate_path(shape):
     z, contact, b, ratio = np.zeros((UPDATES, *shape)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
     product, share = np.empty((UPDATES, UPDATES)), np.empty(UPDATES)
     return Path(np.zeros(shape), np.empty(shape), np.empty(shape), z, contact, np.empty(2), b, ratio, product, share)
+
+
+@borrower()
+def add_flat(x, step, change):
+    """x += step change, both contiguous and of one shape."""
+    x, change = x.reshape(x.size), change.reshape(change.size)
+    for i in range(len(x)):
+        x[i] += step * change[i]
 
 
 @borrower()
@@ -154,11 +161,11 @@ def next_kink(problem, springs, stiffness, rate, taken):
 
 
 @kernel()
-def set_out(kind, moved, work, springs, stiffness, path, left, held):
+def set_out(kind, shares, moved, work, springs, stiffness, path, left, held):
     """Factorise where the path is, and find its rate there; False if the matrix is singular."""
-    kind.spring_residual(moved, springs, stiffness, path.v, held, path.residual)
-    spring_blocks(moved, springs, stiffness)
-    if kind.factorise(moved, work, springs.block) == 0.0:
+    kind.spring_residual(shares, moved, springs, stiffness, path.v, held, path.residual)
+    spring_blocks(shares, moved, springs, stiffness)
+    if kind.factorise(shares, moved, work, springs.block) == 0.0:
         return False
     path.rate[:] = 0.0
     add_flat(path.rate, 1.0 / left, path.residual)
@@ -168,7 +175,7 @@ def set_out(kind, moved, work, springs, stiffness, path, left, held):
 
 
 @kernel()
-def follow(kind, moved, work, springs, stiffness, path, counts):
+def follow(kind, shares, moved, work, springs, stiffness, path, counts):
     """Follow the path from v until the residual vanishes; False where the path folds back, or ends in a ray.
 
     ``counts`` are those of :func:`pivoting_points`.
@@ -177,14 +184,14 @@ def follow(kind, moved, work, springs, stiffness, path, counts):
     held: np.bool = FREE  # whether statuses are known, or follow the trial impulses
     while counts[FACTORISATIONS] < counts[MOST]:
         counts[FACTORISATIONS] += 1
-        if not set_out(kind, moved, work, springs, stiffness, path, left, held):
+        if not set_out(kind, shares, moved, work, springs, stiffness, path, left, held):
             return False
         held, taken = HELD, 0.0
         for k in range(UPDATES):
             step, c, beyond = next_kink(moved, springs, stiffness, path.rate, taken)
             if step >= left:
                 add_flat(path.v, left, path.rate)
-                kind.spring_residual(moved, springs, stiffness, path.v, HELD, path.residual)
+                kind.spring_residual(shares, moved, springs, stiffness, path.v, HELD, path.residual)
                 return True
             taken, left = step, left - step
             add_flat(path.v, step, path.rate)
@@ -214,24 +221,25 @@ def _ended(error, counts, settings):
 
 
 @kernel()
-def pivoting_points(kind, problem, work, answer, settings):
+def pivoting_points(kind, shares, problem, work, inside, answer, settings):
     """Proximal points by pivoting, with the operators of a :class:`Kind`, from ``answer`` on, which gets better.
 
-    Returns the number of factorisations.
+    ``inside`` is a :class:`ProximalRoom`; there is one thread. Returns the number of factorisations.
     """
-    springs, centre, own = allocate_springs(answer.impulse), answer.velocity.copy(), answer.velocity.copy()
-    path, moved, counts = allocate_path(own.shape), kind.movable(problem), np.zeros(2, dtype=np.int64)
+    springs, _, centre, own, free, offset = inside
+    path, moved, counts = allocate_path(own.shape), kind.movable(problem, free, offset), np.zeros(2, dtype=np.int64)
+    copy_share(shares.contacts, answer.impulse, springs.centre)
+    copy_share(shares.rows, answer.velocity, centre)
     counts[MOST], stiffness, factor = settings.limit, settings.stiffness, GROWTH
-    springs.dx[:] = 0.0
     while not _ended(answer.error[0], counts, settings) and stiffness > SOFTEST:
-        kind.begin_at(problem, moved, centre, path.v)
+        kind.begin_at(shares, problem, moved, centre, path.v)
         break_ties(moved.offset, TIES * min(settings.tolerance, TIGHT) * answer.speed)
-        if not follow(kind, moved, work, springs, stiffness, path, counts):
+        if not follow(kind, shares, moved, work, springs, stiffness, path, counts):
             stiffness, factor = stiffness / factor, np.sqrt(GROWTH)
             continue
-        error = kind.map_norm(problem, springs.p, work.room, own) / answer.size
-        copy_flat(springs.p, springs.centre)
-        kind.move_centre(centre, path.v)
+        error = kind.map_norm(shares, problem, springs.p, work.room, own) / answer.size
+        copy_share(shares.contacts, springs.p, springs.centre)
+        kind.move_centre(shares, centre, path.v)
         stiffness = min(stiffness * factor, kind.stiffest(error))
-        keep_better(answer, springs.p, own, error)
+        keep_better(shares, answer, springs.p, own, error)
     return counts[FACTORISATIONS]

@@ -8,8 +8,9 @@ import numpy as np
 
 from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
 from masonry_cd.jit import borrower, entry, kernel
-from masonry_cd.linalg.small_blocks import copy_flat
+from masonry_cd.linalg.threads import take, wait
 from masonry_cd.solvers.linearised import keep_better
+from masonry_cd.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks
 
 FREE, HELD = np.bool_(False), np.bool_(True)  # whether a status may change; for plain False and True numba would compile the code twice
 FOLDS = 3  # times that the same contact turns at once, after which a problem with springs is given up
@@ -43,13 +44,31 @@ class Patience(NamedTuple):
     failures: int  # problems in a row that could not be solved
 
 
+class ProximalRoom(NamedTuple):
+    """What proximal points work on."""
+
+    springs: Springs
+    search: Search
+    centre: np.ndarray  # velocities of the centre
+    own: np.ndarray  # and of its impulses
+    free: np.ndarray  # (B + 1, n) room for :attr:`Kind.movable`
+    offset: np.ndarray  # (C, m) likewise
+
+
 @kernel()
-def allocate_springs(centre):
-    """:class:`Springs` at rest in impulses (C, m), which are copied."""
-    contacts, m = centre.shape
-    x, p, dx = np.empty(centre.shape), centre.copy(), np.empty(centre.shape)
-    status, held = np.zeros(contacts, dtype=np.int64), np.zeros(contacts, dtype=np.int64)
-    return Springs(centre.copy(), x, p, status, held, dx, np.empty((contacts, m, m)))
+def allocate_springs(room, shape):
+    """Room for :class:`Springs` of contacts (C, m)."""
+    contacts, m = shape
+    status, held = take(room, shape[:1]).view(np.int64), take(room, shape[:1]).view(np.int64)
+    block = take(room, (contacts, m, m))
+    return Springs(take(room, shape), take(room, shape), take(room, shape), status, held, take(room, shape), block)
+
+
+@kernel()
+def allocate_proximal(room, shape, rows):
+    """:class:`ProximalRoom` for contacts (C, m) and velocities of a shape."""
+    search = Search(take(room, rows), take(room, rows), take(room, rows), take(room, rows))
+    return ProximalRoom(allocate_springs(room, shape), search, take(room, rows), take(room, rows), take(room, rows), take(room, shape))
 
 
 @kernel(inline="always")
@@ -94,18 +113,19 @@ def spring_block(springs, mu, soft_n, soft_t, c, size_m):
 
 
 @borrower()
-def spring_blocks(problem, springs, stiffness):
+def spring_blocks(shares, problem, springs, stiffness):
     """B = -dp/du of the springs (C, m, m)."""
-    for c in range(len(problem.mu)):
+    first, end = shares.contacts
+    for c in range(first, end):
         soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, len(problem.m))
         spring_block(springs, problem.mu[c], soft_n, soft_t, c, problem.m)
 
 
 @entry()
-def first_change(mu, status, x, dx, size_m):
-    """The step along dx at which the first contact changes its status, that contact, and its new status."""
+def first_change(mu, status, x, dx, begin, stop, size_m):
+    """The step along dx at which the first of the contacts begin to stop changes its status, that contact, and its new status."""
     m, first, which, new = len(size_m), np.inf, -1, OPEN
-    for c in range(len(mu)):
+    for c in range(begin, stop):
         if (status[c] == OPEN) == (dx[c, 0] > 0.0):  # closes or opens
             step = max(-x[c, 0] / dx[c, 0], 0.0)
             if step < first:
@@ -132,15 +152,7 @@ def first_change(mu, status, x, dx, size_m):
 
 
 @borrower()
-def add_step(v, step, change, out):
-    """out = v + step change (B or B + 1, n)."""
-    for b in range(len(v)):
-        for i in range(v.shape[1]):
-            out[b, i] = v[b, i] + step * change[b, i]
-
-
-@borrower()
-def shorten_step(kind, moved, springs, stiffness, search, norm):
+def shorten_step(kind, shares, moved, springs, stiffness, search, norm):
     """trial = v + step change with the first of the steps 1, 1/2, .. 1/16 that makes enough progress.
 
     Returns the norm of the residual there, and whether that is enough.
@@ -148,49 +160,66 @@ def shorten_step(kind, moved, springs, stiffness, search, norm):
     step, new = 2.0, np.inf
     while not new < (1.0 - 0.1 * step) * norm and step > 0.1:
         step *= 0.5
-        add_step(search.v, step, search.change, search.trial)
-        new = kind.spring_residual(moved, springs, stiffness, search.trial, FREE, search.residual)
+        add_share(shares.rows, search.v, step, search.change, search.trial)
+        new = kind.spring_residual(shares, moved, springs, stiffness, search.trial, FREE, search.residual)
     return new, new < (1.0 - 0.1 * step) * norm
 
 
 @borrower()
-def turn_first(kind, moved, springs, stiffness, search):
+def turn_first(kind, shares, moved, springs, stiffness, search):
     """Go along a change of the velocities as far as the first kink on the way, where a contact changes its status, or half of it.
 
     Returns the norm of the residual there, that contact or -1, and the step.
     """
     v, change, _, residual = search
-    copy_flat(springs.held, springs.status)
-    kind.spring_residual(moved, springs, stiffness, v, HELD, residual)
-    kind.spring_changes(moved, springs, stiffness, change)
-    step, which, other = first_change(moved.mu, springs.status, springs.x, springs.dx, moved.m)
-    if step < 1.0:
-        springs.status[which] = other
-    add_step(v, min(step, 0.5) if step >= 1.0 else step, change, v)
-    return kind.spring_residual(moved, springs, stiffness, v, HELD, residual), which, step
+    copy_share(shares.contacts, springs.held, springs.status)
+    kind.spring_residual(shares, moved, springs, stiffness, v, HELD, residual)
+    kind.spring_changes(shares, moved, springs, stiffness, change)
+    step, which = turn_at_first(shares, moved, springs)
+    add_share(shares.rows, v, min(step, 0.5) if step >= 1.0 else step, change, v)
+    return kind.spring_residual(shares, moved, springs, stiffness, v, HELD, residual), which, step
+
+
+@borrower()
+def turn_at_first(shares, moved, springs):
+    """Change the status of the first contact along dx that does so in a step of less than one; returns that step, and the contact or -1."""
+    turn, (first, end), contacts, new = begin_sums(shares), shares.chunks, len(moved.mu), OPEN
+    for k in range(first, end):
+        begin, stop = chunk_of(k, contacts)
+        step, which, _ = first_change(moved.mu, springs.status, springs.x, springs.dx, begin, stop, moved.m)
+        shares.sums[turn, 0, k], shares.sums[turn, 1, k] = step, which
+    wait(shares.team)
+    step, k = least_of_chunks(shares, contacts)
+    if k < 0:
+        return step, k
+    which = int(shares.sums[turn, 1, k])
+    if step < 1.0 and first <= k < end:
+        _, _, new = first_change(moved.mu, springs.status, springs.x, springs.dx, which, which + 1, moved.m)
+        springs.status[which] = new
+    return step, which
 
 
 @kernel()
-def settle_springs(kind, moved, work, springs, stiffness, goal, most, search):
+def settle_springs(kind, shares, moved, work, springs, stiffness, goal, most, search):
     """Semismooth Newton for the problem with springs: its impulses, and its velocities, from those given.
 
     Ends at a norm of ``goal`` or after ``most`` factorisations; returns whether it is solved and the number of these.
     """
-    norm = kind.spring_residual(moved, springs, stiffness, search.v, FREE, search.residual)
+    norm = kind.spring_residual(shares, moved, springs, stiffness, search.v, FREE, search.residual)
     spent, turned, last = 0, 0, -1
     while norm > goal and spent < most and turned < FOLDS:
-        spring_blocks(moved, springs, stiffness)
+        spring_blocks(shares, moved, springs, stiffness)
         spent += 1
-        if kind.factorise(moved, work, springs.block) == 0.0:
+        if kind.factorise(shares, moved, work, springs.block) == 0.0:
             break
-        kind.spring_direction(moved, work, springs, search)
-        copy_flat(springs.status, springs.held)
-        new, enough = shorten_step(kind, moved, springs, stiffness, search, norm)
+        kind.spring_direction(shares, moved, work, springs, search)
+        copy_share(shares.contacts, springs.status, springs.held)
+        new, enough = shorten_step(kind, shares, moved, springs, stiffness, search, norm)
         if enough:
-            copy_flat(search.trial, search.v)
+            copy_share(shares.rows, search.trial, search.v)
             norm, last, turned = new, -1, 0
             continue
-        norm, which, step = turn_first(kind, moved, springs, stiffness, search)
+        norm, which, step = turn_first(kind, shares, moved, springs, stiffness, search)
         if step < 1.0:
             turned, last = turned + 1 if which == last and step < 1e-9 else 0, which
     return norm <= goal, spent
@@ -207,26 +236,31 @@ def stiffness_after_springs(stiffness, solved, spent, slow):
 
 
 @kernel()
-def proximal_points(kind, problem, work, patience, answer, settings):
-    """Proximal points with the operators of a :class:`Kind`, from ``answer`` on, which gets better; returns the iterations."""
-    springs, centre, own = allocate_springs(answer.impulse), answer.velocity.copy(), answer.velocity.copy()
-    search = Search(np.zeros(own.shape), np.zeros(own.shape), np.zeros(own.shape), np.empty(own.shape))
-    moved, error = kind.movable(problem), answer.error[0]
+def proximal_points(kind, shares, problem, work, inside, patience, answer, settings):
+    """Proximal points with the operators of a :class:`Kind`, from ``answer`` on, which gets better; returns the iterations.
+
+    ``inside`` is its :class:`ProximalRoom`.
+    """
+    springs, search, centre, own, free, offset = inside
+    copy_share(shares.contacts, answer.impulse, springs.centre)
+    copy_share(shares.contacts, answer.impulse, springs.p)
+    copy_share(shares.rows, answer.velocity, centre)
+    moved, error = kind.movable(problem, free, offset), answer.error[0]
     stiffness = min(max(1.0 / max(error, 1e-300), 1e2), 1e6)
     iterations, failed = 0, 0
     while iterations < settings.limit and answer.error[0] > settings.tolerance and failed < patience.failures:
         goal = answer.size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
         most = min(settings.limit - iterations, patience.iterations)
-        kind.begin_at(problem, moved, centre, search.v)
-        solved, spent = settle_springs(kind, moved, work, springs, stiffness, goal, most, search)
+        kind.begin_at(shares, problem, moved, centre, search.v)
+        solved, spent = settle_springs(kind, shares, moved, work, springs, stiffness, goal, most, search)
         iterations += spent
-        new = kind.map_norm(problem, springs.p, work.room, own) / answer.size
+        new = kind.map_norm(shares, problem, springs.p, work.room, own) / answer.size
         if not solved and not new < error:
             stiffness, failed = max(0.125 * stiffness, 1.0), failed + 1
             continue
         stiffness = min(stiffness_after_springs(stiffness, solved, spent, new > 0.5 * error), kind.stiffest(new))
         error, failed = new, 0
-        copy_flat(springs.p, springs.centre)
-        kind.move_centre(centre, search.v)
-        keep_better(answer, springs.p, own, error)
+        copy_share(shares.contacts, springs.p, springs.centre)
+        kind.move_centre(shares, centre, search.v)
+        keep_better(shares, answer, springs.p, own, error)
     return iterations

@@ -20,7 +20,7 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.flat_calls import FlatCall
 from masonry_cd.jit import compiled, kept
 from masonry_cd.solvers import SOLVERS, Options
-from masonry_cd.solvers.linearised_bodies import linearised_bodies
+from masonry_cd.solvers.linearised_bodies import linearised_by_team
 
 
 def versions() -> Counter[str]:
@@ -99,7 +99,7 @@ def test_the_second_process_compiles_what_a_run_needs(planar):
     warmup.compile_largest(planar)
     assert versions() - before == Counter()
     assert warmup.is_kept(planar)
-    assert set(kept(linearised_bodies)) >= {linearised_bodies.regrouped(kinds) for kinds in compiled(linearised_bodies).overloads}
+    assert set(kept(linearised_by_team)) >= {linearised_by_team.regrouped(kinds) for kinds in compiled(linearised_by_team).overloads}
 
 
 def test_a_run_does_without_a_second_process(monkeypatch, tmp_path):

@@ -1,0 +1,78 @@
+"""The contacts of each body: what they give to it is added up in their order, whichever thread of a team does it.
+
+Looped over contacts, two threads would add to one body at once; looped over bodies, each has its own.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.friction.operators import unknowns_at
+from masonry_cd.jit import borrower, entry, kernel
+
+BODY = 2  # what a body costs beside its contacts, in sides of contacts
+LATER = 2  # what a side costs for the blocks between its body and one that is eliminated later
+
+
+class BodySides(NamedTuple):
+    """The sides of the contacts that bodies have, of B bodies in order of elimination."""
+
+    start: np.ndarray  # (B + 1,) starts of the sides of each body
+    side: np.ndarray  # (S,) 2 c + s for side s of contact c, ascending for each body
+    cost: np.ndarray  # (B + 1,) what the bodies before each cost in a pass over their sides
+    matrix_cost: np.ndarray  # (B + 1,) in one that assembles their columns of M + H^T B H
+    rigid: bool  # whether all contacts have frames, between rigid blocks in space, see joint_twists.py
+
+
+@entry()
+def sides_of_bodies(places: np.ndarray, block: np.ndarray, count: int, rigid: bool) -> BodySides:
+    """:class:`BodySides` of contacts with the ``places`` (C, 2) of their bodies, ``count`` for supports, their blocks (C,) or -1.
+
+    ``rigid`` is as in :class:`BodySides`.
+    """
+    start, later = np.zeros(count + 1, dtype=np.int64), np.zeros(count + 1, dtype=np.int64)
+    for c in range(len(places)):
+        for s in range(2):
+            if places[c, s] < count:
+                start[places[c, s] + 1] += 1
+        if block[c] >= 0:
+            later[min(places[c, 0], places[c, 1]) + 1] += LATER
+    for b in range(count):
+        start[b + 1] += start[b]
+        later[b + 1] += later[b]
+    side, at = np.empty(start[count], dtype=np.int64), start[:-1].copy()
+    for c in range(len(places)):
+        for s in range(2):
+            b = places[c, s]
+            if b < count:
+                side[at[b]] = 2 * c + s
+                at[b] += 1
+    cost = start + BODY * np.arange(count + 1)
+    return BodySides(start, side, cost, cost + later, rigid)
+
+
+@kernel(inline="always")
+def share_by_cost(team, cost):
+    """First and end of the thread's share of items before each of which so much is spent, see :class:`BodySides`."""
+    count = len(cost) - 1
+    first, end = 0, 0
+    for k in range(count):
+        first += 1 if cost[k] * team.size < cost[count] * team.rank else 0
+        end += 1 if cost[k] * team.size < cost[count] * (team.rank + 1) else 0
+    return first, end
+
+
+@borrower(fastmath={"contract"})
+def add_impulse_of_sides(problem, sides, p, begin, stop, out):
+    """out (B + 1, n) += H^T p of the bodies from begin to stop, for impulses p (C, m)."""
+    jacobian, m = problem.jacobian, len(problem.m)
+    for b in range(begin, stop):
+        n = unknowns_at(problem, b, b)
+        for e in range(sides.start[b], sides.start[b + 1]):
+            c, s = sides.side[e] // 2, sides.side[e] % 2
+            for i in range(m):
+                x = p[c, i]
+                for k in range(n):
+                    out[b, k] += jacobian[c, s, i, k] * x

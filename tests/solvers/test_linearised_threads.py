@@ -1,0 +1,85 @@
+"""The methods that linearise the law, by teams of threads: the same bits for any number, with one subtree and with several."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scenes
+
+from masonry_cd.friction.problem import FrictionProblem, natural_map_error
+from masonry_cd.linalg import ordering
+from masonry_cd.linalg.small_blocks import size_tuple
+from masonry_cd.solvers import SOLVERS, Options, admm
+from masonry_cd.solvers.linearised import Elimination, Settings, eliminate
+from masonry_cd.solvers.linearised_bodies import INTERIOR, NEWTON, PATH, PROXIMAL, linearised_bodies
+from masonry_cd.solvers.shares import CHUNK
+
+STIFFNESS = {NEWTON: 1e3, INTERIOR: 1e4, PATH: 1e8, PROXIMAL: 1e4}
+LIMIT = {NEWTON: 15, INTERIOR: 15, PATH: 15, PROXIMAL: 60}  # iterations that lead from nothing into the thick of it
+
+
+def sliding_wall(elastic: bool = False) -> FrictionProblem:
+    """A wall in space, whose blocks are thrown along it, with every second contact on a spring or none."""
+    problem = scenes.wall(5, 8)
+    random = np.random.default_rng(3)
+    problem = replace(problem, v_free=problem.v_free + random.normal(0.0, 0.05, problem.v_free.shape))
+    return scenes.softened(problem, 0.1) if elastic else problem
+
+
+def answer(
+    problem: FrictionProblem, elimination: Elimination, method: int, limit: int, threads: int
+) -> tuple[np.ndarray, np.ndarray, tuple[float, ...]]:
+    """Impulses (C, 3) and velocities (B, 6) after a number of iterations from nothing, and what the method returns."""
+    impulse, velocity = np.zeros((problem.contacts, 3)), np.empty(problem.v_free.shape)
+    settings = Settings(1.0, STIFFNESS[method], 0.5, 1e-12, limit, size_tuple(4))
+    return impulse, velocity, linearised_bodies(method, problem.arrays(), elimination, settings, impulse, velocity, threads)
+
+
+def eliminated(problem: FrictionProblem) -> Elimination:
+    """How its bodies are eliminated."""
+    memory, places, block = admm.recall(problem.arrays(), None)
+    return eliminate(problem.arrays(), memory.pattern, places, block)
+
+
+@pytest.mark.parametrize("blocks", [10, ordering.SUBTREE])
+@pytest.mark.parametrize("elastic", [False, True])
+@pytest.mark.parametrize("method", [NEWTON, INTERIOR, PATH, PROXIMAL])
+def test_threads_change_no_bit(method: int, elastic: bool, blocks: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By one, two and three threads, from subtrees of so many blocks."""
+    monkeypatch.setattr(ordering, "SUBTREE", blocks)
+    problem = sliding_wall(elastic)
+    elimination = eliminated(problem)
+    assert problem.contacts > 4 * CHUNK
+    assert (len(elimination.symbolic.level) > 2) == (blocks == 10)
+    impulse, velocity, found = answer(problem, elimination, method, LIMIT[method], 1)
+    assert impulse.any()
+    for threads in (2, 3):
+        p, v, other = answer(problem, elimination, method, LIMIT[method], threads)
+        np.testing.assert_array_equal(p, impulse)
+        np.testing.assert_array_equal(v, velocity)
+        np.testing.assert_array_equal(other, found)
+
+
+@pytest.mark.parametrize("solver", ["newton", "interior"])
+def test_solvers_take_the_threads_of_the_options(solver: str) -> None:
+    """They end with the same bits below the tolerance."""
+    problem = scenes.thrown(0.05)
+    start = replace(SOLVERS["admm"](problem, Options(tolerance=1e-4), None), memory={})
+    one, two = (SOLVERS[solver](problem, Options(tolerance=1e-8, threads=threads), start) for threads in (1, 2))
+    np.testing.assert_array_equal(one.impulse, two.impulse)
+    assert natural_map_error(problem, one.impulse) <= 1e-8
+    assert one.iterations == two.iterations > 0
+
+
+@pytest.mark.parametrize("elastic", [False, True])
+def test_rigid_blocks_have_the_matrix_of_any_others(elastic: bool) -> None:
+    """Assembled by cross products and from the rows of H it differs by rounding: so do the impulses after a few iterations."""
+    problem = sliding_wall(elastic)
+    elimination = eliminated(problem)
+    assert elimination.sides.rigid
+    by_rows = elimination._replace(sides=elimination.sides._replace(rigid=False))
+    one, other = (answer(problem, each, INTERIOR, 4, 1)[0] for each in (elimination, by_rows))
+    np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * np.abs(other).max())
+    assert (one != other).any()
