@@ -1,4 +1,4 @@
-"""The operators of a friction problem over bodies: u = H v + b, H^T p, M^-1, the scales d, and the natural map of all contacts."""
+"""The operators of a friction problem over bodies: u = H v + b, M^-1, the scales d, the natural map; H^T p is in body_sides.py."""
 
 from __future__ import annotations
 
