@@ -1,4 +1,4 @@
-"""The operators of a friction problem over bodies: u = H v + b, H^T p, M^-1, the scales d, and the natural map of all contacts."""
+"""The operators of a friction problem over bodies: u = H v + b, M^-1, the scales d, the natural map; H^T p is in body_sides.py."""
 
 from __future__ import annotations
 
@@ -42,20 +42,6 @@ class OrderedProblem(NamedTuple):
     d: np.ndarray  # (C,) trace(W_cc + C_cc) / m
     m: tuple[int, ...]  # m zeros
     n: tuple[int, ...]  # n zeros
-
-
-@kernel()
-def in_order(problem, order, places, block):
-    """The :class:`OrderedProblem` of ProblemArrays; ``order`` (B,) is the body at each place, places and block are its fields."""
-    bodies, n = len(order), len(problem.n)
-    inverse, mass, free = np.empty((bodies, n, n)), np.empty((bodies, n, n)), np.empty((bodies, n))
-    put_in_order(problem, order, 0, bodies, inverse, mass, free)
-    ordered = OrderedProblem(
-        inverse, mass, free, places, block, problem.jacobian, problem.offset, problem.mu, problem.compliance,
-        widths_in_order(problem.width, order), np.empty(len(places)), problem.m, problem.n,
-    )  # fmt: skip
-    measure_scales(ordered, 0, len(places))
-    return ordered
 
 
 @kernel()
@@ -158,12 +144,6 @@ def unknowns_at(problem, a, b):
 
 
 @borrower()
-def relative_velocity(problem, v, u):
-    """u = H v + b (C, m) for body velocities v (B + 1, n)."""
-    relative_velocity_of(problem, v, 0, len(problem.places), u)
-
-
-@borrower()
 def relative_velocity_of(problem, v, first, end, u):
     """u = H v + b for the contacts first to end."""
     jacobian, index, offset, m = problem.jacobian, problem.places, problem.offset, len(problem.m)
@@ -187,12 +167,6 @@ def change_at(jacobian, index, c, i, change, n):
 
 
 @borrower()
-def law_velocity(problem, v, p, w):
-    """w = H v + b + C p (C, m), the velocity that the law is about."""
-    law_velocity_of(problem, v, p, 0, len(p), w)
-
-
-@borrower()
 def law_velocity_of(problem, v, p, first, end, w):
     """w = H v + b + C p for the contacts first to end."""
     relative_velocity_of(problem, v, first, end, w)
@@ -201,35 +175,6 @@ def law_velocity_of(problem, v, p, first, end, w):
         for c in range(first, end):
             for i in range(len(problem.m)):
                 w[c, i] += compliance[c, i] * p[c, i]
-
-
-@borrower()
-def add_generalised_impulse(problem, p, out):
-    """out += H^T p (B + 1, n); its last row, of the supports, is of no use."""
-    add_generalised_impulse_of(problem, problem.places, p, 0, len(problem.places), out)
-
-
-@borrower(fastmath={"contract"})
-def add_generalised_impulse_of(problem, rows, p, first, end, out):
-    """out += H^T p for the contacts first to end, whose bodies have the rows (C, 2) of out."""
-    jacobian, m = problem.jacobian, len(problem.m)
-    for c in range(first, end):
-        a, b = rows[c, 0], rows[c, 1]
-        n = unknowns_at(problem, problem.places[c, 0], problem.places[c, 1])
-        for i in range(m):
-            x = p[c, i]
-            for k in range(n):
-                out[a, k] += jacobian[c, 0, i, k] * x
-                out[b, k] += jacobian[c, 1, i, k] * x
-
-
-@borrower(fastmath={"contract"})
-def body_velocity(problem, p, room, v):
-    """v = v_free + M^-1 H^T p (B + 1, n) of impulses (C, m), with a last row of zeros; ``room`` (B + 1, n) gets H^T p."""
-    room[:] = 0.0
-    add_generalised_impulse(problem, p, room)
-    body_velocity_of(problem, room, 0, len(problem.inverse), v)
-    v[-1] = 0.0
 
 
 @borrower(fastmath={"contract"})
@@ -248,13 +193,6 @@ def body_velocity_of(problem, momentum, first, end, v):
 
 
 @borrower()
-def missing_momentum(problem, v, out):
-    """out = M (v_free - v) (B + 1, n)."""
-    missing_momentum_of(problem, v, 0, len(problem.mass), out)
-    out[-1] = 0.0
-
-
-@borrower()
 def missing_momentum_of(problem, v, first, end, out):
     """out = M (v_free - v) for the bodies first to end."""
     mass, free, n = problem.mass, problem.free, len(problem.n)
@@ -267,12 +205,6 @@ def missing_momentum_of(problem, v, first, end, out):
             for k in range(n):
                 total += mass[b, i, k] * (free[b, k] - v[b, k])
             out[b, i] = total
-
-
-@borrower(fastmath={"contract"})
-def map_norm(problem, p, v):
-    """Norm of the natural map residual for impulses p (C, m) and body velocities v (B + 1, n)."""
-    return np.sqrt(squared_map_norm_of(problem, p, v, 0, len(problem.places)))
 
 
 @borrower(fastmath={"contract"})
@@ -302,19 +234,11 @@ def squared_map_norm_of(problem, p, v, first, end):
     return total
 
 
-@borrower()
-def put_back(v, order, out):
-    """Velocities from elimination order to the order of the problem."""
-    for b in range(len(order)):
-        for i in range(out.shape[1]):
-            out[order[b], i] = v[b, i]
-
-
 @entry()
 def new_velocity(problem: ProblemArrays, p: np.ndarray, v: np.ndarray) -> None:
     """v = v_free + M^-1 H^T p (B, n) of impulses p (C, m) over ProblemArrays.
 
-    Additions are not fused, unlike those of :func:`body_velocity`, so a processor that cannot do so hands on the same bits.
+    Additions are not fused, unlike those of :func:`body_velocity_of`, so a processor that cannot do so hands on the same bits.
     """
     bodies, jacobian, m, n = problem.bodies, problem.jacobian, len(problem.m), len(problem.n)
     impulse = np.zeros(v.shape)

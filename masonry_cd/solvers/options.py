@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 MOST_ITERATIONS = 10**9  # kernels count in 64 bits, and tens of them per iteration
 LARGEST_SEED = 2**63 - 1
-THREAD_WORTH = {3: 3_500, 2: 10_500}  # contacts in space and in a plane that keep a thread busy (benchmarks.threads)
+# Contacts in space and in a plane that keep a thread busy (benchmarks.threads). With fewer, the methods that linearise the law gain little
+# on free cores and lose on shared ones: their threads meet twenty times an iteration.
+THREAD_WORTH = {3: 3_500, 2: 10_500}
 
 
 @dataclass(frozen=True)
