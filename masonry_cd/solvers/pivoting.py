@@ -18,7 +18,7 @@ what the tolerance leaves.
 **Folds.** Friction makes B unsymmetric, and with stiff springs some pieces have a negative determinant, in which the path turns back. With
 springs soft enough no piece has one: there is one solution, and the path leads to it. So K grows by GROWTH from one centre to the next;
 where the path meets a fold, which the sign of the ratio of the determinants tells, K falls as much, and changes by the root of GROWTH
-from then on. Beyond a fold the path goes on, with its direction reversed, and leads to a solution in the end; but that is a long way: of 60 steps
+from then on. Beyond a fold the path goes on, with its direction reversed, and ends at a solution; but that is a long way: of 60 steps
 of the demo it solved 31 within 240 factorisations, where softer springs solved all, with 22 in the mean.
 
 Over the demo (``python -m benchmarks.profile``) ``interior`` takes 61 factorisations a step, and this 17 with some 25 pivots on each.
