@@ -27,28 +27,41 @@ class BodySides(NamedTuple):
 
 
 @entry()
-def sides_of_bodies(places: np.ndarray, block: np.ndarray, count: int, rigid: bool) -> BodySides:
+def sides_of_bodies(bodies, count):
+    """The sides of contacts (C, 2) on each of ``count`` bodies: starts (B + 1,), and 2 c + side, contact by contact.
+
+    Other numbers than 0 to B - 1 are supports.
+    """
+    start = np.zeros(count + 1, dtype=np.int64)
+    for c in range(len(bodies)):
+        for s in range(2):
+            if 0 <= bodies[c, s] < count:
+                start[bodies[c, s] + 1] += 1
+    for b in range(count):
+        start[b + 1] += start[b]
+    side, at = np.empty(start[count], dtype=np.int64), start[:-1].copy()
+    for c in range(len(bodies)):
+        for s in range(2):
+            b = bodies[c, s]
+            if 0 <= b < count:
+                side[at[b]] = 2 * c + s
+                at[b] += 1
+    return start, side
+
+
+@entry()
+def weighed_sides(places: np.ndarray, block: np.ndarray, count: int, rigid: bool) -> BodySides:
     """:class:`BodySides` of contacts with the ``places`` (C, 2) of their bodies, ``count`` for supports, their blocks (C,) or -1.
 
     ``rigid`` is as in :class:`BodySides`.
     """
-    start, later = np.zeros(count + 1, dtype=np.int64), np.zeros(count + 1, dtype=np.int64)
+    start, side = sides_of_bodies(places, count)
+    later = np.zeros(count + 1, dtype=np.int64)
     for c in range(len(places)):
-        for s in range(2):
-            if places[c, s] < count:
-                start[places[c, s] + 1] += 1
         if block[c] >= 0:
             later[min(places[c, 0], places[c, 1]) + 1] += LATER
     for b in range(count):
-        start[b + 1] += start[b]
         later[b + 1] += later[b]
-    side, at = np.empty(start[count], dtype=np.int64), start[:-1].copy()
-    for c in range(len(places)):
-        for s in range(2):
-            b = places[c, s]
-            if b < count:
-                side[at[b]] = 2 * c + s
-                at[b] += 1
     cost = start + BODY * np.arange(count + 1)
     return BodySides(start, side, cost, cost + later, rigid)
 

@@ -25,6 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.friction.body_sides import sides_of_bodies
 from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.jit import borrower, entry
@@ -78,26 +79,6 @@ def _identities(bodies: int, n: int) -> np.ndarray:
     out[:, np.arange(n), np.arange(n)] = 1.0
     out.flags.writeable = False
     return out
-
-
-@entry()
-def sides_of_bodies(bodies, count):
-    """The sides of contacts (C, 2) on each of the bodies: starts (B + 1,), and 2 c + side, contact by contact."""
-    start = np.zeros(count + 1, dtype=np.int64)
-    for c in range(len(bodies)):
-        for side in range(2):
-            if bodies[c, side] >= 0:
-                start[bodies[c, side] + 1] += 1
-    for b in range(count):
-        start[b + 1] += start[b]
-    at, sides = start[:-1].copy(), np.empty(start[count], dtype=np.int64)
-    for c in range(len(bodies)):
-        for side in range(2):
-            b = bodies[c, side]
-            if b >= 0:
-                sides[at[b]] = 2 * c + side
-                at[b] += 1
-    return start, sides
 
 
 @entry()

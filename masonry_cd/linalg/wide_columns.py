@@ -251,17 +251,3 @@ def backward_wide_columns(symbolic, inverse, up, x, y, n):
         own = rows_of(symbolic, j, n)
         for t in range(symbolic.start[j], symbolic.start[j + 1]):
             subtract_columns_times(ups[t], x[below[t]], rows_of(symbolic, below[t], n), own, x[j])
-
-
-@borrower(fastmath={"contract"})
-def add_outer_products(x, y, rows, columns, out, m):
-    """out (rows, columns) += x^T y for x (m, rows), y (m, columns), four columns at a time."""
-    for p in range(rows):
-        x0, x1, x2 = x[0, p], x[1, p], x[m - 1, p] if m == 3 else 0.0
-        for t in range(0, columns, STEP):
-            c0, c1, c2, c3 = out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3]
-            c0, c1, c2, c3 = c0 + x0 * y[0, t], c1 + x0 * y[0, t + 1], c2 + x0 * y[0, t + 2], c3 + x0 * y[0, t + 3]
-            c0, c1, c2, c3 = c0 + x1 * y[1, t], c1 + x1 * y[1, t + 1], c2 + x1 * y[1, t + 2], c3 + x1 * y[1, t + 3]
-            if m == 3:
-                c0, c1, c2, c3 = c0 + x2 * y[2, t], c1 + x2 * y[2, t + 1], c2 + x2 * y[2, t + 2], c3 + x2 * y[2, t + 3]
-            out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3] = c0, c1, c2, c3

@@ -13,7 +13,7 @@ from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, sha
 from masonry_cd.linalg.small_blocks import copy_flat, is_wide
 from masonry_cd.linalg.supernodes import has_single_columns
 from masonry_cd.linalg.threads import wait
-from masonry_cd.linalg.wide_columns import add_outer_products
+from masonry_cd.linalg.wide_columns import add_turned_product
 
 SLIDING = 300.0  # k below which much slides
 
@@ -153,10 +153,10 @@ def add_wide_joint(work, g, rows, turned):
         body = place[g, side]
         if body < len(problem.free):
             width = problem.width[body] if unit else n
-            add_outer_products(turned[side], rows[side], width, width, diagonal[target[g, side]], s)
+            add_turned_product(turned[side], rows[side], s, (width, width), diagonal[target[g, side]])
             if a == b:
-                add_outer_products(turned[side], rows[1 - side], width, width, diagonal[target[g, side]], s)
+                add_turned_product(turned[side], rows[1 - side], s, (width, width), diagonal[target[g, side]])
     if block[g] >= 0:
         low = 0 if a > b else 1
         own, other = (problem.width[place[g, low]], problem.width[place[g, 1 - low]]) if unit else (n, n)
-        add_outer_products(turned[low], rows[1 - low], own, other, work.factor.lower[block[g]], s)
+        add_turned_product(turned[low], rows[1 - low], s, (own, other), work.factor.lower[block[g]])

@@ -58,7 +58,7 @@ from masonry_cd.friction.problem import LocalProblem, Problem, Solution
 from masonry_cd.linalg.small_blocks import size_tuple
 from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.solvers import admm, nlgs
-from masonry_cd.solvers.linearised import Settings, eliminate
+from masonry_cd.solvers.linearised import Settings, elimination_of
 from masonry_cd.solvers.linearised_bodies import INTERIOR, PATH, PROXIMAL, linearised_bodies
 from masonry_cd.solvers.linearised_local import interior_local, proximal_local
 from masonry_cd.solvers.options import Options
@@ -91,7 +91,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return _solve_local(problem, options, start)
     arrays, (bodies, n), m = problem.arrays(), problem.v_free.shape, problem.dimension
     memory, index, block = admm.recall(arrays, start)
-    elimination = eliminate(arrays, memory.pattern, index, block)
+    elimination = elimination_of(arrays, memory.pattern, index, block)
     velocity = np.empty((bodies, n))
 
     def method(kind: int, stiffness: float, tolerance: float) -> Method:

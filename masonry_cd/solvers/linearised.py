@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.friction.body_sides import BodySides, sides_of_bodies
+from masonry_cd.friction.body_sides import BodySides, weighed_sides
 from masonry_cd.friction.joint_twists import fits_frames
 from masonry_cd.friction.natural_map import size_of
 from masonry_cd.friction.operators import ProblemArrays
@@ -36,10 +36,10 @@ class Elimination(NamedTuple):
     sides: BodySides  # the contacts of the body at each place
 
 
-def eliminate(problem: ProblemArrays, pattern: Pattern, places: np.ndarray, block: np.ndarray) -> Elimination:
+def elimination_of(problem: ProblemArrays, pattern: Pattern, places: np.ndarray, block: np.ndarray) -> Elimination:
     """The :class:`Elimination` of a problem whose contacts have these places (C, 2) of bodies and blocks (C,) in a pattern."""
     rigid = problem.jacobian.shape[2:] == (3, 6) and fits_frames(problem.jacobian, problem.bodies)
-    return Elimination(pattern.order, pattern.symbolic, places, block, sides_of_bodies(places, block, len(pattern.order), rigid))
+    return Elimination(pattern.order, pattern.symbolic, places, block, weighed_sides(places, block, len(pattern.order), rigid))
 
 
 class Settings(NamedTuple):
@@ -89,7 +89,7 @@ class Kind(NamedTuple):
     interior_residuals: Kernel  # (shares, problem, here, linear, room): what w and v miss
     interior_direction: Kernel  # (shares, problem, work, linear, way): changes the products as wanted and takes these residuals away
     # proximal points
-    movable: Kernel  # (problem, room): ``moved``, the problem with velocities as they are counted while springs settle
+    movable: Kernel  # (problem, free, offset): ``moved``, the problem with velocities as they are counted while springs settle
     begin_at: Kernel  # (shares, problem, moved, centre, v): v <- the velocities of the centre
     spring_residual: Kernel  # (shares, moved, springs, stiffness, v, held, out): x and p of the springs, what v misses and its norm
     spring_direction: Kernel  # (shares, moved, work, springs, search): the Newton step

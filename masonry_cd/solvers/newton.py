@@ -43,7 +43,7 @@ from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.friction.problem import LocalProblem, Problem, Solution
 from masonry_cd.linalg.small_blocks import size_tuple
 from masonry_cd.solvers import admm, nlgs
-from masonry_cd.solvers.linearised import Settings, eliminate
+from masonry_cd.solvers.linearised import Settings, elimination_of
 from masonry_cd.solvers.linearised_bodies import NEWTON, linearised_bodies
 from masonry_cd.solvers.linearised_local import newton_local
 from masonry_cd.solvers.options import Options
@@ -76,7 +76,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     memory, index, block = admm.recall(arrays, start)
     impulse, velocity, pattern, tally = start.impulse.copy(), np.empty((bodies, n)), memory.pattern, memory.tally
     settings = Settings(0.0, tally.newton_stiffness, 0.0, options.tolerance, limit, size_tuple(problem.dimension + 1))
-    elimination, threads = eliminate(arrays, pattern, index, block), options.threads
+    elimination, threads = elimination_of(arrays, pattern, index, block), options.threads
     iterations, error, begin, stiffness = linearised_bodies(NEWTON, arrays, elimination, settings, impulse, velocity, threads)
     tally.newton_stiffness, tally.newton_iterations = next_stiffness(
         tally.newton_stiffness, stiffness, tally.newton_iterations, iterations, error <= options.tolerance, stiffest(options.tolerance)

@@ -33,7 +33,7 @@ import numpy as np
 from masonry_cd.friction.problem import FrictionProblem, Problem, Solution
 from masonry_cd.linalg.small_blocks import size_tuple
 from masonry_cd.solvers import admm, interior
-from masonry_cd.solvers.linearised import Settings, eliminate
+from masonry_cd.solvers.linearised import Settings, elimination_of
 from masonry_cd.solvers.linearised_bodies import PIVOTING, linearised_bodies
 from masonry_cd.solvers.options import Options
 
@@ -58,7 +58,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         return interior.solve(problem, options, start)
     arrays, (bodies, n) = problem.arrays(), problem.v_free.shape
     memory, index, block = admm.recall(arrays, start)
-    elimination = eliminate(arrays, memory.pattern, index, block)
+    elimination = elimination_of(arrays, memory.pattern, index, block)
     impulse, velocity = np.zeros((problem.contacts, 2)) if start is None else start.impulse.copy(), np.empty((bodies, n))
     limit = options.limit(LIMIT)
     settings = Settings(0.0, STIFFNESS, 0.0, options.tolerance, limit, size_tuple(3), options.accept, options.enough)

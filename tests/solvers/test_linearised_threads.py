@@ -12,7 +12,7 @@ from masonry_cd.friction.problem import FrictionProblem, natural_map_error
 from masonry_cd.linalg import ordering
 from masonry_cd.linalg.small_blocks import size_tuple
 from masonry_cd.solvers import SOLVERS, Options, admm
-from masonry_cd.solvers.linearised import Elimination, Settings, eliminate
+from masonry_cd.solvers.linearised import Elimination, Settings, elimination_of
 from masonry_cd.solvers.linearised_bodies import INTERIOR, NEWTON, PATH, PROXIMAL, linearised_bodies
 from masonry_cd.solvers.shares import CHUNK
 
@@ -40,7 +40,7 @@ def answer(
 def eliminated(problem: FrictionProblem) -> Elimination:
     """How its bodies are eliminated."""
     memory, places, block = admm.recall(problem.arrays(), None)
-    return eliminate(problem.arrays(), memory.pattern, places, block)
+    return elimination_of(problem.arrays(), memory.pattern, places, block)
 
 
 @pytest.mark.parametrize("blocks", [10, ordering.SUBTREE])
