@@ -44,6 +44,7 @@ from masonry_cd.dynamics.snapshot import check_motion, motion_arrays, part, pref
 from masonry_cd.dynamics.start import motion_at_start
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import Loads, Motion, System, plane_of
+from masonry_cd.freed_memory import keep_freed_memory
 from masonry_cd.friction.infeasibility import Closing
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.model.blocks import Assembly
@@ -197,6 +198,7 @@ class Stepper:
         forces: BlockForces | None = None,
         plane: Plane | None = None,
     ) -> None:
+        keep_freed_memory()
         state = State.at_rest(assembly) if start is None else start.copy()
         loads = Loads(support_velocity, acceleration, forces)
         plane = plane_of(assembly, state, settings, loads) if plane is None else plane

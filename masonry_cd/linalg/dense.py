@@ -7,37 +7,54 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import borrower
+from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import invert
+from masonry_cd.linalg.vectors import add_times, fill_eight, fill_four, load_eight, load_four, store_lanes
 
 
 @borrower(fastmath={"contract"})
 def gemm(x, at, rows, inner, g, begin, end, out):
-    """out (rows, end - begin) = x[:, at : at + rows]^T g[:, begin:end]. Most of a factorisation is spent here: three rows at a time."""
-    length, threes, full = end - begin, inner - inner % 3, rows - rows % 3
-    for j in range(0, full, 3):
-        a, b, c = out[j, :length], out[j + 1, :length], out[j + 2, :length]
-        a[:], b[:], c[:] = 0.0, 0.0, 0.0
-        for k in range(0, threes, 3):
-            x0, x1, x2 = x[k, at + j], x[k + 1, at + j], x[k + 2, at + j]
-            y0, y1, y2 = x[k, at + j + 1], x[k + 1, at + j + 1], x[k + 2, at + j + 1]
-            z0, z1, z2 = x[k, at + j + 2], x[k + 1, at + j + 2], x[k + 2, at + j + 2]
-            g0, g1, g2 = g[k, begin:end], g[k + 1, begin:end], g[k + 2, begin:end]
-            for i in range(length):
-                h0, h1, h2 = g0[i], g1[i], g2[i]
-                a[i] += x0 * h0 + x1 * h1 + x2 * h2
-                b[i] += y0 * h0 + y1 * h1 + y2 * h2
-                c[i] += z0 * h0 + z1 * h1 + z2 * h2
-        for k in range(threes, inner):
-            for i in range(length):
-                a[i] += x[k, at + j] * g[k, begin + i]
-                b[i] += x[k, at + j + 1] * g[k, begin + i]
-                c[i] += x[k, at + j + 2] * g[k, begin + i]
-    for j in range(full, rows):
-        out[j, :length] = 0.0
-        for k in range(inner):
-            for i in range(length):
-                out[j, i] += x[k, at + j] * g[k, begin + i]
+    """out (rows, end - begin) = x[:, at : at + rows]^T g[:, begin:end]. Most of a factorisation is spent here.
+
+    Sums stay in registers, those of three rows and eight columns at a time.
+    """
+    threes, zero = rows - rows % 3, g.dtype.type(0.0)
+    for j in range(0, threes, 3):
+        i = begin
+        while i + 8 <= end:
+            d, e, f = fill_eight(zero), fill_eight(zero), fill_eight(zero)
+            for k in range(inner):
+                line = load_eight(g, k, i)
+                d, e, f = add_times(d, x[k, at + j], line), add_times(e, x[k, at + j + 1], line), add_times(f, x[k, at + j + 2], line)
+            store_three(out, j, i - begin, d, e, f)
+            i += 8
+        if i + 4 <= end:
+            q, r, s = fill_four(zero), fill_four(zero), fill_four(zero)
+            for k in range(inner):
+                four = load_four(g, k, i)
+                q, r, s = add_times(q, x[k, at + j], four), add_times(r, x[k, at + j + 1], four), add_times(s, x[k, at + j + 2], four)
+            store_three(out, j, i - begin, q, r, s)
+            i += 4
+        while i < end:
+            a, b, c = zero, zero, zero
+            for k in range(inner):
+                a, b, c = a + x[k, at + j] * g[k, i], b + x[k, at + j + 1] * g[k, i], c + x[k, at + j + 2] * g[k, i]
+            out[j, i - begin], out[j + 1, i - begin], out[j + 2, i - begin] = a, b, c
+            i += 1
+    for j in range(threes, rows):
+        for i in range(begin, end):
+            total = zero
+            for k in range(inner):
+                total += x[k, at + j] * g[k, i]
+            out[j, i - begin] = total
+
+
+@kernel(inline="always")
+def store_three(out, j, i, a, b, c):
+    """Entries of each of three rows of ``out``, from row j and column i on."""
+    store_lanes(out, j, i, a)
+    store_lanes(out, j + 1, i, b)
+    store_lanes(out, j + 2, i, c)
 
 
 @borrower(fastmath={"contract"})

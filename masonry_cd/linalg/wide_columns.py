@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import STEP
+from masonry_cd.linalg.vectors import add_times, fill_four, load_four, store_lanes
 
 
 @kernel(inline="always")
@@ -16,51 +17,44 @@ def rows_of(symbolic, j, n):
     return symbolic.width[j] if len(symbolic.width) else n
 
 
-@borrower(fastmath={"contract"})
+@borrower()
 def add_product(sign, a, b, rows, inner, columns, out):
     """out (rows, columns) += sign times a (rows, inner) b (inner, columns)."""
-    for p in range(0, rows, 2):
+    for p in range(0, rows, STEP):
         for t in range(0, columns, STEP):
-            c0, c1, c2, c3, d0, d1, d2, d3 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            s0, s1, s2, s3 = fill_four(0.0), fill_four(0.0), fill_four(0.0), fill_four(0.0)
             for r in range(inner):
-                x, y, b0, b1, b2, b3 = a[p, r], a[p + 1, r], b[r, t], b[r, t + 1], b[r, t + 2], b[r, t + 3]
-                c0 += x * b0
-                c1 += x * b1
-                c2 += x * b2
-                c3 += x * b3
-                d0 += y * b0
-                d1 += y * b1
-                d2 += y * b2
-                d3 += y * b3
-            e0, e1, e2, e3 = out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3]
-            f0, f1, f2, f3 = out[p + 1, t], out[p + 1, t + 1], out[p + 1, t + 2], out[p + 1, t + 3]
-            out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3] = e0 + sign * c0, e1 + sign * c1, e2 + sign * c2, e3 + sign * c3
-            p1 = p + 1
-            out[p1, t], out[p1, t + 1], out[p1, t + 2], out[p1, t + 3] = f0 + sign * d0, f1 + sign * d1, f2 + sign * d2, f3 + sign * d3
+                line = load_four(b, r, t)
+                s0 = add_times(s0, a[p, r], line)
+                s1 = add_times(s1, a[p + 1, r], line)
+                s2 = add_times(s2, a[p + 2, r], line)
+                s3 = add_times(s3, a[p + 3, r], line)
+            add_square(out, p, t, sign, (s0, s1, s2, s3))
 
 
-@borrower(fastmath={"contract"})
+@borrower()
 def add_turned_product(a, b, inner, size, out):
     """out += a^T b, a and b with so many rows (inner), out of a size (rows, columns)."""
     rows, columns = size
-    for p in range(0, rows, 2):
+    for p in range(0, rows, STEP):
         for t in range(0, columns, STEP):
-            c0, c1, c2, c3, d0, d1, d2, d3 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            s0, s1, s2, s3 = fill_four(0.0), fill_four(0.0), fill_four(0.0), fill_four(0.0)
             for r in range(inner):
-                x, y, b0, b1, b2, b3 = a[r, p], a[r, p + 1], b[r, t], b[r, t + 1], b[r, t + 2], b[r, t + 3]
-                c0 += x * b0
-                c1 += x * b1
-                c2 += x * b2
-                c3 += x * b3
-                d0 += y * b0
-                d1 += y * b1
-                d2 += y * b2
-                d3 += y * b3
-            e0, e1, e2, e3 = out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3]
-            f0, f1, f2, f3 = out[p + 1, t], out[p + 1, t + 1], out[p + 1, t + 2], out[p + 1, t + 3]
-            out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3] = e0 + c0, e1 + c1, e2 + c2, e3 + c3
-            p1 = p + 1
-            out[p1, t], out[p1, t + 1], out[p1, t + 2], out[p1, t + 3] = f0 + d0, f1 + d1, f2 + d2, f3 + d3
+                line = load_four(b, r, t)
+                s0 = add_times(s0, a[r, p], line)
+                s1 = add_times(s1, a[r, p + 1], line)
+                s2 = add_times(s2, a[r, p + 2], line)
+                s3 = add_times(s3, a[r, p + 3], line)
+            add_square(out, p, t, 1.0, (s0, s1, s2, s3))
+
+
+@kernel(inline="always")
+def add_square(out, p, t, sign, lines):
+    """Add sign times four lines of four entries to ``out`` from row p and column t on."""
+    store_lanes(out, p, t, add_times(load_four(out, p, t), sign, lines[0]))
+    store_lanes(out, p + 1, t, add_times(load_four(out, p + 1, t), sign, lines[1]))
+    store_lanes(out, p + 2, t, add_times(load_four(out, p + 2, t), sign, lines[2]))
+    store_lanes(out, p + 3, t, add_times(load_four(out, p + 3, t), sign, lines[3]))
 
 
 @borrower()
@@ -105,11 +99,10 @@ def invert_wide(a, width, work, out):
         factors[k], out[k, k] = 0.0, 1.0
         scale = 1.0 / pivot
         for t in range(0, width, STEP):
-            x0, x1, x2, x3 = out[k, t] * scale, out[k, t + 1] * scale, out[k, t + 2] * scale, out[k, t + 3] * scale
-            out[k, t], out[k, t + 1], out[k, t + 2], out[k, t + 3] = x0, x1, x2, x3
+            line = add_times(fill_four(0.0), scale, load_four(out, k, t))
+            store_lanes(out, k, t, line)
             for i in range(width):
-                f, y0, y1, y2, y3 = factors[i], out[i, t], out[i, t + 1], out[i, t + 2], out[i, t + 3]
-                out[i, t], out[i, t + 1], out[i, t + 2], out[i, t + 3] = y0 - f * x0, y1 - f * x1, y2 - f * x2, y3 - f * x3
+                store_lanes(out, i, t, add_times(load_four(out, i, t), -factors[i], line))
     for k in range(width - 1, -1, -1):
         best = int(pivots[k])
         if best != k:
