@@ -57,7 +57,8 @@ def _loader(count: int) -> Callable[..., Any]:
 
     def load(typing: Any, matrix: types.Array, row: types.Integer, column: types.Integer) -> Any:
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            return builder.load(_address(context, builder, signature, arguments, signature.return_type.vector), align=matrix.dtype.bitwidth // 8)
+            address = _address(context, builder, signature, arguments, signature.return_type.vector)
+            return builder.load(address, align=matrix.dtype.bitwidth // 8)
 
         return (Lanes(matrix.dtype, count)(matrix, row, column), generate) if _is_plain(matrix) else None
 

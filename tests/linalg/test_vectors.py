@@ -1,0 +1,58 @@
+"""Floats in registers: what is loaded, added and stored is what entries one by one give, in both precisions and across them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from masonry_cd.jit import entry
+from masonry_cd.linalg.vectors import add_times, fill_eight, fill_four, load_eight, load_four, store_lanes
+
+
+@entry()
+def four(a, factor, x, out):
+    """Four entries of out from (1, 2) on: those of a from (2, 1) on and factor times those of x from (0, 3) on."""
+    store_lanes(out, 1, 2, add_times(load_four(a, 2, 1), factor, load_four(x, 0, 3)))
+
+
+@entry()
+def eight(a, factor, x, out):
+    """As :func:`four`, of eight."""
+    store_lanes(out, 1, 2, add_times(load_eight(a, 2, 1), factor, load_eight(x, 0, 3)))
+
+
+@entry()
+def filled(value, out):
+    """Four and eight times a value into the first two rows of out."""
+    store_lanes(out, 0, 0, fill_four(value))
+    store_lanes(out, 1, 0, fill_eight(value))
+
+
+@pytest.mark.parametrize("out_kind", [np.float64, np.float32])
+@pytest.mark.parametrize("x_kind", [np.float64, np.float32])
+@pytest.mark.parametrize("a_kind", [np.float64, np.float32])
+@pytest.mark.parametrize(("kernel", "count"), [(four, 4), (eight, 8)])
+def test_a_row_and_a_multiple_of_another_are_added_and_nothing_else_is_touched(kernel, count, a_kind, x_kind, out_kind):
+    generator = np.random.default_rng(1)
+    a, x = generator.normal(size=(3, 11)).astype(a_kind), generator.normal(size=(2, 11)).astype(x_kind)
+    out, factor = np.full((3, 12), 7.0, dtype=out_kind), 0.7
+    kernel(a, factor, x, out)
+    expected = np.full((3, 12), 7.0)
+    expected[1, 2 : 2 + count] = a[2, 1 : 1 + count] + 0.7 * x[0, 3 : 3 + count].astype(float)
+    roughest = max(np.finfo(kind).eps for kind in (a_kind, out_kind))  # the sum is in the precision of a
+    assert_allclose(out, expected, rtol=8 * roughest, atol=8 * roughest)
+    untouched = np.ones(out.shape, dtype=bool)
+    untouched[1, 2 : 2 + count] = False
+    assert_array_equal(out[untouched], 7.0)
+
+
+def test_a_value_fills_all_places():
+    out = np.zeros((2, 9))
+    filled(0.3, out)
+    assert_array_equal(out, [[0.3] * 4 + [0.0] * 5, [0.3] * 8 + [0.0]])
+
+
+def test_rows_of_a_matrix_that_is_not_contiguous_are_refused():
+    with pytest.raises(Exception, match="load_four"):
+        four(np.zeros((3, 24))[:, ::2], 1.0, np.zeros((2, 11)), np.zeros((3, 12)))
