@@ -1,22 +1,27 @@
 """Memory that a step has freed stays with the program for the next one.
 
-glibc gives freed memory at the top of its heap back to the system where that is more than twice the largest array freed so far that was
-mapped by itself, and the system fills it with zeros when it is next asked for: a step of meshed blocks that frees 12 MB then spends a
-sixth of its time on that (mallopt(3), M_TRIM_THRESHOLD). Freeing one array of the largest size that counts, 32 MB, without ever having
-touched it, settles the limit at 64 MB. Larger arrays are mapped by themselves as before, in large pages where the system has them.
-Elsewhere this does nothing.
+glibc gives freed memory at the top of its heap back to the system, and maps large arrays by themselves, which are given back when they are
+freed; what is asked for next the system fills with zeros first. A step of meshed blocks that frees 12 MB spends a sixth to a third of its
+time on that. glibc learns larger limits by itself, but not far enough, and not at all where MALLOC_TRIM_THRESHOLD_ is set in the
+environment, as dask does for its workers; so both limits are set here (mallopt(3)). Elsewhere this does nothing.
 """
 
 from __future__ import annotations
 
+import ctypes
 from functools import cache
 
-import numpy as np
-
-LARGEST = 31 * 2**20  # bytes of an array that, with its header, glibc still counts
+TRIM_THRESHOLD, MMAP_THRESHOLD = -1, -3  # M_TRIM_THRESHOLD and M_MMAP_THRESHOLD of <malloc.h>
+KEPT = 64 * 2**20  # bytes of freed memory at the top of the heap
+LARGEST = 32 * 2**20  # bytes of an array that is on the heap, as much as glibc allows; larger ones, in large pages, cost less to map
 
 
 @cache
 def keep_freed_memory() -> None:
-    """Have up to 64 MB of freed memory kept for what is asked for next, in this process."""
-    np.empty(LARGEST, dtype=np.uint8)
+    """Have up to KEPT bytes of freed memory kept for what is asked for next, in this process."""
+    try:
+        set_limit = ctypes.CDLL(None).mallopt
+    except (AttributeError, OSError, TypeError):  # musl, macOS; Windows
+        return
+    set_limit(TRIM_THRESHOLD, KEPT)
+    set_limit(MMAP_THRESHOLD, LARGEST)

@@ -107,6 +107,7 @@ class Strains:
             stiffness = _with_warps(deformation, warps, strains, stiffness)
         arrays = StrainArrays(place, deformation.axes, deformation.share, strains, count)
         columns = np.concatenate([strains, np.arange(STRAINS, STRAINS + count)])
+        mass, stiffness, across = (np.ascontiguousarray(values) for values in (mass, stiffness, across))  # one kind for the kernels, always
         bare = cls(deformation, arrays, warps, columns, free, mass, stiffness, across, normal, step, np.empty(0))
         return bare.with_step(step)
 
