@@ -22,18 +22,10 @@ def gemm(x, at, rows, inner, g, begin, end, out):
     for j in range(0, threes, 3):
         i = begin
         while i + 8 <= end:
-            d, e, f = fill_eight(zero), fill_eight(zero), fill_eight(zero)
-            for k in range(inner):
-                line = load_eight(g, k, i)
-                d, e, f = add_times(d, x[k, at + j], line), add_times(e, x[k, at + j + 1], line), add_times(f, x[k, at + j + 2], line)
-            store_three(out, j, i - begin, d, e, f)
+            multiply_lanes(fill_eight, load_eight, x, at + j, inner, g, i, out, j, i - begin)
             i += 8
         if i + 4 <= end:
-            q, r, s = fill_four(zero), fill_four(zero), fill_four(zero)
-            for k in range(inner):
-                four = load_four(g, k, i)
-                q, r, s = add_times(q, x[k, at + j], four), add_times(r, x[k, at + j + 1], four), add_times(s, x[k, at + j + 2], four)
-            store_three(out, j, i - begin, q, r, s)
+            multiply_lanes(fill_four, load_four, x, at + j, inner, g, i, out, j, i - begin)
             i += 4
         while i < end:
             a, b, c = zero, zero, zero
@@ -50,11 +42,17 @@ def gemm(x, at, rows, inner, g, begin, end, out):
 
 
 @kernel(inline="always")
-def store_three(out, j, i, a, b, c):
-    """Entries of each of three rows of ``out``, from row j and column i on."""
-    store_lanes(out, j, i, a)
-    store_lanes(out, j + 1, i, b)
-    store_lanes(out, j + 2, i, c)
+def multiply_lanes(fill, load, x, at, inner, g, i, out, j, k):
+    """Three rows of x^T g, those of columns ``at`` on of x, into rows j on of ``out``: as many columns, from i of g and k of ``out``, as
+    ``fill`` and ``load`` take."""
+    zero = g.dtype.type(0.0)
+    d, e, f = fill(zero), fill(zero), fill(zero)
+    for r in range(inner):
+        line = load(g, r, i)
+        d, e, f = add_times(d, x[r, at], line), add_times(e, x[r, at + 1], line), add_times(f, x[r, at + 2], line)
+    store_lanes(out, j, k, d)
+    store_lanes(out, j + 1, k, e)
+    store_lanes(out, j + 2, k, f)
 
 
 @borrower(fastmath={"contract"})

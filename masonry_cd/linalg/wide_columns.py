@@ -20,32 +20,29 @@ def rows_of(symbolic, j, n):
 @borrower()
 def add_product(sign, a, b, rows, inner, columns, out):
     """out (rows, columns) += sign times a (rows, inner) b (inner, columns)."""
-    for p in range(0, rows, STEP):
-        for t in range(0, columns, STEP):
-            s0, s1, s2, s3 = fill_four(0.0), fill_four(0.0), fill_four(0.0), fill_four(0.0)
-            for r in range(inner):
-                line = load_four(b, r, t)
-                s0 = add_times(s0, a[p, r], line)
-                s1 = add_times(s1, a[p + 1, r], line)
-                s2 = add_times(s2, a[p + 2, r], line)
-                s3 = add_times(s3, a[p + 3, r], line)
-            add_square(out, p, t, sign, (s0, s1, s2, s3))
+    add_squares(sign, a, False, b, inner, (rows, columns), out)
 
 
 @borrower()
 def add_turned_product(a, b, inner, size, out):
     """out += a^T b, a and b with so many rows (inner), out of a size (rows, columns)."""
+    add_squares(1.0, a, True, b, inner, size, out)
+
+
+@kernel(inline="always")
+def add_squares(sign, a, turned, b, inner, size, out):
+    """out, of a size (rows, columns), += sign times a b or, if ``turned``, a^T b; the sums of ``inner`` terms are held in registers."""
     rows, columns = size
     for p in range(0, rows, STEP):
         for t in range(0, columns, STEP):
             s0, s1, s2, s3 = fill_four(0.0), fill_four(0.0), fill_four(0.0), fill_four(0.0)
             for r in range(inner):
                 line = load_four(b, r, t)
-                s0 = add_times(s0, a[r, p], line)
-                s1 = add_times(s1, a[r, p + 1], line)
-                s2 = add_times(s2, a[r, p + 2], line)
-                s3 = add_times(s3, a[r, p + 3], line)
-            add_square(out, p, t, 1.0, (s0, s1, s2, s3))
+                s0 = add_times(s0, a[r, p] if turned else a[p, r], line)
+                s1 = add_times(s1, a[r, p + 1] if turned else a[p + 1, r], line)
+                s2 = add_times(s2, a[r, p + 2] if turned else a[p + 2, r], line)
+                s3 = add_times(s3, a[r, p + 3] if turned else a[p + 3, r], line)
+            add_square(out, p, t, sign, (s0, s1, s2, s3))
 
 
 @kernel(inline="always")

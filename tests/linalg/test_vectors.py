@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numba.core.errors import TypingError
 from numpy.testing import assert_allclose, assert_array_equal
 
 from masonry_cd.jit import entry
@@ -54,5 +55,5 @@ def test_a_value_fills_all_places():
 
 
 def test_rows_of_a_matrix_that_is_not_contiguous_are_refused():
-    with pytest.raises(Exception, match="load_four"):
+    with pytest.raises(TypingError, match="load_four"):
         four(np.zeros((3, 24))[:, ::2], 1.0, np.zeros((2, 11)), np.zeros((3, 12)))
