@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.friction.operators import unknowns_at
+from masonry_cd.friction.joint_twists import out_of_frame
+from masonry_cd.friction.operators import has_frames, unknowns_at
 from masonry_cd.jit import borrower, entry, kernel
 
 BODY = 2  # what a body costs beside its contacts, in sides of contacts
@@ -23,7 +24,6 @@ class BodySides(NamedTuple):
     side: np.ndarray  # (S,) 2 c + s for side s of contact c, ascending for each body
     cost: np.ndarray  # (B + 1,) what the bodies before each cost in a pass over their sides
     matrix_cost: np.ndarray  # (B + 1,) in one that assembles their columns of M + H^T B H
-    rigid: bool  # whether all contacts have frames, between rigid blocks in space, see joint_twists.py
 
 
 @entry()
@@ -50,11 +50,8 @@ def sides_of_bodies(bodies, count):
 
 
 @entry()
-def weighed_sides(places: np.ndarray, block: np.ndarray, count: int, rigid: bool) -> BodySides:
-    """:class:`BodySides` of contacts with the ``places`` (C, 2) of their bodies, ``count`` for supports, their blocks (C,) or -1.
-
-    ``rigid`` is as in :class:`BodySides`.
-    """
+def weighed_sides(places: np.ndarray, block: np.ndarray, count: int) -> BodySides:
+    """:class:`BodySides` of contacts with the ``places`` (C, 2) of their bodies, ``count`` for supports, their blocks (C,) or -1."""
     start, side = sides_of_bodies(places, count)
     later = np.zeros(count + 1, dtype=np.int64)
     for c in range(len(places)):
@@ -63,7 +60,7 @@ def weighed_sides(places: np.ndarray, block: np.ndarray, count: int, rigid: bool
     for b in range(count):
         later[b + 1] += later[b]
     cost = start + BODY * np.arange(count + 1)
-    return BodySides(start, side, cost, cost + later, rigid)
+    return BodySides(start, side, cost, cost + later)
 
 
 @kernel(inline="always")
@@ -82,6 +79,9 @@ def add_impulse_of_sides(problem, sides, p, begin, stop, out):
     """out (B + 1, n) += H^T p of the bodies from begin to stop, for impulses p (C, m)."""
     jacobian, m = problem.jacobian, len(problem.m)
     for b in range(begin, stop):
+        if has_frames(problem):
+            add_wrench_of_sides(problem, sides, p, b, out)
+            continue
         n = unknowns_at(problem, b, b)
         for e in range(sides.start[b], sides.start[b + 1]):
             c, s = sides.side[e] // 2, sides.side[e] % 2
@@ -89,3 +89,23 @@ def add_impulse_of_sides(problem, sides, p, begin, stop, out):
                 x = p[c, i]
                 for k in range(n):
                     out[b, k] += jacobian[c, s, i, k] * x
+
+
+@borrower(fastmath={"contract"})
+def add_wrench_of_sides(problem, sides, p, b, out):
+    """out (B + 1, 6) += H^T p of a rigid body in space, by the frames of its contacts."""
+    x, y, z, r0, r1, r2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for e in range(sides.start[b], sides.start[b + 1]):
+        c, s = sides.side[e] // 2, sides.side[e] % 2
+        f, sign, at = problem.frame[c], 1.0 - 2.0 * s, 9 + 3 * s
+        f0, f1, f2 = out_of_frame(f, sign * p[c, 0], sign * p[c, 1], sign * p[c, 2])
+        x, y, z = x + f0, y + f1, z + f2
+        r0 += f[at + 1] * f2 - f[at + 2] * f1
+        r1 += f[at + 2] * f0 - f[at] * f2
+        r2 += f[at] * f1 - f[at + 1] * f0
+    out[b, 0] += x
+    out[b, 1] += y
+    out[b, 2] += z
+    out[b, 3] += r0
+    out[b, 4] += r1
+    out[b, 5] += r2

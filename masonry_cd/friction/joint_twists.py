@@ -37,18 +37,26 @@ class JointTwists(NamedTuple):
 
 
 @entry()
-def fits_frames(jacobian: np.ndarray, bodies: np.ndarray) -> bool:
-    """Whether the rows of H (C, 2, 3, 6) of each contact of bodies (C, 2) are those of a frame between rigid bodies."""
-    frame, fitting = np.empty(NUMBERS), 0
-    while fitting < len(jacobian) and fill_frame(jacobian, bodies, -1, fitting, frame):
+def _frames_of(jacobian, bodies):
+    """Frames (C, 15) of contacts of bodies (C, 2) whose rows (C, 2, 3, 6) are those of frames; (0, 15) if some are not."""
+    frames, fitting = np.empty((len(jacobian), NUMBERS)), 0
+    while fitting < len(jacobian) and fill_frame(jacobian, bodies, -1, fitting, frames[fitting]):
         fitting += 1
-    return fitting == len(jacobian)
+    return frames if fitting == len(jacobian) else np.empty((0, NUMBERS))
+
+
+def frames_of(jacobian: np.ndarray, bodies: np.ndarray) -> np.ndarray:
+    """Frames (C, 15) of contacts with rows of H (C, 2, m, n), each as if it were a joint; (0, 15) if they are not all between rigid blocks
+    in space."""
+    if jacobian.shape[2:] != (3, 6):
+        return np.empty((0, NUMBERS))
+    frames: np.ndarray = _frames_of(jacobian, bodies)
+    return frames
 
 
 def size_of_twist(jacobian: np.ndarray, bodies: np.ndarray) -> tuple[int, ...]:
     """As many zeros as the twists of contacts with rows (C, 2, m, n) have components, see small_blocks.py."""
-    m, n = jacobian.shape[2:]
-    return size_tuple(6 if (m, n) == (3, 6) and fits_frames(jacobian, bodies) else m)
+    return size_tuple(6 if len(frames_of(jacobian, bodies)) else jacobian.shape[2])
 
 
 @borrower()
@@ -102,17 +110,34 @@ def find_arm(jacobian, bodies, support, first, c, frame, arm):
 
 
 @kernel(inline="always", fastmath={"contract"})
+def into_frame(f, x, y, z):
+    """The components of a vector in the axes of a frame (15,)."""
+    return f[0] * x + f[1] * y + f[2] * z, f[3] * x + f[4] * y + f[5] * z, f[6] * x + f[7] * y + f[8] * z
+
+
+@kernel(inline="always", fastmath={"contract"})
+def out_of_frame(f, x, y, z):
+    """A vector of components in the axes of a frame (15,), in those of the world."""
+    return f[0] * x + f[3] * y + f[6] * z, f[1] * x + f[4] * y + f[7] * z, f[2] * x + f[5] * y + f[8] * z
+
+
+@kernel(inline="always", fastmath={"contract"})
+def velocity_in(f, v, a, b):
+    """The velocity of body a against body b where a frame (15,) is, in its axes."""
+    w0, w1, w2, r0, r1, r2 = v[a, 3], v[a, 4], v[a, 5], v[b, 3], v[b, 4], v[b, 5]
+    x = (v[a, 0] + (w1 * f[11] - w2 * f[10])) - (v[b, 0] + (r1 * f[14] - r2 * f[13]))
+    y = (v[a, 1] + (w2 * f[9] - w0 * f[11])) - (v[b, 1] + (r2 * f[12] - r0 * f[14]))
+    z = (v[a, 2] + (w0 * f[10] - w1 * f[9])) - (v[b, 2] + (r0 * f[13] - r1 * f[12]))
+    return into_frame(f, x, y, z)
+
+
+@kernel(inline="always", fastmath={"contract"})
 def twist_of(joints, g, v, a, b, n):
     """The relative twist (t, omega) of bodies a and b at joint g, six numbers; of a single contact its velocity and zeros."""
     if len(joints.s) > 3:
         f = joints.frame[g]
-        w0, w1, w2, r0, r1, r2 = v[a, 3], v[a, 4], v[a, 5], v[b, 3], v[b, 4], v[b, 5]
-        x = (v[a, 0] + (w1 * f[11] - w2 * f[10])) - (v[b, 0] + (r1 * f[14] - r2 * f[13]))
-        y = (v[a, 1] + (w2 * f[9] - w0 * f[11])) - (v[b, 1] + (r2 * f[12] - r0 * f[14]))
-        z = (v[a, 2] + (w0 * f[10] - w1 * f[9])) - (v[b, 2] + (r0 * f[13] - r1 * f[12]))
-        w0, w1, w2 = w0 - r0, w1 - r1, w2 - r2
-        t0, t1, t2 = f[0] * x + f[1] * y + f[2] * z, f[3] * x + f[4] * y + f[5] * z, f[6] * x + f[7] * y + f[8] * z
-        r0, r1, r2 = f[0] * w0 + f[1] * w1 + f[2] * w2, f[3] * w0 + f[4] * w1 + f[5] * w2, f[6] * w0 + f[7] * w1 + f[8] * w2
+        t0, t1, t2 = velocity_in(f, v, a, b)
+        r0, r1, r2 = into_frame(f, v[a, 3] - v[b, 3], v[a, 4] - v[b, 4], v[a, 5] - v[b, 5])
         return t0, t1, t2, r0, r1, r2
     rows, t0, t1, t2 = joints.rows, 0.0, 0.0, 0.0
     for k in range(n):
@@ -150,8 +175,8 @@ def add_wrench(joints, g, wrench, a, b, out, n):
     f0, f1, f2, r0, r1, r2 = wrench
     if len(joints.s) > 3:
         f = joints.frame[g]
-        x, y, z = f[0] * f0 + f[3] * f1 + f[6] * f2, f[1] * f0 + f[4] * f1 + f[7] * f2, f[2] * f0 + f[5] * f1 + f[8] * f2
-        r0, r1, r2 = f[0] * r0 + f[3] * r1 + f[6] * r2, f[1] * r0 + f[4] * r1 + f[7] * r2, f[2] * r0 + f[5] * r1 + f[8] * r2
+        x, y, z = out_of_frame(f, f0, f1, f2)
+        r0, r1, r2 = out_of_frame(f, r0, r1, r2)
         out[a, 0] += x
         out[a, 1] += y
         out[a, 2] += z

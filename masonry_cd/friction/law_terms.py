@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.friction.joint_twists import NUMBERS
 from masonry_cd.friction.natural_map import natural_map_norms, squared_residual
 from masonry_cd.friction.operators import (
     OrderedProblem,
@@ -52,8 +53,8 @@ def as_given(problem, terms):
     """ProblemArrays as an :class:`OrderedProblem` whose bodies keep their order, and without M, for the operators that do not need it."""
     return OrderedProblem(
         problem.inverse_mass, np.empty((0, len(problem.n), len(problem.n))), problem.v_free, terms.places, np.empty(0, dtype=np.int64),
-        problem.jacobian, problem.offset, problem.mu, problem.compliance, widths_in_order(problem.width, np.arange(len(problem.v_free))),
-        terms.d, problem.m, problem.n,
+        problem.jacobian, np.empty((0, NUMBERS)), problem.offset, problem.mu, problem.compliance,
+        widths_in_order(problem.width, np.arange(len(problem.v_free))), terms.d, problem.m, problem.n,
     )  # fmt: skip
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.friction.joint_twists import velocity_in
 from masonry_cd.friction.natural_map import squared_residual
 from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.small_blocks import invert, is_wide
@@ -35,6 +36,7 @@ class OrderedProblem(NamedTuple):
     places: np.ndarray  # (C, 2) places of the bodies; B: a support
     block: np.ndarray  # (C,) the block of M + H^T R H that couples them, below the diagonal; -1: none
     jacobian: np.ndarray  # (C, 2, m, n)
+    frame: np.ndarray  # (C, 15) frames of contacts between rigid blocks in space, see joint_twists.py; (0, 15): they are not all such
     offset: np.ndarray  # (C, m)
     mu: np.ndarray  # (C,)
     compliance: np.ndarray  # (C, m) or (0, m)
@@ -143,27 +145,37 @@ def unknowns_at(problem, a, b):
     return max(problem.width[a], problem.width[b]) if has_unit_masses(problem) else len(problem.n)
 
 
+@kernel(inline="always")
+def has_frames(problem):
+    """Whether contacts have frames; known to be false where blocks are not those of rigid bodies in space."""
+    return len(problem.n) == 6 and len(problem.m) == 3 and len(problem.frame) > 0
+
+
+@kernel(inline="always", fastmath={"contract"})
+def velocity_of_contact(problem, v, c):
+    """H v of contact c for body velocities v (B + 1, n), that of supports zero: three numbers, the last zero in a plane."""
+    a, b = problem.places[c, 0], problem.places[c, 1]
+    if has_frames(problem):
+        return velocity_in(problem.frame[c], v, a, b)
+    jacobian, u0, u1, u2 = problem.jacobian, 0.0, 0.0, 0.0
+    for k in range(unknowns_at(problem, a, b)):
+        x, y = v[a, k], v[b, k]
+        u0 += jacobian[c, 0, 0, k] * x + jacobian[c, 1, 0, k] * y
+        u1 += jacobian[c, 0, 1, k] * x + jacobian[c, 1, 1, k] * y
+        if len(problem.m) == 3:
+            u2 += jacobian[c, 0, 2, k] * x + jacobian[c, 1, 2, k] * y
+    return u0, u1, u2
+
+
 @borrower()
 def relative_velocity_of(problem, v, first, end, u):
     """u = H v + b for the contacts first to end."""
-    jacobian, index, offset, m = problem.jacobian, problem.places, problem.offset, len(problem.m)
+    offset, m = problem.offset, len(problem.m)
     for c in range(first, end):
-        a, b = index[c, 0], index[c, 1]
-        n = unknowns_at(problem, a, b)
-        for i in range(m):
-            total = offset[c, i]
-            for k in range(n):
-                total += jacobian[c, 0, i, k] * v[a, k] + jacobian[c, 1, i, k] * v[b, k]
-            u[c, i] = total
-
-
-@kernel(inline="always")
-def change_at(jacobian, index, c, i, change, n):
-    """Component i of H dv at contact c for a change of the velocities (B + 1, n)."""
-    a, b, total = index[c, 0], index[c, 1], 0.0
-    for k in range(n):
-        total += jacobian[c, 0, i, k] * change[a, k] + jacobian[c, 1, i, k] * change[b, k]
-    return total
+        u0, u1, u2 = velocity_of_contact(problem, v, c)
+        u[c, 0], u[c, 1] = u0 + offset[c, 0], u1 + offset[c, 1]
+        if m == 3:
+            u[c, 2] = u2 + offset[c, 2]
 
 
 @borrower()
@@ -210,21 +222,13 @@ def missing_momentum_of(problem, v, first, end, out):
 @borrower(fastmath={"contract"})
 def squared_map_norm_of(problem, p, v, first, end):
     """Square of the norm of the natural map residual, of the contacts first to end."""
-    jacobian, index, offset, compliance = problem.jacobian, problem.places, problem.offset, problem.compliance
-    m, mu, d = len(problem.m), problem.mu, problem.d
+    offset, compliance, m, mu, d = problem.offset, problem.compliance, len(problem.m), problem.mu, problem.d
     total = 0.0
     for c in range(first, end):
-        a, b = index[c, 0], index[c, 1]
-        n = unknowns_at(problem, a, b)
-        un, u1, u2 = offset[c, 0], offset[c, 1], 0.0
+        un, u1, u2 = velocity_of_contact(problem, v, c)
+        un, u1 = un + offset[c, 0], u1 + offset[c, 1]
         if m == 3:
-            u2 = offset[c, 2]
-        for k in range(n):
-            x, y = v[a, k], v[b, k]
-            un += jacobian[c, 0, 0, k] * x + jacobian[c, 1, 0, k] * y
-            u1 += jacobian[c, 0, 1, k] * x + jacobian[c, 1, 1, k] * y
-            if m == 3:
-                u2 += jacobian[c, 0, 2, k] * x + jacobian[c, 1, 2, k] * y
+            u2 += offset[c, 2]
         p2 = p[c, 2] if m == 3 else 0.0
         if len(compliance):
             un += compliance[c, 0] * p[c, 0]

@@ -8,6 +8,7 @@ import numpy as np
 
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import invert, is_wide, multiply
+from masonry_cd.linalg.vectors import add_six_times, load_six, store_six
 from masonry_cd.linalg.wide_columns import backward_wide_columns, eliminate_wide_columns, forward_wide_columns
 
 SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
@@ -15,7 +16,7 @@ SYMMETRIC, UNSYMMETRIC = np.bool_(True), np.bool_(False)  # of a matrix
 
 @borrower(fastmath={"contract"})
 def subtract_block_product(c, at, a, i, b, size_n):
-    """c[at] -= a[i] b for blocks. For n = 6 a row of c is held in registers, for n = 3 all of b."""
+    """c[at] -= a[i] b for blocks. For n = 6 or 12 half a dozen entries of a row of c are held in registers, for n = 3 all of b."""
     n = len(size_n)
     if n == 3:
         b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
@@ -27,24 +28,20 @@ def subtract_block_product(c, at, a, i, b, size_n):
             c[at, p, 1] -= x * b01 + y * b11 + z * b21
             c[at, p, 2] -= x * b02 + y * b12 + z * b22
         return
+    out, left = c[at], a[i]
     for p in range(n):
-        if n == 6:
-            c0, c1, c2, c3, c4, c5 = c[at, p, 0], c[at, p, 1], c[at, p, 2], c[at, p, 3], c[at, p, 4], c[at, p, 5]
-            for r in range(6):
-                x = a[i, p, r]
-                c0 -= x * b[r, 0]
-                c1 -= x * b[r, 1]
-                c2 -= x * b[r, 2]
-                c3 -= x * b[r, 3]
-                c4 -= x * b[r, 4]
-                c5 -= x * b[r, 5]
-            c[at, p, 0], c[at, p, 1], c[at, p, 2], c[at, p, 3], c[at, p, 4], c[at, p, 5] = c0, c1, c2, c3, c4, c5
+        if n % 6 == 0:
+            for t in range(0, n, 6):
+                six = load_six(out, p, t)
+                for r in range(n):
+                    six = add_six_times(six, -left[p, r], load_six(b, r, t))
+                store_six(out, p, t, six)
         else:
             for q in range(n):
-                total = c[at, p, q]
+                total = out[p, q]
                 for r in range(n):
-                    total -= a[i, p, r] * b[r, q]
-                c[at, p, q] = total
+                    total -= left[p, r] * b[r, q]
+                out[p, q] = total
 
 
 @kernel(inline="always")

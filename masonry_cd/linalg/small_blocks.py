@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.jit import borrower, entry, kernel
+from masonry_cd.linalg.vectors import add_six_times, fill_six, load_six, store_six
 
 EPSILON = 2.2e-16  # relative rounding error of a float
 NARROW = 12  # unknowns of a rigid block, or of one of uniform strain, at the most: loops over so many are unrolled
@@ -107,16 +108,11 @@ def _take_off_row(a, k, scale, factors, n):
     """Scale row k of a block (n, n), and take it off all rows, so many times each. Half a dozen of its entries are held in registers."""
     if n % 6 == 0:
         for t in range(0, n, 6):
-            x0, x1, x2, x3, x4, x5 = a[k, t], a[k, t + 1], a[k, t + 2], a[k, t + 3], a[k, t + 4], a[k, t + 5]
-            x0, x1, x2, x3, x4, x5 = x0 * scale, x1 * scale, x2 * scale, x3 * scale, x4 * scale, x5 * scale
-            a[k, t], a[k, t + 1], a[k, t + 2], a[k, t + 3], a[k, t + 4], a[k, t + 5] = x0, x1, x2, x3, x4, x5
+            line = add_six_times(fill_six(0.0), scale, load_six(a, k, t))
+            store_six(a, k, t, line)
             for i in range(n):
-                f = factors[i]
-                if f == 0.0:  # what is rigid does not couple with strains
-                    continue
-                y0, y1, y2, y3, y4, y5 = a[i, t], a[i, t + 1], a[i, t + 2], a[i, t + 3], a[i, t + 4], a[i, t + 5]
-                y0, y1, y2, y3, y4, y5 = y0 - f * x0, y1 - f * x1, y2 - f * x2, y3 - f * x3, y4 - f * x4, y5 - f * x5
-                a[i, t], a[i, t + 1], a[i, t + 2], a[i, t + 3], a[i, t + 4], a[i, t + 5] = y0, y1, y2, y3, y4, y5
+                if factors[i] != 0.0:  # what is rigid does not couple with strains
+                    store_six(a, i, t, add_six_times(load_six(a, i, t), -factors[i], line))
     else:
         for j in range(n):
             x = a[k, j] * scale
@@ -141,16 +137,10 @@ def multiply(a, b, transposed, out, size_n):
     if n % 6 == 0 and not transposed:
         for p in range(n):
             for t in range(0, n, 6):
-                c0, c1, c2, c3, c4, c5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+                total = fill_six(0.0)
                 for r in range(n):
-                    x = a[p, r]
-                    c0 += x * b[r, t]
-                    c1 += x * b[r, t + 1]
-                    c2 += x * b[r, t + 2]
-                    c3 += x * b[r, t + 3]
-                    c4 += x * b[r, t + 4]
-                    c5 += x * b[r, t + 5]
-                out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3], out[p, t + 4], out[p, t + 5] = c0, c1, c2, c3, c4, c5
+                    total = add_six_times(total, a[p, r], load_six(b, r, t))
+                store_six(out, p, t, total)
         return
     for p in range(n):
         for q in range(n):
@@ -167,18 +157,10 @@ def add_outer_product(x, y, out, size_m, size_n):
     for p in range(n):
         if n % 6 == 0:
             for t in range(0, n, 6):
-                c0, c1, c2, c3, c4, c5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+                six = load_six(out, p, t)
                 for i in range(m):
-                    z = x[i, p]
-                    c0 += z * y[i, t]
-                    c1 += z * y[i, t + 1]
-                    c2 += z * y[i, t + 2]
-                    c3 += z * y[i, t + 3]
-                    c4 += z * y[i, t + 4]
-                    c5 += z * y[i, t + 5]
-                d0, d1, d2, d3, d4, d5 = out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3], out[p, t + 4], out[p, t + 5]
-                d0, d1, d2, d3, d4, d5 = d0 + c0, d1 + c1, d2 + c2, d3 + c3, d4 + c4, d5 + c5
-                out[p, t], out[p, t + 1], out[p, t + 2], out[p, t + 3], out[p, t + 4], out[p, t + 5] = d0, d1, d2, d3, d4, d5
+                    six = add_six_times(six, x[i, p], load_six(y, i, t))
+                store_six(out, p, t, six)
         else:
             for q in range(n):
                 total = 0.0

@@ -16,6 +16,8 @@ from numba import types
 from numba.core.cgutils import get_or_insert_function, unpack_tuple
 from numba.extending import intrinsic, models, register_model
 
+from masonry_cd.jit import kernel
+
 _INDEX = ir.IntType(32)
 
 
@@ -65,8 +67,21 @@ def _loader(count: int) -> Callable[..., Any]:
     return load
 
 
-fill_four, fill_eight = intrinsic(_filler(4)), intrinsic(_filler(8))
-load_four, load_eight = intrinsic(_loader(4)), intrinsic(_loader(8))
+fill_two, fill_four, fill_eight = intrinsic(_filler(2)), intrinsic(_filler(4)), intrinsic(_filler(8))
+load_two, load_four, load_eight = intrinsic(_loader(2)), intrinsic(_loader(4)), intrinsic(_loader(8))
+
+
+@intrinsic
+def pack(typing: Any, values: types.UniTuple) -> Any:
+    """Lanes of the floats of a tuple."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        lanes = ir.Constant(signature.return_type.vector, ir.Undefined)
+        for k, value in enumerate(unpack_tuple(builder, arguments[0])):
+            lanes = builder.insert_element(lanes, value, _INDEX(k))
+        return lanes
+
+    return Lanes(values.dtype, values.count)(values), generate
 
 
 @intrinsic
@@ -93,6 +108,40 @@ def add_times(typing: Any, total: Lanes, factor: types.Float, lanes: Lanes) -> A
         return builder.call(fused, [_spread(builder, kind, arguments[1]), _cast(builder, arguments[2], kind), arguments[0]])
 
     return total(total, total.dtype, lanes), generate
+
+
+# Rows of blocks of rigid bodies in space have six entries, of those that deform as many or twelve: pairs of four lanes and two.
+
+
+@kernel(inline="always")
+def fill_six(value):
+    """A float, six times."""
+    return fill_four(value), fill_two(value)
+
+
+@kernel(inline="always")
+def pack_six(a, b, c, d, e, f):
+    """Six floats."""
+    return pack((a, b, c, d)), pack((e, f))
+
+
+@kernel(inline="always")
+def load_six(matrix, row, column):
+    """Six entries of a row of a contiguous matrix from a column on."""
+    return load_four(matrix, row, column), load_two(matrix, row, column + 4)
+
+
+@kernel(inline="always")
+def add_six_times(total, factor, six):
+    """total + factor times six, as in :func:`add_times`."""
+    return add_times(total[0], factor, six[0]), add_times(total[1], factor, six[1])
+
+
+@kernel(inline="always")
+def store_six(matrix, row, column, six):
+    """Put six floats into a row of a contiguous matrix from a column on."""
+    store_lanes(matrix, row, column, six[0])
+    store_lanes(matrix, row, column + 4, six[1])
 
 
 def _is_plain(matrix: Any) -> bool:

@@ -13,40 +13,29 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.friction.operators import has_unit_masses
+from masonry_cd.friction.joint_twists import out_of_frame
+from masonry_cd.friction.operators import has_frames, has_unit_masses
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import add_outer_product, is_wide
+from masonry_cd.linalg.vectors import add_six_times, load_six, pack_six, store_six
 from masonry_cd.linalg.wide_columns import add_turned_product
 
-NUMBERS = 15  # of a contact between rigid blocks: D^T B D, and the arms r of both bodies
-
-
-@kernel(inline="always")
-def has_frames(problem, sides):
-    """Whether all rows are those of frames between rigid blocks in space; known to be false elsewhere when kernels are compiled."""
-    return len(problem.n) == 6 and len(problem.m) == 3 and sides.rigid
+NUMBERS = 9  # of D^T B D
 
 
 @borrower(fastmath={"contract"})
-def turn_blocks(problem, sides, blocks, first, end, world):
-    """Fill ``world`` (C, NUMBERS) for the contacts first to end of rigid blocks in space, from B, the first rows of ``blocks``."""
-    if not has_frames(problem, sides):
+def turn_blocks(problem, blocks, first, end, world):
+    """world (C, 9) = D^T B D of the contacts first to end of rigid blocks in space, B the first rows of ``blocks``."""
+    if not has_frames(problem):
         return
     for c in range(first, end):
-        jacobian, block, out = problem.jacobian[c], blocks[c], world[c]
-        side = 0 if problem.places[c, 0] < len(problem.mass) else 1
+        f, block, out = problem.frame[c], blocks[c], world[c]
         for q in range(3):
-            t0 = block[0, 0] * jacobian[side, 0, q] + block[0, 1] * jacobian[side, 1, q] + block[0, 2] * jacobian[side, 2, q]
-            t1 = block[1, 0] * jacobian[side, 0, q] + block[1, 1] * jacobian[side, 1, q] + block[1, 2] * jacobian[side, 2, q]
-            t2 = block[2, 0] * jacobian[side, 0, q] + block[2, 1] * jacobian[side, 1, q] + block[2, 2] * jacobian[side, 2, q]
-            for p in range(3):
-                out[3 * p + q] = jacobian[side, 0, p] * t0 + jacobian[side, 1, p] * t1 + jacobian[side, 2, p] * t2
-        for s in range(2):  # r = sum of d_i x (r x d_i) / 2, of supports zero
-            for k in range(3):
-                j, l, total = (k + 1) % 3, (k + 2) % 3, 0.0  # noqa: E741
-                for i in range(3):
-                    total += jacobian[s, i, j] * jacobian[s, i, 3 + l] - jacobian[s, i, l] * jacobian[s, i, 3 + j]
-                out[9 + 3 * s + k] = 0.5 * total
+            x, y, z = f[q], f[3 + q], f[6 + q]
+            t0 = block[0, 0] * x + block[0, 1] * y + block[0, 2] * z
+            t1 = block[1, 0] * x + block[1, 1] * y + block[1, 2] * z
+            t2 = block[2, 0] * x + block[2, 1] * y + block[2, 2] * z
+            out[q], out[3 + q], out[6 + q] = out_of_frame(f, t0, t1, t2)
 
 
 @kernel(fastmath={"contract"})
@@ -72,13 +61,15 @@ def augment_blocks(problem, sides, blocks, world, symbolic, share, matrix):
             c, own = sides.side[e] >> 1, sides.side[e] & 1
             k, beyond = block[c], places[c, 1 - own]
             later, e = k >= 0 and b < beyond, e + 1
-            if has_frames(problem, sides):
-                add_turned(world[c], own, own, False, 1.0, diagonal[b])
-                if b == beyond:
-                    add_turned(world[c], own, 1 - own, False, -1.0, diagonal[b])
-                elif later:
-                    add_turned(world[c], 1 - own, own, False, -1.0, lower[k])
-                    add_turned(world[c], 1 - own, own, True, -1.0, upper[k])
+            if has_frames(problem):
+                own_arm, other_arm = arm_of(problem.frame[c], own), arm_of(problem.frame[c], 1 - own)
+                lines = turn_lines(world[c], own_arm, False)
+                add_turned(lines, own_arm, 1.0, diagonal[b])
+                if later:
+                    add_turned(lines, other_arm, -1.0, lower[k])
+                    add_turned(turn_lines(world[c], own_arm, True), other_arm, -1.0, upper[k])
+                elif b == beyond:
+                    add_turned(turn_lines(world[c], other_arm, False), own_arm, -1.0, diagonal[b])
                 continue
             one, other = problem.jacobian[c, own], problem.jacobian[c, 1 - own]
             turn_rows(blocks[c], one, turned[0], problem.m, problem.n)
@@ -159,30 +150,38 @@ def load_mass(problem, b, diagonal):
 
 
 @kernel(inline="always")
-def add_turned(turned, row, column, transposed, sign, out):
-    """out (6, 6) += sign J_r^T B J_c of a contact's NUMBERS, for its sides ``row`` and ``column``, with B^T if ``transposed``."""
-    r0, r1, r2 = sign * turned[9 + 3 * row], sign * turned[10 + 3 * row], sign * turned[11 + 3 * row]
-    c0, c1, c2 = turned[9 + 3 * column], turned[10 + 3 * column], turned[11 + 3 * column]
+def arm_of(frame, side):
+    """The arm r of a side in a frame (15,), three numbers."""
+    at = 9 + 3 * side
+    return frame[at], frame[at + 1], frame[at + 2]
+
+
+@kernel(inline="always")
+def turn_lines(turned, arm, transposed):
+    """The three lines of D^T B D (I, -[c]x), six numbers each, for an arm c, with B^T if ``transposed``."""
     along, across = (1, 3) if transposed else (3, 1)
-    for j in range(3):  # column j of D^T B D, and of it times -[c]x
-        x0, x1, x2 = turned[across * j], turned[along + across * j], turned[2 * along + across * j]
-        k, l = (j + 1) % 3, (j + 2) % 3  # noqa: E741
-        ck, cl = (c1, c2) if j == 0 else ((c2, c0) if j == 1 else (c0, c1))
-        y0 = ck * turned[across * l] - cl * turned[across * k]
-        y1 = ck * turned[along + across * l] - cl * turned[along + across * k]
-        y2 = ck * turned[2 * along + across * l] - cl * turned[2 * along + across * k]
-        out[0, j] += sign * x0
-        out[1, j] += sign * x1
-        out[2, j] += sign * x2
-        out[3, j] += r1 * x2 - r2 * x1
-        out[4, j] += r2 * x0 - r0 * x2
-        out[5, j] += r0 * x1 - r1 * x0
-        out[0, 3 + j] += sign * y0
-        out[1, 3 + j] += sign * y1
-        out[2, 3 + j] += sign * y2
-        out[3, 3 + j] += r1 * y2 - r2 * y1
-        out[4, 3 + j] += r2 * y0 - r0 * y2
-        out[5, 3 + j] += r0 * y1 - r1 * y0
+    x = (turned[0], turned[across], turned[2 * across])
+    y = (turned[along], turned[along + across], turned[along + 2 * across])
+    z = (turned[2 * along], turned[2 * along + across], turned[2 * along + 2 * across])
+    return line_of(x, arm), line_of(y, arm), line_of(z, arm)
+
+
+@kernel(inline="always", fastmath={"contract"})
+def line_of(x, c):
+    """(x, c x x), six numbers, of a line x of D^T B D and an arm c."""
+    return pack_six(x[0], x[1], x[2], c[1] * x[2] - c[2] * x[1], c[2] * x[0] - c[0] * x[2], c[0] * x[1] - c[1] * x[0])
+
+
+@kernel(inline="always")
+def add_turned(lines, arm, sign, out):
+    """out (6, 6) += sign (I, [r]x)^T lines for an arm r."""
+    r0, r1, r2, (x, y, z) = sign * arm[0], sign * arm[1], sign * arm[2], lines
+    store_six(out, 0, 0, add_six_times(load_six(out, 0, 0), sign, x))
+    store_six(out, 1, 0, add_six_times(load_six(out, 1, 0), sign, y))
+    store_six(out, 2, 0, add_six_times(load_six(out, 2, 0), sign, z))
+    store_six(out, 3, 0, add_six_times(add_six_times(load_six(out, 3, 0), r1, z), -r2, y))
+    store_six(out, 4, 0, add_six_times(add_six_times(load_six(out, 4, 0), r2, x), -r0, z))
+    store_six(out, 5, 0, add_six_times(add_six_times(load_six(out, 5, 0), r0, y), -r1, x))
 
 
 @kernel(inline="always")

@@ -11,7 +11,7 @@ from masonry_cd.friction.body_sides import add_impulse_of_sides
 from masonry_cd.friction.coulomb_law import tangent_length
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.threads import take, wait
-from masonry_cd.solvers.shared_operators import contact_velocity, solve_by_first
+from masonry_cd.solvers.shared_operators import contact_change, contact_velocity, solve_by_first
 from masonry_cd.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks, sum_of_chunks
 
 STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
@@ -35,12 +35,13 @@ class Iterate(NamedTuple):
 
 
 class Linearisation(NamedTuple):
-    """The products of each contact and their linearisation: (dp, dgamma) = inverse r - gain (du + miss) changes them by r."""
+    """The products of each contact at a point and their linearisation, see :func:`linearise_contact`."""
 
+    here: Iterate  # the point
     product: np.ndarray  # (C, k) w_n p_n and (gamma, w_t) o (mu p_n, p_t)
-    wanted: np.ndarray  # (C, k) r
-    inverse: np.ndarray  # (C, k, k)
-    gain: np.ndarray  # (C, k, m)
+    wanted: np.ndarray  # (C, k) their changes
+    pivot: np.ndarray  # (C, k) reciprocals that solve for dp and dgamma
+    gain: np.ndarray  # (C, m, m) dp falls by so much of the change of H v
     soft: np.ndarray  # (C, m) compliance of the spring in series, the contact's own and that of the damping
     miss: np.ndarray  # (C, m) H v + b + C p - w, and on the path by its length less tau times that of the start
     far: np.ndarray  # (C, m) that of the start, zero without such a path
@@ -59,13 +60,13 @@ def allocate_iterate(room, shape, rows):
 
 
 @kernel()
-def allocate_linearisation(room, shape):
-    """Room for a :class:`Linearisation` of contacts (C, m); ``far`` is zero."""
+def allocate_linearisation(room, here):
+    """Room for a :class:`Linearisation` at a point of contacts (C, m); ``far`` is zero."""
+    shape = here.p.shape
     contacts, m = shape
-    products, blocks, gains = (contacts, m + 1), (contacts, m + 1, m + 1), (contacts, m + 1, m)
-    product, wanted = take(room, products), take(room, products)
-    inverse, gain = take(room, blocks), take(room, gains)
-    return Linearisation(product, wanted, inverse, gain, take(room, shape), take(room, shape), take(room, shape))
+    product, wanted, pivot = take(room, (contacts, m + 1)), take(room, (contacts, m + 1)), take(room, (contacts, m + 1))
+    gain = take(room, (contacts, m, m))
+    return Linearisation(here, product, wanted, pivot, gain, take(room, shape), take(room, shape), take(room, shape))
 
 
 @kernel(inline="always")
@@ -73,6 +74,14 @@ def cone_det(x0: float, x1: float, x2: float) -> float:
     """x_0^2 - |x_t|^2, positive inside the second-order cone; written so that it does not cancel."""
     t = tangent_length(x1, x2)
     return (x0 - t) * (x0 + t)
+
+
+@kernel(inline="always")
+def are_inside(w, p, gamma, mu, m):
+    """Whether w and p (m,) and the sliding speed of a contact are inside their cones."""
+    bound, w2, p2 = mu * p[0], w[2] if m == 3 else 0.0, p[2] if m == 3 else 0.0
+    slides, holds = w[1] * w[1] + w2 * w2 < gamma * gamma, p[1] * p[1] + p2 * p2 < bound * bound
+    return w[0] > 0.0 and p[0] > 0.0 and gamma > 0.0 and slides and holds
 
 
 @borrower()
@@ -131,49 +140,61 @@ def central_start(p, u, mu, d, shift, w, inner, m):
 
 
 @borrower()
-def linearise_contact(w, p, gamma, mu, soft, inverse, gain, size_m, size_k):
-    """Fill inverse (k, k) and gain (k, m) of one contact, see :class:`Linearisation`; False if they do not exist.
+def linearise_contact(w, p, gamma, mu, soft, pivot, gain, size_m):
+    """Fill pivot (m + 1,) and gain (m, m) of one contact, see :class:`Linearisation`; False if they do not exist.
 
-    The products change with x = (dp, dgamma), dw = soft dp, by rows that are an arrow,
+    The products change with x = (dp, dgamma), dw = soft dp + z, by rows that are an arrow,
 
-        a x_0,     b x_0 + sum e_i x_i + f x_m,     g_i x_0 + d_i x_i + h_i x_m,     i = 1 .. m - 1,
+        a x_0 + p_0 z_0,     b x_0 + sum (e_i x_i + p_i z_i) + f x_m,     g_i x_0 + d_i x_i + h_i x_m + f z_i,     i = 1 .. m - 1,
 
     where a and d_i are positive inside the cones: x_0 comes from the first row, x_i from its own, and x_m from the one that is left.
     """
-    m, k, a, f = len(size_m), len(size_k), w[0] + p[0] * soft[0], mu * p[0]
-    first, slope, left = 1.0 / a, gamma * mu, f
+    m, a, f = len(size_m), w[0] + p[0] * soft[0], mu * p[0]
+    left = f
+    pivot[0] = 1.0 / a
     for i in range(1, m):
-        own, share = 1.0 / (gamma + f * soft[i]), w[i] + p[i] * soft[i]
-        inverse[i, 1 + i], inverse[m, 1 + i] = own, share * own
-        slope -= share * own * mu * w[i]
-        left -= share * own * p[i]
-    last = 1.0 / left
-    for j in range(1, k):
-        inverse[0, j] = 0.0
-    inverse[0, 0], inverse[m, 0], inverse[m, 1] = first, -slope * first * last, last
-    for i in range(1, m):
-        inverse[m, 1 + i] *= -last
-    for i in range(1, m):
-        own = inverse[i, 1 + i]
-        inverse[i, 0] = -own * (mu * w[i] * first + p[i] * inverse[m, 0])
-        inverse[i, 1] = -own * p[i] * last
-        for j in range(1, m):
-            inverse[i, 1 + j] = (own if i == j else 0.0) - own * p[i] * inverse[m, 1 + j]
-    for i in range(k):
-        gain[i, 0] = inverse[i, 0] * p[0]
-        for j in range(1, m):
-            gain[i, j] = inverse[i, 1] * p[j] + inverse[i, 1 + j] * f
+        pivot[i] = 1.0 / (gamma + f * soft[i])
+        left -= (w[i] + p[i] * soft[i]) * pivot[i] * p[i]
+    pivot[m] = 1.0 / left
+    for j in range(m):
+        first = p[0] * pivot[0] if j == 0 else 0.0
+        turn = (p[j] if j > 0 else 0.0) - gamma * mu * first
+        for i in range(1, m):
+            gain[i, j] = (f if i == j else 0.0) - mu * w[i] * first
+            turn -= (w[i] + p[i] * soft[i]) * pivot[i] * gain[i, j]
+        turn *= pivot[m]
+        gain[0, j] = first
+        for i in range(1, m):
+            gain[i, j] = (gain[i, j] - p[i] * turn) * pivot[i]
     return 0.0 < a < np.inf and 0.0 < abs(left) < np.inf
 
 
+@kernel(inline="always")
+def change_contact(linear, mu, c, way, m):
+    """dp and dgamma of contact c, and dw from z, which is in its place; see :func:`linearise_contact`."""
+    (w, p, gamma, _), wanted, pivot, soft, x, z = linear.here, linear.wanted, linear.pivot, linear.soft, way.p, way.w
+    f, first = mu * p[c, 0], (wanted[c, 0] - p[c, 0] * z[c, 0]) * pivot[c, 0]
+    turn = wanted[c, 1] - gamma[c] * mu * first
+    x[c, 0] = first
+    for i in range(1, m):
+        x[c, i] = wanted[c, 1 + i] - f * z[c, i] - mu * w[c, i] * first
+        turn -= p[c, i] * z[c, i] + (w[c, i] + p[c, i] * soft[c, i]) * pivot[c, i] * x[c, i]
+    turn *= pivot[c, m]
+    way.gamma[c] = turn
+    z[c, 0] += soft[c, 0] * first
+    for i in range(1, m):
+        x[c, i] = (x[c, i] - p[c, i] * turn) * pivot[c, i]
+        z[c, i] += soft[c, i] * x[c, i]
+
+
 @borrower()
-def linearise_products(shares, cones, here, linear):
+def linearise_products(shares, cones, linear):
     """Fill the products of the contacts and their linearisation.
 
     Returns how far the products are from zero, the gap tau, and what w misses in its units, both as means over the contacts; the gap is
     not a number if a contact cannot be solved for its impulse.
     """
-    m, contacts, turn, (first, end) = len(cones.m), len(cones.mu), begin_sums(shares), shares.chunks
+    m, contacts, turn, (first, end), here = len(cones.m), len(cones.mu), begin_sums(shares), shares.chunks, linear.here
     for k in range(first, end):
         gap, undone = 0.0, 0.0
         begin, stop = chunk_of(k, contacts)
@@ -181,7 +202,7 @@ def linearise_products(shares, cones, here, linear):
             w, p, gamma, mu = here.w[c], here.p[c], here.gamma[c], cones.mu[c]
             complementarity(w, p, gamma, mu, m, linear.product[c])
             gap += 0.5 * (linear.product[c, 0] + linear.product[c, 1])
-            if not linearise_contact(w, p, gamma, mu, linear.soft[c], linear.inverse[c], linear.gain[c], cones.m, cones.k):
+            if not linearise_contact(w, p, gamma, mu, linear.soft[c], linear.pivot[c], linear.gain[c], cones.m):
                 gap = np.nan
             for i in range(m):
                 undone += abs(linear.miss[c, i] * p[i])
@@ -211,55 +232,39 @@ def missing_velocity(shares, problem, here, tau, linear):
 
 
 @kernel()
-def interior_direction(shares, problem, work, linear, way):
+def interior_direction(shares, problem, work, cones, linear, way):
     """The direction that changes the products as wanted and takes all other residuals away.
 
-    The factors are those of M + H^T B H with B the first rows of the gains; ``room`` has H^T p - M (v - v_free).
+    The factors are those of M + H^T B H with B the gains; ``room`` has H^T p - M (v - v_free).
     """
     begin, stop = shares.rows
-    start_direction(shares, linear, way, len(problem.m), linear.product.shape[1])
+    start_direction(shares, cones, linear, way)
     copy_share(shares.rows, work.room, way.v)
     wait(shares.team)
     add_impulse_of_sides(problem, shares.sides, way.p, begin, stop, way.v)
     solve_by_first(shares, work.factor, way.v)
-    finish_direction(shares, problem, linear, way)
+    contact_change(shares, problem, way.v, way.w)
+    finish_direction(shares, cones, linear, way)
 
 
 @borrower()
-def finish_direction(shares, problem, linear, way):
-    """What of a direction depends on the change of the velocities, once this is known."""
-    (dw, dp, dgamma, out), m, n = way, len(problem.m), len(problem.n)
-    jacobian, index, gain, miss, soft = problem.jacobian, problem.places, linear.gain, linear.miss, linear.soft
+def start_direction(shares, cones, linear, way):
+    """dp of a direction as long as the velocities do not change."""
     first, end = shares.contacts
     for c in range(first, end):
-        a, b, h = index[c, 0], index[c, 1], jacobian[c]
-        for j in range(m):
-            change = 0.0
-            for q in range(n):
-                change += h[0, j, q] * out[a, q] + h[1, j, q] * out[b, q]
-            dw[c, j] = change + miss[c, j]
-            for i in range(m):
-                dp[c, i] -= gain[c, i, j] * change
-            dgamma[c] -= gain[c, m, j] * change
-        for i in range(m):
-            dw[c, i] += soft[c, i] * dp[c, i]
+        for i in range(len(cones.m)):
+            way.w[c, i] = linear.miss[c, i]
+        change_contact(linear, cones.mu[c], c, way, len(cones.m))
 
 
-@kernel(inline="always")
-def start_direction(shares, linear, way, m, k):
-    """dp and dgamma of a direction as far as they do not depend on the change of the velocities."""
+@borrower()
+def finish_direction(shares, cones, linear, way):
+    """dp, dgamma and dw of a direction from the change of the velocities of the contacts, which is in the place of dw."""
     first, end = shares.contacts
     for c in range(first, end):
-        for i in range(k):
-            total = 0.0
-            for j in range(k):
-                total += linear.inverse[c, i, j] * linear.wanted[c, j]
-            for j in range(m):
-                total -= linear.gain[c, i, j] * linear.miss[c, j]
-            if i < m:
-                way.p[c, i] = total
-            else:
-                way.gamma[c] = total
+        for i in range(len(cones.m)):
+            way.w[c, i] += linear.miss[c, i]
+        change_contact(linear, cones.mu[c], c, way, len(cones.m))
 
 
 @borrower()

@@ -41,7 +41,7 @@ class InteriorRoom(NamedTuple):
 def allocate_interior(room, shape, rows):
     """:class:`InteriorRoom` for contacts (C, m) and velocities of a shape."""
     here, way = allocate_iterate(room, shape, rows), allocate_iterate(room, shape, rows)
-    return InteriorRoom(take(room, shape), take(room, rows), here, way, allocate_linearisation(room, shape))
+    return InteriorRoom(take(room, shape), take(room, rows), here, way, allocate_linearisation(room, here))
 
 
 @borrower()
@@ -97,7 +97,7 @@ def predict_and_correct(kind, shares, problem, work, cones, inside, means, step)
         if turn == 2 and longest >= 0.1:
             break
         corrector_rhs(shares, cones, way, linear, centring * gap, turn == 1)
-        kind.interior_direction(shares, problem, work, linear, way)
+        kind.interior_direction(shares, problem, work, cones, linear, way)
         longest = longest_step(shares, here, way, cones)
         if turn == 0:
             second = mean_second_order(shares, cones, way, linear.wanted)
@@ -128,7 +128,7 @@ def interior_point(kind, shares, problem, work, inside, answer, settings):
         iterations += 1
         kind.interior_residuals(shares, problem, here, linear, room)
         soften(shares, problem, stiffness, linear)
-        means = linearise_products(shares, cones, here, linear)
+        means = linearise_products(shares, cones, linear)
         if not means[0] > 0.0:
             break
         sign = kind.factorise(shares, problem, work, linear.gain)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from masonry_cd.friction.body_sides import BodySides, weighed_sides
-from masonry_cd.friction.joint_twists import fits_frames
+from masonry_cd.friction.joint_twists import frames_of
 from masonry_cd.friction.natural_map import size_of
 from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.jit import borrower, kernel
@@ -33,13 +33,14 @@ class Elimination(NamedTuple):
     symbolic: SymbolicFactor
     places: np.ndarray  # (C, 2) places of the bodies; B: a support
     block: np.ndarray  # (C,) the block that couples them, -1: none
+    frame: np.ndarray  # (C, 15) the frames of the contacts or (0, 15), see :class:`OrderedProblem`
     sides: BodySides  # the contacts of the body at each place
 
 
 def elimination_of(problem: ProblemArrays, pattern: Pattern, places: np.ndarray, block: np.ndarray) -> Elimination:
     """The :class:`Elimination` of a problem whose contacts have these places (C, 2) of bodies and blocks (C,) in a pattern."""
-    rigid = problem.jacobian.shape[2:] == (3, 6) and fits_frames(problem.jacobian, problem.bodies)
-    return Elimination(pattern.order, pattern.symbolic, places, block, weighed_sides(places, block, len(pattern.order), rigid))
+    sides = weighed_sides(places, block, len(pattern.order))
+    return Elimination(pattern.order, pattern.symbolic, places, block, frames_of(problem.jacobian, problem.bodies), sides)
 
 
 class Settings(NamedTuple):
@@ -87,7 +88,7 @@ class Kind(NamedTuple):
     factorise: Kernel  # (shares, problem, work, blocks): for laws dp = -B du, B the first rows of blocks; the sign of the determinant or 0
     # interior point
     interior_residuals: Kernel  # (shares, problem, here, linear, room): what w and v miss
-    interior_direction: Kernel  # (shares, problem, work, linear, way): changes the products as wanted and takes these residuals away
+    interior_direction: Kernel  # (shares, problem, work, cones, linear, way): changes the products as wanted and takes these residuals away
     # proximal points
     movable: Kernel  # (problem, free, offset): ``moved``, the problem with velocities as they are counted while springs settle
     begin_at: Kernel  # (shares, problem, moved, centre, v): v <- the velocities of the centre

@@ -13,12 +13,11 @@ import numpy as np
 from masonry_cd.friction.operators import (
     OrderedProblem,
     ProblemArrays,
-    change_at,
     has_unit_masses,
     law_velocity_of,
     measure_scales,
     put_in_order,
-    unknowns_at,
+    velocity_of_contact,
     widths_in_order,
 )
 from masonry_cd.jit import borrower, entry, kernel
@@ -105,14 +104,12 @@ def take_newton_step(shares, problem, work, law_work, stiffness, p, v):
         return np.inf
     missing_momentum(shares, problem, v, law.target, room)
     solve_by_first(shares, work.factor, room)
-    jacobian, index, target, block = problem.jacobian, problem.places, law.target, law.block
+    target, block = law.target, law.block
     for c in range(first, end):
-        for i in range(m):
-            p[c, i] = target[c, i]
-        for i in range(m):
-            change = change_at(jacobian, index, c, i, room, unknowns_at(problem, index[c, 0], index[c, 1]))
-            for k in range(m):
-                p[c, k] -= block[c, k, i] * change
+        u0, u1, u2 = velocity_of_contact(problem, room, c)
+        for k in range(m):
+            change = block[c, k, 0] * u0 + block[c, k, 1] * u1
+            p[c, k] = target[c, k] - (change + block[c, k, 2] * u2 if m == 3 else change)
     return map_norm(shares, problem, p, room, v)
 
 
@@ -134,8 +131,8 @@ def movable(problem, free, offset):
     """The problem in the change of the velocities from those of a centre, which spares rounding; free (B + 1, n) and offset (C, m) are
     room for what changes with it."""
     return OrderedProblem(
-        problem.inverse, problem.mass, free, problem.places, problem.block, problem.jacobian, offset, problem.mu, problem.compliance,
-        problem.width, problem.d, problem.m, problem.n,
+        problem.inverse, problem.mass, free, problem.places, problem.block, problem.jacobian, problem.frame, offset, problem.mu,
+        problem.compliance, problem.width, problem.d, problem.m, problem.n,
     )  # fmt: skip
 
 
@@ -204,13 +201,14 @@ def spring_direction(shares, problem, work, springs, search):
 @borrower()
 def spring_changes(shares, problem, springs, stiffness, change):
     """Change dx of the trial impulses with a change of the velocities (B + 1, n)."""
-    m, n, d, jacobian, index = len(problem.m), len(problem.n), problem.d, problem.jacobian, problem.places
-    first, end = shares.contacts
+    dx, m, (first, end) = springs.dx, len(problem.m), shares.contacts
     wait(shares.team)
     for c in range(first, end):
-        soft_n, soft_t = softness(problem.compliance, d[c] / stiffness, c, m)
-        for i in range(m):
-            springs.dx[c, i] = -change_at(jacobian, index, c, i, change, n) / (soft_n if i == 0 else soft_t)
+        soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, m)
+        u0, u1, u2 = velocity_of_contact(problem, change, c)
+        dx[c, 0], dx[c, 1] = -u0 / soft_n, -u1 / soft_t
+        if m == 3:
+            dx[c, 2] = -u2 / soft_t
 
 
 BODIES = Kind(
@@ -229,7 +227,7 @@ def in_order(shares, room, problem, elimination):
     inverse, mass, free, d = allocate_problem(room, problem)
     put_in_order(problem, order, first, end, inverse, mass, free)
     ordered = OrderedProblem(
-        inverse, mass, free, places, elimination.block, problem.jacobian, problem.offset, problem.mu, problem.compliance,
+        inverse, mass, free, places, elimination.block, problem.jacobian, elimination.frame, problem.offset, problem.mu, problem.compliance,
         widths_in_order(problem.width, order), d, problem.m, problem.n,
     )  # fmt: skip
     wait(shares.team)
@@ -266,7 +264,7 @@ def room_needed(method: int, problem: ProblemArrays, elimination: Elimination) -
     room, shape, rows, contacts = room_of_own(), problem.offset.shape, (len(elimination.order) + 1, len(problem.n)), len(problem.mu)
     allocate_sums(room, contacts, len(elimination.order))
     allocate_problem(room, problem)
-    allocate_work(room, elimination.symbolic, problem.n, rows, contacts if elimination.sides.rigid else 0)
+    allocate_work(room, elimination.symbolic, problem.n, rows, len(elimination.frame))
     allocate_answer(room, shape, rows)
     if method == NEWTON:
         allocate_newton(room, shape, rows)
@@ -299,7 +297,7 @@ def linearised_by_team(
     sums = allocate_sums(room, len(impulse), len(elimination.order))
     shares = shares_of(team, len(impulse), elimination.sides, sums)
     ordered = in_order(shares, room, problem, elimination)
-    work = allocate_work(room, elimination.symbolic, problem.n, rows, len(impulse) if elimination.sides.rigid else 0)
+    work = allocate_work(room, elimination.symbolic, problem.n, rows, len(elimination.frame))
     answer, begin, stiffness = answer_of(shares, room, ordered, work.room, impulse), np.nan, settings.stiffness
     if method == NEWTON:
         law, inside = allocate_law(room, shape, problem.m), allocate_newton(room, shape, rows)

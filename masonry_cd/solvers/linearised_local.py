@@ -19,7 +19,7 @@ from masonry_cd.linalg.small_blocks import copy_flat, invert, multiply
 from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.linalg.threads import room_of_own
 from masonry_cd.linalg.triangular import solve_ldu
-from masonry_cd.solvers.central_path import start_direction
+from masonry_cd.solvers.central_path import finish_direction, start_direction
 from masonry_cd.solvers.interior_kernels import allocate_interior, interior_point
 from masonry_cd.solvers.linearised import Kind, Settings, allocate_work, first_answer
 from masonry_cd.solvers.newton_kernels import LinearisedLaw, allocate_newton, linearise_law, newton
@@ -157,17 +157,12 @@ def interior_residuals(shares, problem, here, linear, room):
 
 
 @kernel()
-def direction(shares, problem, work, linear, way):
-    """The direction that changes the products as wanted and takes this residual away: (I + G W) dp = r, G the first rows of the gains."""
-    m, k = len(problem.m), linear.product.shape[1]
-    start_direction(shares, linear, way, m, k)
+def direction(shares, problem, work, cones, linear, way):
+    """The direction that changes the products as wanted and takes this residual away: (I + G W) dp = r, G the gains."""
+    start_direction(shares, cones, linear, way)
     divide(problem, work, way.p)
     delassus_product(problem, way.p, way.w)
-    for c in range(len(way.p)):
-        for j in range(m):
-            way.gamma[c] -= linear.gain[c, m, j] * way.w[c, j]
-        for i in range(m):
-            way.w[c, i] += linear.miss[c, i] + linear.soft[c, i] * way.p[c, i]
+    finish_direction(shares, cones, linear, way)
 
 
 # --- proximal points ----------------------------------------------------------------------------------------------------------------

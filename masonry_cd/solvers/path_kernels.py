@@ -14,10 +14,10 @@ from masonry_cd.solvers.central_path import (
     advance,
     allocate_iterate,
     allocate_linearisation,
+    are_inside,
     begin_inside,
     complementarity,
     cones_of,
-    contact_step,
     interior_direction,
     linearise_products,
     longest_step,
@@ -54,7 +54,8 @@ class PathRoom(NamedTuple):
 @kernel()
 def allocate_paths(room, shape, rows):
     """:class:`PathRoom` for contacts (C, m) and body velocities of a shape (B + 1, n)."""
-    here, linear = allocate_iterate(room, shape, rows), allocate_linearisation(room, shape)
+    here = allocate_iterate(room, shape, rows)
+    linear = allocate_linearisation(room, here)
     back, tangent = allocate_iterate(room, shape, rows), allocate_iterate(room, shape, rows)
     ways = PathWays(back, tangent, allocate_iterate(room, shape, rows), allocate_iterate(room, shape, rows))
     return PathRoom(take(room, shape), take(room, rows), here, linear, ways)
@@ -97,31 +98,31 @@ def combine_ways(shares, x, a, y, b, z, out):
     combine(shares.rows, x.v, a, y.v, b, z.v, out.v)
 
 
-@borrower()
-def off_path(product, goal):
-    """How far the products of a contact are from goal (1, e), relative to goal."""
-    across = (product[1] - goal) ** 2
+@kernel(inline="always")
+def is_near(product, goal, wide):
+    """Whether the products of a contact are off goal (1, e) by less than ``wide`` times goal."""
+    bound, across = wide * goal, (product[1] - goal) ** 2
     for i in range(2, len(product)):
         across += product[i] * product[i]
-    return max(abs(product[0] - goal), np.sqrt(across)) / goal
+    return abs(product[0] - goal) < bound and across < bound * bound
 
 
 @kernel()
-def path_directions(shares, problem, work, cones, here, linear, level, tau, ways):
+def path_directions(shares, problem, work, cones, linear, level, tau, ways):
     """Fill ``back``, ``tangent`` and ``bend``; the products on the path are tau times ``level`` (C,)."""
     m, wanted, (first, end), (begin, stop) = len(cones.m), linear.wanted, shares.contacts, shares.rows
-    missing_momentum(shares, problem, here.v, here.p, work.room)
+    missing_momentum(shares, problem, linear.here.v, linear.here.p, work.room)
     for c in range(first, end):
         for i in range(m + 1):
             wanted[c, i] = (tau * level[c] if i < 2 else 0.0) - linear.product[c, i]
-    interior_direction(shares, problem, work, linear, ways.back)
+    interior_direction(shares, problem, work, cones, linear, ways.back)
     work.room[begin:stop] = 0.0
     for c in range(first, end):
         for i in range(m + 1):
             wanted[c, i] = tau * level[c] if i < 2 else 0.0
         for i in range(m):
             linear.miss[c, i] = -tau * linear.far[c, i]
-    interior_direction(shares, problem, work, linear, ways.tangent)
+    interior_direction(shares, problem, work, cones, linear, ways.tangent)
     dw, dp, dgamma, _ = ways.tangent
     for c in range(first, end):
         complementarity(dw[c], dp[c], dgamma[c], cones.mu[c], m, wanted[c])
@@ -129,7 +130,7 @@ def path_directions(shares, problem, work, cones, here, linear, level, tau, ways
             wanted[c, i] = -wanted[c, i]
         for i in range(m):
             linear.miss[c, i] = 0.0
-    interior_direction(shares, problem, work, linear, ways.bend)
+    interior_direction(shares, problem, work, cones, linear, ways.bend)
 
 
 @borrower()
@@ -189,18 +190,16 @@ def _allows(here, ways, cones, c, along, goal, wide, room):
     The step is back + along[0] tangent + along[1] bend; ``room`` (3, k) is scratch.
     """
     (back, tangent, bend, _), (first, second, _), m, mu = ways, along, len(cones.m), cones.mu[c]
-    w, p, product = room[0], room[1], room[2]
-    for i in range(m):
-        w[i] = back.w[c, i] + first * tangent.w[c, i] + second * bend.w[c, i]
-        p[i] = back.p[c, i] + first * tangent.p[c, i] + second * bend.p[c, i]
-    turn = back.gamma[c] + first * tangent.gamma[c] + second * bend.gamma[c]
-    if contact_step(here.w[c], here.p[c], here.gamma[c], w, p, turn, mu, m) <= BEYOND:
-        return False
-    for i in range(m):
-        w[i] += here.w[c, i]
-        p[i] += here.p[c, i]
-    complementarity(w, p, here.gamma[c] + turn, mu, m, product)
-    return off_path(product, goal) < wide
+    w, p, product, gamma = room[0], room[1], room[2], 0.0
+    for share in (BEYOND, 1.0):
+        for i in range(m):
+            w[i] = here.w[c, i] + share * (back.w[c, i] + first * tangent.w[c, i] + second * bend.w[c, i])
+            p[i] = here.p[c, i] + share * (back.p[c, i] + first * tangent.p[c, i] + second * bend.p[c, i])
+        gamma = here.gamma[c] + share * (back.gamma[c] + first * tangent.gamma[c] + second * bend.gamma[c])
+        if share > 1.0 and not are_inside(w, p, gamma, mu, m):
+            return False
+    complementarity(w, p, gamma, mu, m, product)
+    return is_near(product, goal, wide)
 
 
 @kernel()
@@ -234,13 +233,13 @@ def path_bodies(shares, problem, work, inside, answer, settings):
     while iterations < settings.limit and answer.error[0] > settings.tolerance:
         iterations += 1
         missing_velocity(shares, problem, here, tau, linear)
-        gap, _ = linearise_products(shares, cones, here, linear)
+        gap, _ = linearise_products(shares, cones, linear)
         if np.isnan(gap):
             break
         sign = factorise(shares, problem, work, linear.gain)
         if sign == 0.0:
             break
-        path_directions(shares, problem, work, cones, here, linear, level, tau, ways)
+        path_directions(shares, problem, work, cones, linear, level, tau, ways)
         change = choose_step(shares, here, ways, cones, level, tau, -sign, settings.wide)
         advance(shares, here, 1.0, ways.ahead)
         tau *= 1.0 + change

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK
-from masonry_cd.friction.operators import change_at
+from masonry_cd.friction.operators import velocity_of_contact
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.triangular import solve_ldu
 from masonry_cd.solvers.linearised import keep_better
@@ -78,8 +78,8 @@ def change_block(problem, springs, stiffness, path, k, c, step, beyond):
 @borrower()
 def weigh(problem, path, k, v):
     """b^T H_c v of pivot k."""
-    c, b, n = path.contact[k], path.b[k], len(problem.n)
-    return b[0] * change_at(problem.jacobian, problem.places, c, 0, v, n) + b[1] * change_at(problem.jacobian, problem.places, c, 1, v, n)
+    u_n, u_t, _ = velocity_of_contact(problem, v, path.contact[k])
+    return path.b[k, 0] * u_n + path.b[k, 1] * u_t
 
 
 @borrower()
@@ -134,12 +134,13 @@ def next_kink(problem, springs, stiffness, rate, taken):
 
     Returns the step to the first kink, the contact that changes its status there, and its new status.
     """
-    x, dx, status, jacobian, index, n = springs.x, springs.dx, springs.status, problem.jacobian, problem.places, len(problem.n)
+    x, dx, status = springs.x, springs.dx, springs.status
     first, which, new = np.inf, -1, OPEN
     for c in range(len(status)):
         soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, 2)
         x_n, x_t = x[c, 0] + taken * dx[c, 0], x[c, 1] + taken * dx[c, 1]
-        d_n, d_t = -change_at(jacobian, index, c, 0, rate, n) / soft_n, -change_at(jacobian, index, c, 1, rate, n) / soft_t
+        u_n, u_t, _ = velocity_of_contact(problem, rate, c)
+        d_n, d_t = -u_n / soft_n, -u_t / soft_t
         x[c, 0], x[c, 1], dx[c, 0], dx[c, 1] = x_n, x_t, d_n, d_t
         if status[c] == OPEN:
             if d_n > 0.0 and -x_n < first * d_n:

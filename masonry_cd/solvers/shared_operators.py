@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.friction.body_sides import add_impulse_of_sides
-from masonry_cd.friction.operators import body_velocity_of, missing_momentum_of, relative_velocity_of, squared_map_norm_of
+from masonry_cd.friction.operators import (
+    body_velocity_of,
+    missing_momentum_of,
+    relative_velocity_of,
+    squared_map_norm_of,
+    velocity_of_contact,
+)
 from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.ldu import factorise_ldu_by_team
 from masonry_cd.linalg.threads import wait
@@ -20,6 +26,17 @@ def contact_velocity(shares, problem, v, u):
     first, end = shares.contacts
     wait(shares.team)
     relative_velocity_of(problem, v, first, end, u)
+
+
+@borrower()
+def contact_change(shares, problem, change, u):
+    """u = H dv (C, m) for a change of the body velocities (B + 1, n), when all threads have theirs."""
+    first, end = shares.contacts
+    for c in range(first, end):
+        u0, u1, u2 = velocity_of_contact(problem, change, c)
+        u[c, 0], u[c, 1] = u0, u1
+        if len(problem.m) == 3:
+            u[c, 2] = u2
 
 
 @borrower()
@@ -57,7 +74,7 @@ def map_norm(shares, problem, p, room, v):
 @kernel()
 def factorise(shares, problem, work, blocks):
     """Factorise M + H^T B H, B the first rows of ``blocks`` (C, m or more, m); the sign of its determinant, 0 if that fails."""
-    turn_blocks(problem, shares.sides, blocks, shares.contacts[0], shares.contacts[1], work.world)
+    turn_blocks(problem, blocks, shares.contacts[0], shares.contacts[1], work.world)
     wait(shares.team)
     augment_blocks(problem, shares.sides, blocks, work.world, work.factor.symbolic, shares.columns, work.matrix)
     wait(shares.team)

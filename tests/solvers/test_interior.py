@@ -17,7 +17,7 @@ from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.friction.coulomb_law import SLIP, STICK
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Solution, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
-from masonry_cd.solvers.central_path import linearise_contact
+from masonry_cd.solvers.central_path import Iterate, Linearisation, change_contact, linearise_contact
 from masonry_cd.solvers.interior import TURN
 from masonry_cd.solvers.proximal_kernels import first_change
 
@@ -31,7 +31,7 @@ def seldom(*values: int) -> list:
 
 @pytest.mark.parametrize("m", [2, 3])
 def test_the_products_of_a_contact_are_linearised(m: int) -> None:
-    """A change of impulse and sliding speed by the inverse, and of w by the springs and by du, changes the products as wanted."""
+    """A change of impulse and sliding speed, and of w by the springs and by z, changes the products as wanted; the gains are those of z."""
     random, k = np.random.default_rng(5), m + 1
     for _ in range(200):
         mu, gamma = random.uniform(0.05, 2.0), 10.0 ** random.uniform(-8, 2)
@@ -41,11 +41,19 @@ def test_the_products_of_a_contact_are_linearised(m: int) -> None:
         )
         p[1:] *= random.uniform() * mu * p[0] / np.linalg.norm(p[1:])  # inside the cones
         w[1:] *= random.uniform() * gamma / np.linalg.norm(w[1:])
-        soft, du, wanted = 10.0 ** random.uniform(-12, 0, m), 1e-3 * gamma * random.normal(size=m), random.normal(size=k)
-        inverse, gain = np.empty((k, k)), np.empty((k, m))
-        assert linearise_contact.py_func(w, p, gamma, mu, soft, inverse, gain, (0,) * m, (0,) * k)
-        *dp, dgamma = inverse @ wanted - gain @ du
-        dw = du + soft * dp
+        soft, z, wanted = 10.0 ** random.uniform(-12, 0, m), 1e-3 * gamma * random.normal(size=m), random.normal(size=k)
+        here = Iterate(w[None], p[None], np.array([gamma]), np.empty((0, 0)))
+        pivot, gain, unused = np.empty((1, k)), np.empty((1, m, m)), np.empty((1, m))
+        linear = Linearisation(here, unused, wanted[None], pivot, gain, soft[None], unused, unused)
+        assert linearise_contact.py_func(w, p, gamma, mu, soft, pivot[0], gain[0], (0,) * m)
+        way = Iterate(z[None].copy(), np.empty((1, m)), np.empty(1), np.empty((0, 0)))
+        change_contact.py_func(linear, mu, 0, way, m)
+        dw, dp, dgamma = way.w[0].copy(), way.p[0].copy(), way.gamma[0]
+        assert dw == pytest.approx(z + soft * dp)
+        way.w[:] = 0.0
+        change_contact.py_func(linear, mu, 0, way, m)
+        scale = np.abs(way.p).max() + np.abs(gain[0] * z).max()
+        assert way.p[0] - gain[0] @ z == pytest.approx(dp, abs=1e-12 * scale)
         terms = [np.r_[w[0] * dp[0], p[0] * dw[0]], np.r_[gamma * mu * dp[0], mu * p[0] * dgamma, w[1:] * dp[1:], p[1:] * dw[1:]]]
         terms += [np.r_[gamma * dp[i], p[i] * dgamma, mu * p[0] * dw[i], mu * dp[0] * w[i]] for i in range(1, m)]
         for found, asked in zip(terms, wanted, strict=True):
