@@ -165,7 +165,7 @@ SWITCHED: dict[str, Any] = {
     "ROUGH": -1.0,  # pivoting is not asked
     "admm.OPEN": 1.0,  # R of open contacts as of those that stick
     "admm.SLIDES": 1.0,
-    "interior.CLOSE": 1e-6,  # the path by its length is followed as far as it leads
+    "interior.LEAVE": 1.0,  # the damped path is followed to the tolerance, that by its length to CLOSE
 }
 
 

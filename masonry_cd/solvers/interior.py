@@ -26,11 +26,11 @@ Optim. 11, 2000). So tau is an unknown. Each factorisation, here with K = RIGID,
 the tangent, and how the path bends; lengths are relative to the distance from the walls of the cones. The step is the longest that stays
 inside the cones and, by WIDE times the products, near the path. Where the path folds closely its branches are near one another: with
 longer steps the point wanders between them, and which it takes hangs on rounding. It takes 40 to 250 iterations, also where the damped path
-stalls at 1e-2; from an error of CLOSE proximal points need some ten more, and from ten times that they finish less often. Paths from starts
-farther away are others, with folds elsewhere. Of walls thrown apart at random (mu 0.8 to 2.5), tests/solvers/test_interior.py counts
-how many end below 1e-8: nine of ten at least.
+stalls at 1e-2. Paths from starts farther away are others, with folds elsewhere. Of walls thrown apart at random (mu 0.8 to 2.5),
+tests/solvers/test_interior.py counts how many end below 1e-8: nine of ten at least.
 
-**Proximal points** finish (Rockafellar, SIAM J. Control Optim. 14, 1976): p+ solves the problem with springs that are at rest in p,
+**Proximal points** finish (Rockafellar, SIAM J. Control Optim. 14, 1976), from some hundred times the tolerance mostly in ten to twenty
+iterations: p+ solves the problem with springs that are at rest in p,
 
     p+ = P(p - K / d (H v + b + C p+)),     P: p_n = max(0, x_n), p_t = projection of x_t onto the disc of radius mu p_n,
 
@@ -71,7 +71,8 @@ FOLLOW, FINISH = 250, 240  # iterations of the path by its length, and of proxim
 STIFFNESS = 1e4  # K at the start of the damped path
 RIGID = 1e8  # K of the other
 WIDE = 0.5  # how far products may be off the path, relative to those on it: much more, and it takes other branches for its own
-CLOSE = 1e-4  # natural map error at which the path by its length is left: proximal points finish sooner, but from farther not all
+LEAVE = 100.0  # times the tolerance: where both paths are left, as proximal points finish sooner; at an error of FAR_OFF at most,
+FAR_OFF, CLOSE = 1e-3, 1e-4  # and that by its length of CLOSE at least
 Method = Callable[[np.ndarray, float, int], tuple[int, float]]  # improves impulses (C, m) from a distance: iterations, error
 LocalKernel = Callable[[LocalArrays, SymbolicFactor, Settings, np.ndarray], tuple[int, float]]
 Try = tuple[np.ndarray, float, tuple[tuple[Method, int], ...]]  # impulses to start from, distance, and methods with limits of iterations
@@ -102,9 +103,8 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
 
         return improve
 
-    proximal = method(PROXIMAL, STIFFNESS, options.tolerance)
-    damped = (method(INTERIOR, STIFFNESS, options.tolerance), TURN)
-    path = (method(PATH, RIGID, max(CLOSE, options.tolerance)), FOLLOW)
+    proximal, near = method(PROXIMAL, STIFFNESS, options.tolerance), _near(options.tolerance)
+    damped, path = (method(INTERIOR, STIFFNESS, near), TURN), (method(PATH, RIGID, max(near, CLOSE)), FOLLOW)
     nothing = np.zeros((problem.contacts, m))
     first, *others = _starts(nothing if start is None else start.impulse, (damped, (proximal, TURN)))
     paths: list[Try] = [(nothing, distance, (path, (proximal, FINISH if distance == FAR else TURN))) for distance in FARTHER]
@@ -120,18 +120,24 @@ def _solve_local(problem: LocalProblem, options: Options, start: Solution | None
     scaled = given.data / (root[row] * root[given.indices])[:, :, None]
     arrays = ordered._replace(data=scaled, q=problem.q / root, d=np.ones(problem.contacts))
 
-    def method(kernel: LocalKernel) -> Method:
+    def method(kernel: LocalKernel, tolerance: float) -> Method:
         def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
-            settings = Settings(distance, STIFFNESS, WIDE, options.tolerance, allowed, size_tuple(m + 1))
+            settings = Settings(distance, STIFFNESS, WIDE, tolerance, allowed, size_tuple(m + 1))
             return kernel(arrays, pattern.symbolic, settings, impulse)
 
         return improve
 
     begin = np.zeros((problem.contacts, m)) if start is None else start.impulse * root
-    methods = ((method(interior_local), TURN), (method(proximal_local), TURN))
+    damped, proximal = method(interior_local, _near(options.tolerance)), method(proximal_local, options.tolerance)
+    methods = ((damped, TURN), (proximal, TURN))
     farther: list[Try] = [(np.zeros_like(begin), distance, methods) for distance in FARTHER[1:]]
     best, iterations, error = _search([*_starts(begin, methods), *farther], options)
     return Solution(best / root, None, iterations, _reason(error, options))
+
+
+def _near(tolerance: float) -> float:
+    """Error at which the damped path is left."""
+    return max(tolerance, min(LEAVE * tolerance, FAR_OFF))
 
 
 def _starts(begin: np.ndarray, methods: tuple[tuple[Method, int], ...]) -> list[Try]:
