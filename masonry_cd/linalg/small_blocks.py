@@ -142,6 +142,16 @@ def multiply(a, b, transposed, out, size_n):
                     total = add_six_times(total, a[p, r], load_six(b, r, t))
                 store_six(out, p, t, total)
         return
+    if n == 3 and not transposed:
+        b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
+        b10, b11, b12 = b[1, 0], b[1, 1], b[1, 2]
+        b20, b21, b22 = b[2, 0], b[2, 1], b[2, 2]
+        for p in range(3):
+            x, y, z = a[p, 0], a[p, 1], a[p, 2]
+            out[p, 0], out[p, 1], out[p, 2] = (
+                x * b00 + y * b10 + z * b20, x * b01 + y * b11 + z * b21, x * b02 + y * b12 + z * b22,
+            )  # fmt: skip
+        return
     for p in range(n):
         for q in range(n):
             total = 0.0

@@ -37,16 +37,18 @@ class Path(NamedTuple):
     a: np.ndarray  # (2,) of the last pivot
     b: np.ndarray  # (UPDATES, 2)
     ratio: np.ndarray  # (UPDATES,) of the determinants, after and before
-    product: np.ndarray  # (UPDATES, UPDATES) b_e^T H z_f of each pivot e with those before it, f < e
+    product: np.ndarray  # (UPDATES, UPDATES) b_f^T H z_e of each pivot e with those after it, f > e
     share: np.ndarray  # (UPDATES,) of the z before it in that of the last pivot
+    hard: np.ndarray  # (C, 2) stiffness of the springs along and across the normal
 
 
 @kernel()
-def allocate_path(shape):
-    """A :class:`Path` for velocities of a shape (B + 1, n)."""
+def allocate_path(shape, contacts):
+    """A :class:`Path` for velocities of a shape (B + 1, n) and so many contacts."""
     z, contact, b, ratio = np.zeros((UPDATES, *shape)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
     product, share = np.empty((UPDATES, UPDATES)), np.empty(UPDATES)
-    return Path(np.zeros(shape), np.empty(shape), np.empty(shape), z, contact, np.empty(2), b, ratio, product, share)
+    hard = np.empty((contacts, 2))
+    return Path(np.zeros(shape), np.empty(shape), np.empty(shape), z, contact, np.empty(2), b, ratio, product, share, hard)
 
 
 @borrower()
@@ -58,18 +60,17 @@ def add_flat(x, step, change):
 
 
 @borrower()
-def change_block(problem, springs, stiffness, path, k, c, step, beyond):
+def change_block(problem, springs, path, k, c, step, beyond):
     """Let contact c, a ``step`` ahead, change its status: as pivot k the change a b^T of its B = -dp/du.
 
     It changes between open and slip, or between stick and slip.
     """
     mu, sign = problem.mu[c], 1.0 if beyond == SLIP else -1.0
-    soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, 2)
     side = 1.0 if springs.x[c, 1] + step * springs.dx[c, 1] > 0.0 else -1.0
     if springs.status[c] == OPEN or beyond == OPEN:
-        a_n, a_t, b_n, b_t = sign, sign * side * mu, 1.0 / soft_n, 0.0
+        a_n, a_t, b_n, b_t = sign, sign * side * mu, path.hard[c, 0], 0.0
     else:
-        a_n, a_t, b_n, b_t = 0.0, sign, side * mu / soft_n, -1.0 / soft_t
+        a_n, a_t, b_n, b_t = 0.0, sign, side * mu * path.hard[c, 0], -path.hard[c, 1]
     path.contact[k] = c
     path.a[0], path.a[1], path.b[k, 0], path.b[k, 1] = a_n, a_t, b_n, b_t
     springs.status[c] = beyond
@@ -89,15 +90,15 @@ def apply_earlier(problem, path, k):
     One pivot e after the other would subtract b_e^T H z / ratio_e times z_e, each from what the last one left. These shares follow from the
     products of the b with the z alone, and all z_e are subtracted at once.
     """
-    z, product, share = path.z, path.product, path.share
+    z, share = path.z, path.share
     for e in range(k):
-        product[k, e] = weigh(problem, path, k, z[e])
+        path.product[e, k] = weigh(problem, path, k, z[e])
         share[e] = weigh(problem, path, e, z[k])
     for e in range(k):
-        left = share[e]
-        for f in range(e):
-            left -= share[f] * product[e, f]
-        share[e] = left / path.ratio[e]
+        share[e] /= path.ratio[e]
+        own_share, product = share[e], path.product[e]
+        for f in range(e + 1, k):
+            share[f] -= own_share * product[f]
     own, fours = z[k].reshape(z[k].size), k - k % 4
     for e in range(0, fours, 4):
         z0, z1, z2, z3 = z[e].reshape(own.size), z[e + 1].reshape(own.size), z[e + 2].reshape(own.size), z[e + 3].reshape(own.size)
@@ -129,18 +130,17 @@ def pivot(problem, work, path, k):
 
 
 @borrower(fastmath={"contract"})
-def next_kink(problem, springs, stiffness, rate, taken):
-    """Go on by ``taken`` along the changes of the trial impulses, and renew these by the rate of v (B + 1, n).
+def next_kink(problem, springs, path, taken):
+    """Go on by ``taken`` along the changes of the trial impulses, and renew these by the rate of v.
 
     Returns the step to the first kink, the contact that changes its status there, and its new status.
     """
     x, dx, status = springs.x, springs.dx, springs.status
     first, which, new = np.inf, -1, OPEN
     for c in range(len(status)):
-        soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, 2)
         x_n, x_t = x[c, 0] + taken * dx[c, 0], x[c, 1] + taken * dx[c, 1]
-        u_n, u_t, _ = velocity_of_contact(problem, rate, c)
-        d_n, d_t = -u_n / soft_n, -u_t / soft_t
+        u_n, u_t, _ = velocity_of_contact(problem, path.rate, c)
+        d_n, d_t = -path.hard[c, 0] * u_n, -path.hard[c, 1] * u_t
         x[c, 0], x[c, 1], dx[c, 0], dx[c, 1] = x_n, x_t, d_n, d_t
         if status[c] == OPEN:
             if d_n > 0.0 and -x_n < first * d_n:
@@ -181,6 +181,9 @@ def follow(kind, shares, moved, work, springs, stiffness, path, counts):
 
     ``counts`` are those of :func:`pivoting_points`.
     """
+    for c in range(len(springs.x)):
+        soft_n, soft_t = softness(moved.compliance, moved.d[c] / stiffness, c, 2)
+        path.hard[c, 0], path.hard[c, 1] = 1.0 / soft_n, 1.0 / soft_t
     left = 1.0  # share of the residual at the start
     held: np.bool = FREE  # whether statuses are known, or follow the trial impulses
     while counts[FACTORISATIONS] < counts[MOST]:
@@ -189,14 +192,14 @@ def follow(kind, shares, moved, work, springs, stiffness, path, counts):
             return False
         held, taken = HELD, 0.0
         for k in range(UPDATES):
-            step, c, beyond = next_kink(moved, springs, stiffness, path.rate, taken)
+            step, c, beyond = next_kink(moved, springs, path, taken)
             if step >= left:
                 add_flat(path.v, left, path.rate)
                 kind.spring_residual(shares, moved, springs, stiffness, path.v, HELD, path.residual)
                 return True
             taken, left = step, left - step
             add_flat(path.v, step, path.rate)
-            change_block(moved, springs, stiffness, path, k, c, step, beyond)
+            change_block(moved, springs, path, k, c, step, beyond)
             if not pivot(moved, work, path, k) > 0.0:
                 return False
     return False
@@ -228,7 +231,7 @@ def pivoting_points(kind, shares, problem, work, inside, answer, settings):
     ``inside`` is a :class:`ProximalRoom`; there is one thread. Returns the number of factorisations.
     """
     springs, _, centre, own, free, offset = inside
-    path, moved, counts = allocate_path(own.shape), kind.movable(problem, free, offset), np.zeros(2, dtype=np.int64)
+    path, moved, counts = allocate_path(own.shape, len(springs.x)), kind.movable(problem, free, offset), np.zeros(2, dtype=np.int64)
     copy_share(shares.contacts, answer.impulse, springs.centre)
     copy_share(shares.rows, answer.velocity, centre)
     counts[MOST], stiffness, factor = settings.limit, settings.stiffness, GROWTH
