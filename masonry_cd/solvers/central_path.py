@@ -14,6 +14,7 @@ from masonry_cd.linalg.threads import take, wait
 from masonry_cd.solvers.shared_operators import contact_change, contact_velocity, solve_by_first
 from masonry_cd.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks, sum_of_chunks
 
+LONGEST = 2.0  # step: more than one is not made
 STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
 
 
@@ -277,15 +278,27 @@ def contact_step(w, p, gamma, dw, dp, dgamma, mu, m):
 
 
 @borrower()
+def allows_step(w, p, gamma, dw, dp, dgamma, mu, step, m):
+    """Whether a step along a direction keeps one contact inside its cones; vectors (m,)."""
+    w2, p2 = (w[2] + step * dw[2], p[2] + step * dp[2]) if m == 3 else (0.0, 0.0)
+    moved_w, moved_p = (w[0] + step * dw[0], w[1] + step * dw[1], w2), (p[0] + step * dp[0], p[1] + step * dp[1], p2)
+    return are_inside(moved_w, moved_p, gamma + step * dgamma, mu, m)
+
+
+@borrower()
 def longest_step(shares, here, way, cones):
-    """Largest step along a direction that keeps every contact inside its cones, at most 1e10."""
+    """Largest step along a direction that keeps every contact inside its cones, at most LONGEST.
+
+    Cones are convex: a contact that allows the longest so far need not be asked for its own, which costs roots and divisions.
+    """
     (w, p, gamma, _), (dw, dp, dgamma, _), m, mu = here, way, len(cones.m), cones.mu
     turn, (first, end) = begin_sums(shares), shares.chunks
     for k in range(first, end):
-        longest = 1e10
+        longest = LONGEST
         begin, stop = chunk_of(k, len(mu))
         for c in range(begin, stop):
-            longest = min(longest, contact_step(w[c], p[c], gamma[c], dw[c], dp[c], dgamma[c], mu[c], m))
+            if not allows_step(w[c], p[c], gamma[c], dw[c], dp[c], dgamma[c], mu[c], longest, m):
+                longest = min(longest, contact_step(w[c], p[c], gamma[c], dw[c], dp[c], dgamma[c], mu[c], m))
         shares.sums[turn, 0, k] = longest
     wait(shares.team)
     return least_of_chunks(shares, len(mu))[0]
