@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.jit import borrower, kernel
-from masonry_cd.linalg.small_blocks import invert, is_wide, multiply
+from masonry_cd.linalg.small_blocks import copy_flat, invert, is_wide, multiply
 from masonry_cd.linalg.vectors import add_six_times, load_six, store_six
 from masonry_cd.linalg.wide_columns import backward_wide_columns, eliminate_wide_columns, forward_wide_columns
 
@@ -46,7 +46,7 @@ def subtract_block_product(c, at, a, i, b, size_n):
 
 @kernel(inline="always")
 def load_column(matrix, symbolic, j, where, square, lows, ups, symmetric, n):
-    """Blocks of A in column j into ``square`` (1, n, n) and the blocks of L and of U^T; ``where`` (N,) numbers their rows."""
+    """Blocks of A in column j into ``square`` (1, n, n) and those of L and of (D U)^T; ``where`` (N,) numbers their rows."""
     (diagonal, lower, upper), row, below = matrix, symbolic.row, symbolic.below
     for t in range(symbolic.start[j], symbolic.start[j + 1]):
         where[below[t]] = t
@@ -87,9 +87,9 @@ class ColumnScratch(NamedTuple):
 
 @kernel()
 def factorise_columns(matrix, factor, symmetric):
-    """:func:`factorise_ldu` where each supernode is one node: blocks of L and of U^T one after another, all loops over them unrolled.
+    """:func:`factorise_ldu` where each supernode is one node: blocks of L and of (D U)^T one after another, all loops over them unrolled.
 
-    Of a symmetric matrix the panels of D U are left alone.
+    Of a symmetric matrix L is all.
     """
     n, count = len(factor.size), len(factor.symbolic.column) - 1
     scratch = ColumnScratch(
@@ -117,20 +117,20 @@ def _eliminate_columns(matrix, factor, symmetric, scratch):
         k = head[j]
         while k >= 0:  # all columns k < j with a block in row j
             coming, t0, end = following[k], at[k], first[k + 1]
-            put_transposed((lows if symmetric else ups)[t0], work, n)
-            multiply(squares[k], work, False, turned, size)  # D^-1 U
+            if symmetric:
+                put_transposed(lows[t0], work, n)
+                multiply(squares[k], work, False, turned, size)  # D^-1 U, which is L^T
+            else:
+                put_transposed(ups[t0], turned, n)
             subtract_block_product(square, 0, lows, t0, turned, size)
             for t in range(t0 + 1, end):
                 subtract_block_product(lows, where[below[t]], lows, t, turned, size)
             if symmetric:
                 put_transposed(turned, lows[t0], n)
             else:
-                multiply(lows[t0], squares[k], False, work, size)  # L D^-1
-                put_transposed(work, other, n)
+                put_transposed(lows[t0], other, n)
                 for t in range(t0 + 1, end):
                     subtract_block_product(ups, where[below[t]], ups, t, other, size)
-                put_transposed(other, lows[t0], n)
-                put_transposed(turned, ups[t0], n)
             if t0 + 1 < end:
                 at[k], following[k] = t0 + 1, head[below[t0 + 1]]
                 head[below[t0 + 1]] = k
@@ -138,6 +138,10 @@ def _eliminate_columns(matrix, factor, symmetric, scratch):
         sign *= invert(square[0], squares[j], work, size)
         if sign == 0.0:
             return sign
+        if not symmetric:
+            for t in range(first[j], first[j + 1]):
+                multiply(lows[t], squares[j], False, work, size)  # L
+                copy_flat(work, lows[t])
         if first[j] < first[j + 1]:
             at[j], following[j] = first[j], head[below[first[j]]]
             head[below[first[j]]] = j
@@ -176,36 +180,55 @@ def forward_columns(symbolic, low, x, size_n):
 
 
 @borrower(fastmath={"contract"})
-def backward_columns(symbolic, inverse, up, x, y, size_n):
-    """:func:`backward_substitution` where each supernode is one node; y is room for the entries of a node, at least."""
+def backward_columns(symbolic, inverse, up, x, y, symmetric, size_n):
+    """:func:`backward_substitution` where each supernode is one node, by the blocks of (D U)^T or, of a symmetric matrix, of L.
+
+    y is room for the entries of a node, at least.
+    """
     n, below, size = len(size_n), symbolic.below, len(symbolic.column) - 1
     if is_wide(size_n):
-        backward_wide_columns(symbolic, inverse, up, x, y, n)
+        backward_wide_columns(symbolic, inverse, up, x, y, symmetric)
         return
     squares, ups = inverse.reshape((size, n, n)), up.reshape((len(below), n, n))
-    for j in range(size):
-        for p in range(n):
-            total = up.dtype.type(0.0)
-            for q in range(n):
-                total += squares[j, p, q] * x[j, q]
-            y[p] = total
-        for p in range(n):
-            x[j, p] = y[p]
+    if symmetric:
+        for j in range(size):
+            divide_node(squares, j, x, y, n)
     for j in range(size - 1, -1, -1):
-        if n == 3:  # the sums stay in registers: no block of the column waits for the one before it
-            s0, s1, s2 = x[j, 0], x[j, 1], x[j, 2]
-            for t in range(symbolic.start[j], symbolic.start[j + 1]):
-                i = below[t]
-                y0, y1, y2 = x[i, 0], x[i, 1], x[i, 2]
-                s0 -= ups[t, 0, 0] * y0 + ups[t, 1, 0] * y1 + ups[t, 2, 0] * y2
-                s1 -= ups[t, 0, 1] * y0 + ups[t, 1, 1] * y1 + ups[t, 2, 1] * y2
-                s2 -= ups[t, 0, 2] * y0 + ups[t, 1, 2] * y1 + ups[t, 2, 2] * y2
-            x[j, 0], x[j, 1], x[j, 2] = s0, s1, s2
-            continue
+        subtract_from_node(symbolic, ups, j, x, n)
+        if not symmetric:
+            divide_node(squares, j, x, y, n)
+
+
+@kernel(inline="always", fastmath={"contract"})
+def divide_node(squares, j, x, y, n):
+    """x_j <- D_j^-1 x_j."""
+    for p in range(n):
+        total = squares.dtype.type(0.0)
+        for q in range(n):
+            total += squares[j, p, q] * x[j, q]
+        y[p] = total
+    for p in range(n):
+        x[j, p] = y[p]
+
+
+@kernel(inline="always", fastmath={"contract"})
+def subtract_from_node(symbolic, ups, j, x, n):
+    """Subtract from x_j what the rows below have in column j, whose blocks are transposed."""
+    below = symbolic.below
+    if n == 3:  # the sums stay in registers: no block of the column waits for the one before it
+        s0, s1, s2 = x[j, 0], x[j, 1], x[j, 2]
         for t in range(symbolic.start[j], symbolic.start[j + 1]):
             i = below[t]
-            for q in range(n):  # summed first: the next block of the column waits for one subtraction then
-                total = ups[t, 0, q] * x[i, 0]
-                for p in range(1, n):
-                    total += ups[t, p, q] * x[i, p]
-                x[j, q] -= total
+            y0, y1, y2 = x[i, 0], x[i, 1], x[i, 2]
+            s0 -= ups[t, 0, 0] * y0 + ups[t, 1, 0] * y1 + ups[t, 2, 0] * y2
+            s1 -= ups[t, 0, 1] * y0 + ups[t, 1, 1] * y1 + ups[t, 2, 1] * y2
+            s2 -= ups[t, 0, 2] * y0 + ups[t, 1, 2] * y1 + ups[t, 2, 2] * y2
+        x[j, 0], x[j, 1], x[j, 2] = s0, s1, s2
+        return
+    for t in range(symbolic.start[j], symbolic.start[j + 1]):
+        i = below[t]
+        for q in range(n):  # summed first: the next block of the column waits for one subtraction then
+            total = ups[t, 0, q] * x[i, 0]
+            for p in range(1, n):
+                total += ups[t, p, q] * x[i, p]
+            x[j, q] -= total

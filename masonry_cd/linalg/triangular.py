@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.jit import borrower, entry
-from masonry_cd.linalg.single_columns import backward_columns, forward_columns
+from masonry_cd.linalg.single_columns import SYMMETRIC, UNSYMMETRIC, backward_columns, forward_columns
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.supernodes import Factor, gather_rows, has_single_columns, longest_line, subtract_rows
 from masonry_cd.linalg.symbolic import SymbolicFactor
@@ -61,7 +61,7 @@ def solve_ldu(factor: Factor, x: np.ndarray) -> None:
     symbolic, size, low, up = factor.symbolic, factor.size, factor.panels, factor.others
     if has_single_columns(symbolic):
         forward_columns(symbolic, low, x, size)
-        backward_columns(symbolic, factor.squares, up, x, np.empty(len(size)), size)
+        backward_columns(symbolic, factor.squares, up, x, np.empty(len(size)), UNSYMMETRIC, size)
         return
     n, count = len(size), len(symbolic.first) - 1
     longest, blocks, flat = longest_line(symbolic, 0, count, n), n * n, x.reshape(x.size)
@@ -99,7 +99,7 @@ def forward_substitution(symbolic, first, last, row, panels, x, line, size_n):
 def backward_substitution(symbolic, first, last, squares, panels, x, line, size_n):
     """x <- L^-T D^-1 x of a symmetric matrix for supernodes first to last, after all later ones; ``line`` as for the forward one."""
     if has_single_columns(symbolic):
-        backward_columns(symbolic, squares, panels, x, line, size_n)
+        backward_columns(symbolic, squares, panels, x, line, SYMMETRIC, size_n)
         return
     n, blocks, flat = len(size_n), len(size_n) * len(size_n), x.reshape(x.size)
     for s in range(last - 1, first - 1, -1):

@@ -112,7 +112,7 @@ def invert_wide(a, width, work, out):
 def eliminate_wide_columns(matrix, factor, symmetric, scratch):
     """Column after column, each by those before it; the sign of the determinant, 0 when a diagonal block cannot be inverted.
 
-    As in :func:`single_columns.factorise_columns`: column k leaves L D^-1 and U^T D^-T in its blocks as it meets them in row j.
+    As in :func:`single_columns.factorise_columns`.
     """
     symbolic, n = factor.symbolic, len(factor.size)
     count, first, below, sign = len(symbolic.column) - 1, symbolic.start, symbolic.below, 1.0
@@ -125,19 +125,19 @@ def eliminate_wide_columns(matrix, factor, symmetric, scratch):
         k = head[j]
         while k >= 0:  # all columns k < j with a block in row j
             coming, t0, end, inner = following[k], at[k], first[k + 1], rows_of(symbolic, k, n)
-            transpose(squares[k], inner, inner, work)
-            set_product(lows[t0] if symmetric else ups[t0], work, own, inner, inner, other)  # U^T D^-T
-            transpose(other, own, inner, turned)
+            if symmetric:
+                transpose(squares[k], inner, inner, work)
+                set_product(lows[t0], work, own, inner, inner, other)  # L
+                transpose(other, own, inner, turned)
+            else:
+                transpose(ups[t0], own, inner, turned)
             add_product(-1.0, lows[t0], turned, own, inner, own, square[0])
             for t in range(t0 + 1, end):
                 add_product(-1.0, lows[t], turned, rows_of(symbolic, below[t], n), inner, own, lows[where[below[t]]])
             if symmetric:
                 copy_rows(other, own, inner, lows[t0])
             else:
-                copy_rows(other, own, inner, ups[t0])
-                set_product(lows[t0], squares[k], own, inner, inner, other)  # L D^-1
-                copy_rows(other, own, inner, lows[t0])
-                transpose(other, own, inner, turned)
+                transpose(lows[t0], own, inner, turned)
                 for t in range(t0 + 1, end):
                     add_product(-1.0, ups[t], turned, rows_of(symbolic, below[t], n), inner, own, ups[where[below[t]]])
             if t0 + 1 < end:
@@ -147,6 +147,11 @@ def eliminate_wide_columns(matrix, factor, symmetric, scratch):
         sign *= invert_wide(square[0], own, work, squares[j])
         if sign == 0.0:
             return sign
+        if not symmetric:
+            for t in range(first[j], first[j + 1]):
+                rows = rows_of(symbolic, below[t], n)
+                set_product(lows[t], squares[j], rows, own, own, work)  # L
+                copy_rows(work, rows, own, lows[t])
         if first[j] < first[j + 1]:
             at[j], following[j] = first[j], head[below[first[j]]]
             head[below[first[j]]] = j
@@ -226,18 +231,24 @@ def forward_wide_columns(symbolic, low, x, n):
 
 
 @borrower()
-def backward_wide_columns(symbolic, inverse, up, x, y, n):
-    """x <- U^-1 D^-1 x in place; y is room for the entries of a node, at least."""
-    below, size = symbolic.below, len(symbolic.column) - 1
+def backward_wide_columns(symbolic, inverse, up, x, y, symmetric):
+    """x <- U^-1 D^-1 x in place, as :func:`single_columns.backward_columns`; y is room for the entries of a node, at least."""
+    below, size, n = symbolic.below, len(symbolic.column) - 1, x.shape[1]
     squares, ups = inverse.reshape((size, n, n)), up.reshape((len(below), n, n))
-    for j in range(size):
-        own = rows_of(symbolic, j, n)
-        for p in range(own):
-            y[p], x[j, p] = x[j, p], up.dtype.type(0.0)
-        subtract_rows_times(squares[j], y, own, own, x[j])
-        for p in range(own):
-            x[j, p] = -x[j, p]
+    if symmetric:
+        for j in range(size):
+            divide_wide_node(squares[j], rows_of(symbolic, j, n), x[j], y)
     for j in range(size - 1, -1, -1):
         own = rows_of(symbolic, j, n)
         for t in range(symbolic.start[j], symbolic.start[j + 1]):
             subtract_columns_times(ups[t], x[below[t]], rows_of(symbolic, below[t], n), own, x[j])
+        if not symmetric:
+            divide_wide_node(squares[j], own, x[j], y)
+
+
+@borrower()
+def divide_wide_node(inverse, own, x, y):
+    """x <- D^-1 x of a node; y is room."""
+    for p in range(own):
+        y[p], x[p] = -x[p], 0.0
+    subtract_rows_times(inverse, y, own, own, x)
