@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import scenes
 
-from masonry_cd.friction.joint_twists import size_of_twist
+from masonry_cd.friction.joint_twists import frames_of, size_of_twist
 from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.solvers.contact_partition import ContactPartition, partition_contacts
@@ -49,3 +49,17 @@ def test_contacts_whose_rows_are_not_of_rigid_bodies_keep_them() -> None:
     made = partition(odd)
     assert len(made.joints.s) == 3
     np.testing.assert_array_equal(made.joints.rows, jacobian[made.contact])
+    assert frames_of(jacobian, problem.bodies).shape == (0, 15)
+
+
+def test_each_contact_has_the_frame_of_its_rows() -> None:
+    """d_i and r x d_i are its rows on both bodies, and r is zero on supports."""
+    problem = scenes.thrown(0.3)
+    frames = frames_of(problem.jacobian, problem.bodies)
+    assert frames.shape == (problem.contacts, 15)
+    axes = frames[:, :9].reshape(-1, 3, 3)
+    for side, sign in enumerate((1.0, -1.0)):
+        arm, on = frames[:, 9 + 3 * side : 12 + 3 * side], problem.bodies[:, side] >= 0
+        rows = sign * np.concatenate([axes, np.cross(arm[:, None], axes)], axis=2)
+        np.testing.assert_allclose(rows[on], problem.jacobian[on, side], atol=1e-12)
+        assert not arm[~on].any()

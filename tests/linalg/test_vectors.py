@@ -8,7 +8,19 @@ from numba.core.errors import TypingError
 from numpy.testing import assert_allclose, assert_array_equal
 
 from masonry_cd.jit import entry
-from masonry_cd.linalg.vectors import add_times, fill_eight, fill_four, load_eight, load_four, store_lanes
+from masonry_cd.linalg.vectors import (
+    add_six_times,
+    add_times,
+    fill_eight,
+    fill_four,
+    fill_six,
+    load_eight,
+    load_four,
+    load_six,
+    pack_six,
+    store_lanes,
+    store_six,
+)
 
 
 @entry()
@@ -24,16 +36,29 @@ def eight(a, factor, x, out):
 
 
 @entry()
+def six(a, factor, x, out):
+    """As :func:`four`, of six."""
+    store_six(out, 1, 2, add_six_times(load_six(a, 2, 1), factor, load_six(x, 0, 3)))
+
+
+@entry()
 def filled(value, out):
-    """Four and eight times a value into the first two rows of out."""
+    """Four, eight and six times a value into the first rows of out."""
     store_lanes(out, 0, 0, fill_four(value))
     store_lanes(out, 1, 0, fill_eight(value))
+    store_six(out, 2, 0, fill_six(value))
+
+
+@entry()
+def packed(x, out):
+    """The first six of x into out, backwards."""
+    store_six(out, 0, 0, pack_six(x[5], x[4], x[3], x[2], x[1], x[0]))
 
 
 @pytest.mark.parametrize("out_kind", [np.float64, np.float32])
 @pytest.mark.parametrize("x_kind", [np.float64, np.float32])
 @pytest.mark.parametrize("a_kind", [np.float64, np.float32])
-@pytest.mark.parametrize(("kernel", "count"), [(four, 4), (eight, 8)])
+@pytest.mark.parametrize(("kernel", "count"), [(four, 4), (six, 6), (eight, 8)])
 def test_a_row_and_a_multiple_of_another_are_added_and_nothing_else_is_touched(kernel, count, a_kind, x_kind, out_kind):
     generator = np.random.default_rng(1)
     a, x = generator.normal(size=(3, 11)).astype(a_kind), generator.normal(size=(2, 11)).astype(x_kind)
@@ -49,9 +74,15 @@ def test_a_row_and_a_multiple_of_another_are_added_and_nothing_else_is_touched(k
 
 
 def test_a_value_fills_all_places():
-    out = np.zeros((2, 9))
+    out = np.zeros((3, 9))
     filled(0.3, out)
-    assert_array_equal(out, [[0.3] * 4 + [0.0] * 5, [0.3] * 8 + [0.0]])
+    assert_array_equal(out, [[0.3] * 4 + [0.0] * 5, [0.3] * 8 + [0.0], [0.3] * 6 + [0.0] * 3])
+
+
+def test_floats_are_packed_in_their_order():
+    out = np.zeros((1, 7))
+    packed(np.arange(1.0, 7.0), out)
+    assert_array_equal(out, [[6.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0]])
 
 
 def test_rows_of_a_matrix_that_is_not_contiguous_are_refused():

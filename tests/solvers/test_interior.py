@@ -16,8 +16,9 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.friction.coulomb_law import SLIP, STICK
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Solution, natural_map_error
+from masonry_cd.jit import entry
 from masonry_cd.solvers import SOLVERS, Options
-from masonry_cd.solvers.central_path import Iterate, Linearisation, change_contact, linearise_contact
+from masonry_cd.solvers.central_path import Iterate, Linearisation, allows_step, change_contact, contact_step, linearise_contact
 from masonry_cd.solvers.interior import TURN
 from masonry_cd.solvers.proximal_kernels import first_change
 
@@ -58,6 +59,28 @@ def test_the_products_of_a_contact_are_linearised(m: int) -> None:
         terms += [np.r_[gamma * dp[i], p[i] * dgamma, mu * p[0] * dw[i], mu * dp[0] * w[i]] for i in range(1, m)]
         for found, asked in zip(terms, wanted, strict=True):
             assert found.sum() == pytest.approx(asked, abs=1e-12 * max(np.abs(found).sum(), 1.0))
+
+
+@entry()
+def stepped(w, p, gamma, dw, dp, dgamma, mu, share, size_m):
+    """The longest step of a contact, and whether it allows a share of that, of 1e3 at most."""
+    longest = contact_step(w, p, gamma, dw, dp, dgamma, mu, len(size_m))
+    return longest, allows_step(w, p, gamma, dw, dp, dgamma, mu, share * min(longest, 1e3), len(size_m))
+
+
+@pytest.mark.parametrize("m", [2, 3])
+def test_a_contact_allows_what_is_shorter_than_its_longest_step(m: int) -> None:
+    """A step that stays inside both cones by a hair is allowed, one that leaves one of them by a hair is not."""
+    random = np.random.default_rng(7)
+    for _ in range(200):
+        mu, gamma = random.uniform(0.05, 2.0), random.uniform(0.1, 2.0)
+        w, p = np.r_[1.0, 0.3 * gamma * random.normal(size=m - 1)], np.r_[1.0, 0.3 * mu * random.normal(size=m - 1)]
+        if np.linalg.norm(w[1:]) >= gamma or np.linalg.norm(p[1:]) >= mu:
+            continue
+        dw, dp, dgamma = random.normal(size=m), random.normal(size=m), random.normal()
+        assert stepped(w, p, gamma, dw, dp, dgamma, mu, 1.0 - 1e-9, (0,) * m)[1]
+        longest, allowed = stepped(w, p, gamma, dw, dp, dgamma, mu, 1.0 + 1e-9, (0,) * m)
+        assert longest > 1e3 or not allowed
 
 
 @pytest.mark.parametrize("courses", [5, 20, 80])
