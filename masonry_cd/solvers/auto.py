@@ -33,6 +33,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from math import nan
 
 import numpy as np
@@ -148,16 +149,15 @@ def _solve_by_factors(search: _Search, known: Experience, start: Solution | None
     nearly = error <= NEARLY * options.tolerance and not search.iterations[ACCELERATED] and not (known.in_vain and known.steps % LOOK)
     known.deeper = nearly and error > options.tolerance
     usual = not known.slides or known.steps % LOOK == 0
-    opening, hard = openings(known.first(), costs, known), turns(problem, costs, start is None)
+    opening, hard = openings(known.first(), costs, known), partial(turns, problem, costs, start is None)
     first, limit = opening[0]
     if nearly:
         search.turn(first, min(limit, DEEP_LIMIT), max(DEEPER * options.tolerance, ROUNDING))
-    for method, limit in opening if usual else hard:
-        search.turn(method, limit)
+    search.turns(opening if usual else hard())
     if usual and not known.slides and search.error <= CLOSE * options.tolerance:
         search.turn(ADMM, iterations_worth(WORTH, costs))
-    for method, limit in hard if usual else opening:
-        search.turn(method, limit)
+    if not search.ended:
+        search.turns(hard() if usual else opening)
     if usual:
         known.slides = known.steps > 0 and search.asked_last and search.solved_at_a_usual_cost
         known.stalls = known.stalls if search.stalled is None else search.stalled
@@ -257,6 +257,13 @@ class _Search:
         """Iterations of a method until the step has cost what is allowed."""
         each = self.costs[ADMM] if method == ADMM else sweep(self.problem) if method == ACCELERATED else self.costs[NEWTON]
         return int(min(max(self.allowance - self.cost, 0.0) / each, MOST_ITERATIONS))
+
+    def turns(self, plan: list[tuple[int, int]]) -> None:
+        """Give methods with their limits of iterations their turns, one after the other."""
+        for method, limit in plan:
+            if self.ended:
+                return
+            self.turn(method, limit)
 
     def turn(self, method: int, limit: int, tolerance: float | None = None) -> None:
         """Give a method its turn, from the best impulses so far; the LAST from those of the step before, unless sweeps were made.
