@@ -169,15 +169,18 @@ class Detector:
 
     def _update(self, motion: Motion, origin: np.ndarray, just_listed: bool, threads: int) -> int:
         """Bring the pairs up to date; the number of contacts, or -1 if the pairs have to be listed anew."""
-        known, work = (self._memory, self._shapes, motion, self._kind), self._work
-        work.extend(self._workspace() for _ in range(threads - len(work)))
-        tally = [self.tally, *np.zeros((threads - 1, 4), dtype=np.int64)]
+        known, work, tally = (self._memory, self._shapes, motion, self._kind), self._work, [self.tally]
+        while len(work) < threads:
+            work.append(self._workspace())
+        while len(tally) < threads:
+            tally.append(np.zeros(4, dtype=np.int64))
 
         def update(rank: int, first: int, end: int) -> int:
             return update_pairs(self._listing, origin, just_listed, *known, work[rank], tally[rank], (first, end))
 
         counts = in_shares(update, threads, len(self.pairs))
-        self.tally += sum(tally[1:])
+        for of_thread in tally[1:]:
+            self.tally += of_thread
         if counts[0] < 0:  # so says each
             return -1
         count = sum(counts)

@@ -49,8 +49,8 @@ def sides_of_bodies(bodies, count):
     return start, side
 
 
-@entry()
-def weighed_sides(places: np.ndarray, block: np.ndarray, count: int) -> BodySides:
+@kernel()
+def weighed_sides(places, block, count):
     """:class:`BodySides` of contacts with the ``places`` (C, 2) of their bodies, ``count`` for supports, their blocks (C,) or -1."""
     start, side = sides_of_bodies(places, count)
     later = np.zeros(count + 1, dtype=np.int64)

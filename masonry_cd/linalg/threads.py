@@ -94,6 +94,8 @@ def run_by_team(kernel: Callable[..., Any], size: int, *arguments: Any) -> Any:
 
 def in_shares(call: Callable[[int, int, int], Any], threads: int, count: int) -> list[Any]:
     """What ``call(rank, first, end)`` returns on each thread's share of a range, for kernels that treat each item of it on its own."""
+    if threads == 1:
+        return [call(0, 0, count)]
     shares = [(rank, count * rank // threads, count * (rank + 1) // threads) for rank in range(threads)]
     others = [_pool(threads - 1).submit(call, *share) for share in shares[1:]]
     return [call(*shares[0]), *(other.result() for other in others)]

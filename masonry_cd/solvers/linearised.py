@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.friction.body_sides import BodySides, weighed_sides
 from masonry_cd.friction.joint_twists import frames_of
 from masonry_cd.friction.natural_map import size_of
 from masonry_cd.friction.operators import ProblemArrays
@@ -34,13 +33,11 @@ class Elimination(NamedTuple):
     places: np.ndarray  # (C, 2) places of the bodies; B: a support
     block: np.ndarray  # (C,) the block that couples them, -1: none
     frame: np.ndarray  # (C, 15) the frames of the contacts or (0, 15), see :class:`OrderedProblem`
-    sides: BodySides  # the contacts of the body at each place
 
 
 def elimination_of(problem: ProblemArrays, pattern: Pattern, places: np.ndarray, block: np.ndarray) -> Elimination:
     """The :class:`Elimination` of a problem whose contacts have these places (C, 2) of bodies and blocks (C,) in a pattern."""
-    sides = weighed_sides(places, block, len(pattern.order))
-    return Elimination(pattern.order, pattern.symbolic, places, block, frames_of(problem.jacobian, problem.bodies), sides)
+    return Elimination(pattern.order, pattern.symbolic, places, block, frames_of(problem.jacobian, problem.bodies))
 
 
 class Settings(NamedTuple):

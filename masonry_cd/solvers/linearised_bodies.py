@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.friction.body_sides import weighed_sides
 from masonry_cd.friction.operators import (
     OrderedProblem,
     ProblemArrays,
@@ -294,8 +295,9 @@ def linearised_by_team(
     Python enters here alone, so that their factorisation, the larger part of each, is compiled once.
     """
     room, shape, rows = SharedRoom(values, np.zeros(1, dtype=np.int64)), impulse.shape, (len(elimination.order) + 1, len(problem.n))
-    sums = allocate_sums(room, len(impulse), len(elimination.order))
-    shares = shares_of(team, len(impulse), elimination.sides, sums)
+    bodies = len(elimination.order)
+    sums, sides = allocate_sums(room, len(impulse), bodies), weighed_sides(elimination.places, elimination.block, bodies)
+    shares = shares_of(team, len(impulse), sides, sums)
     ordered = in_order(shares, room, problem, elimination)
     work = allocate_work(room, elimination.symbolic, problem.n, rows, len(elimination.frame))
     answer, begin, stiffness = answer_of(shares, room, ordered, work.room, impulse), np.nan, settings.stiffness
