@@ -23,7 +23,7 @@
    cost, if it ended the last step that it was asked in, and in every LOOK-th step. What they leave goes the way of 2 and 3 only where the
    scene does not accept it: no method gets far.
 5. A step that has cost PATIENCE times what steps usually do, and more than is CHEAP, ends where its error is small enough for the scene to
-   accept (``run.accept``). It counts as one that missed its tolerance.
+   accept (``run.accept``). It counts as one that missed its tolerance. What a method costs that begins for a trial is not the step's.
 
 **Costs** are counted, not timed: contacts, and operations by the pattern of the factorisation, each with a weight. The choice, and with it
 every bit of the result, is then the same on every machine. ``python -m benchmarks.constants`` shows what each constant gains.
@@ -151,8 +151,10 @@ def _solve_by_factors(search: _Search, known: Experience, start: Solution | None
     usual = not known.slides or known.steps % LOOK == 0
     opening, hard = openings(known.first(), costs, known), partial(turns, problem, costs, start is None)
     first, limit = opening[0]
+    search.on_trial = first if first != known.cheaper() else None
     if nearly:
         search.turn(first, min(limit, DEEP_LIMIT), max(DEEPER * options.tolerance, ROUNDING))
+        opening = [turn for turn in opening if turn[0] != NEWTON or not search.stalled]
     search.turns(opening if usual else hard())
     if usual and not known.slides and search.error <= CLOSE * options.tolerance:
         search.turn(ADMM, iterations_worth(WORTH, costs))
@@ -195,9 +197,13 @@ class Experience:
 
     def first(self) -> int:
         """The method to begin with: the cheaper one; in a trial the other, unless a single iteration of it costs more than the step."""
-        cheaper = NEWTON if self.cost[NEWTON] < self.cost[ADMM] else ADMM
+        cheaper = self.cheaper()
         hopeless = spent(self.costs, 1 - cheaper, 1) > self.cost[cheaper]
         return 1 - cheaper if self.steps in TRIALS and not hopeless else cheaper
+
+    def cheaper(self) -> int:
+        """The method that cost less when a step last began with it."""
+        return NEWTON if self.cost[NEWTON] < self.cost[ADMM] else ADMM
 
     def allowance(self) -> float:
         """What a step may cost whose error is small enough to be accepted."""
@@ -229,6 +235,7 @@ class _Search:
         self.error, self.accepted = np.inf, False
         self.stalled: bool | None = None  # whether Newton, where it had a turn before the LAST, did not end the step
         self.iterations = [0] * len(METHODS)  # by method
+        self.on_trial: int | None = None  # the method with which a trial begins
         self.story: list[str] = []
 
     @property
@@ -249,14 +256,19 @@ class _Search:
         return cost + sweeps * sweep(self.problem) if sweeps else cost
 
     @property
+    def of_the_step(self) -> float:
+        """What the turns cost but for a trial, which the steps after it gain by."""
+        return self.cost if self.on_trial is None else self.cost - spent(self.costs, self.on_trial, self.iterations[self.on_trial])
+
+    @property
     def solved_at_a_usual_cost(self) -> bool:
         """Whether the tolerance is reached, for what is allowed to a step whose error will do."""
-        return self.error <= self.options.tolerance and self.cost <= self.allowance
+        return self.error <= self.options.tolerance and self.of_the_step <= self.allowance
 
     def enough(self, method: int) -> int:
         """Iterations of a method until the step has cost what is allowed."""
         each = self.costs[ADMM] if method == ADMM else sweep(self.problem) if method == ACCELERATED else self.costs[NEWTON]
-        return int(min(max(self.allowance - self.cost, 0.0) / each, MOST_ITERATIONS))
+        return int(min(max(self.allowance - self.of_the_step, 0.0) / each, MOST_ITERATIONS))
 
     def turns(self, plan: list[tuple[int, int]]) -> None:
         """Give methods with their limits of iterations their turns, one after the other."""

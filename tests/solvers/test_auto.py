@@ -301,6 +301,37 @@ def test_admm_goes_on_where_newton_stalls(monkeypatch: pytest.MonkeyPatch) -> No
     assert begun[1:] in (["admm"], ["interior"])  # in the place of Newton
 
 
+def test_newton_that_stalls_close_to_the_solution_is_not_asked_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A step that begins close to the solution, and which Newton, which makes no headway here, was to solve deeper, goes on with ADMM."""
+    problem = thrown(0.3)
+    first = solve(problem, Options(tolerance=1e-9), None)
+    memory = first.memory | replace(auto.Experience.recall(first), cost=[2.0, 1.0], stalls=False, steps=5).beside({})
+    nearby = replace(problem, v_free=(1.0 + 1e-6) * problem.v_free)
+    error = natural_map_error(nearby, first.impulse)
+
+    class Stuck:
+        """Newton's method in vain."""
+
+        @staticmethod
+        def solve(problem: Problem, options: Options, start: Solution) -> Solution:
+            return replace(start, iterations=1)
+
+    monkeypatch.setattr(auto, "METHODS", (admm, Stuck, *auto.METHODS[2:]))
+    again = solve(nearby, Options(tolerance=0.5 * error), Solution(first.impulse, None, 0, memory=memory))
+    assert again.reason.startswith("newton + admm")
+
+
+def test_a_trial_is_not_charged_to_its_step() -> None:
+    """What the method on trial costs leaves the others what they are allowed."""
+    search = auto._Search(thrown(0.3), Options(), None, allowance=1e3)
+    search.costs, search.iterations[auto.NEWTON] = (1.0, 10.0, 0.0, 0.0), 50
+    assert search.enough(auto.ADMM) == 500
+    search.on_trial = auto.NEWTON
+    assert search.enough(auto.ADMM) == 1000
+    search.iterations[auto.ADMM] = 400
+    assert search.enough(auto.ADMM) == 600
+
+
 def test_newton_that_ends_a_step_does_not_stall_if_it_falls_short_of_what_is_deeper() -> None:
     """Close to the solution a step is solved deeper than asked; to get within the tolerance is enough there."""
     problem = thrown(0.3)
