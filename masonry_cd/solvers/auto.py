@@ -149,9 +149,10 @@ def _solve_by_factors(search: _Search, known: Experience, start: Solution | None
     nearly = error <= NEARLY * options.tolerance and not search.iterations[ACCELERATED] and not (known.in_vain and known.steps % LOOK)
     known.deeper = nearly and error > options.tolerance
     usual = not known.slides or known.steps % LOOK == 0
-    opening, hard = openings(known.first(), costs, known), partial(turns, problem, costs, start is None)
+    wanted = known.first()
+    opening, hard = openings(wanted, costs, known), partial(turns, problem, costs, start is None)
     first, limit = opening[0]
-    search.on_trial = first if first != known.cheaper() else None
+    search.on_trial = wanted if wanted != known.cheaper() else None
     if nearly:
         search.turn(first, min(limit, DEEP_LIMIT), max(DEEPER * options.tolerance, ROUNDING))
         opening = [turn for turn in opening if turn[0] != NEWTON or not search.stalled]

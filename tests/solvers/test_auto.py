@@ -330,6 +330,18 @@ def test_newton_that_stalls_close_to_the_solution_is_not_asked_twice(monkeypatch
     assert again.reason.startswith("newton + admm")
 
 
+@pytest.mark.parametrize(("steps", "on_trial"), [(3, None), (4, auto.NEWTON), (5, None)])
+def test_a_step_knows_that_it_is_a_trial(monkeypatch: pytest.MonkeyPatch, steps: int, on_trial: int | None) -> None:
+    """A step that begins with ADMM because Newton, the cheaper one, stalled is none."""
+    seen: list[int | None] = []
+    monkeypatch.setattr(auto._Search, "solution", lambda search, known: seen.append(search.on_trial) or search.start)
+    problem = thrown(0.3)
+    for cost, stalls in (([1e4, 1e5], False), ([1e5, 1e4], True)):
+        start = Solution(np.zeros((problem.contacts, 3)), None, 0, memory=auto.Experience(cost, steps, stalls=stalls).beside({}))
+        solve(problem, Options(tolerance=1e-5), start)
+    assert seen == [on_trial, auto.ADMM if on_trial is not None else None]
+
+
 def test_a_trial_is_not_charged_to_its_step() -> None:
     """What the method on trial costs leaves the others what they are allowed."""
     search = auto._Search(thrown(0.3), Options(), None, allowance=1e3)
