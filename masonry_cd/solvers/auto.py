@@ -152,7 +152,7 @@ def _solve_by_factors(search: _Search, known: Experience, start: Solution | None
     wanted = known.first()
     opening, hard = openings(wanted, costs, known), partial(turns, problem, costs, start is None)
     first, limit = opening[0]
-    search.on_trial = wanted if wanted != known.cheaper() else None
+    search.on_trial = first if usual and first == wanted != known.cheaper() else None
     if nearly:
         search.turn(first, min(limit, DEEP_LIMIT), max(DEEPER * options.tolerance, ROUNDING))
         opening = [turn for turn in opening if turn[0] != NEWTON or not search.stalled]
@@ -236,7 +236,7 @@ class _Search:
         self.error, self.accepted = np.inf, False
         self.stalled: bool | None = None  # whether Newton, where it had a turn before the LAST, did not end the step
         self.iterations = [0] * len(METHODS)  # by method
-        self.on_trial: int | None = None  # the method with which a trial begins
+        self.on_trial: int | None = None  # the method that begins the step for a trial
         self.story: list[str] = []
 
     @property

@@ -67,12 +67,12 @@ def partition_contacts(
 def split_into_joints(given, index, contact, start, size_s):
     """The :class:`JointTwists` of contacts in the order of ``contact`` (C,), which no joint leaves at the starts of subtrees."""
     contacts, bodies, m, shared = len(contact), len(given.v_free), len(given.m), len(size_s) > len(given.m)
-    if not shared and len(start) == 2:  # in their own order
-        return JointTwists(np.arange(contacts + 1), np.empty((0, NUMBERS)), np.empty((0, 3)), given.jacobian, size_s)
     if not shared:
-        rows = np.empty((contacts, 2, m, len(given.n)))
-        for c in range(contacts):
-            copy_flat(given.jacobian[contact[c]], rows[c])
+        rows = given.jacobian
+        if len(start) > 2:  # of one subtree they are in this order
+            rows = np.empty((contacts, 2, m, len(given.n)))
+            for c in range(contacts):
+                copy_flat(given.jacobian[contact[c]], rows[c])
         return JointTwists(np.arange(contacts + 1), np.empty((0, NUMBERS)), np.empty((0, 3)), rows, size_s)
     first, frame, arm = np.empty(contacts + 1, dtype=np.int64), np.empty((contacts, NUMBERS)), np.empty((contacts, 3))
     joints, q = 0, 0

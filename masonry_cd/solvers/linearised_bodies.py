@@ -296,7 +296,8 @@ def linearised_by_team(
     """
     room, shape, rows = SharedRoom(values, np.zeros(1, dtype=np.int64)), impulse.shape, (len(elimination.order) + 1, len(problem.n))
     bodies = len(elimination.order)
-    sums, sides = allocate_sums(room, len(impulse), bodies), weighed_sides(elimination.places, elimination.block, bodies)
+    sums = allocate_sums(room, len(impulse), bodies)
+    sides = weighed_sides(elimination.places, elimination.block, bodies)  # by each thread for itself: a small part of an iteration
     shares = shares_of(team, len(impulse), sides, sums)
     ordered = in_order(shares, room, problem, elimination)
     work = allocate_work(room, elimination.symbolic, problem.n, rows, len(elimination.frame))

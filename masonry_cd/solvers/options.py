@@ -48,7 +48,7 @@ def threads_that_pay(asked: int | None, contacts: int, dimension: int) -> int:
     Unasked, it is one for each THREAD_WORTH of the contacts, within OMP_NUM_THREADS, by which clusters share out their cores.
     """
     if asked is not None:
-        return asked if asked == 1 else min(asked, cores())
+        return min(asked, cores()) if asked > 1 else asked  # the system is asked for cores only where it matters, twice a step
     wanted = contacts // THREAD_WORTH[dimension]
     if wanted <= 1:
         return 1

@@ -330,16 +330,27 @@ def test_newton_that_stalls_close_to_the_solution_is_not_asked_twice(monkeypatch
     assert again.reason.startswith("newton + admm")
 
 
-@pytest.mark.parametrize(("steps", "on_trial"), [(3, None), (4, auto.NEWTON), (5, None)])
-def test_a_step_knows_that_it_is_a_trial(monkeypatch: pytest.MonkeyPatch, steps: int, on_trial: int | None) -> None:
-    """A step that begins with ADMM because Newton, the cheaper one, stalled is none."""
+@pytest.mark.parametrize(
+    ("cost", "steps", "known", "on_trial"),
+    [
+        ([1e4, 1e5], 3, {}, None),
+        ([1e4, 1e5], 4, {}, auto.NEWTON),
+        ([1e5, 1e4], 4, {}, auto.ADMM),
+        ([1e5, 1e4], 5, {"stalls": True}, None),  # begins with ADMM because Newton, the cheaper one, stalled
+        ([1e4, 1e5], 4, {"stalls": True}, None),  # Newton's turn for a trial, but it is not asked
+        ([1e4, 1e5], 4, {"slides": True}, None),  # begins with pivoting or interior points
+    ],
+)
+def test_a_step_knows_whether_it_is_a_trial(
+    monkeypatch: pytest.MonkeyPatch, cost: list[float], steps: int, known: dict[str, Any], on_trial: int | None
+) -> None:
+    """One is what begins with the method that costs more."""
     seen: list[int | None] = []
-    monkeypatch.setattr(auto._Search, "solution", lambda search, known: seen.append(search.on_trial) or search.start)
+    monkeypatch.setattr(auto._Search, "solution", lambda search, _: seen.append(search.on_trial) or search.start)
     problem = thrown(0.3)
-    for cost, stalls in (([1e4, 1e5], False), ([1e5, 1e4], True)):
-        start = Solution(np.zeros((problem.contacts, 3)), None, 0, memory=auto.Experience(cost, steps, stalls=stalls).beside({}))
-        solve(problem, Options(tolerance=1e-5), start)
-    assert seen == [on_trial, auto.ADMM if on_trial is not None else None]
+    start = Solution(np.zeros((problem.contacts, 3)), None, 0, memory=auto.Experience(cost, steps, **known).beside({}))
+    solve(problem, Options(tolerance=1e-5), start)
+    assert seen == [on_trial]
 
 
 def test_a_trial_is_not_charged_to_its_step() -> None:
