@@ -83,8 +83,8 @@ def sound(blocks: Sequence[Block], source: str) -> list[Block]:
     check_shells(blocks, source)
     try:
         parted = [block if block.radius else split(block) for block in blocks]
-    except RuntimeError as failure:
-        raise Unsound(f"{source}: {failure}", [str(failure).split('"')[1]], blocks) from None
+    except Unsound as failure:
+        raise Unsound(f"{source}: {failure}", failure.faulty, blocks) from None
     check(parted, source)
     return merge_coplanar(parted)
 

@@ -154,10 +154,10 @@ def serve(request: Mapping[str, Any]) -> None:
     _end_with_caller()
     limits, file = Limits(*request["limits"]), request["file"]
     whole = max(1, round(limits.seconds))
-    resource.setrlimit(resource.RLIMIT_CPU, (whole, whole + 1))
-    resource.setrlimit(resource.RLIMIT_AS, (limits.memory, limits.memory))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (limits.output, limits.output))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    _limit(resource.RLIMIT_CPU, whole, whole + 1)
+    _limit(resource.RLIMIT_AS, limits.memory, limits.memory)
+    _limit(resource.RLIMIT_FSIZE, limits.output, limits.output)
+    _limit(resource.RLIMIT_CORE, 0, 0)
     try:
         module, function = request["reader"].split(":")
         pieces, figures = getattr(import_module(module), function)(Path(file), **request["keywords"])
@@ -170,6 +170,13 @@ def serve(request: Mapping[str, Any]) -> None:
         what = str(failure).strip() or type(failure).__name__
         _refuse(f"{Path(file).name}: cannot be read: {what.splitlines()[0]}")
     os._exit(0)
+
+
+def _limit(what: int, soft: int, hard: int) -> None:
+    """Set a limit of this process, or leave the lower one that it already has."""
+    own = resource.getrlimit(what)[1]
+    most = hard if own == resource.RLIM_INFINITY else min(hard, own)
+    resource.setrlimit(what, (min(soft, most), most))
 
 
 def _end_with_caller() -> None:

@@ -25,7 +25,7 @@ CELLS: dict[str, tuple[tuple[int, ...], ...]] = {  # faces of the volume cells o
 
 
 def read_stl(path: Path) -> Answer:
-    """The shells of an STL; equal corners are one.
+    """The shells of an STL; equal corners of a solid are one.
 
     Raises:
         Refused: no triangles.
@@ -33,20 +33,29 @@ def read_stl(path: Path) -> Answer:
     import trimesh
 
     soup: Any = trimesh.load(path, file_type="stl", process=False)
-    if not isinstance(soup, trimesh.Trimesh) or not len(soup.faces):
-        raise Refused(f"{path.name}: no triangles in it")
-    points, index = np.unique(np.asarray(soup.vertices, dtype=float), axis=0, return_inverse=True)
-    faces = index.ravel()[np.asarray(soup.faces)]
+    solids = list(soup.geometry.values()) if isinstance(soup, trimesh.Scene) else [soup]  # a text may hold several
+    found: list[Piece] = []
+    for solid in solids:
+        if not isinstance(solid, trimesh.Trimesh) or not len(solid.faces):
+            raise Refused(f"{path.name}: no triangles in it")
+        for points, loops in _connected(np.asarray(solid.vertices, dtype=float), np.asarray(solid.faces)):
+            found.append((len(found), f"b{len(found)}", points, loops))
+    return found, ()
+
+
+def _connected(vertices: np.ndarray, triangles: np.ndarray) -> Iterator[tuple[np.ndarray, Faces]]:
+    """The shells of a soup of triangles that share no corner, in the order of the file."""
+    import trimesh
+
+    points, index = np.unique(vertices, axis=0, return_inverse=True)
+    faces = index.ravel()[triangles]
     groups = trimesh.graph.connected_component_labels(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]]), len(points))
     shell = groups[faces[:, 0]]
     order = np.argsort(shell, kind="stable")
     members = np.split(order, np.flatnonzero(np.diff(shell[order])) + 1)  # triangles of each shell, in the order of the file
-    found: list[Piece] = []
     for own in (faces[member] for member in sorted(members, key=lambda member: int(member[0]))):
         used, local = np.unique(own, return_inverse=True)
-        loops = tuple(tuple(int(i) for i in row) for row in local.reshape(-1, 3))
-        found.append((len(found), f"b{len(found)}", points[used], loops))
-    return found, ()
+        yield points[used], tuple(tuple(int(i) for i in row) for row in local.reshape(-1, 3))
 
 
 def read_vtu(path: Path) -> Answer:

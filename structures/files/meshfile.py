@@ -5,7 +5,7 @@ a soup of triangles: shells that share no corner are different blocks, ``b0``, `
 volume cell is convex and a block by itself, unless a cell array ``block`` of whole numbers joins several cells into one block with parts.
 
 Repair mends what can be mended without a guess: corners closer than the tolerance become one, faces that have lost all their
-area go, loops are turned to agree with each other, and the shell outwards.
+area go, and so do faces given twice; loops are turned to agree with each other, and the shell outwards.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ FORMATS = (".obj", ".stl", ".vtu", ".vtm")
 WRITTEN = (*FORMATS, ".vtkhdf")
 READERS = {suffix: f"structures.files.mesh_readers:read_{suffix[1:]}" for suffix in (".stl", ".vtu", ".vtm")}  # each runs in a child
 
+MET = 100  # corners within the tolerance of one: a solid has a few
 Shell = tuple[np.ndarray, Faces]
 
 
@@ -55,9 +56,9 @@ def read(path: Path, density: float, scale: float, up: str, repair: bool = False
         parts = [(placed(vertices, scale, up), faces) for vertices, faces in shells]
         if not all((np.abs(vertices) <= LARGEST).all() for vertices, _ in parts):
             raise InputError(f'{path.name}: block "{name}": a corner has coordinates that are no finite numbers, or far too large')
-        if repair:
-            parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
         try:
+            if repair:
+                parts = [mended(vertices, faces, tolerance) for vertices, faces in parts]
             blocks.append(compound_block(name, parts, density, "block"))
         except InputError as failure:
             raise InputError(f"{path.name}: {failure}") from None
@@ -87,9 +88,11 @@ def _read_obj(path: Path) -> list[tuple[str, list[Shell]]]:
                     raise InputError(f"{path.name}: line {number}: a vertex has three coordinates: {line.strip()[:60]}")
                 points.append([float(x) for x in rest[:3]])
             elif word == mark:
-                name = " ".join(rest)
+                name = " ".join(rest) or "b0"
             elif word == "f":
                 corners = [int(corner.split("/")[0]) for corner in rest]
+                if len(corners) < 3 or 0 in corners:
+                    raise InputError(f"{path.name}: line {number}: a face has three corners or more, counted from 1: {line.strip()[:60]}")
                 objects.setdefault(name, []).append([i - 1 if i > 0 else len(points) + i for i in corners])
         except InputError:
             raise
@@ -122,13 +125,22 @@ def _read_apart(path: Path) -> list[tuple[str, list[Shell]]]:
 
 
 def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> Shell:
-    """Weld corners, drop faces without area, and turn all loops to run counter-clockwise seen from outside.
+    """Weld corners, drop faces without area and those given twice, and turn all loops to run counter-clockwise seen from outside.
 
     Args:
         tolerance: corners closer than this are one [m].
+
+    Raises:
+        InputError: this would make one corner of more than MET, on the average.
     """
-    groups = cKDTree(vertices).query_ball_point(vertices, tolerance)
-    first = np.array([min(group) for group in groups])
+    tree = cKDTree(vertices)
+    met = int(tree.query_ball_point(vertices, tolerance, return_length=True).sum())
+    if met > MET * len(vertices):
+        raise InputError(
+            f"{1e3 * tolerance:g} mm, within which corners are one, is as far as {met // len(vertices)} of them are apart; mind the units"
+        )
+    first, pairs = np.arange(len(vertices)), tree.query_pairs(tolerance, output_type="ndarray")
+    np.minimum.at(first, pairs[:, 1], pairs[:, 0])
     while (first != first[first]).any():
         first = first[first]
     used, index = np.unique(first, return_inverse=True)
@@ -138,7 +150,7 @@ def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> Shell:
         loop = [i for i, before in zip(loop, loop[-1:] + loop[:-1], strict=True) if i != before]
         if len(set(loop)) >= 3:
             loops.append(loop)
-    loops = _agreeing(loops)
+    loops = _agreeing(list({frozenset(loop): loop for loop in reversed(loops)}.values())[::-1])
     shell = tuple(tuple(loop) for loop in loops)
     if shell and _volume(vertices[used], shell) < 0:
         shell = tuple(tuple(reversed(loop)) for loop in shell)
@@ -159,7 +171,7 @@ def _agreeing(loops: list[list[int]]) -> list[list[int]]:
             number = queue.pop()
             loop = loops[number]
             for a, b in zip(loop, loop[1:] + loop[:1], strict=True):
-                for other in at_edge[frozenset((a, b))]:
+                for other in at_edge.pop(frozenset((a, b)), ()):  # whoever comes first sees all
                     if other in seen:
                         continue
                     seen.add(other)

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from masonry_cd.arrays import LARGEST
 from masonry_cd.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Polyhedra, Polyhedron, area_vectors, mass_properties
@@ -26,6 +27,8 @@ SLIGHT = 1e-3  # overlap that closing gaps takes away, relative to the median si
 OVERLAP = 1e-6  # depth, relative to the size of the smaller block
 FILLED = 1e-6  # volume of the convex parts of a block, relative to its own
 THIN = 1e-6  # width of a face, relative to the size of the block
+COMPARED = 2_000_000  # pairs of faces and vertices that are compared at a time: some 200 MB
+NEARLY_LEVEL = 0.02  # [rad] a face at less than this to its neighbour is a piece of the same side
 LONGEST_NAME = 200  # characters of a block or group, which tables, pages and closing lines show whole
 
 
@@ -155,6 +158,9 @@ def _checked(shell: Polyhedron, block: Block) -> Polyhedron:
     if not np.isfinite(vertices).all():
         row = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
         raise Unsound(f'block "{block.name}": vertex {row} is not finite', [block.name])
+    if np.abs(vertices).max() > LARGEST:
+        row = int(np.abs(vertices).max(axis=1).argmax())
+        raise Unsound(f'block "{block.name}": vertex {row} is more than {LARGEST:g} m away from the origin', [block.name])
     if len(shell.faces) < 4:
         raise Unsound(f'block "{block.name}": open shell, it has only {len(shell.faces)} faces', [block.name])
     last = len(vertices) - 1
@@ -184,10 +190,20 @@ def _check_closed(blocks: Sequence[Block], shells: Shells) -> None:
     start = flat.vertex_start[shell]
     ends = f"{flat.loops[entry] - start}-{after[entry] - start}"
     if (counts > 1).any():
-        raise Unsound(
-            f'block "{name}": two faces run the same way along edge {ends}; one of them, such as face {face}, is reversed', faulty
-        )
+        raise Unsound(f'block "{name}": {_twice(shells, face_of[edge == edge[entry]], face_of[reverse == edge[entry]], ends)}', faulty)
     raise Unsound(f'block "{name}": open shell, edge {ends} of face {face} has no face on its other side', faulty)
+
+
+def _twice(shells: Shells, along: np.ndarray, against: np.ndarray, ends: str) -> str:
+    """What is wrong where several faces run the same way along an edge, and others against it."""
+    flat = shells.flat
+    numbers = (along - flat.face_start[flat.owner_of_face()[along]]).tolist()
+    first, second = (frozenset(flat.loops[flat.loop_start[f] : flat.loop_start[f + 1]].tolist()) for f in along[:2])
+    if first == second:
+        return f"faces {numbers[0]} and {numbers[1]} are one face given twice; leave one out"
+    if len(along) + len(against) > 2:
+        return f"{len(along) + len(against)} faces meet in edge {ends}, which has two sides only"
+    return f"two faces run the same way along edge {ends}; one of them, such as face {numbers[0]}, is reversed"
 
 
 def _check_faces(blocks: Sequence[Block], shells: Shells) -> None:
@@ -244,20 +260,32 @@ def check_convex(blocks: Sequence[Block], shells: Shells, wanted: np.ndarray) ->
     """No vertex of a shell outside the plane of any of its faces."""
     flat, owner, shell = shells.flat, shells.owner, shells.flat.owner_of_face()
     faces = np.flatnonzero(wanted[shell])
+    start = np.cumsum([0, *np.diff(flat.vertex_start)[shell[faces]]])
+    outside: list[tuple[float, int, int]] = []  # the worst of each portion: how far, face and vertex
+    faulty: set[int] = set()
+    for portion in np.split(np.arange(len(faces)), np.flatnonzero(np.diff(start[:-1] // COMPARED)) + 1):
+        face, vertex, above = _heights(shells, faces[portion])
+        worst = int(np.argmax(above))
+        outside.append((float(above[worst]), int(face[worst]), int(vertex[worst])))
+        faulty.update(shell[face[above > FLATNESS]].tolist())
+    far, face_number, corner = max(outside, key=lambda found: found[0])
+    if far > FLATNESS:
+        s = int(shell[face_number])
+        raise Unsound(
+            f'block "{blocks[owner[s]].name}": not convex, vertex {corner - flat.vertex_start[s]} lies '
+            f"{1e3 * far * shells.size[s]:.3g} mm outside face {face_number - flat.face_start[s]}; split it into convex blocks",
+            _names(blocks, owner[sorted(faulty)]),
+        )
+
+
+def _heights(shells: Shells, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Each pair of a face and a vertex of its shell (n,), and how far above the plane the vertex lies, over the size of the shell."""
+    flat, shell = shells.flat, shells.flat.owner_of_face()
     counts = np.diff(flat.vertex_start)[shell[faces]]
-    face = np.repeat(faces, counts)
-    ends = np.cumsum(counts)
+    face, ends = np.repeat(faces, counts), np.cumsum(counts)
     vertex = np.arange(ends[-1]) - np.repeat(ends - counts, counts) + flat.vertex_start[shell[face]]
     on_face = flat.vertices[flat.loops[flat.loop_start[face]]]
-    above = np.einsum("ni,ni->n", flat.vertices[vertex] - on_face, flat.normals[face]) / shells.size[shell[face]]
-    worst = int(np.argmax(above))
-    if above[worst] > FLATNESS:
-        s = int(shell[face[worst]])
-        number, corner = face[worst] - flat.face_start[s], vertex[worst] - flat.vertex_start[s]
-        raise Unsound(
-            f'block "{blocks[owner[s]].name}": not convex, vertex {corner} lies outside face {number}; split it into convex blocks',
-            _names(blocks, owner[shell[face[above > FLATNESS]]]),
-        )
+    return face, vertex, np.einsum("ni,ni->n", flat.vertices[vertex] - on_face, flat.normals[face]) / shells.size[shell[face]]
 
 
 def _check_overlap(blocks: Sequence[Block], shells: Shells) -> None:
@@ -283,6 +311,20 @@ def _check_spheres_apart(blocks: Sequence[Block]) -> None:
         a, b = (blocks[i].name for i in sorted(pairs[deepest]))
         more = f"; {len(depths) - 1} more pairs overlap" if len(depths) > 1 else ""
         raise Unsound(f'blocks "{a}" and "{b}" overlap by {1e3 * depths[deepest]:.4g} mm{more}', _names(blocks, pairs.ravel()))
+
+
+def warp(block: Block) -> float:
+    """How far the faces of a polyhedron are from planes [m]: corners off their own face, and off a neighbour's that nearly continues it."""
+    flat = Polyhedra.of([Polyhedron(block.vertices, block.faces)])
+    after, face = flat.loops[next_in_loop(flat.loop_start)], flat.face_of_entry()
+    across = {(int(b), int(a)): int(f) for a, b, f in zip(flat.loops, after, face, strict=True)}
+    neighbour = np.array([across.get((int(a), int(b)), int(f)) for a, b, f in zip(flat.loops, after, face, strict=True)])
+    level = np.einsum("ei,ei->e", flat.normals[face], flat.normals[neighbour]) > math.cos(NEARLY_LEVEL)
+    most = 0.0
+    for f, g in {*zip(face[level].tolist(), neighbour[level].tolist(), strict=True), *((f, f) for f in range(len(block.faces)))}:
+        corners = block.vertices[list(block.faces[g])]
+        most = max(most, float(np.abs((corners - block.vertices[block.faces[f][0]]) @ flat.normals[f]).max()))
+    return most
 
 
 def _round_up(value: float) -> float:

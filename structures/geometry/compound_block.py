@@ -46,14 +46,14 @@ def compound_block(name: str, parts: Sequence[tuple[np.ndarray, Faces]], density
 
 def _welded(parts: Sequence[tuple[np.ndarray, Faces]]) -> tuple[np.ndarray, list[tuple[int, ...]]]:
     """All corners once, and the faces of all parts counted over them."""
-    points: list[np.ndarray] = []
+    points, count = np.empty((sum(len(vertices) for vertices, _ in parts), 3)), 0
     faces: list[tuple[int, ...]] = []
     for vertices, own in parts:
         index = []
         for vertex in vertices:
-            near = next((i for i, point in enumerate(points) if np.abs(point - vertex).max() < GRID), len(points))
-            if near == len(points):
-                points.append(vertex)
-            index.append(near)
+            near = np.flatnonzero(np.abs(points[:count] - vertex).max(axis=1) < GRID)
+            if not len(near):
+                points[count], count = vertex, count + 1
+            index.append(int(near[0]) if len(near) else count - 1)
         faces += [tuple(index[i] for i in face) for face in own]
-    return np.array(points), faces
+    return points[:count], faces

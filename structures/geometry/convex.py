@@ -13,28 +13,60 @@ Its shell keeps its corners, but faces that are not convex become triangles: who
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from masonry_cd.model.blocks import Block, refuse_spheres
 from masonry_cd.model.geometry import Faces, Polyhedron, sixfold_volumes, triangles
-from masonry_cd.model.polygon import clip, loop_normal, loop_planes
-from structures.geometry.checks import FLATNESS
+from masonry_cd.model.polygon import clip, clip_loops, loop_area, loop_normal, loop_planes
+from structures.geometry.checks import FLATNESS, Unsound, check, warp
+from structures.geometry.loops import open_edges, single_loop
 from structures.geometry.merge_coplanar import merge_coplanar
 from structures.geometry.prism import box
 
 ON_PLANE = 1e-6  # relative to the size of the block: corners closer to a plane than this lie on it
+MOST_WARP = 2e-3  # relative to the size of the block: faces farther off than this are no warped ones but another shape
 MOST_PARTS = 500  # a block that needs more is no stone but a scan
+MOST_FACES = 5_000  # of a block that is not convex: the tables of their sides take 50 MB
+WORK = 1_000_000  # entries of tables of sides for each face of a block, of some 4 ns each
+FEW = 1_000  # faces: a block with fewer may take the work of these
+CUT = 250_000  # entries that take as long as cutting one cell
+FACE = 1_500  # entries that take as long as cutting one face of a cell
+TABLED = 1_000_000  # heights of corners over planes that are held at a time
+
+
+class _Unsplit(ValueError):
+    """Why a block cannot be cut, for the user."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """N polygons of a shell inside a cell, and how they lie to each other's planes."""
+
+    loops: list[np.ndarray]  # N of (n, 3) [m]
+    normal: np.ndarray  # (N, 3)
+    offset: np.ndarray  # (N,) [m]
+    above: np.ndarray  # (N, N) whether anything of polygon i lies above the plane of polygon j
+    below: np.ndarray  # (N, N)
+
+    @classmethod
+    def of(cls, loops: list[np.ndarray], on: float) -> Pieces:
+        """From polygons; corners within ``on`` [m] of a plane lie in it."""
+        normal, offset = loop_planes(loops)
+        return cls(loops, normal, offset, *_sides(loops, normal, offset, on))
 
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """A convex polyhedron, and the polygons (n, 3) of the shell inside it."""
+    """A convex polyhedron, and the pieces of the shell inside it."""
 
     vertices: np.ndarray
     faces: Faces
-    pieces: list[np.ndarray]
+    pieces: Pieces | None = None
 
 
 def split(block: Block) -> Block:
@@ -44,33 +76,67 @@ def split(block: Block) -> Block:
         block: closed, outward, with planar faces (:func:`structures.geometry.checks.check_shells`); its faces need not be convex.
 
     Raises:
-        RuntimeError: more than MOST_PARTS parts; names the block.
+        Unsound: more than MOST_PARTS parts, or faces so warped that no sound parts come of it; names the block.
     """
     if block.parts or is_convex(block):
         return block
-    size = _size(block)
-    inside = [part for part in _cells(block, ON_PLANE * size) if _winding(block, part.vertices.mean(axis=0)) > 0.5]
-    parts = tuple(_finished(cell, block, ON_PLANE * size) for cell in inside)
-    faces = tuple(loop for face in block.faces for loop in _convex_loops(block.vertices, face))
-    return replace(block, faces=faces, parts=parts)
+    on = ON_PLANE * _size(block)
+    try:
+        with np.errstate(invalid="ignore"):  # faces without area, which the check refuses, have no plane
+            inside = [part for part in _cells(block, on) if _winding(block, part.vertices.mean(axis=0)) > 0.5]
+            parts = tuple(_finished(cell, block, on) for cell in inside)
+            faces = tuple(loop for face in block.faces for loop in _convex_loops(block.vertices, face))
+            whole = replace(block, faces=faces, parts=parts)
+            if not parts:
+                raise _Unsplit("its shell encloses nothing")
+            check([whole])
+    except (_Unsplit, Unsound) as failure:
+        raise Unsound(_why(block, failure), [block.name]) from None
+    return whole
+
+
+def _why(block: Block, failure: Exception) -> str:
+    """The line for a block that cannot be split: what is wrong with its faces as they were given, and what would help."""
+    line, mend = f'block "{block.name}": not convex, and cannot be split into convex parts', "give it as convex blocks"
+    size, off = _size(block), warp(block)
+    reasons = [str(failure)] if isinstance(failure, _Unsplit) else []
+    if ON_PLANE * size < off < MOST_WARP * size:
+        flat = f"{1e3 * ON_PLANE * size:.2g} mm would count as flat"
+        reasons.append(f"its faces are warped by up to {1e3 * off:.3g} mm ({flat}); make them flat, give its convex hull, or {mend}")
+        return f"{line}: {', and '.join(reasons)}"
+    return f"{line}: {', '.join(reasons) or 'its faces pass through each other, or make slivers'}; {mend}"
 
 
 def halves(block: Block, normal: np.ndarray, offset: float) -> tuple[Block | None, Block | None]:
-    """A convex block cut by the plane ``normal . x = offset`` [m]: what lies below it and above it, None where nothing does."""
+    """A convex block cut by the plane ``normal . x = offset`` [m]: what lies below it and above it, None where nothing does.
+
+    Raises:
+        Unsound: its faces are too warped to be cut; names the block.
+    """
     on = ON_PLANE * _size(block)
-    cell = Cell(block.vertices, block.faces, [])
-    sides = _below(cell, normal, offset, on), _below(cell, -normal, -offset, on)
-    if sides[0] is None or sides[1] is None:
-        return (block, None) if sides[1] is None else (None, block)
-    refuse_spheres([block], "structure: cutting by a plane")
-    below, above = (_finished(side, block, on) for side in sides if side is not None)
+    cell = Cell(block.vertices, block.faces)
+    try:
+        sides = _below(cell, normal, offset, on), _below(cell, -normal, -offset, on)
+        if sides[0] is None or sides[1] is None:
+            return (block, None) if sides[1] is None else (None, block)
+        refuse_spheres([block], "structure: cutting by a plane")
+        below, above = (_finished(side, block, on) for side in sides if side is not None)
+    except _Unsplit:
+        raise Unsound(
+            f'block "{block.name}": cannot be cut by a plane: its faces are warped by up to {1e3 * warp(block):.3g} mm; make them flat',
+            [block.name],
+        ) from None
     return replace(block, vertices=below.vertices, faces=below.faces), replace(block, vertices=above.vertices, faces=above.faces)
 
 
 def is_convex(block: Block) -> bool:
     """Whether no vertex lies outside the plane of any face, to the tolerance of :mod:`structures.geometry.checks`."""
     normals, offsets = loop_planes([block.vertices[list(face)] for face in block.faces])
-    return bool((block.vertices @ normals.T - offsets).max() <= FLATNESS * _size(block))
+    some = max(1, TABLED // len(block.vertices))
+    return all(
+        bool((block.vertices @ normals[k : k + some].T - offsets[k : k + some]).max() <= FLATNESS * _size(block))
+        for k in range(0, len(normals), some)
+    )
 
 
 def _size(block: Block) -> float:
@@ -78,53 +144,99 @@ def _size(block: Block) -> float:
 
 
 def _cells(block: Block, on: float) -> list[Cell]:
-    """Cut the space around a block by the planes of its faces until no cell holds a piece of the shell."""
+    """Cut the space around a block by the planes of its faces until no cell holds a piece of the shell.
+
+    It ends: the piece whose plane cuts a cell is in neither half, and another is in each half at most once.
+    """
+    if len(block.faces) > MOST_FACES:
+        raise _Unsplit(f"it has {len(block.faces)} faces, more than {MOST_FACES}")
     low, high = block.vertices.min(axis=0), block.vertices.max(axis=0)
     room = 0.1 * np.linalg.norm(high - low)
     vertices, faces = box(tuple(low - room), tuple(high + room))
-    todo, done = [Cell(vertices, faces, [block.vertices[list(face)] for face in block.faces])], []
+    whole = Pieces.of([block.vertices[list(face)] for face in block.faces], on)
+    todo, done, left = [Cell(vertices, faces, whole)], [], WORK * max(len(block.faces), FEW)
     while todo:
         cell = todo.pop()
-        if not cell.pieces:
+        if cell.pieces is None:
             done.append(cell)
             if len(done) > MOST_PARTS + len(block.faces):
-                raise RuntimeError(f'block "{block.name}": not convex, and cannot be split into {MOST_PARTS} convex parts or fewer')
+                raise _Unsplit(f"it takes more than {MOST_PARTS}")
             continue
-        normal, offset = _best_plane(cell.pieces, on)
-        todo += [side for side in (_below(cell, normal, offset, on), _below(cell, -normal, -offset, on)) if side is not None]
+        left -= CUT + FACE * len(cell.faces) + len(cell.pieces.loops) ** 2
+        if left < 0:
+            raise _Unsplit(f"it takes too many cuts for its {len(block.faces)} faces")
+        best = _best_plane(cell.pieces)
+        normal, offset = cell.pieces.normal[best], float(cell.pieces.offset[best])
+        todo += [side for side in (_below(cell, normal, offset, on, best), _below(cell, -normal, -offset, on, best)) if side is not None]
     return done
 
 
-def _best_plane(pieces: list[np.ndarray], on: float) -> tuple[np.ndarray, float]:
-    """The plane of the piece that splits the fewest others; of equals, the one that leaves the halves most alike."""
-    normals, offsets = loop_planes(pieces)
-    start = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
-    heights = np.einsum("vi,pi->vp", np.concatenate(pieces), normals) - offsets  # (points, planes)
-    above = np.maximum.reduceat(heights, start) > on
-    below = np.minimum.reduceat(heights, start) < -on
-    splits, even = (above & below).sum(axis=0), np.abs(above.sum(axis=0) - below.sum(axis=0))
-    best = int(np.lexsort((even, splits))[0])
-    return normals[best], float(offsets[best])
+def _best_plane(pieces: Pieces) -> int:
+    """The piece whose plane splits the fewest others; of equals, the one that leaves the halves most alike."""
+    splits = (pieces.above & pieces.below).sum(axis=0)
+    even = np.abs(pieces.above.sum(axis=0) - pieces.below.sum(axis=0))
+    return int(np.lexsort((even, splits))[0])
 
 
-def _below(cell: Cell, normal: np.ndarray, offset: float, on: float) -> Cell | None:
-    """The part of a cell below a plane; None where nothing of it is."""
+def _sides(loops: Sequence[np.ndarray], normal: np.ndarray, offset: np.ndarray, on: float) -> tuple[np.ndarray, np.ndarray]:
+    """Which polygons (N,) reach above and below which planes (M,), two tables (N, M)."""
+    start, points = _starts(loops)[:-1], np.concatenate(loops)
+    above, below = np.empty((2, len(loops), len(offset)), dtype=bool)
+    some = max(1, TABLED // len(points))
+    for k in range(0, len(offset), some):
+        heights = np.einsum("vi,pi->vp", points, normal[k : k + some]) - offset[k : k + some]
+        above[:, k : k + some] = np.maximum.reduceat(heights, start) > on
+        below[:, k : k + some] = np.minimum.reduceat(heights, start) < -on
+    return above, below
+
+
+def _pieces_below(pieces: Pieces, normal: np.ndarray, offset: float, on: float, own: int) -> Pieces | None:
+    """What of some pieces lies below the plane of one of them; None where nothing does."""
+    start = _starts(pieces.loops)
+    heights = _heights(np.concatenate(pieces.loops), normal, offset)
+    stays, crosses = np.minimum.reduceat(heights, start[:-1]) < -on, np.maximum.reduceat(heights, start[:-1]) > on
+    stays[own] = False
+    loops = {int(k): pieces.loops[k] for k in np.flatnonzero(stays)}
+    for k in np.flatnonzero(stays & crosses):
+        loops[k] = clip(pieces.loops[k], -heights[start[k] : start[k + 1]], on)
+        if len(loops[k]) < 3 or loop_area(loops[k]) == 0.0:  # bounds nothing
+            del loops[k]
+    if not loops:
+        return None
+    kept = np.array(list(loops))
+    rows, left = np.ix_(kept, kept), list(loops.values())
+    out = Pieces(left, pieces.normal[kept], pieces.offset[kept], pieces.above[rows], pieces.below[rows])
+    new = np.flatnonzero(crosses[kept])
+    if len(new):
+        clipped = [left[k] for k in new]
+        out.normal[new], out.offset[new] = loop_planes(clipped)
+        out.above[new], out.below[new] = _sides(clipped, out.normal, out.offset, on)
+        out.above[:, new], out.below[:, new] = _sides(left, out.normal[new], out.offset[new], on)
+    return out
+
+
+def _below(cell: Cell, normal: np.ndarray, offset: float, on: float, own: int = -1) -> Cell | None:
+    """The part of a cell below a plane, that of its piece ``own``; None where nothing of it is."""
     heights = _heights(cell.vertices, normal, offset)
     if heights.min() >= -on:
         return None
-    pieces = [cut for piece in cell.pieces if (cut := _polygon_below(piece, _heights(piece, normal, offset), on)) is not None]
+    pieces = None if cell.pieces is None else _pieces_below(cell.pieces, normal, offset, on, own)
     if heights.max() <= on:
         return Cell(cell.vertices, cell.faces, pieces)
-    loops = [cut for face in cell.faces if (cut := _polygon_below(cell.vertices[list(face)], heights[list(face)], on)) is not None]
-    points, index = _numbered(np.concatenate(loops), on)
-    ends = np.cumsum([len(loop) for loop in loops])
-    faces = [tuple(dict.fromkeys(map(int, part))) for part in np.split(index, ends[:-1])]
-    edges = {edge for face in faces for edge in zip(face, face[1:] + face[:1], strict=True)}
-    after = {b: a for a, b in edges if (b, a) not in edges}  # the rim, run the other way round, is the new face
-    rim = [next(iter(after))]
-    while after[rim[-1]] != rim[0]:
-        rim.append(after[rim[-1]])
-    return Cell(points, (*faces, tuple(rim)), pieces)
+    corners, start = np.array([i for face in cell.faces for i in face]), _starts(cell.faces)
+    reaching = np.minimum.reduceat(heights[corners], start[:-1]) < -on  # the other faces lie above or in the plane
+    corners, counts = corners[np.repeat(reaching, np.diff(start))], np.diff(start)[reaching]
+    cut, ends, _ = clip_loops(cell.vertices[corners], np.cumsum([0, *counts]), -heights[corners], on)
+    points, index = _numbered(cut, on)
+    faces = [tuple(dict.fromkeys(part.tolist())) for part in np.split(index, ends[1:-1])]
+    rim = single_loop([(b, a) for a, b in open_edges(faces)])
+    if rim is None:  # where faces are warped, or slivers
+        raise _Unsplit("its faces cut each other into slivers")
+    return Cell(points, (*(face for face in faces if len(face) > 2), rim), pieces)
+
+
+def _starts(loops: Sequence[Any]) -> np.ndarray:
+    return np.cumsum([0, *map(len, loops)])
 
 
 def _heights(points: np.ndarray, normal: np.ndarray, offset: float) -> np.ndarray:
@@ -132,15 +244,12 @@ def _heights(points: np.ndarray, normal: np.ndarray, offset: float) -> np.ndarra
     return np.asarray(np.sum(points * normal, axis=1) - offset)
 
 
-def _polygon_below(polygon: np.ndarray, heights: np.ndarray, on: float) -> np.ndarray | None:
-    """What of a polygon (n, 3) lies below a plane; None where nothing does, or it lies in the plane."""
-    return None if heights.min() >= -on else clip(polygon, -heights, on)
-
-
 def _numbered(points: np.ndarray, on: float) -> tuple[np.ndarray, np.ndarray]:
     """Points closer than a tolerance once, and the number of each."""
-    near = np.linalg.norm(points[:, None] - points[None], axis=2) <= on
-    used, index = np.unique(np.argmax(near, axis=1), return_inverse=True)
+    pairs = cKDTree(points).query_pairs(on, output_type="ndarray")
+    first = np.arange(len(points))
+    np.minimum.at(first, pairs[:, 1], pairs[:, 0])
+    used, index = np.unique(first, return_inverse=True)
     return points[used], index
 
 

@@ -92,10 +92,13 @@ def _facing(blocks: Sequence[Block], planes: Planes, tolerance: float) -> Iterat
 def _near(planes: Planes, i: int, j: int, tolerance: float) -> bool:
     """Whether two faces lie over each other, nowhere farther apart than the tolerance."""
     normal = planes.normal[i]
-    along = planes.polygon[i][1] - planes.polygon[i][0]
+    sides = np.roll(planes.polygon[i], -1, axis=0) - planes.polygon[i]
+    along = sides[np.argmax(np.linalg.norm(sides, axis=1) > 0.0)]  # corners may coincide
     along /= np.linalg.norm(along)
     axes = np.stack([along, np.cross(normal, along)])
     below, above = _hull(planes.polygon[i] @ axes.T), _hull(planes.polygon[j] @ axes.T)
+    if not len(below) or not len(above):
+        return False
     common = _overlap(below, above)
     if len(common) < 3:
         return False
@@ -106,10 +109,13 @@ def _near(planes: Planes, i: int, j: int, tolerance: float) -> bool:
 
 
 def _hull(points: np.ndarray) -> np.ndarray:
-    """The convex hull of points (n, 2), counter-clockwise."""
-    from scipy.spatial import ConvexHull
+    """The convex hull of points (n, 2), counter-clockwise; empty where they lie on a line."""
+    from scipy.spatial import ConvexHull, QhullError
 
-    return points[ConvexHull(points).vertices]
+    try:
+        return points[ConvexHull(points).vertices]
+    except QhullError:
+        return points[:0]
 
 
 def _overlap(polygon: np.ndarray, window: np.ndarray) -> np.ndarray:

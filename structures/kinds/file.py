@@ -15,6 +15,7 @@ from structures.files.blockfile import METRES, sound
 from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.gaps import close_gaps
 from structures.geometry.merge_coplanar import merge_coplanar
+from structures.kinds.solid import SUFFIXES
 from structures.schema import Length, is_file
 
 
@@ -42,6 +43,11 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
     for key in () if is_mesh else ("units", "up", "fixed", "repair"):
         if key in keys.model_fields_set:
             raise InputError(f"structure.{key}: belongs to {', '.join(meshfile.FORMATS)} files; {path.name} states it itself")
+    if not is_mesh and path.suffix.lower() != ".json" and not _looks_like_json(path):
+        raise InputError(
+            f'structure.path: {path.name} is no file of blocks; kind = "file" reads .json, {", ".join(meshfile.FORMATS)}, '
+            f'and kind = "solid" {", ".join(SUFFIXES)}'
+        )
     blocks = _from_mesh(keys, path, density) if is_mesh else blockfile.read_unchecked(path, density)
     if keys.gaps is not None:
         refuse_spheres(blocks, "structure.gaps: closing gaps between faces")
@@ -55,6 +61,12 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
         return sound(blocks, path.name), []
     check(blocks, path.name)
     return merge_coplanar(blocks), []
+
+
+def _looks_like_json(path: Path) -> bool:
+    """Whether a file of unknown ending begins as an object of JSON does."""
+    with path.open("rb") as file:
+        return file.read(256).removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{")
 
 
 def _from_mesh(keys: FileTable, path: Path, density: float) -> list[Block]:
