@@ -19,6 +19,7 @@ from masonry_cd.gmsh_session import gmsh_session
 from masonry_cd.model.geometry import Faces, Polyhedron, area_vectors
 
 MOST_UNKNOWNS = 768  # of a block, which are solved for together: kernels are compiled for their number
+HOPELESS = 20  # times MOST_UNKNOWNS: so many nodes are not meshed to be counted
 DIGITS = 12  # of a coordinate over the size of the block: shapes that agree in these share a mesh
 FILLED = 1e-6  # by what share of its volume a mesh may miss its block
 ALONG = 1e-6  # normals this close to the normal of the plane are along it
@@ -63,6 +64,13 @@ def block_mesh(name: str, shell: Polyhedron, size: float, axis: int) -> BlockMes
     Raises:
         InputError: gmsh does not start, cannot mesh the block, or makes far too many nodes.
     """
+    most = MOST_UNKNOWNS // (3 if axis < 0 else 2)
+    likely = _likely_nodes(shell, size, axis)
+    if not likely <= HOPELESS * most:
+        raise InputError(
+            f'material.mesh_size: block "{name}" would get about {likely:.2g} nodes with {size:g} m, and {most} are the most; '
+            "give a larger size"
+        )
     reach = float(f"{np.abs(shell.vertices).max():.{DIGITS}g}")
     unit = np.round(shell.vertices / reach, DIGITS) + 0.0  # no minus zero
     try:
@@ -72,7 +80,6 @@ def block_mesh(name: str, shell: Polyhedron, size: float, axis: int) -> BlockMes
     except Exception as failure:  # gmsh raises plain ones
         reason = str(failure).splitlines()[0] if str(failure) else type(failure).__name__
         raise InputError(f'material.deformable: block "{name}" cannot be meshed ({reason})') from None
-    most = MOST_UNKNOWNS // len(mesh.dims)
     if len(mesh.nodes) > most:
         raise InputError(
             f'material.mesh_size: block "{name}" gets {len(mesh.nodes)} nodes with {size:g} m, and {most} are the most; give a larger size'
@@ -156,6 +163,12 @@ def _sizes(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
     if spans.shape[1] == 2:
         return 0.5 * (spans[:, 0, 0] * spans[:, 1, 1] - spans[:, 0, 1] * spans[:, 1, 0])
     return np.asarray(np.sum(spans[:, 0] * np.cross(spans[:, 1], spans[:, 2]), axis=1) / 6.0)
+
+
+def _likely_nodes(shell: Polyhedron, size: float, axis: int) -> float:
+    """About how many nodes a mesh of regular simplices has, half as many as triangles and a sixth of tetrahedra; never far too few."""
+    content = _content(shell.vertices, shell.faces, axis) / size / size
+    return 1.2 * content if axis >= 0 else 1.4 * content / size
 
 
 def _content(points: np.ndarray, faces: Sequence[Sequence[int]], axis: int) -> float:
