@@ -28,6 +28,7 @@ OVERLAP = 1e-6  # depth, relative to the size of the smaller block
 FILLED = 1e-6  # volume of the convex parts of a block, relative to its own
 THIN = 1e-6  # width of a face, relative to the size of the block
 COMPARED = 2_000_000  # pairs of faces and vertices that are compared at a time: some 200 MB
+WARPED = 2e-3  # relative to the size of the block: faces farther off than this are no warped ones but another shape
 NEARLY_LEVEL = 0.02  # [rad] a face at less than this to its neighbour is a piece of the same side
 LONGEST_NAME = 200  # characters of a block or group, which tables, pages and closing lines show whole
 
@@ -228,7 +229,8 @@ def _check_faces(blocks: Sequence[Block], shells: Shells) -> None:
         face = int(np.argmax(distance / shells.size[shell]))
         number = face - flat.face_start[shell[face]]
         raise Unsound(
-            f'block "{blocks[owner[shell[face]]].name}": face {number} is not planar, a corner is {1e3 * distance[face]:.3g} mm off',
+            f'block "{blocks[owner[shell[face]]].name}": face {number} is not planar, a corner is {1e3 * distance[face]:.3g} mm off '
+            f"({1e3 * FLATNESS * shells.size[shell[face]]:.2g} mm would count as flat); move it into the plane, or give triangles",
             _names(blocks, owner[shell[not_flat]]),
         )
 
@@ -273,7 +275,8 @@ def check_convex(blocks: Sequence[Block], shells: Shells, wanted: np.ndarray) ->
         s = int(shell[face_number])
         raise Unsound(
             f'block "{blocks[owner[s]].name}": not convex, vertex {corner - flat.vertex_start[s]} lies '
-            f"{1e3 * far * shells.size[s]:.3g} mm outside face {face_number - flat.face_start[s]}; split it into convex blocks",
+            f"{1e3 * far * shells.size[s]:.3g} mm outside face {face_number - flat.face_start[s]}; "
+            f"{'make its faces flat, or ' if far < WARPED else ''}split it into convex blocks",
             _names(blocks, owner[sorted(faulty)]),
         )
 

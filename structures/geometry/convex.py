@@ -23,13 +23,12 @@ from scipy.spatial import cKDTree
 from masonry_cd.model.blocks import Block, refuse_spheres
 from masonry_cd.model.geometry import Faces, Polyhedron, sixfold_volumes, triangles
 from masonry_cd.model.polygon import clip, clip_loops, loop_area, loop_normal, loop_planes
-from structures.geometry.checks import FLATNESS, Unsound, check, warp
+from structures.geometry.checks import FLATNESS, WARPED, Unsound, check, warp
 from structures.geometry.loops import open_edges, single_loop
 from structures.geometry.merge_coplanar import merge_coplanar
 from structures.geometry.prism import box
 
 ON_PLANE = 1e-6  # relative to the size of the block: corners closer to a plane than this lie on it
-MOST_WARP = 2e-3  # relative to the size of the block: faces farther off than this are no warped ones but another shape
 MOST_PARTS = 500  # a block that needs more is no stone but a scan
 MOST_FACES = 5_000  # of a block that is not convex: the tables of their sides take 50 MB
 WORK = 1_000_000  # entries of tables of sides for each face of a block, of some 4 ns each
@@ -100,9 +99,10 @@ def _why(block: Block, failure: Exception) -> str:
     line, mend = f'block "{block.name}": not convex, and cannot be split into convex parts', "give it as convex blocks"
     size, off = _size(block), warp(block)
     reasons = [str(failure)] if isinstance(failure, _Unsplit) else []
-    if ON_PLANE * size < off < MOST_WARP * size:
+    if ON_PLANE * size < off < WARPED * size:
+        hull = "give its convex hull, " if _excess(block) < WARPED * size else ""
         flat = f"{1e3 * ON_PLANE * size:.2g} mm would count as flat"
-        reasons.append(f"its faces are warped by up to {1e3 * off:.3g} mm ({flat}); make them flat, give its convex hull, or {mend}")
+        reasons.append(f"its faces are warped by up to {1e3 * off:.3g} mm ({flat}); make them flat, {hull}or {mend}")
         return f"{line}: {', and '.join(reasons)}"
     return f"{line}: {', '.join(reasons) or 'its faces pass through each other, or make slivers'}; {mend}"
 
@@ -131,12 +131,15 @@ def halves(block: Block, normal: np.ndarray, offset: float) -> tuple[Block | Non
 
 def is_convex(block: Block) -> bool:
     """Whether no vertex lies outside the plane of any face, to the tolerance of :mod:`structures.geometry.checks`."""
+    return _excess(block) <= FLATNESS * _size(block)
+
+
+def _excess(block: Block) -> float:
+    """How far a vertex lies outside the plane of a face at most [m]."""
     normals, offsets = loop_planes([block.vertices[list(face)] for face in block.faces])
     some = max(1, TABLED // len(block.vertices))
-    return all(
-        bool((block.vertices @ normals[k : k + some].T - offsets[k : k + some]).max() <= FLATNESS * _size(block))
-        for k in range(0, len(normals), some)
-    )
+    portions = (slice(k, k + some) for k in range(0, len(normals), some))
+    return max(float((block.vertices @ normals[own].T - offsets[own]).max()) for own in portions)
 
 
 def _size(block: Block) -> float:
