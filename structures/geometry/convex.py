@@ -31,7 +31,7 @@ from structures.geometry.prism import box
 ON_PLANE = 1e-6  # relative to the size of the block: corners closer to a plane than this lie on it
 MOST_PARTS = 500  # a block that needs more is no stone but a scan
 MOST_FACES = 5_000  # of a block that is not convex: the tables of their sides take 50 MB
-WORK = 1_000_000  # entries of tables of sides for each face of a block, of some 4 ns each
+WORK = 500_000  # entries of tables of sides for each face of a block, of some 4 ns each
 FEW = 1_000  # faces: a block with fewer may take the work of these
 CUT = 250_000  # entries that take as long as cutting one cell
 FACE = 1_500  # entries that take as long as cutting one face of a cell
