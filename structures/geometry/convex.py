@@ -199,8 +199,8 @@ def _pieces_below(pieces: Pieces, normal: np.ndarray, offset: float, on: float, 
     heights = _heights(np.concatenate(pieces.loops), normal, offset)
     stays, crosses = np.minimum.reduceat(heights, start[:-1]) < -on, np.maximum.reduceat(heights, start[:-1]) > on
     stays[own] = False
-    loops = {int(k): pieces.loops[k] for k in np.flatnonzero(stays)}
-    for k in np.flatnonzero(stays & crosses):
+    loops = {k: pieces.loops[k] for k in np.flatnonzero(stays).tolist()}
+    for k in np.flatnonzero(stays & crosses).tolist():
         loops[k] = clip(pieces.loops[k], -heights[start[k] : start[k + 1]], on)
         if len(loops[k]) < 3 or loop_area(loops[k]) == 0.0:  # bounds nothing
             del loops[k]
