@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.errors import InputError, suggest
+from masonry_cd.files import read_bytes
 
 COMMENTS = ("#", "%", "//")
 
@@ -30,11 +31,13 @@ class Source:
         Raises:
             InputError: no such file, not readable, or an empty one.
         """
-        if not path.is_file():
-            near = suggest(path.name, (p.name for p in path.parent.iterdir())) if path.parent.is_dir() else ""
-            raise InputError(f"{label}: {'is a folder' if path.is_dir() else 'no such file' + near}")
         try:
-            data = path.read_bytes()
+            data = read_bytes(path, label)
+        except FileNotFoundError:
+            near = suggest(path.name, (p.name for p in path.parent.iterdir())) if path.parent.is_dir() else ""
+            raise InputError(f"{label}: no such file{near}") from None
+        except IsADirectoryError:
+            raise InputError(f"{label}: is a folder") from None
         except OSError as failure:
             raise InputError(f"{label}: cannot be read ({failure.strerror})") from None
         if b"\0" in data[:65536]:
