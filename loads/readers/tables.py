@@ -157,6 +157,11 @@ def _rows(source: Source, delimiter: str | None) -> tuple[list[list[float]], lis
         places.append(index)
     if sum(map(len, rows)) < 2:
         raise source.error("no lines of numbers")
+    for k, row in enumerate(rows):
+        if len(row) != len(rows[0]) and (k + 1 < len(rows) or len(row) > len(rows[0])):
+            raise source.error(
+                f"{len(row)} values, where the first line has {len(rows[0])}: all but the last line have to be full", places[k]
+            )
     return rows, places, text
 
 

@@ -23,9 +23,10 @@ ALIKE = 3.0  # largest over smallest spread of columns, and of neighbours by the
 
 def advances(values: np.ndarray) -> bool:
     """Whether values (n,) advance evenly, as times do."""
-    steps = np.diff(values)
-    usual = float(np.median(steps)) if len(steps) else 0.0
-    return len(values) >= FEWEST_ROWS and usual > 0.0 and bool((np.abs(steps - usual) <= EVEN * usual).all())
+    with np.errstate(over="ignore", invalid="ignore"):
+        steps = np.diff(values)
+        usual = float(np.median(steps)) if len(steps) else 0.0
+        return len(values) >= FEWEST_ROWS and usual > 0.0 and bool((np.abs(steps - usual) <= EVEN * usual).all())
 
 
 def times_of(table: np.ndarray) -> list[int]:
@@ -38,12 +39,13 @@ def in_reading_order(table: np.ndarray) -> bool:
     rows, width = table.shape
     if rows < FEWEST_ROWS or width < 2 or not np.isfinite(table).all():
         return False
-    spread = table.std(axis=0)
-    steps = np.diff(table.ravel())
-    across = np.array([_rms(steps[place::width]) for place in range(width)])
-    if spread.max() > ALIKE * spread.min() or across.max() > ALIKE * across.min():
-        return False
-    return bool(across.max() < CONTINUES * _rms(np.diff(table, axis=0)))
+    with np.errstate(over="ignore", invalid="ignore"):  # of numbers that no record has
+        spread = table.std(axis=0)
+        steps = np.diff(table.ravel())
+        across = np.array([_rms(steps[place::width]) for place in range(width)])
+        if spread.max() > ALIKE * spread.min() or across.max() > ALIKE * across.min():
+            return False
+        return bool(across.max() < CONTINUES * _rms(np.diff(table, axis=0)))
 
 
 def paired(table: np.ndarray) -> np.ndarray | None:

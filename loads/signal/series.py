@@ -64,9 +64,12 @@ def accelerations(raw: RawRecord, keys: Keys, where: str, path: str) -> tuple[np
         )
     if not SHORTEST <= raw.step <= LONGEST:
         raise InputError(f"{where}.path: {path}: a time step of {raw.step:.4g} s; records have {SHORTEST:g} to {LONGEST:g} s")
-    values = raw.values * size
-    for _ in range(DERIVATIVES[found]):
-        values = derivative(values, raw.step)
+    if len(raw.values) < 2:
+        raise InputError(f"{where}.path: {path}: {len(raw.values)} samples are no record")
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is beyond LARGEST
+        values = raw.values * size
+        for _ in range(DERIVATIVES[found]):
+            values = derivative(values, raw.step)
     worst = float(np.abs(values).max(initial=0.0))
     if not worst <= LARGEST:
         raise InputError(f"{where}.path: {path}: an acceleration of {worst:.4g} m/s2, at most {LARGEST:g} is taken")

@@ -132,6 +132,11 @@ def test_a_time_column_is_not_taken_for_values(tmp_path: Path) -> None:
             {"layout": "series", "time_step": STEP},
             'line 2: "abc" where a number belongs',
         ),
+        (
+            wrapped(QUAKE, 8).replace("  0.000", "", 1),
+            {"layout": "series", "time_step": STEP},
+            "line 2: 8 values, where the first line has 7",
+        ),
         (wrapped(QUAKE, 8), {"layout": "pairs"}, "the times of the pairs do not advance evenly"),
         (wrapped(QUAKE, 3), {"layout": "pairs"}, "line 1: an odd number of values"),
         (pairs(2), {"layout": "pairs", "time_step": STEP}, "the key time_step is given, but the pairs hold times"),
