@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -14,14 +13,6 @@ Density = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 Share = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Place = Annotated[float, Field(allow_inf_nan=False)]
 HeadShape = Literal["lintel", "flat", "segmental", "round"]
-
-
-def is_file(path: Path) -> bool:
-    """Whether there is such a file; no name that the system does not take is one."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
 
 
 class Table(BaseModel):

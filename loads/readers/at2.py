@@ -1,19 +1,22 @@
 """PEER AT2: four lines of heading, then the accelerations, several to a line.
 
-The third line names the unit (``... IN UNITS OF G``), the fourth the number of values and the step, either as
-``NPTS= 1560, DT= .02000 SEC`` or, in older files, as ``1560 .02000 NPTS, DT``.
+The third line names quantity and unit (``ACCELERATION TIME SERIES IN UNITS OF G``; VT2 and DT2 files hold velocities, displacements), the
+fourth the number of values and the step, either as ``NPTS= 1560, DT= .02000 SEC`` or, in older files, as ``1560 .02000 NPTS, DT``.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
+from loads.readers.quantity import Stated
 from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_keys
 
 COUNT_LINES = (
     re.compile(r"NPTS\s*=\s*([^\s,]+)\s*,?\s*DT\s*=\s*([^\s,]+?)(?:SEC)?(?=[\s,]|$)", re.IGNORECASE),
     re.compile(r"^\s*(\S+)\s+(\S+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
 )
+QUANTITY = re.compile(r"\b(ACCELERATION|VELOCITY|DISPLACEMENT)\b(?=.*\b(?:TIME|UNITS?|HISTORY|SERIES)\b)", re.IGNORECASE)
 HEADING = 10  # lines in which the count is looked for
 
 
@@ -26,7 +29,7 @@ def read(source: Source, request: Request) -> RawRecord:
     """Read the record.
 
     Raises:
-        InputError: no NPTS and DT, a step that is not positive, a file of velocities, text among the numbers, a wrong count.
+        InputError: no NPTS and DT, a step that is not positive, text among the numbers, a wrong count.
     """
     found = _count_line(source)
     if found is None:
@@ -34,9 +37,6 @@ def read(source: Source, request: Request) -> RawRecord:
     refuse_keys(source, request, "AT2")
     index, count, step = found
     heading = " ".join(source.lines[:index])
-    wrong = re.search(r"\b(VELOCITY|DISPLACEMENT)\s+TIME", heading, re.IGNORECASE)
-    if wrong:
-        raise source.error(f"a record of {wrong[1].lower()}, where one of acceleration is needed")
     points = source.number(count, index)
     h = source.number(step, index)
     if h <= 0.0:
@@ -44,9 +44,18 @@ def read(source: Source, request: Request) -> RawRecord:
     if points < 2 or points != int(points):
         raise source.error(f"NPTS must be a whole number above one, got {count}", index)
     values = source.stream(index + 1)
-    check_count(source, values, int(points), index)
-    unit = re.search(r"UNITS\s+(?:OF|ARE)\s+(\S+)", heading, re.IGNORECASE)
-    return RawRecord(values, h, 0.0, unit[1].strip(".,;") if unit else None)
+    check_count(source, values, points, index)
+    unit = re.search(r"UNITS?\s*(?:\s(?:OF|ARE)\s|[:=])\s*(\S+)", heading, re.IGNORECASE)
+    return RawRecord(values, h, 0.0, unit[1].strip(".,;()[]") if unit else None, stated=_stated(source.lines[:index]))
+
+
+def _stated(heading: Sequence[str]) -> Stated | None:
+    """What the record is of, by the line that names it: ``VELOCITY TIME SERIES IN UNITS OF CM/S``."""
+    for number, line in enumerate(heading, start=1):
+        found = QUANTITY.search(line)
+        if found:
+            return Stated(found[1].lower(), f"line {number}", firm=True)
+    return None
 
 
 def _count_line(source: Source) -> tuple[int, str, str] | None:

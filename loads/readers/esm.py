@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import re
 
+from loads.readers.quantity import Stated, of_channel
 from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_keys
+from loads.readers.units import UNITS
 
 KEY = re.compile(r"^([A-Z][A-Z0-9_/^]*):(.*)$")
 HEADING = 100  # lines in which the keys are looked for
@@ -23,7 +25,7 @@ def read(source: Source, request: Request) -> RawRecord:
     """Read the record.
 
     Raises:
-        InputError: a missing key, another quantity than acceleration, text among the numbers, a wrong count.
+        InputError: a missing key, a quantity that is no motion, text among the numbers, a wrong count.
     """
     heading = _heading(source)
     for key in ("SAMPLING_INTERVAL_S", "NDATA"):
@@ -34,14 +36,22 @@ def read(source: Source, request: Request) -> RawRecord:
     step = source.number(text, line)
     if step <= 0.0:
         raise source.error(f"the time step SAMPLING_INTERVAL_S must be above zero, got {step:g}", line)
-    line, quantity = heading.get("DATA_TYPE", (0, "ACCELERATION"))
-    if quantity.upper() not in ("ACCELERATION", ""):
-        raise source.error(f"a record of {quantity.lower()}, where one of acceleration is needed", line)
+    stated = _stated(source, heading)
     values = source.stream(max(index for index, _ in heading.values()) + 1)
     line, text = heading["NDATA"]
-    check_count(source, values, int(source.number(text, line)), line)
+    check_count(source, values, source.number(text, line), line)
     unit = heading.get("UNITS", (0, ""))[1]
-    return RawRecord(values, step, 0.0, unit or None, heading.get("STREAM", (0, ""))[1])
+    return RawRecord(values, step, 0.0, unit or None, heading.get("STREAM", (0, ""))[1], stated=stated)
+
+
+def _stated(source: Source, heading: dict[str, tuple[int, str]]) -> Stated | None:
+    """What the record is of, by the line DATA_TYPE, or by the channel where there is none."""
+    line, text = heading.get("DATA_TYPE", (0, ""))
+    if not text:
+        return of_channel(heading.get("STREAM", (0, ""))[1])
+    if text.lower() not in UNITS:
+        raise source.error(f"a record of {text.lower()}, where one of acceleration is needed", line)
+    return Stated(text.lower(), f"line {line + 1}, DATA_TYPE", firm=True)
 
 
 def _heading(source: Source) -> dict[str, tuple[int, str]]:

@@ -40,7 +40,7 @@ def read(source: Source, request: Request) -> RawRecord:
     factor, unit = _scale(source, *heading["Scale Factor"])
     values = source.stream(heading[LAST][0] + 1)
     line, text = heading["Duration Time(s)"]
-    check_count(source, values, round(source.number(text, line) * frequency), line)
+    check_count(source, values, source.number(text, line) * frequency, line)
     return RawRecord(factor * values, 1.0 / frequency, 0.0, unit, heading.get("Dir.", (0, ""))[1])
 
 

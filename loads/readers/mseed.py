@@ -1,7 +1,8 @@
 """miniSEED, the archive format of seismic networks, through obspy (the optional extra ``records``).
 
 A file holds channels of counts, or of physical values, and names neither unit nor calibration: those stand in the station's metadata. So
-the key ``units`` is needed, and ``calibration`` where the values are counts: acceleration = count * calibration, in ``units``. obspy
+the key ``units`` is needed, and ``calibration`` where the values are counts: motion = count * calibration, in ``units``. The code of the
+channel says whether the sensor follows the acceleration or the velocity. obspy
 keeps a factor of its own (``calib``, 1 unless another program set it) and does not apply it; a calibration is applied once, here.
 """
 
@@ -15,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from loads.readers.source import RawRecord, Reader, Request, Source
+from loads.readers.quantity import of_channel
+from loads.readers.source import RawRecord, Reader, Request, Source, refuse_layout
 from masonry_cd.errors import suggest
 
 BEGINNINGS = (re.compile(rb"\d{6}[DRQM][ \0]"), re.compile(rb"MS\x03"))  # of files of version 2 and 3
@@ -34,6 +36,7 @@ def read(source: Source, request: Request) -> RawRecord:
     """
     if request.time_step is not None:
         raise source.error("the key time_step does not apply to miniSEED files, whose header gives it")
+    refuse_layout(source, request, "miniSEED")
     if not recognises(source):
         raise source.error("not a miniSEED file")
     traces = _channel(source, _open(source), request.column)
@@ -50,7 +53,9 @@ def read(source: Source, request: Request) -> RawRecord:
     if bad.size:
         raise source.error(f"sample {bad[0] + 1} of {traces[0].id} is not a finite number")
     factor = 1.0 if request.calibration is None else request.calibration
-    return RawRecord(factor * values, float(first.delta), 0.0, None, traces[0].id)
+    counts = request.calibration is None and all(np.issubdtype(np.asarray(trace.data).dtype, np.integer) for trace in traces)
+    stated = of_channel(traces[0].id.rpartition(".")[2])
+    return RawRecord(factor * values, float(first.delta), 0.0, None, traces[0].id, stated=stated, counts=counts)
 
 
 def _open(source: Source) -> list[Any]:

@@ -10,7 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from loads.readers.quantity import Stated
 from masonry_cd.errors import InputError, suggest
+from masonry_cd.files import read_bytes
 
 COMMENTS = ("#", "%", "//")
 
@@ -30,11 +32,13 @@ class Source:
         Raises:
             InputError: no such file, not readable, or an empty one.
         """
-        if not path.is_file():
-            near = suggest(path.name, (p.name for p in path.parent.iterdir())) if path.parent.is_dir() else ""
-            raise InputError(f"{label}: {'is a folder' if path.is_dir() else 'no such file' + near}")
         try:
-            data = path.read_bytes()
+            data = read_bytes(path, label)
+        except FileNotFoundError:
+            near = suggest(path.name, (p.name for p in path.parent.iterdir())) if path.parent.is_dir() else ""
+            raise InputError(f"{label}: no such file{near}") from None
+        except IsADirectoryError:
+            raise InputError(f"{label}: is a folder") from None
         except OSError as failure:
             raise InputError(f"{label}: cannot be read ({failure.strerror})") from None
         if b"\0" in data[:65536]:
@@ -78,6 +82,7 @@ class Request:
     column: str | int | None = None
     time_step: float | None = None  # [s]
     calibration: float | None = None  # what one count of a digitiser means, in the key units
+    layout: str | None = None  # of a table of numbers: "columns", "series" or "pairs"
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +95,8 @@ class RawRecord:
     unit: str | None  # as written in the file
     name: str = ""  # of the column or component
     column: int | None = None  # its place in a table, counted from 0
+    stated: Stated | None = None  # what the file says the values are, beside their unit
+    counts: bool = False  # of a digitiser, whose meaning the file does not give
 
 
 class Reader(NamedTuple):
@@ -100,11 +107,11 @@ class Reader(NamedTuple):
     loose: bool = False  # recognises much, so that it is asked last
 
 
-def check_count(source: Source, values: np.ndarray, announced: int, index: int) -> None:
-    """Raise unless the file holds as many values as its header announces."""
-    if len(values) != announced:
+def check_count(source: Source, values: np.ndarray, announced: float, index: int) -> None:
+    """Raise unless the file holds as many values as its header announces, which may be any number."""
+    if abs(len(values) - announced) > 0.5:
         what = "cut short" if len(values) < announced else "longer than it says"
-        raise source.error(f"the header announces {announced} values, the file holds {len(values)}: {what}", index)
+        raise source.error(f"the header announces {announced:.10g} values, the file holds {len(values)}: {what}", index)
 
 
 def refuse_keys(source: Source, request: Request, kind: str) -> None:
@@ -112,8 +119,15 @@ def refuse_keys(source: Source, request: Request, kind: str) -> None:
     if request.column is not None:
         raise source.error(f"the key column does not apply to {kind} files, which hold one component")
     refuse_calibration(source, request, kind)
+    refuse_layout(source, request, kind)
     if request.time_step is not None:
         raise source.error(f"the key time_step does not apply to {kind} files, whose header gives it")
+
+
+def refuse_layout(source: Source, request: Request, kind: str) -> None:
+    """Raise where the user gives the layout of a table for a format that fixes it."""
+    if request.layout is not None:
+        raise source.error(f"the key layout does not apply to {kind} files, only to tables of numbers")
 
 
 def refuse_calibration(source: Source, request: Request, kind: str) -> None:

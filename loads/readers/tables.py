@@ -1,7 +1,8 @@
 """Tables of numbers: CSV (comma, semicolon or tab) and columns separated by blanks, with or without a heading.
 
 The heading names the columns and their units (``time_s,ns_m_s2`` or ``# time [s]  acc [g]``); it may be a comment. The time column is
-the one called time or t; without a heading it is the first of several. A single column needs the key time_step.
+the one called time or t, of several the nearest to the left of the values; without a heading it is the first of several. A single column
+needs the key time_step. A table that could be one series in reading order is refused, until the key layout decides.
 """
 
 from __future__ import annotations
@@ -10,9 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from loads.readers.quantity import Stated, named, of_comments
 from loads.readers.source import COMMENTS, RawRecord, Reader, Request, Source, refuse_calibration
 from loads.readers.units import TIME, split_heading
+from loads.readers.wrapped import FEWEST_ROWS, advances, filled, in_reading_order, paired, times_of
 from masonry_cd.errors import suggest
+from masonry_cd.fields import finite_number
 
 IRREGULAR = 0.2  # of a step: times written with few digits (1/128 s as 0.008) stay below, a missing line does not
 DELIMITERS = (";", "\t", ",")
@@ -70,9 +74,12 @@ def _read(source: Source, request: Request, delimiter: str | None) -> RawRecord:
         InputError: text among the numbers, a row of another width, an unknown column, a time column that does not advance evenly.
     """
     refuse_calibration(source, request, "text")
+    if request.layout in ("series", "pairs"):
+        return _read_wrapped(source, request, delimiter)
     layout = _layout(source, delimiter)
-    time = _time_column(source, layout, request)
-    column = _value_column(source, layout, time, request)
+    times = _time_columns(source, layout, request)
+    column = _value_column(source, layout, times, request)
+    time = max((c for c in times if c < column), default=times[0]) if times else None
     wanted = [column] if time is None else [column, time]  # the others may hold anything
     rows, places = [], []
     for index, line in source.content():
@@ -87,12 +94,111 @@ def _read(source: Source, request: Request, delimiter: str | None) -> RawRecord:
     if len(table) < 2:
         raise source.error(f"{len(table)} rows of numbers are no record")
     unit = split_heading(layout.headings[column])[1] if layout.headings else None
+    stated = _stated(source, layout, column)
     if time is None:
         assert request.time_step is not None
-        return RawRecord(table[:, 0], request.time_step, 0.0, unit, layout.name(column), column)
+        return RawRecord(table[:, 0], request.time_step, 0.0, unit, layout.name(column), column, stated)
     factor = _time_factor(source, layout, time)
     step = factor * _even_step(source, table[:, 1], places)
-    return RawRecord(table[:, 0], step, factor * float(table[0, 1]), unit, layout.name(column), column)
+    return RawRecord(table[:, 0], step, factor * float(table[0, 1]), unit, layout.name(column), column, stated)
+
+
+def _stated(source: Source, layout: Layout, column: int) -> Stated | None:
+    """What the column is of, by its heading, or else by the comments."""
+    heading = layout.headings[column] if layout.headings else ""
+    if quantity := named(heading):
+        return Stated(quantity, f'the column "{heading}"', firm=True)
+    return of_comments(line for line in source.lines[: layout.first] if line.lstrip().startswith(COMMENTS))
+
+
+def _read_wrapped(source: Source, request: Request, delimiter: str | None) -> RawRecord:
+    """Read one series, or (time, value) pairs, several to a line; lines of text above them are passed over.
+
+    Raises:
+        InputError: text among the numbers, keys that do not apply, no step, pairs that are no record.
+    """
+    if request.column is not None:
+        raise source.error(f'the key column does not apply to layout = "{request.layout}", which is one series')
+    rows, places, text = _rows(source, delimiter)
+    stated = of_comments(text)
+    if request.layout == "series":
+        table = filled(rows)
+        if len(table) >= FEWEST_ROWS and table.shape[1] > 2 and advances(table[:, 0]):
+            raise source.error(
+                "each line begins with its time: such series are not read; write them as time and value, or without the times"
+            )
+        if request.time_step is None:
+            raise source.error("no times in the series; give the key time_step, in seconds")
+        return RawRecord(np.array([value for row in rows for value in row]), request.time_step, 0.0, None, stated=stated)
+    if request.time_step is not None:
+        raise source.error("the key time_step is given, but the pairs hold times")
+    odd = next((place for row, place in zip(rows, places, strict=True) if len(row) % 2), None)
+    if odd is not None:
+        raise source.error("an odd number of values, where (time, value) pairs belong", odd)
+    flat = np.array([value for row in rows for value in row]).reshape(-1, 2)
+    found = flat if advances(flat[:, 0]) else paired(filled(rows))
+    if found is None:
+        raise source.error("the times of the pairs do not advance evenly, neither along the lines nor down the columns")
+    step = float(found[-1, 0] - found[0, 0]) / (len(found) - 1)
+    return RawRecord(found[:, 1], step, float(found[0, 0]), None, stated=stated)
+
+
+def _rows(source: Source, delimiter: str | None) -> tuple[list[list[float]], list[int], list[str]]:
+    """The numbers line by line, the indices of these lines, and the text above them."""
+    rows, places, text = [], [], [line for line in source.lines if line.lstrip().startswith(COMMENTS)]
+    for index, line in source.content():
+        fields = _split(line, delimiter)
+        while delimiter is not None and fields and not fields[-1]:
+            fields.pop()  # the line ends with a delimiter
+        if not rows and not all(_is_number(_decimal(field, delimiter)) for field in fields):
+            text.append(line)
+            continue
+        rows.append([source.number(_decimal(field, delimiter), index) for field in fields])
+        places.append(index)
+    if sum(map(len, rows)) < 2:
+        raise source.error("no lines of numbers")
+    for k, row in enumerate(rows):
+        if len(row) != len(rows[0]) and (k + 1 < len(rows) or len(row) > len(rows[0])):
+            raise source.error(
+                f"{len(row)} values, where the first line has {len(rows[0])}: all but the last line have to be full", places[k]
+            )
+    return rows, places, text
+
+
+def _table(source: Source, layout: Layout) -> np.ndarray:
+    """All numbers of a table (n, w), nan where a field is none; none where a line above the last is of another width."""
+    rows = []
+    for index, line in source.content():
+        if index >= layout.first:
+            fields = (_decimal(field, layout.delimiter) for field in layout.split(line))
+            rows.append([finite_number(field) or 0.0 if _is_number(field) else np.nan for field in fields])
+    if not rows or any(len(row) != layout.width for row in rows[:-1]) or len(rows[-1]) > layout.width:
+        return np.empty((0, layout.width))
+    return filled(rows)
+
+
+def _refuse_two_ways(source: Source, layout: Layout, table: np.ndarray, times: list[int], request: Request) -> None:
+    """Raise where a table could be read in two ways and the user has not said which."""
+    if request.layout is not None:
+        return
+    by_columns = '"columns" each column by itself'
+    if paired(table) is not None:
+        raise source.error(
+            f'(time, value) pairs side by side that could be one record; the key layout decides: "pairs" reads it as one, {by_columns}'
+        )
+    plain = not any(split_heading(heading)[1] or named(heading) for heading in layout.headings)
+    if not plain or layout.width < 2:
+        return
+    if not times and in_reading_order(table):
+        raise source.error(
+            f"{layout.width} columns that could be one series, {layout.width} values a line; the key layout decides: "
+            f'"series" reads it in reading order, {by_columns}'
+        )
+    if times == [0] and layout.width > 2 and in_reading_order(table[:, 1:]):
+        raise source.error(
+            f"{layout.width - 1} columns behind the times that could be one series, its time at the head of each line; write it as time "
+            'and value, or take layout = "columns" where they are columns'
+        )
 
 
 def _layout(source: Source, delimiter: str | None) -> Layout:
@@ -102,12 +208,14 @@ def _layout(source: Source, delimiter: str | None) -> Layout:
         raise source.error("no line of numbers")
     index, line = content[0]
     fields = _split(line, delimiter)
-    if not any(_is_number(_decimal(field, delimiter)) for field in fields):
+    numbers = [_is_number(_decimal(field, delimiter)) for field in fields]
+    width = len(_split(content[1][1], delimiter)) if len(content) > 1 else len(fields)
+    if not all(numbers) and width != len(fields):
+        advice = '; layout = "series" reads one series of several values a line'
+        raise source.error(f"{width} columns below a heading of {len(fields)}{advice}", content[1][0])
+    if not any(numbers):
         if len(content) < 2:
             raise source.error("no line of numbers below the heading")
-        width = len(_split(content[1][1], delimiter))
-        if width != len(fields):
-            raise source.error(f"{width} columns below a heading of {len(fields)}", content[1][0])
         return Layout(delimiter, content[1][0], tuple(fields), width)
     return Layout(delimiter, index, _heading_in_comment(source, index, delimiter, len(fields)), len(fields))
 
@@ -124,23 +232,28 @@ def _heading_in_comment(source: Source, first: int, delimiter: str | None, width
     return ()
 
 
-def _time_column(source: Source, layout: Layout, request: Request) -> int | None:
-    """Index of the time column; None when the step is given by key."""
-    named = [c for c, heading in enumerate(layout.headings) if _names_time(heading)]
+def _time_columns(source: Source, layout: Layout, request: Request) -> list[int]:
+    """The columns of times; none when the step is given by key."""
+    headed = [c for c, heading in enumerate(layout.headings) if _names_time(heading)]
+    table = _table(source, layout) if layout.width > 1 and (not headed or len(headed) > 1) else np.empty((0, layout.width))
+    even = times_of(table)
+    _refuse_two_ways(source, layout, table, even, request)
     if request.time_step is not None:
-        if named:
-            raise source.error(f'the key time_step is given, but the file has a column "{layout.headings[named[0]]}"')
-        return None
-    if named:
-        return named[0]
+        if headed:
+            raise source.error(f'the key time_step is given, but the file has a column "{layout.headings[headed[0]]}"')
+        if even and not layout.headings and request.column in (None, *even):
+            raise source.error(f"the key time_step is given, but column {even[0]} advances evenly, as times do")
+        return []
+    if headed:
+        return headed
     if layout.headings or layout.width == 1:
         raise source.error("no time column; give the key time_step, in seconds")
-    return 0
+    return [0, *(c for c in even if c > 0)] if len(even) < layout.width else [0]
 
 
-def _value_column(source: Source, layout: Layout, time: int | None, request: Request) -> int:
+def _value_column(source: Source, layout: Layout, times: list[int], request: Request) -> int:
     """Index of the column that the user asks for."""
-    choices = [c for c in range(layout.width) if c != time]
+    choices = [c for c in range(layout.width) if c not in times]
     named = [layout.headings[c].strip() if layout.headings else str(c) for c in choices]
     listed = "columns: " + ", ".join(named) if layout.headings else f"columns are counted from 0: {', '.join(named)}"
     asked = request.column
@@ -151,7 +264,7 @@ def _value_column(source: Source, layout: Layout, time: int | None, request: Req
     if isinstance(asked, int):
         if asked in choices:
             return asked
-        raise source.error(f"column {asked} {'is the time' if asked == time else 'is not there'}; {listed}")
+        raise source.error(f"column {asked} {'is the time' if asked in times else 'is not there'}; {listed}")
     word = asked.strip().lower()
     whole = [c for c, name in zip(choices, named, strict=True) if name.lower() == word]
     bare = [c for c in choices if layout.name(c).lower() == word]

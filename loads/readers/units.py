@@ -1,4 +1,4 @@
-"""Units of acceleration as record files write them, and their size in m/s2. A record in an unknown unit is refused, never guessed."""
+"""Units of motion as record files write them, and their size in SI. A record in an unknown unit is refused, never guessed."""
 
 from __future__ import annotations
 
@@ -13,6 +13,10 @@ ACCELERATION = {
     "gal": 0.01,
     "g": STANDARD_GRAVITY,
 }
+VELOCITY = {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001, "kine": 0.01}
+DISPLACEMENT = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+UNITS = {"acceleration": ACCELERATION, "velocity": VELOCITY, "displacement": DISPLACEMENT}
+SUFFIX = "m_s2|cm_s2|mm_s2|m/s2|cm/s2|mm/s2|m_s|cm_s|mm_s|m/s|cm/s|mm/s|gal|kine|g|cm|mm|m|s|sec|ms"  # of a heading, after "_"
 TIME = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3}
 
 
@@ -24,12 +28,21 @@ def plain(unit: str) -> str:
     match = re.fullmatch(r"(m|cm|mm)(?:/s/s|/s2|_s2|[ .*]?s-2|/\(s2\))", word)
     if match:
         return f"{match[1]}/s2"
-    return {"gals": "gal", "g's": "g", "gn": "g"}.get(word, word)
+    match = re.fullmatch(r"(m|cm|mm)(?:/s|_s|[ .*]?s-1|/\(s\))", word)
+    if match:
+        return f"{match[1]}/s"
+    return {"gals": "gal", "g's": "g", "gn": "g", "kines": "kine"}.get(word, word)
 
 
 def acceleration_unit(unit: str) -> float | None:
     """Size of a unit of acceleration in m/s2, None where it is not known."""
     return ACCELERATION.get(plain(unit))
+
+
+def measured_by(unit: str) -> tuple[str, float] | None:
+    """Which quantity a unit is one of, and its size in SI; None where it is not known."""
+    word = plain(unit)
+    return next(((quantity, sizes[word]) for quantity, sizes in UNITS.items() if word in sizes), None)
 
 
 def split_heading(heading: str) -> tuple[str, str | None]:
@@ -38,7 +51,10 @@ def split_heading(heading: str) -> tuple[str, str | None]:
     bracket = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\])]+)\s*[\])]", heading)
     if bracket:
         return bracket[1].strip(), bracket[2].strip()
-    suffix = re.fullmatch(r"(.+?)_(m_s2|cm_s2|mm_s2|m/s2|cm/s2|mm/s2|gal|g|s|sec|ms)", heading, re.IGNORECASE)
+    suffix = re.fullmatch(rf"(.+?)_({SUFFIX})", heading, re.IGNORECASE)
     if suffix:
         return suffix[1], suffix[2]
+    name, _, last = heading.rpartition(" ")
+    if name and len(last) > 1 and measured_by(last):  # not of one letter: "sensor g", "acc m"
+        return name.rstrip(" ,"), last
     return heading, None

@@ -1,6 +1,6 @@
 """From a file to a motion: an accelerogram is read, cut, cleaned, integrated and its baseline corrected, in this order:
 
-    read (units) -> window -> mean off, taper -> resampling -> band-pass -> integration -> baseline correction
+    read (units) -> accelerations -> window -> mean off, taper -> resampling -> band-pass -> integration -> baseline correction
 
 Steps that are not asked for are left out. The mean is taken off only where a taper or a band-pass would turn an offset of the instrument
 into a pulse, and not when the baseline is to be left as it is. Integration is exact (``loads.signal.baseline``).
@@ -8,7 +8,8 @@ into a pulse, and not when the baseline is to be left as it is. Integration is e
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -17,14 +18,15 @@ from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
 from loads.motion import describe, strict
 from loads.readers import RawRecord, Request, Source, read
-from loads.readers.units import ACCELERATION, acceleration_unit
 from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.filters import band_pass, resample, taper_factors
-from loads.signal.intensity import in_words, intensity
+from loads.signal.intensity import arias, in_words, intensity
+from loads.signal.series import Keys, accelerations
 from masonry_cd.errors import InputError
 from masonry_cd.fields import Instant, is_number
 
 FEWEST = 8  # samples
+OFFSET = 0.02  # of the PGA: means of sound records stay below, also of windows with some shaking left at their ends
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -81,7 +83,11 @@ class Accelerogram(BaseModel):
     column: Column = None
     """Of a file with several: its heading, or its place counted from 0; the channel of miniSEED."""
     units: str | None = None
-    """Of the accelerations, where the file does not say, as "m/s2" or "g"."""
+    """Of the values, where the file does not say, as "m/s2" or "g"."""
+    quantity: Literal["acceleration", "velocity", "displacement"] | None = None
+    """Of the values, where they are no accelerations, which are then made of them, or where the file leaves it open."""
+    layout: Literal["columns", "series", "pairs"] | None = None
+    """Of a table of numbers that could be read in several ways: side by side, or one series, or (time, value) pairs, several to a line."""
     calibration: Annotated[float, Field(gt=0.0)] | None = None
     """What one count means, in units; miniSEED only."""
     time_step: Positive | None = None
@@ -109,14 +115,33 @@ class Processed:
     begin: float  # time of the first sample, in the record's own time [s]
     format: str
     column: str
+    quantity: str = "acceleration"  # of the samples of the file
 
     def scaled(self, factor: float) -> Processed:
         """Both motions times a factor."""
-        return Processed(self.before.scaled(factor), self.after.scaled(factor), self.begin, self.format, self.column)
+        return replace(self, before=self.before.scaled(factor), after=self.after.scaled(factor))
+
+    @cached_property
+    def about_mean(self) -> History:
+        """The window as it was read, without its mean: instruments and digitisers have an offset, which is no motion."""
+        values = self.before.acceleration
+        return integrate(values - values.mean(), self.before.step)
+
+    def offset(self) -> dict[str, float] | None:
+        """The mean [m/s2] where it counts, with PGA [m/s2] and Arias intensity [m/s] without it."""
+        mean = float(self.before.acceleration.mean())
+        level = self.about_mean
+        peak = level.numbers()["pga"]
+        if abs(mean) <= OFFSET * peak:
+            return None
+        return {"mean": mean, "pga": peak, "arias": float(arias(level)[-1])}
 
     def numbers(self) -> dict[str, Any]:
         """What goes into the summary."""
+        offset = self.offset()
         return {
+            **({} if self.quantity == "acceleration" else {"quantity": self.quantity}),
+            **({} if offset is None else {"offset": offset}),
             "format": self.format,
             "column": self.column,
             "window": [self.begin, self.begin + self.after.duration],
@@ -159,14 +184,15 @@ def process(table: Accelerogram, folder: Path, dt: float, where: str) -> Process
     """
     label = f"{where}.path: {table.path}"
     source = Source.open(folder / table.path, label)
-    name, raw = read(source, table.format, Request(table.column, table.time_step, table.calibration))
-    values, begin = _cut(raw.values * _unit(table, raw, where), raw, table, where)
+    name, raw = read(source, table.format, Request(table.column, table.time_step, table.calibration, table.layout))
+    whole, quantity = accelerations(raw, Keys(table.quantity, table.units, table.calibration), where, table.path)
+    values, begin = _cut(whole, raw, table, where)
     if not values.any():
         raise InputError(f"{label}: the record is zero throughout")
     before = integrate(values, raw.step)
     cleaned, step = _clean(values, raw.step, table, dt, where)
     after = correct(integrate(cleaned, step), ORDERS[table.correction])
-    return Processed(before, after, begin, name, raw.name)
+    return Processed(before, after, begin, name, raw.name, quantity)
 
 
 def _clean(values: np.ndarray, step: float, table: Accelerogram, dt: float, where: str) -> tuple[np.ndarray, float]:
@@ -197,30 +223,29 @@ def size_factor(scale: float | None, target_pga: float | None, peak: float) -> f
 
 
 def describe_both(where: str, processed: Processed, correction: str) -> list[str]:
-    """Peaks before and after on two lines, intensity and duration on a third."""
+    """Peaks before and after on two lines, intensity and duration on a third; what the mean adds where it counts."""
     numbers = processed.numbers()
     before, after = numbers["before"], numbers["after"]
-    lines = [f"{where}   before correction:    {describe(before)}"]
+    lines = []
+    if processed.quantity != "acceleration":
+        lines.append(
+            f"{where}   a record of {processed.quantity}, differentiated {'once' if processed.quantity == 'velocity' else 'twice'}"
+        )
+    lines.append(f"{where}   before correction:    {describe(before)}")
+    if "offset" in numbers:
+        lines.append(f"{where}   {_without(numbers['offset'], before)}")
     if correction != "none":
         lines.append(f"{where}   {correction + ' correction:':21} {describe(after)}")
     lines.append(f"{where}   {in_words(after)}")
     return lines
 
 
-def _unit(table: Accelerogram, raw: RawRecord, where: str) -> float:
-    """Size of the record's unit in m/s2."""
-    given = None if table.units is None else acceleration_unit(table.units)
-    known = ", ".join(ACCELERATION)
-    if table.units is not None and given is None:
-        raise InputError(f'{where}.units: unknown unit "{table.units}"; known: {known}')
-    written = None if raw.unit is None else acceleration_unit(raw.unit)
-    if given is not None and written is not None and not np.isclose(given, written):
-        raise InputError(f'{where}.units: "{table.units}", but {table.path} says "{raw.unit}"; leave the key out or correct the file')
-    found = given if given is not None else written
-    if found is None:
-        says = f'says "{raw.unit}", which is no known unit' if raw.unit else "does not name its unit"
-        raise InputError(f"{where}.units: missing, and {table.path} {says}; give one of {known}")
-    return found
+def _without(offset: dict[str, float], before: dict[str, float]) -> str:
+    """PGA and Arias intensity with and without the mean."""
+    return (
+        f"mean {offset['mean']:.4g} m/s2: PGA {before['pga']:.4g} m/s2 with it, {offset['pga']:.4g} without it; "
+        f"Arias intensity {before['arias']:.4g} m/s with it, {offset['arias']:.4g} without it"
+    )
 
 
 def _cut(acceleration: np.ndarray, raw: RawRecord, table: Accelerogram, where: str) -> tuple[np.ndarray, float]:

@@ -8,10 +8,11 @@ from __future__ import annotations
 import numpy as np
 
 from loads.motion import STANDARD_GRAVITY
-from loads.signal.accelerogram import Processed
+from loads.signal.accelerogram import OFFSET, Processed
 
 STRONG = 2.0  # [g]; few records of the world reach it
 CHANGED = 0.1  # share of PGV or PGD that a correction may change
+SLOW = 0.1  # step [s]; networks sample at 0.02 s and below
 END_SHARE = 0.02  # of the samples, at either end
 SHAKING = 0.1  # of the PGA: a root mean square at an end above it is no rest
 
@@ -25,12 +26,13 @@ def too_strong(pga: float, where: str, cause: str) -> list[str]:
 def doubts(processed: Processed, correction: str, where: str) -> list[str]:
     """Lines on a record as it is used, and on what its correction did."""
     lines = too_strong(processed.after.numbers()["pga"], where, "are units, scale and target_pga (in m/s2) those of the file?")
-    return [*lines, *_cut_off(processed, where), *_made_anew(processed, correction, where)]
+    lines += [*_slow(processed, where), *_cut_off(processed, where)]
+    return [*lines, *_made_anew(processed, correction, where), *_keeps_offset(processed, correction, where)]
 
 
 def _cut_off(processed: Processed, where: str) -> list[str]:
     """Whether the motion begins or ends while the ground shakes."""
-    values = processed.before.acceleration
+    values = processed.about_mean.acceleration
     some, peak = max(3, round(END_SHARE * len(values))), float(np.abs(values).max())
     ends = (("begins", values[:some]), ("ends", values[-some:]))
     found = [(word, float(np.sqrt(np.mean(part**2))) / peak) for word, part in ends]
@@ -43,18 +45,38 @@ def _cut_off(processed: Processed, where: str) -> list[str]:
 
 
 def _made_anew(processed: Processed, correction: str, where: str) -> list[str]:
-    """Whether the correction of the baseline has changed what it should leave alone."""
+    """Whether the correction of the baseline has changed what it should leave alone: other than the offset that is a mean."""
     if correction == "none":
         return []
-    before, after = processed.before.numbers(), processed.after.numbers()
-    changes = [
-        f"{name.upper()} from {before[name]:.3g} to {after[name]:.3g} {unit}"
-        for name, unit in (("pgv", "m/s"), ("pgd", "m"))
-        if abs(after[name] - before[name]) > CHANGED * before[name]
-    ]
+    raw, level, after = processed.before.numbers(), processed.about_mean.numbers(), processed.after.numbers()
+    changes = []
+    for name, unit in (("pgv", "m/s"), ("pgd", "m")):
+        nearest = min(raw[name], level[name], key=lambda value: abs(value - after[name]))
+        if abs(after[name] - nearest) > CHANGED * nearest:
+            changes.append(f"{name.upper()} from {nearest:.3g} to {after[name]:.3g} {unit}")
     if not changes:
         return []
     return [
-        f"{where} the {correction} correction changes {' and '.join(changes)}: the record drifts (it would end at "
-        f"{before['end_velocity']:.2g} m/s), as raw or cut ones do; look at it with masonry-cd record, and try window, band or taper"
+        f"{where} the {correction} correction changes {' and '.join(changes)}, with or without the mean of the record: it drifts, "
+        "as raw or cut ones do; look at it with masonry-cd record, and try window, band or taper"
     ]
+
+
+def _keeps_offset(processed: Processed, correction: str, where: str) -> list[str]:
+    """Whether an offset of the instrument is left in what is used."""
+    offset = processed.offset() if correction == "none" else None
+    mean = abs(float(processed.after.acceleration.mean()))
+    if offset is None or mean <= OFFSET * offset["pga"]:
+        return []
+    return [
+        f'{where} correction "none" keeps a mean of {mean:.3g} m/s2, as the offset of an instrument, in PGA, Arias intensity and the '
+        f"motion of the base: PGA {processed.after.numbers()['pga']:.4g} m/s2, {offset['pga']:.4g} without it"
+    ]
+
+
+def _slow(processed: Processed, where: str) -> list[str]:
+    """Whether the samples are so far apart that their time is likely in another unit."""
+    step = processed.before.step
+    if step <= SLOW:
+        return []
+    return [f"{where} its samples are {step:g} s apart, which holds no shaking above {0.5 / step:.3g} Hz: are its times in seconds?"]

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.errors import InputError
+from masonry_cd.files import read_bytes
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
@@ -80,7 +81,7 @@ def paths_of(value: Any) -> Iterator[str]:
 def _read(path: Path) -> bytes:
     """The bytes of a file."""
     try:
-        return path.read_bytes()
+        return read_bytes(path)
     except OSError as failure:
         raise InputError(f"{path}: cannot be read ({failure.strerror})") from None
 

@@ -11,6 +11,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from masonry_cd import files
 from masonry_cd.errors import InputError
 
 SLIPS = (  # common ones in the value of a key, and their remedies
@@ -26,7 +27,7 @@ SLIPS = (  # common ones in the value of a key, and their remedies
 def read_text(path: Path) -> str:
     """The text of a file, or one line on why there is none."""
     try:
-        return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a mark of its encoding
+        return files.read_text(path, encoding="utf-8-sig")  # some editors begin a file with a mark of its encoding
     except FileNotFoundError:
         raise InputError(f"{path}: no such scene file") from None
     except IsADirectoryError:

@@ -26,6 +26,7 @@ from scipy.sparse.linalg import splu
 
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError, suggest
+from masonry_cd.files import is_file
 from masonry_cd.friction.local_blocks import block_arrays, contact_pattern
 from masonry_cd.friction.local_operators import is_definite
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem
@@ -50,7 +51,7 @@ def read_problem(path: Path | str) -> Problem:
             unsymmetric or indefinite. The line names the file and the array.
     """
     path = Path(path)
-    if not path.is_file():
+    if not is_file(path):
         raise InputError(f"{path}: {'is a folder, not a friction problem' if path.is_dir() else 'no such file'}")
     if path.suffix == ".npz":
         return _read_npz(path)

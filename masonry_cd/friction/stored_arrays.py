@@ -5,6 +5,7 @@ What a file announces is checked before memory is taken for it. Links to other f
 
 from __future__ import annotations
 
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -15,8 +16,10 @@ import h5py
 import numpy as np
 
 from masonry_cd.errors import InputError
+from masonry_cd.files import size_of_regular
 
 MOST = 16e9  # bytes of all arrays of a file: problems of millions of contacts
+NO_ZIP = (zipfile.BadZipFile, zlib.error, SyntaxError, RecursionError, tokenize.TokenError)  # the last of the header of a member
 BROKEN = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError, EOFError, OverflowError, MemoryError, NotImplementedError)
 
 
@@ -27,13 +30,15 @@ def npz_arrays(path: Path) -> dict[str, np.ndarray]:
         InputError: no such file, one that is damaged, or arrays of objects or beyond ``MOST``.
     """
     try:
+        if not size_of_regular(path):
+            raise EOFError("the file is empty")
         with zipfile.ZipFile(path) as entries:
             _check_size(path, float(sum(entry.file_size for entry in entries.infolist())))
         with np.load(path, allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
     except InputError:
         raise
-    except (*BROKEN, zipfile.BadZipFile, zlib.error, SyntaxError, RecursionError) as failure:
+    except (*BROKEN, *NO_ZIP) as failure:
         raise InputError(f"{path}: no .npz file that can be read ({_reason(failure)})") from None
 
 
@@ -45,6 +50,8 @@ def open_hdf5(path: Path) -> Iterator[h5py.File]:
         InputError: also those of the body.
     """
     try:
+        if not size_of_regular(path):
+            raise EOFError("the file is empty")
         with h5py.File(path, "r") as file:
             yield file
     except InputError:

@@ -18,6 +18,7 @@ import numpy as np
 
 from masonry_cd.atomic import part_of, replacing
 from masonry_cd.errors import InputError
+from masonry_cd.files import size_of_regular
 
 NAME = "checkpoint.npz"
 FORMAT = 11  # of what a stepper writes and of the results beside it; raised when what they hold changes
@@ -62,6 +63,8 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     if not path.exists():
         raise InputError(f"{path}: {NOTHING}")
     try:
+        if not size_of_regular(path):
+            raise EOFError("the file is empty")
         with np.load(path, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files if name not in ("numbers", "checksum")}
             text = str(stored["numbers"])

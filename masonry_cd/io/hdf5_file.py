@@ -22,6 +22,7 @@ from typing import Any
 import h5py
 
 from masonry_cd.errors import InputError
+from masonry_cd.files import size_of_regular
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SUPERBLOCK = struct.Struct("<8s4B4QI")  # signature, version, sizes, marks; base, extension, end of file, root; checksum
@@ -109,13 +110,15 @@ def open_to_read(path: Path) -> tuple[h5py.File, bool]:
         InputError: no HDF5 file, one that is cut off, or damaged so that it does not open.
     """
     try:
+        if not size_of_regular(path):
+            raise EOFError
         source = _Source(path)
         return h5py.File(source, "r"), source.written
     except Cut:
         raise InputError(f"{path}: cut off: parts of the file are missing, as after a copy that broke") from None
     except IsADirectoryError:
         raise InputError(f"{path}: is a folder, no file") from None
-    except (OSError, RuntimeError, ValueError, KeyError) as reason:
+    except (OSError, EOFError, RuntimeError, ValueError, KeyError) as reason:
         if isinstance(reason, InputError | PermissionError):
             raise
         raise InputError(f"{path}: not a readable HDF5 file, or cut off before its first frame") from None

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.errors import InputError
+from masonry_cd.files import read_text
 
 NAME = "summary.json"
 FORMAT = 1  # of its keys; raised when an older program would misread them
@@ -35,7 +36,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
     if not path.exists():
         return {}
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(read_text(path))
     except (OSError, ValueError, RecursionError):
         found = None
     if not isinstance(found, dict):

@@ -13,6 +13,7 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.atomic import replacing
 from masonry_cd.csv_files import write_csv
 from masonry_cd.errors import InputError, suggest
+from masonry_cd.files import is_file
 from masonry_cd.quantities import in_words
 
 OUTPUTS = ("accuracy.csv", "accuracy.md", "accuracy.png", "seeds.csv")
@@ -38,7 +39,7 @@ def accuracy_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
     Raises:
         InputError: a bad file, scene or option; nothing is written then.
     """
-    if not source.is_file():
+    if not is_file(source):
         raise InputError(f"{source}: no such file")
     measured = _scene(source, asked, overrides, say) if source.suffix == ".toml" else _problem(source, asked, overrides, say)
     return _write(measured, folder)

@@ -14,6 +14,7 @@ from masonry_cd.app.inputs import file_digests
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
+from masonry_cd.files import is_file
 from masonry_cd.io.lock import locked
 from masonry_cd.quantities import in_words, length
 from masonry_cd.studies.accuracy_case import markdown, numbers_asked, solvers_asked, tolerances_asked, write_rows
@@ -62,7 +63,7 @@ def ensemble_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
     Raises:
         InputError: a bad scene or option; nothing is written then.
     """
-    if not source.is_file():
+    if not is_file(source):
         raise InputError(f"{source}: no such file")
     if source.suffix != ".toml":
         raise InputError(f"--ensemble: {source.name} is a friction problem; ensembles are of a scene")

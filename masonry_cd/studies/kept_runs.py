@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
+from masonry_cd.files import read_text
 
 Asked = TypeVar("Asked")
 Row = dict[str, Any]
@@ -76,7 +77,7 @@ class KeptRuns:
         """What the file holds; lines that are no JSON are those of runs to be made again."""
         if not self._file.exists():
             return {}
-        first, *lines = self._file.read_text(encoding="utf-8").splitlines() or [""]
+        first, *lines = read_text(self._file).splitlines() or [""]
         if first != json.dumps(self._identity):
             of = "of another scene, or of one that was changed, or of another version of the program"
             raise InputError(f"{self._file}: {of}; choose another folder, or --force to begin anew")

@@ -28,6 +28,7 @@ from scipy.optimize import linear_sum_assignment
 
 from masonry_cd.errors import InputError, suggest
 from masonry_cd.fields import finite_number
+from masonry_cd.files import read_text
 from reports.modal.modes import Modes
 
 LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
@@ -79,7 +80,7 @@ def read_measured(path: Path | str) -> list[MeasuredMode]:
     """
     path = Path(path)
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        lines = read_text(path, encoding="utf-8-sig").splitlines()
     except OSError as failure:
         raise InputError(f"{path}: cannot be read, {failure.strerror}") from None
     except UnicodeDecodeError:

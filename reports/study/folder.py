@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -15,6 +16,7 @@ import numpy as np
 
 from masonry_cd.csv_files import unguarded
 from masonry_cd.errors import InputError
+from masonry_cd.files import read_bytes, read_text
 from reports.study.limits import LimitState, read_limit_states
 
 FIRST = ("run", "motion", "level", "seed", "status", "reason", "seconds")  # columns before what varied
@@ -129,7 +131,7 @@ def read_study(folder: Path) -> Study:
 def _read_asked(path: Path) -> dict[str, Any]:
     """What study.json holds."""
     try:
-        asked = json.loads(path.read_text(encoding="utf-8"))
+        asked = json.loads(read_text(path))
     except FileNotFoundError:
         raise InputError(f"{path.parent}: no study: it has no {path.name}") from None
     except (OSError, ValueError) as failure:
@@ -152,8 +154,7 @@ def _read_asked(path: Path) -> dict[str, Any]:
 def _read_rows(path: Path, asked: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Header and rows of runs.csv."""
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            lines = list(csv.reader(file))
+        lines = list(csv.reader(io.StringIO(read_bytes(path).decode("utf-8"), newline="")))
     except FileNotFoundError:
         raise InputError(f"{path.parent}: the study has no {path.name} yet") from None
     except (OSError, ValueError, csv.Error) as failure:

@@ -7,7 +7,6 @@ joints are counted, by the digest ``shape`` of each; where the geometry varies, 
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 
 from masonry_cd.csv_files import write_csv
 from masonry_cd.errors import InputError
+from masonry_cd.friction.stored_arrays import npz_arrays
 from masonry_cd.io.results import Results
 from masonry_cd.quantities import length
 from reports.damage.definitions import Thresholds
@@ -89,11 +89,10 @@ def read_joint_runs(study: Study, count: int, thresholds: Thresholds) -> JointRu
 
 def _read(path: Path) -> dict[str, np.ndarray]:
     """One of them."""
-    try:
-        with np.load(path) as file:
-            found = {key: file[key] for key in KEYS}
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as failure:
-        raise InputError(f"{path}: cannot be read: {failure}") from None
+    found = npz_arrays(path)
+    missing = next((key for key in KEYS if key not in found), None)
+    if missing:
+        raise InputError(f'{path}: no array "{missing}" in it')
     if not found["opening"].shape == found["sliding"].shape == found["lost"].shape or found["opening"].ndim != 1:
         raise InputError(f"{path}: opening, sliding and lost differ in their number of joints")
     return found

@@ -24,6 +24,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError, parse_table, suggest
+from masonry_cd.files import read_text
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, Polyhedron
 from masonry_cd.model.sphere import ball_centre
@@ -142,13 +143,15 @@ def _form(block: Block) -> dict[str, Any]:
 def _load(path: Path) -> dict[str, Any]:
     """Parse the JSON text."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8-sig"))
+        content = json.loads(read_text(path, path.name, "utf-8-sig"))
     except OSError as failure:
         raise InputError(f"{path.name}: cannot be read, {failure.strerror}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path.name}: no JSON text") from None
     except json.JSONDecodeError as failure:
         raise InputError(f"{path.name}: line {failure.lineno}, column {failure.colno}: {failure.msg}") from None
+    except InputError:
+        raise
     except ValueError:  # of a number that Python does not convert
         raise InputError(f"{path.name}: a number of more than {sys.get_int_max_str_digits()} digits") from None
     except RecursionError:

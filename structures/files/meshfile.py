@@ -22,6 +22,7 @@ from scipy.spatial import cKDTree
 from masonry_cd.arrays import LARGEST
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
+from masonry_cd.files import read_text
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, triangles
 from structures.files import foreign, vtkfile
@@ -111,7 +112,7 @@ def _read_obj(path: Path) -> list[tuple[str, list[Shell]]]:
 
 def _text(path: Path) -> list[str]:
     try:
-        return path.read_text(encoding="utf-8").splitlines()
+        return read_text(path, path.name).splitlines()
     except UnicodeDecodeError:
         raise InputError(f"{path.name}: no text in UTF-8") from None
 

@@ -9,6 +9,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.errors import InputError, parse_table
+from masonry_cd.files import is_file
 from masonry_cd.model.blocks import Block, refuse_spheres
 from structures.files import blockfile, meshfile
 from structures.files.blockfile import METRES, sound
@@ -16,7 +17,7 @@ from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.gaps import close_gaps
 from structures.geometry.merge_coplanar import merge_coplanar
 from structures.kinds.solid import SUFFIXES
-from structures.schema import Length, is_file
+from structures.schema import Length
 
 
 class FileTable(BaseModel):

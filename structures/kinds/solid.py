@@ -26,13 +26,14 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.errors import InputError, parse_table
+from masonry_cd.files import is_file
 from masonry_cd.model.blocks import Block
 from structures import size
 from structures.files import foreign
 from structures.files.blockfile import METRES, sound
 from structures.files.meshfile import mended, placed
 from structures.geometry import prism
-from structures.schema import Length, is_file
+from structures.schema import Length
 
 SUFFIXES = (".geo", ".step", ".stp", ".brep")
 FILLED = 1e-6  # volume of the blocks relative to that of a solid with flat faces

@@ -10,6 +10,7 @@ import pytest
 import loads
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
+from masonry_cd.errors import InputError
 
 STEP = 0.01
 TIME = STEP * np.arange(1001)
@@ -41,11 +42,48 @@ def test_a_window_that_cuts_the_shaking_is_named_at_both_ends(tmp_path: Path) ->
 
 
 def test_a_correction_that_makes_the_motion_anew_says_what_it_changed(tmp_path: Path) -> None:
-    (line,) = warnings(tmp_path, WAVE + 0.02)
+    ramp = 0.1 * (TIME / 5.0 - 1.0)
+    (line,) = warnings(tmp_path, WAVE + ramp)
     assert line.startswith("loads[0] the quadratic correction changes ")
     assert "PGD from 1" in line
-    assert "the record drifts (it would end at 0.2 m/s)" in line
-    assert warnings(tmp_path, WAVE + 0.02, correction="none") == []
+    assert "with or without the mean of the record: it drifts" in line
+    assert warnings(tmp_path, WAVE + ramp, correction="none") == []
+
+
+def test_the_offset_of_an_instrument_is_no_drift_and_no_shaking_at_the_ends(tmp_path: Path) -> None:
+    assert warnings(tmp_path, WAVE + 0.5) == []
+
+
+def test_an_offset_that_is_kept_is_named_with_the_peak_without_it(tmp_path: Path) -> None:
+    (line,) = warnings(tmp_path, WAVE + 0.5, correction="none")
+    peak = abs(WAVE - WAVE.mean()).max()
+    assert 'correction "none" keeps a mean of 0.5' in line
+    assert line.endswith(f"{peak:.4g} without it")
+    assert warnings(tmp_path, WAVE + 0.5, correction="none", band=[0.2, 20.0]) == []  # the band-pass has taken it off
+
+
+@pytest.mark.parametrize(("offset", "said"), [(0.0, False), (0.5, True)])
+def test_peak_and_intensity_are_said_with_and_without_an_offset(tmp_path: Path, offset: float, said: bool) -> None:
+    warnings(tmp_path, WAVE + offset)
+    loading = loads.build([{"kind": "record", "path": "quake.txt", "direction": "x"}], 1e-3, 12_000, (0.0, 0.0, -9.81), tmp_path)
+    assert any("with it" in line and "without it" in line for line in loading.lines) == said
+    found = loading.summary["tables"][0]
+    assert ("offset" in found) == said
+    if said:
+        assert found["offset"]["mean"] == pytest.approx(WAVE.mean() + offset)
+        assert found["offset"]["pga"] == pytest.approx(abs(WAVE - WAVE.mean()).max())
+        assert found["offset"]["arias"] < found["before"]["arias"]
+
+
+def test_times_that_are_likely_milliseconds_are_asked_about(tmp_path: Path) -> None:
+    values = np.sin(np.linspace(0.0, 9.0, 40))
+    (tmp_path / "quake.txt").write_text("".join(f"{20 * k} {a:.12g}\n" for k, a in enumerate(values)))
+    table = {"kind": "record", "path": "quake.txt", "direction": "x", "units": "m/s2"}
+    with pytest.raises(InputError, match=r"quake.txt: a time step of 20 s; records have 1e-06 to 10 s"):
+        loads.build([table], 1e-3, 1000, (0.0, 0.0, -9.81), tmp_path)
+    (tmp_path / "quake.txt").write_text("".join(f"{2 * k} {a:.12g}\n" for k, a in enumerate(values)))
+    found = loads.build([table], 1e-3, 1000, (0.0, 0.0, -9.81), tmp_path).warnings
+    assert any("its samples are 2 s apart" in line and "are its times in seconds?" in line for line in found)
 
 
 @pytest.mark.parametrize(("amplitude", "warned"), [(3.0, False), (4.0, True)])

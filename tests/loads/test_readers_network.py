@@ -47,6 +47,11 @@ def test_knet_counts_are_scaled_once(tmp_path: Path) -> None:
     ("text", "message"),
     [
         (knet(**{"Duration Time(s)": "0.5"}), ", line 5: the header announces 50 values, the file holds 40: cut short"),
+        (knet(**{"Duration Time(s)": "inf"}), ", line 5: inf is not a finite number"),
+        (
+            knet(**{"Duration Time(s)": "1e300", "Sampling Freq(Hz)": "1e300Hz"}),
+            ", line 5: the header announces inf values, the file holds 40",
+        ),
         (knet(**{"Duration Time(s)": None}), ": no line Duration Time(s) in the heading of a K-NET file"),
         (knet(**{"Sampling Freq(Hz)": "0Hz"}), ", line 4: the sampling frequency must be above zero, got 0Hz"),
         (knet(**{"Scale Factor": "2000/8388608"}), ", line 7: a scale factor such as 2000(gal)/8388608 is needed"),
@@ -91,6 +96,9 @@ def test_miniseed_counts_become_accelerations_by_the_given_calibration(samples: 
     name, record = read(Source.open(file, "p"), "auto", Request())
     assert (name, record.name, record.step, len(record.values)) == ("mseed", "NL.HGN.00.BHZ", 0.025, 5980)
     table = {"kind": "record", "path": file.name, "direction": "z", "units": "cm/s2", "calibration": 1e-3}
+    with pytest.raises(InputError, match=r"steim2.mseed is a record of velocity \(channel BHZ"):
+        loads.build([table], 0.01, 100, (0.0, 0.0, -9.81), tmp_path)
+    table["quantity"] = "acceleration"
     before = loads.build([table], 0.01, 100, (0.0, 0.0, -9.81), tmp_path).summary["tables"][0]["before"]
     assert before["pga"] == pytest.approx(1e-5 * abs(record.values).max())
     with pytest.raises(InputError, match=r"loads\[0\].units: missing, and steim2.mseed does not name its unit"):

@@ -23,6 +23,7 @@ import numpy as np
 from masonry_cd import __version__
 from masonry_cd.atomic import replacing
 from masonry_cd.errors import InputError
+from masonry_cd.files import read_text
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.study_file import Study
 from masonry_cd.studies.study.task import ROWS, Outcome
@@ -55,7 +56,7 @@ class StudyFolder:
                 raise InputError(f"{self.path}: holds results, and no {NAME} says of which study; choose another folder, or --force")
             return
         try:
-            then = json.loads(file.read_text(encoding="utf-8"))["identity"]
+            then = json.loads(read_text(file))["identity"]
         except (OSError, ValueError, KeyError, TypeError):
             raise InputError(f"{file}: not that of a study, or damaged; choose another folder, or --force") from None
         for name, digest in identity.items():

@@ -12,7 +12,10 @@ from masonry_cd.errors import parse_table
 from masonry_cd.fields import Instant, Number, Table
 
 GROUPS = ("motion", "component")
-PASSED_ON = ("format", "column", "units", "taper", "resample", "band", "band_order", "correction")  # to each load of kind "record"
+PASSED_ON = (  # to each load of kind "record"
+    *("format", "column", "units", "quantity", "layout"),
+    *("taper", "resample", "band", "band_order", "correction"),
+)
 
 
 class Trim(Table):
@@ -57,7 +60,11 @@ class RecordsTable(Table):
     dt: Annotated[Number, Field(gt=0)] | None = None
     """Time step, where the files have no times [s]."""
     units: str | None = None
-    """Of the accelerations, where the files do not say: "m/s2", "g"."""
+    """Of the values, where the files do not say: "m/s2", "g"."""
+    quantity: Literal["acceleration", "velocity", "displacement"] | None = None
+    """Of the values, where they are no accelerations, or where the files leave it open."""
+    layout: Literal["columns", "series", "pairs"] | None = None
+    """Of tables of numbers that could be read in several ways."""
     format: Literal["auto", "at2", "esm", "knet", "mseed", "csv", "columns"] = "auto"
     """Of the files; recognised by their content when "auto"."""
     column: str | int | None = None

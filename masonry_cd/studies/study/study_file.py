@@ -24,6 +24,7 @@ from masonry_cd.app.scene import Origin, Scene, read_scene, scene_of
 from masonry_cd.app.scene_text import dump_toml, parse_toml, read_text
 from masonry_cd.errors import InputError, parse_table, suggest
 from masonry_cd.fields import Count, Number, Table
+from masonry_cd.files import is_file
 from masonry_cd.solvers.options import LARGEST_SEED
 from masonry_cd.studies.study.record_tables import RecordsTable
 from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
@@ -237,7 +238,7 @@ def parse_study(text: str, path: Path, called: str = "") -> Study:
         raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None
     if isinstance(top.scene, str):
         file = path.parent / top.scene
-        if not file.is_file():
+        if not is_file(file):
             raise InputError(f"{origin.of('scene')}: scene: {file}: no such scene file")
         scene, own = read_scene(file), parse_toml(read_text(file), file)
         return Study(path, text, top, scene, own, top.scene, varied, origin)

@@ -1,0 +1,110 @@
+"""Files that a user names: pipes, sockets and devices are refused before they are opened, wherever a file is read."""
+
+from __future__ import annotations
+
+import io
+import os
+import socket
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from loads.readers import Source
+from masonry_cd import files
+from masonry_cd.app.inputs import file_digests
+from masonry_cd.app.scene import read_scene
+from masonry_cd.errors import InputError
+from masonry_cd.friction.files import read_problem
+from masonry_cd.io import checkpoint
+from masonry_cd.io.results import Results
+from masonry_cd.io.summary_file import read_summary
+from masonry_cd.studies.accuracy_case import accuracy_case
+from masonry_cd.studies.study.study_file import read_study
+from reports.modal.measured_modes import read_measured
+from reports.study import folder as study_folder
+from structures.kinds import file as block_file
+from structures.kinds import solid
+
+
+def made_of(name: str) -> Callable[[Path], object]:
+    return lambda path: block_file.build(
+        {"path": path.name, **({} if name.endswith("json") else {"units": "m", "up": "z"})}, 1.0, path.parent
+    )
+
+
+READ: dict[str, Callable[[Path], object]] = {
+    "quake.txt": lambda path: Source.open(path, "loads[0].path: quake.txt"),
+    "scene.toml": read_scene,
+    "study.toml": read_study,
+    "problem.npz": read_problem,
+    "problem.hdf5": read_problem,
+    "result.h5": Results.open,
+    "checkpoint.npz": checkpoint.load,
+    "accuracy.toml": lambda path: accuracy_case(path, {}, [], path.parent, print),
+    "study.json": lambda path: study_folder.read_study(path.parent),
+    "summary.json": lambda path: read_summary(path.parent),
+    "modes.csv": read_measured,
+    "blocks.json": made_of("json"),
+    "blocks.obj": made_of("obj"),
+    "blocks.stl": made_of("stl"),
+    "scan.step": lambda path: solid.build({"path": path.name, "course_height": 0.3}, 1.0, path.parent),
+    "listed.vtu": lambda path: file_digests([{"path": path.name}], path.parent),
+}
+
+
+@pytest.mark.parametrize("name", READ)
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path: Path, name: str) -> None:
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(InputError, match=r"is a pipe; a file is needed|not a summary") as failure:
+        READ[name](tmp_path / name)
+    assert name in str(failure.value)
+
+
+def test_devices_and_sockets_are_named_as_what_they_are(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="/dev/zero: is a device"):
+        files.read_bytes(Path("/dev/zero"))
+    with socket.socket(socket.AF_UNIX) as open_socket:
+        open_socket.bind(str(tmp_path / "s"))
+        with pytest.raises(InputError, match="s: is a socket"):
+            files.is_file(tmp_path / "s")
+
+
+def test_what_says_that_it_is_empty_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As files of the kernel do, which may wait for ever."""
+    (tmp_path / "log").write_bytes(b"")
+    monkeypatch.setattr(Path, "open", lambda *_: pytest.fail("the file is opened"))
+    assert files.read_bytes(tmp_path / "log") == b""
+
+
+def test_a_regular_file_is_read_as_before(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_bytes(b"\xef\xbb\xbfone\r\ntwo\rthree\n")
+    assert files.read_text(tmp_path / "a.txt", encoding="utf-8-sig") == "one\ntwo\nthree\n"
+    (tmp_path / "link").symlink_to(tmp_path / "a.txt")
+    assert files.is_file(tmp_path / "link")
+    assert not files.is_file(tmp_path)
+    assert not files.is_file(tmp_path / "none")
+    assert not files.is_file(tmp_path / "a\0b")
+
+
+def test_a_file_beyond_all_memory_is_refused_before_it_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "large.txt").write_bytes(b"0123456789")
+    monkeypatch.setattr(files, "MOST", 9)
+    with pytest.raises(InputError, match=r"large.txt: of 1e-08 GB, at most 9e-09 GB are read"):
+        files.read_bytes(tmp_path / "large.txt")
+
+
+@pytest.mark.parametrize("header", ["{'descr': '<f8', 'shape': (3,), ((", "{'descr': '<f8'", "[[[", "'''"])
+def test_a_member_of_an_npz_whose_header_is_broken_is_named(tmp_path: Path, header: str) -> None:
+    """numpy reads the header of a version 1 array as Python source."""
+    text = f"{header:<117}\n".encode()
+    member = b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text
+    with zipfile.ZipFile(tmp_path / "problem.npz", "w") as archive:
+        archive.writestr("mu.npy", member)
+        sound = io.BytesIO()
+        np.save(sound, np.zeros(3))
+        archive.writestr("q.npy", sound.getvalue())
+    with pytest.raises(InputError, match=r"problem.npz: no .npz file that can be read"):
+        read_problem(tmp_path / "problem.npz")
