@@ -145,7 +145,9 @@ def _read_wrapped(source: Source, request: Request, delimiter: str | None) -> Ra
 
 def _rows(source: Source, delimiter: str | None) -> tuple[list[list[float]], list[int], list[str]]:
     """The numbers line by line, the indices of these lines, and the text above them."""
-    rows, places, text = [], [], [line for line in source.lines if line.lstrip().startswith(COMMENTS)]
+    rows: list[list[float]] = []
+    places: list[int] = []
+    text = [line for line in source.lines if line.lstrip().startswith(COMMENTS)]
     for index, line in source.content():
         fields = _split(line, delimiter)
         while delimiter is not None and fields and not fields[-1]:

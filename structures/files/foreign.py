@@ -78,10 +78,7 @@ def read(reader: str, path: Path, keywords: Mapping[str, Any] | None = None, lim
         InputError: one line: the file cannot be read, or the child crashed, took too long or too much.
     """
     from masonry_cd.errors import InputError
-    from masonry_cd.files import size_of_regular
 
-    if not size_of_regular(path, path.name):
-        raise InputError(f"{path.name}: the file is empty")
     limits = limits or Limits()
     request = {
         "path": [os.path.abspath(place) for place in sys.path],
