@@ -153,12 +153,10 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
     Raises:
         InputError: an end off its block; see :func:`bar`.
     """
-    if table.points is not None:
-        assembly = _blocks(grid, where)
-        for end, name, place in zip((0, 1), table.blocks, table.points, strict=True):
-            block = assembly.blocks[_one_block(name, assembly, f"{where}.blocks")]
-            require_on_block(block, place, f"{where}.points[{end}]")
-    return bar(table, grid, where)
+    part, assembly = bar(table, grid, where), _blocks(grid, where)
+    for end, (block, place) in enumerate(zip(part.forces[0].blocks, table.points or (), strict=False)):
+        require_on_block(assembly.blocks[block], place, f"{where}.points[{end}]")
+    return part
 
 
 def bar(table: TieTable, grid: RunGrid, where: str) -> Part:
