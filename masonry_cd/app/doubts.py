@@ -135,6 +135,8 @@ def _stretched(where: str, tie: Mapping[str, Any]) -> list[Doubt]:
     section = math.prod(tie["section"]) if "section" in tie else tie.get("area", 0.25 * math.pi * tie.get("diameter", 0.016) ** 2)
     modulus = tie.get("modulus", 1.1e10 if tie.get("material") == "timber" else 2.1e11)
     found: list[Doubt] = []
+    if not RANGES["section"].holds(section):  # that has a line of its own
+        return found
     for key, name in (("yield_force", "yielding"), ("tension", "tension")):
         if key in tie:
             found += _doubt(f"{where}.{key}", tie[key], name, f"{tie[key] / section / 1e6:.2g} MPa in its section", modulus * section)

@@ -40,7 +40,7 @@ RANGES = {
     "scaled": Range(0.05, 2.0 * G, "", (), "records of interest have 0.005 to 2 g; are units and scale those of the file?"),
     "settlement": Range(0.0, 0.1, "m", _SMALL, "what stands settles by a few hundredths of its height at the most"),  # over the height
     "spreading": Range(0.0, 0.25, "m", _SMALL, "few arches stand a quarter of their span"),  # over the largest extent
-    "speed": Range(0.0, 0.5, "m", _SMALL, "supports that move faster than 0.5 m/s strike what stands on them; a longer duration?"),  # [m/s]
+    "speed": Range(0.0, 0.5, "m", (), "supports that move faster than 0.5 m/s strike what stands on them; a longer duration?"),  # [m/s]
     "force": Range(0.01, float("inf"), "N", _FORCE, "a force below a hundredth of its block's weight changes nothing"),  # over that weight
     "pressure": Range(0.0, 3e7, "N", (), "hardly any masonry bears 30 MPa"),  # of a force on the mean section of its block [Pa]
     "density": Range(400.0, 3500.0, "kg/m3", (("t/m3", 1e3), ("kN/m3", WEIGHT)), "masonry has 400 (foamed) to 3500 kg/m3 (basalt)"),
