@@ -23,7 +23,7 @@ from pydantic import Field, field_validator, model_validator
 
 import loads
 from loads.code_check.table import CheckTable
-from loads.kinds.forces import PointLoad, PointTable, Tie, TieTable
+from loads.kinds.forces import PointLoad, PointTable, Tie, TieTable, bar
 from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.tilt import PushTable, TiltTable
 from loads.motion import Direction, DirectionKey, LoadTable, RunGrid, parse_direction
@@ -144,7 +144,7 @@ def static_loads(
     if direction is not None:
         live = nothing.copy()
         live[free, :3] = math.hypot(*down) * assembly.mass[free, None] * np.array(direction.vector)
-    bars = [loads.KINDS["tie"].part(loads.parse_load(table, where), grid, where) for where, table in made]
+    bars = [bar(loads.parse_load(table, where), grid, where) for where, table in made]
     ties = [part.forces[0] for part in (*parts.values(), *bars) if isinstance(part.forces[0], Tie)]
     used = (PointTable, TieTable, PushTable, TiltTable) if support is None else (PointTable, TieTable)
     left = [f"loads[{i}] ({t.kind})" for i, t in enumerate(asked) if not isinstance(t, used) and i != at and t.kind != "gravity"]

@@ -82,7 +82,8 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     if FOUNDATIONS in table:
         from structures.layout.foundations import in_pieces
 
-        blocks = in_pieces(blocks, table[FOUNDATIONS])
+        with size.limited(table.get(size.KEY, size.MOST)):
+            blocks = in_pieces(blocks, table[FOUNDATIONS])
     bars: list[Bar] = []
     if FLOORS in table:
         from structures.floors import with_floors

@@ -168,9 +168,10 @@ def _anchored(solids: Solids, floor: _Floor) -> Iterator[Bar]:
         if keys.length > floor.high[side.axis] - floor.low[side.axis]:
             raise InputError(f"{where}.length: must be at most that of the floor there, got {keys.length:g}")
         length = floor.high[other] - floor.low[other]
-        count = max(1, round(float(length) / keys.spacing))
-        if count > MOST:
-            raise InputError(f"{where}.spacing: makes {count} anchors on a wall, at most {MOST} are taken")
+        wanted = float(length) / keys.spacing
+        if not wanted <= MOST:
+            raise InputError(f"{where}.spacing: makes {wanted:.4g} anchors on a wall, at most {MOST} are taken")
+        count = max(1, round(wanted))
         line = {"along": "xy"[side.axis], "height": float(0.5 * (floor.low[2] + floor.high[2]))}
         row = parse_table(TieRowTable, line | keys.model_dump(exclude={"spacing", "length"}), where)
         allowed = _in_wall(solids, side)

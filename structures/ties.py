@@ -223,9 +223,10 @@ def _places(solids: Solids, keys: TieRowTable, axis: int, allowed: np.ndarray, w
     if not ((solids.low[:, 2] <= keys.height) & (keys.height <= solids.high[:, 2]) & there).any():
         raise InputError(f"{where}.height: no block of the parts stands at z = {keys.height:g} m")
     low, high = float(solids.low[there, 1 - axis].min()), float(solids.high[there, 1 - axis].max())
-    count = keys.number or (max(1, round((high - low) / keys.spacing)) if keys.spacing else 1)
-    if count > MOST:
-        raise InputError(f"{where}.spacing: makes {count} ties, at most {MOST} are taken")
+    wanted = keys.number or ((high - low) / keys.spacing if keys.spacing else 1.0)
+    if not wanted <= MOST:
+        raise InputError(f"{where}.spacing: makes {wanted:.4g} ties, at most {MOST} are taken")
+    count = max(1, round(wanted))
     apart = keys.spacing or (high - low) / count
     return [0.5 * (low + high) + (k - 0.5 * (count - 1)) * apart for k in range(count)]
 

@@ -24,6 +24,7 @@ from masonry_cd.errors import InputError
 from masonry_cd.fields import Instant, check_tension, is_number
 from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.place_on_block import require_on_block
 
 LONGEST_TIE = 1e6  # [m]
 SOFTEST, STIFFEST = 1e-9, 1e18  # [N/m]
@@ -124,12 +125,14 @@ def point(table: PointTable, grid: RunGrid, where: str) -> Part:
     """A point load.
 
     Raises:
-        InputError: an unknown block, or a support.
+        InputError: an unknown block, a support, or a point off the block.
     """
     assembly = _blocks(grid, where)
     block = _one_block(table.block, assembly, f"{where}.block")
     if assembly.fixed[block]:
         raise InputError(f'{where}.block: "{table.block}" is fixed, a force cannot move it')
+    if table.point is not None:
+        require_on_block(assembly.blocks[block], table.point, f"{where}.point")
     since = grid.times - table.start
     factor = np.clip(since / table.ramp, 0.0, 1.0) if table.ramp > 0.0 else (since >= 0.0).astype(float)
     arm = np.zeros(3) if table.point is None else np.array(table.point) - assembly.centre[block]
@@ -145,7 +148,19 @@ def point(table: PointTable, grid: RunGrid, where: str) -> Part:
 
 
 def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
-    """A tie.
+    """A tie whose ends lie on its blocks.
+
+    Raises:
+        InputError: an end off its block; see :func:`bar`.
+    """
+    part, assembly = bar(table, grid, where), _blocks(grid, where)
+    for end, (block, place) in enumerate(zip(part.forces[0].blocks, table.points or (), strict=False)):
+        require_on_block(assembly.blocks[block], place, f"{where}.points[{end}]")
+    return part
+
+
+def bar(table: TieTable, grid: RunGrid, where: str) -> Part:
+    """A tie from anywhere: those that a structure makes of a plate end at the mean of what it covers, which a block may go round.
 
     Raises:
         InputError: unknown blocks, two supports, ends at one point, or a bar too stiff for the time step.
@@ -168,11 +183,11 @@ def tie(table: TieTable, grid: RunGrid, where: str) -> Part:
     _check_phase(omega, table.damping, grid, f"{where}:", "for its", "between these blocks")
     damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
     limit = math.inf if table.yield_force is None else table.yield_force
-    bar = Tie(ends, points - centres, length, table.section, stiffness, table.tension, damping, limit, table.name or "")
+    made = Tie(ends, points - centres, length, table.section, stiffness, table.tension, damping, limit, table.name or "")
     yields = "" if table.yield_force is None else f", yields at {limit:g} N"
     about = f"{length:.4g} m, {stiffness:.4g} N/m, {table.tension:g} N{yields}"
     return Part(
-        forces=(bar,),
+        forces=(made,),
         lines=(f'{where} tie from "{table.blocks[0]}" to "{table.blocks[1]}": {about}',),
         summary={
             "kind": "tie",

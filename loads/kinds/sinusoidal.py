@@ -18,7 +18,6 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step
-from loads.signal.plausible import too_strong
 from loads.supports import ShakingTable
 from masonry_cd import libm
 from masonry_cd.errors import InputError
@@ -90,7 +89,6 @@ def sinusoidal(table: SinusoidalTable, grid: RunGrid, where: str) -> Part:
         motion=lambda times: table.direction.along(table.velocity(times - table.start)),
         delay=table.delay_of_blocks(grid, where),
         lines=_lines(table, grid, where, numbers),
-        warnings=tuple(too_strong(numbers["pga"], where, "amplitude is a velocity [m/s], of which PGA is 2 pi frequency times as much")),
         summary={"kind": "sinusoidal", "direction": list(table.direction.vector), "after": numbers},
     )
 

@@ -1,32 +1,24 @@
-"""Motions that are likely not what the user means: too strong, cut off while the ground shakes, or made anew by their correction.
+"""Records that are likely not what the user means: cut off while the ground shakes, or made anew by their correction.
 
-Nothing is refused: scale models are shaken at several g, and parts of records are used on purpose. Each doubt names its likely cause.
+Nothing is refused: parts of records are used on purpose. Each doubt names its likely cause. What is too strong or weak is seen where the
+ranges of all keys are, in ``masonry_cd/app/ranges.py``.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from loads.motion import STANDARD_GRAVITY
 from loads.signal.accelerogram import OFFSET, Processed
 
-STRONG = 2.0  # [g]; few records of the world reach it
 CHANGED = 0.1  # share of PGV or PGD that a correction may change
 SLOW = 0.1  # step [s]; networks sample at 0.02 s and below
 END_SHARE = 0.02  # of the samples, at either end
 SHAKING = 0.1  # of the PGA: a root mean square at an end above it is no rest
 
 
-def too_strong(pga: float, where: str, cause: str) -> list[str]:
-    """A line on a peak acceleration [m/s2] beyond what grounds are recorded to reach."""
-    g = pga / STANDARD_GRAVITY
-    return [f"{where} PGA {g:.3g} g: hardly any ground has been recorded above {STRONG:g} g; {cause}"] if g > STRONG else []
-
-
 def doubts(processed: Processed, correction: str, where: str) -> list[str]:
     """Lines on a record as it is used, and on what its correction did."""
-    lines = too_strong(processed.after.numbers()["pga"], where, "are units, scale and target_pga (in m/s2) those of the file?")
-    lines += [*_slow(processed, where), *_cut_off(processed, where)]
+    lines = [*_slow(processed, where), *_cut_off(processed, where)]
     return [*lines, *_made_anew(processed, correction, where), *_keeps_offset(processed, correction, where)]
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from masonry_cd.app import time_step_checks
+from masonry_cd.app.doubts import doubts
 from masonry_cd.app.progress import said_if_slow
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import compile_kernels, keeps
@@ -187,7 +188,8 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = structure.falling if gravity else []
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
-    warnings = (*structure.odd_size, *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
+    unusual = doubts(scene, assembly, loading.summary["tables"])
+    warnings = (*structure.odd_size, *unusual, *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
     notes = structure.notes
     if built > TOLD * assembly.width:
         notes = (*notes, f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")

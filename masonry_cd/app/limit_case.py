@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
 from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
 from masonry_cd.app.scene import Scene, read_scene
@@ -113,6 +114,7 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
         notes += analysis.remarks
     except InputError as error:
         raise scene.at_fault(error) from None
+    notes += doubts(scene, assembly)
     loose = loose_contacts(assembly)
     if loose:
         notes.append(f"{loose} pairs of blocks touch along a line or in a point only: these contacts bear nothing here")

@@ -8,6 +8,7 @@
     [run]        dt, duration ...
     [report]     crack_map
     [limit]      push = "x"           # optional, of masonry-cd limit
+    quiet_checks = ["limit.check.ag"] # optional: values that are meant as they are, however unusual
 
 A run is a pure function of its scene, so the text of the scene, with what ``--set`` changed in it, goes into the results.
 All quantities are in SI units.
@@ -55,6 +56,8 @@ class SceneTables(Table):
     """What is drawn and written after the run."""
     limit: dict[str, Any] = Field(default_factory=dict)
     """What masonry-cd limit multiplies until the structure gives way; a run does not read it."""
+    quiet_checks: list[str] = Field(default_factory=list)
+    """Keys whose unusual values are meant so, ["limit.check.ag"]: no line asks for their unit."""
 
     @field_validator("title")
     @classmethod
@@ -124,6 +127,7 @@ class Scene:
     path: Path
     origin: Origin  # of its keys, for messages
     limit: dict[str, Any] = field(default_factory=dict)  # checked by the room loads
+    quiet_checks: tuple[str, ...] = ()  # keys whose unusual values are meant so
     structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
 
     @property
@@ -145,7 +149,7 @@ class Scene:
     def at_fault(self, error: InputError) -> InputError:
         """An error with file and line before it, where its message begins with a key of this scene; else the error itself."""
         message = str(error)
-        key = re.match(r"((?:structure|material|loads|run|report|limit|title)[^\s:]*)(?::| )", message)
+        key = re.match(r"((?:structure|material|loads|run|report|limit|title|quiet_checks)[^\s:]*)(?::| )", message)
         return InputError(f"{self.origin.of(key.group(1))}: {message}") if key else error
 
 
@@ -211,6 +215,7 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
             path=path,
             origin=origin,
             limit=top.limit,
+            quiet_checks=tuple(top.quiet_checks),
         )
     except InputError as error:
         raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None

@@ -14,6 +14,8 @@ from typing import Any
 from masonry_cd import files
 from masonry_cd.errors import InputError
 
+DEEPEST = 20  # tables and lists in one another; scenes and studies have at most six
+TOO_DEEP = "lists or tables nested too deep"
 SLIPS = (  # common ones in the value of a key, and their remedies
     (r"[+-]?\d+,\d", "a number has a decimal point: 0.25"),
     (r"[+-]?\.\d|[+-]?\d+\.(?:\D|$)", "a number has digits on both sides of its point: 0.5"),
@@ -26,6 +28,8 @@ SLIPS = (  # common ones in the value of a key, and their remedies
 
 def read_text(path: Path) -> str:
     """The text of a file, or one line on why there is none."""
+    if _has_bytes(str(path.absolute())):  # results keep the name as text
+        raise InputError(f"{path}: its name, or a folder of it, holds bytes that are no text in UTF-8; rename it")
     try:
         return files.read_text(path, encoding="utf-8-sig")  # some editors begin a file with a mark of its encoding
     except FileNotFoundError:
@@ -41,7 +45,7 @@ def read_text(path: Path) -> str:
 def parse_toml(text: str, path: Path) -> dict[str, Any]:
     """Parse TOML; a syntax error names file and line."""
     try:
-        return _load_toml(text, str(path))
+        return _shallow(_load_toml(text, str(path)), str(path))
     except tomllib.TOMLDecodeError as failure:
         message = re.match(r"(.*?) \(at (?:line (\d+), column \d+|end of document)\)", str(failure))
         what, line = (message.group(1), message.group(2)) if message else (str(failure), None)
@@ -55,6 +59,18 @@ def _hint(line: str) -> str:
     return next((f" ({remedy})" for pattern, remedy in SLIPS if re.match(pattern, value.strip())), "")
 
 
+def _shallow(tables: dict[str, Any], where: str) -> dict[str, Any]:
+    """The tables, refused where they are nested deeper than what walks through them by recursion should meet."""
+    level: list[Any] = [tables]
+    for _ in range(DEEPEST):
+        level = [
+            item for value in level for item in (value.values() if isinstance(value, dict) else value) if isinstance(item, dict | list)
+        ]
+    if level:
+        raise InputError(f"{where}: {TOO_DEEP}")
+    return tables
+
+
 def _load_toml(text: str, where: str) -> dict[str, Any]:
     """Parse TOML; what Python's parser cannot hold is an InputError that names ``where``, other syntax errors are left to the caller."""
     try:
@@ -64,7 +80,7 @@ def _load_toml(text: str, where: str) -> dict[str, Any]:
     except ValueError:  # of a number that Python does not convert
         raise InputError(f"{where}: a number of more than {sys.get_int_max_str_digits()} digits") from None
     except RecursionError:
-        raise InputError(f"{where}: lists or tables nested too deep") from None
+        raise InputError(f"{where}: {TOO_DEEP}") from None
 
 
 def override(tables: dict[str, Any], change: str) -> None:
@@ -73,6 +89,7 @@ def override(tables: dict[str, Any], change: str) -> None:
     try:
         if not equals:
             raise InputError("write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3")
+        _refuse_bytes(change)
         assign(tables, key, _toml_value(key, value))
     except InputError as error:
         raise error if str(error).startswith("--set") else InputError(f"--set {change}: {error}") from None
@@ -89,6 +106,8 @@ def assign(tables: dict[str, Any], key: str, value: Any) -> None:
     ]
     if not parts or isinstance(parts[-1], int):
         raise InputError("write key=value, e.g. run.dt=1e-3 or loads[0].amplitude=0.3")
+    if len(parts) > DEEPEST:
+        raise InputError(f"a key of {len(parts)} parts: {TOO_DEEP}")
     here: Any = tables
     for part, following in pairwise(parts):
         if isinstance(part, str) and isinstance(here, dict):
@@ -111,13 +130,25 @@ def parse_change(change: str) -> tuple[str, Any]:
     key, equals, value = (part.strip() for part in change.partition("="))
     if not key or not equals:
         raise InputError(f"--set {change}: write key=value")
+    _refuse_bytes(change)
     return key, _toml_value(key, value)
+
+
+def _has_bytes(text: str) -> bool:
+    """Whether a text has lone surrogates, which stand for bytes of the command line or of a name that are no UTF-8."""
+    return any("\ud800" <= letter <= "\udfff" for letter in text)
+
+
+def _refuse_bytes(change: str) -> None:
+    """Refuse a change that no file could keep."""
+    if _has_bytes(change):
+        raise InputError(f"--set {change}: holds bytes that are no text in UTF-8")
 
 
 def _toml_value(key: str, value: str) -> Any:
     """The TOML value given for a key, or the bare text where it is none."""
     try:
-        parsed = _load_toml(f"value = {value}", f"--set {key}")
+        parsed = _shallow(_load_toml(f"value = {value}", f"--set {key}"), f"--set {key}")
     except tomllib.TOMLDecodeError:
         return value
     return parsed["value"] if len(parsed) == 1 else value

@@ -48,6 +48,7 @@ def build(
         asked = read_scene(scene, [*(set_ or ()), *_repairs(repair)])
         import structures
         from masonry_cd.app.case import make_structures
+        from masonry_cd.app.doubts import structure_doubts
         from structures import summary
         from structures.files import blockfile, meshfile
         from structures.geometry.checks import Unsound
@@ -60,7 +61,7 @@ def build(
             raise
         made = structures.report(blocks)
         typer.echo("\n".join([*summary.lines(made), *notes]))
-        warn(summary.warnings(made))
+        warn([*summary.warnings(made), *structure_doubts(asked)])
         output.mkdir(parents=True, exist_ok=True)
         written = [output / f"blocks.{name}" for name in formats]
         for path in written:

@@ -39,6 +39,7 @@ def record(
         from loads.signal.accelerogram import Accelerogram, describe_both
         from loads.signal.measures import in_words, of_one_component
         from loads.signal.plausible import doubts
+        from masonry_cd.app.doubts import unusual_pga
         from masonry_cd.app.scene_text import parse_change
         from masonry_cd.errors import InputError
 
@@ -52,4 +53,5 @@ def record(
         typer.echo(f"{file.name}   {in_words(measures, {'x': processed.after})}")
         if output is not None:
             typer.echo(f"written: {output}")
-        warn(doubts(processed, correction, file.name))
+        strong = unusual_pga(processed.after.numbers()["pga"], f"{file.name} has a")
+        warn([*([strong] if strong else []), *doubts(processed, correction, file.name)])

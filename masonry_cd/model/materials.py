@@ -22,7 +22,7 @@ from masonry_cd.model.strength import Strength
 from masonry_cd.table_schema import one_or_by_name
 
 Value = TypeVar("Value")
-LIGHTEST, HEAVIEST = 30, 30000  # density [kg/m3]: from insulation to more than any metal
+LIGHTEST, HEAVIEST = 0.1, 1e6  # density [kg/m3], what numbers bear; what masonry has is in masonry_cd/app/ranges.py
 ROUGHEST = 20  # coefficient of friction: beyond, an angle was meant
 _COEFFICIENT = {"type": "number", "minimum": 0, "maximum": ROUGHEST}
 _FRICTION: dict[str, Any] = {"anyOf": [_COEFFICIENT, {"type": "object", "minProperties": 1, "additionalProperties": _COEFFICIENT}]}
@@ -105,7 +105,7 @@ class Material(ElasticBlocks):
     @classmethod
     def _density_in_kg_per_m3(cls, value: float | None) -> float | None:
         if value is not None and not LIGHTEST <= value <= HEAVIEST:
-            raise ValueError(f"should be between {LIGHTEST} and {HEAVIEST} kg/m3")
+            raise ValueError(f"should be between {LIGHTEST:g} and {HEAVIEST:g} kg/m3")
         return value
 
     @field_validator("joints", mode="before")

@@ -211,6 +211,10 @@ def _check_arch(tier: Tier) -> None:
     if tier.pier_width < least - 1e-9:
         what = "seats two rings with a course between them"
         raise InputError(f"structure.pier_width: must be at least {least:g} m{where}, which {what}, got {tier.pier_width:g}")
+    if tier.clear_span < LEAST_GAP * tier.course:
+        raise InputError(
+            f"structure.clear_span: must be at least {LEAST_GAP * tier.course:g} m{where}, {LEAST_GAP:g} courses, got {tier.clear_span:g}"
+        )
     most = math.floor(math.pi / (2.0 * math.asin(min(1.0, 0.5 * LEAST_CHORD * tier.course / tier.outer))))
     if not 3 <= tier.voussoirs <= most:
         raise InputError(f"structure.voussoirs: must be 3 to {most} for courses of {tier.course:g} m{where}, got {tier.voussoirs}")

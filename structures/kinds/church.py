@@ -59,6 +59,7 @@ def _estimate(keys: ChurchTable) -> float:
         walls += 2.0 * (keys.length + 2.0 * keys.aisle_width) * keys.aisle_height
     if keys.roof == "vault":
         walls += 2.0 * keys.length * keys.width
+    walls += 2.0 * (keys.windows if keys.buttresses is None else keys.buttresses) * (keys.buttress_depth or 0.0) * keys.height
     return walls / keys.block_length / (keys.course_height or 0.5 * keys.block_length) * keys.leaves
 
 
@@ -90,6 +91,8 @@ def _fits(keys: ChurchTable) -> None:
         ("door_width", keys.door_width, 0.4 * keys.width, "0.4 of the width"),
         ("door_height", keys.door_height, 0.55 * keys.height, "0.55 of the height"),
     ]
+    if keys.aisles and keys.aisle_height < 4.0 * course:
+        raise InputError(f"structure.aisle_height: must be at least four courses, {4.0 * course:g} m, got {keys.aisle_height:g}")
     if keys.apse:
         limits.append(("apse_radius", keys.apse_radius, 0.5 * keys.width, "half the width of the nave"))
         limits.append(

@@ -27,6 +27,8 @@ from structures.layout import wall_plan
 from structures.layout.loose_grains import Plan, count_for, loose, numbers_of
 from structures.schema import Length, Share, Table
 
+MOST_PLACES = 1e6  # in a layer of the loose spheres, and of small ones in the cell of a large one: some ten megabytes
+
 
 class PackingTable(Table):
     """The [structure] table of a packing."""
@@ -70,6 +72,7 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     for k, number in enumerate(numbers):
         if number == 0:
             raise InputError(f"structure.shares[{k}]: leaves no sphere of {keys.diameters[k]:g} m among {sum(numbers)}; make it larger")
+    _refuse_wide(plan, keys.diameters)
     grains = loose(plan, keys.diameters, numbers, keys.seed)
     names = ["spheres"] if len(numbers) == 1 else [f"spheres.{k + 1}" for k in range(len(numbers))]
     spheres = [
@@ -83,6 +86,19 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]
     blocks.append(wall_plan.ground(blocks, keys.base_depth or thick, density))
     check(blocks)
     return blocks
+
+
+def _refuse_wide(plan: Plan, diameters: tuple[float, ...]) -> None:
+    """Refuse spheres that are dust beside their container, or beside the largest of them: a layer or a cell would have too many places."""
+    largest = max(diameters)
+    if plan.length / largest * (plan.width / largest) > MOST_PLACES:
+        raise InputError(
+            f"structure.diameters: a layer of the container, {plan.length:g} m by {plan.width:g} m, would hold more than "
+            f"{MOST_PLACES:.0e} spheres of {largest:g} m; take larger ones, or a smaller container"
+        )
+    for k, diameter in enumerate(diameters):
+        if (largest / diameter) ** 3 > MOST_PLACES:
+            raise InputError(f"structure.diameters[{k}]: must be at least {largest / MOST_PLACES ** (1 / 3):.2g} m beside {largest:g} m")
 
 
 def _check(keys: PackingTable) -> None:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.errors import InputError
+from structures import size
 from structures.layout.openings import Closing, Opening, haunch_break
 from structures.layout.openings import breaks as breaks_of
 
@@ -78,6 +79,7 @@ def levels(foot: float, top: float, openings: Sequence[Opening], course: float, 
 
 def _divided(fixed: Sequence[tuple[float, str]], course: float) -> list[float]:
     ordered = sorted(fixed, key=lambda item: item[0])
+    size.within((ordered[-1][0] - ordered[0][0]) / course, ordered[-1][1].removeprefix("structure."))  # a block to a course, at least
     beds = [ordered[0][0]]
     below = ordered[0]
     for level, key in ordered[1:]:

@@ -20,6 +20,7 @@ from pydantic import Field
 
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
+from structures import size
 from structures.geometry.convex import halves
 from structures.geometry.prism import box
 from structures.schema import Table
@@ -64,6 +65,7 @@ def in_pieces(blocks: Sequence[Block], asked: object) -> list[Block]:
             raise InputError(f'structure.{KEY}: a single group stands on each support; "corners" or {{ x = 4 }} divides one')
         return made
     cuts = _cuts(asked, *_footprint(blocks, supports))
+    size.within((len(cuts[0]) + 1) * (len(cuts[1]) + 1), KEY)
     made = [piece for block in blocks for piece in (_pieces(block, cuts, asked == "corners") if block.fixed else [block])]
     if len(made) == len(blocks):
         raise InputError(f"structure.{KEY}: no cut meets a support")

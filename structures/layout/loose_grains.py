@@ -60,7 +60,7 @@ def number_shares(diameters: Sequence[float], shares: Sequence[float], by_volume
 def count_for(fill: float, plan: Plan, diameters: Sequence[float], shares: Sequence[float], by_volume: bool) -> float:
     """Number of spheres that fill a container to a height [m] once they have settled, at the solid fraction SOLID."""
     mean = float(number_shares(diameters, shares, by_volume) @ np.array(diameters) ** 3) * math.pi / 6.0
-    return SOLID * plan.area * fill / mean
+    return SOLID * plan.area * fill / mean if mean > 0.0 else math.inf  # a volume may underflow
 
 
 def loose(plan: Plan, diameters: Sequence[float], numbers: Sequence[int], seed: int) -> Grains:

@@ -22,12 +22,14 @@ import numpy as np
 
 from masonry_cd import libm
 from masonry_cd.errors import InputError
+from structures import size
 from structures.schema import HeadShape, OpeningTable
 
 SKEW = math.radians(20.0)  # of the skewbacks of a flat arch from the upright
 STEEP = math.radians(62.0)  # up to this slope, measured at the centre, beds end on the extrados
 FIRST = math.radians(25.0)  # the last bed that ends on the extrados lies above this
 LEAST = 0.4  # masonry between a corner of the extrados and the bed above it, in courses
+LEAST_MEASURE = 1e-3  # of an opening, its head or its voussoirs [m]: smaller ones are slips, and make voussoirs by the million
 SAME = 1e-9  # heights closer than this are one [m]
 
 
@@ -105,8 +107,12 @@ def opening_of(table: OpeningTable, key: str, course: float, unit: float, foot: 
     """An opening from its table, with the defaults filled in.
 
     Raises:
-        InputError: a rise that is no arch.
+        InputError: a rise that is no arch, or a measure below a millimetre.
     """
+    for measure in ("width", "height", "depth", "rise", "bearing"):
+        given = getattr(table, measure)
+        if given is not None and given < LEAST_MEASURE:
+            raise InputError(f"{key}{measure}: must be at least {LEAST_MEASURE:g} m, got {given:g}")
     rise = 0.0
     if table.head == "round":
         rise = 0.5 * table.width
@@ -221,7 +227,7 @@ def _flat(opening: Opening, beds: np.ndarray, springing: int, edges: dict[int, t
     wide = half + opening.depth * math.tan(SKEW)
     at = np.interp(beds[springing : top + 1], [low, high], [half, wide])
     edges |= {springing + i: (float(at[i]), float(at[i + 1])) for i in range(top - springing)}
-    count = max(3, 2 * round((opening.width / (0.6 * opening.depth) - 1) / 2) + 1)
+    count = _odd_count(opening, opening.width / (0.6 * opening.depth))
     share = (2.0 * np.arange(count + 1) - count) / count  # -1 to 1, symmetric to the bit
     inner = np.stack([opening.centre + half * share, np.full(count + 1, low)], axis=1)
     outer = np.stack([opening.centre + wide * share, np.full(count + 1, high)], axis=1)
@@ -261,6 +267,16 @@ def _arch(opening: Opening, beds: np.ndarray, springing: int, edges: dict[int, t
     return Closing(opening, edges, _quads(*both) + [("stone", polygon + place) for polygon in stones])
 
 
+def _odd_count(opening: Opening, wanted: float) -> int:
+    """The odd number of voussoirs, one of them a keystone, that is nearest to a number.
+
+    Raises:
+        InputError: more than the structure may have blocks.
+    """
+    size.within(wanted, opening.depth_key.removeprefix("structure."))
+    return max(3, 2 * round((wanted - 1) / 2) + 1)
+
+
 def _corners(opening: Opening, beds: np.ndarray, target: float) -> tuple[np.ndarray, int]:
     """Angles [rad] of the joints from the springing to the keystone, and the last of them that lies on a bed."""
     found = [opening.start]
@@ -274,7 +290,7 @@ def _corners(opening: Opening, beds: np.ndarray, target: float) -> tuple[np.ndar
                 found.append(slope)
         found.append(steep[-1])
     rest = math.pi - 2.0 * found[-1]
-    count = max(3, 2 * round((rest * opening.outer / target - 1) / 2) + 1)  # odd: with a keystone
+    count = _odd_count(opening, rest * opening.outer / target)
     haunch = len(found) - 1
     found += [found[-1] + rest * i / count for i in range(1, count // 2 + 1)]
     return np.array(found), haunch

@@ -11,6 +11,7 @@ from refusals import SCENE, TETRA, refusal
 import loads
 from masonry_cd.app.case import build_structure
 from masonry_cd.app.scene import read_scene
+from masonry_cd.app.scene_text import override
 from masonry_cd.errors import InputError
 
 
@@ -51,6 +52,32 @@ def test_the_files_are_sound_before_they_are_changed(tmp_path: Path) -> None:
 )
 def test_scenes(tmp_path: Path, old: str, new: str, message: str) -> None:
     assert line(tmp_path, SCENE.replace(old, new, 1), blocks()).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (".".join(200 * ["a"]) + "=1", "--set a.a.a."),
+        ("structure." + ".".join(200 * ["a"]) + "=1", "--set structure.a.a."),
+        ("title=" + 100 * "[" + 100 * "]", "--set title: lists or tables nested too deep"),
+        ("report.grades=" + 25 * "{a=" + "1" + 25 * "}", "--set report.grades: lists or tables nested too deep"),
+        ('title="\udcff"', '--set title="\\udcff": holds bytes that are no text in UTF-8'),
+        ("tit\udcffle=1", "--set tit\\udcffle=1: holds bytes that are no text in UTF-8"),
+    ],
+)
+def test_changes(tmp_path: Path, change: str, message: str) -> None:
+    (tmp_path / "scene.toml").write_text(SCENE, encoding="utf-8")
+    said = refusal(tmp_path, lambda: read_scene(tmp_path / "scene.toml", [change]))
+    assert said is not None
+    assert said.startswith(message)
+    with pytest.raises(InputError):
+        override({}, change)
+
+
+def test_names_of_bytes_that_are_no_text(tmp_path: Path) -> None:
+    (tmp_path / "a\udcff.toml").write_text(SCENE, encoding="utf-8")
+    said = refusal(tmp_path, lambda: read_scene(tmp_path / "a\udcff.toml"))
+    assert said == "a\\udcff.toml: its name, or a folder of it, holds bytes that are no text in UTF-8; rename it"
 
 
 @pytest.mark.parametrize(

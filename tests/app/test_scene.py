@@ -175,7 +175,7 @@ def test_toml_written_reads_back_the_same():
         (("dt = 1e-3", "dt = nan"), "run.dt: input should be"),
         (("dt = 1e-3", "dt = true"), "run.dt: input should be a valid number"),
         (("duration = 8.0", "duration = 1e-4"), "shorter than one step"),
-        (("density = 2200", "density = 2.2"), "scene.toml:7: material.density: should be between 30 and 30000 kg/m3, got 2.2"),
+        (("density = 2200", "density = -2.2"), "scene.toml:7: material.density: should be between 0.1 and 1e+06 kg/m3, got -2.2"),
         (("friction = 0.6", "friction = 35"), "material.friction: a coefficient of friction (no angle) should be between 0 and 20, got 35"),
         (("friction = 0.6", "friction.arch-base = -1"), 'material.friction: "arch-base": a coefficient'),
         (("friction = 0.6", "friction = 'high'"), "material.friction: should be a number"),

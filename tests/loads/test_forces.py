@@ -21,7 +21,10 @@ from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.place_on_block import require_on_block
 from structures.files import blockfile
+from structures.geometry.compound_block import compound_block
+from structures.geometry.prism import box as box_part
 from structures.geometry.prism import prism_xz
 
 G = (0.0, 0.0, -9.81)
@@ -275,3 +278,37 @@ def test_bad_tables_are_named(pair: Assembly, table: dict, message: str) -> None
         build(pair, table)
     assert str(failure.value).startswith(message)
     assert "\n" not in str(failure.value)
+
+
+POINT = {"kind": "point", "block": "stone", "force": [0, 0, -600]}
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        (
+            {**POINT, "point": [0, 0, 0]},
+            r'loads\[0\]\.point: \(0, 0, 0\) m lies 4 m outside block "stone", which has x from 4 to 5, y from 0',
+        ),
+        ({**POINT, "point": [4.5, 0.5, 1.1]}, r"loads\[0\]\.point: .* lies 0\.1 m outside"),
+        ({**BAR, "points": [[1, 0.5, 0.5], [0, 0, 0]]}, r'loads\[0\]\.points\[1\]: .* outside block "stone"'),
+        ({**BAR, "points": [[-3, 0.5, 0.5], [4, 0.5, 0.5]]}, r'loads\[0\]\.points\[0\]: .* lies 3 m outside block "wall"'),
+    ],
+)
+def test_a_place_off_its_block_is_refused_with_the_extent_of_the_block(pair: Assembly, table: dict, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        build(pair, table, steps=10)
+
+
+def test_a_place_on_the_surface_counts_as_on_the_block_and_one_in_a_hollow_does_not(pair: Assembly) -> None:
+    assert build(pair, {**POINT, "point": [5.001, 0.5, 1.002]}, steps=10).forces is not None
+    ball = Block.sphere("ball", np.zeros(3), 1.0)
+    require_on_block(ball, [0.0, 0.0, 1.005], "key")  # where the ball of triangles by which it is drawn may be flatter
+    with pytest.raises(InputError, match="key: "):
+        require_on_block(ball, [0.8, 0.8, 0.0], "key")
+    u_shape = compound_block(
+        "u", [box_part((0, 0, 0), (3, 1, 1)), box_part((0, 0, 1), (1, 1, 3)), box_part((2, 0, 1), (3, 1, 3))], 1.0, "g"
+    )
+    require_on_block(u_shape, [0.5, 0.5, 2.5], "key")
+    with pytest.raises(InputError, match=r'\(1\.5, 0\.5, 2\) m lies 0\.5 m outside block "u"'):
+        require_on_block(u_shape, [1.5, 0.5, 2.0], "key")

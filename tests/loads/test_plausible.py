@@ -29,12 +29,6 @@ def test_a_record_that_swells_and_fades_is_let_pass(tmp_path: Path) -> None:
     assert warnings(tmp_path, WAVE) == []
 
 
-def test_more_than_two_g_asks_for_the_units(tmp_path: Path) -> None:
-    (line,) = warnings(tmp_path, 2.0 * WAVE, "g")
-    assert line.startswith("loads[0] PGA ")
-    assert line.endswith("hardly any ground has been recorded above 2 g; are units, scale and target_pga (in m/s2) those of the file?")
-
-
 def test_a_window_that_cuts_the_shaking_is_named_at_both_ends(tmp_path: Path) -> None:
     lines = warnings(tmp_path, WAVE, window=[2.5, 7.1], correction="none")
     assert [line.split(" while")[0] for line in lines] == ["loads[0] the record begins", "loads[0] the record ends"]
@@ -84,15 +78,6 @@ def test_times_that_are_likely_milliseconds_are_asked_about(tmp_path: Path) -> N
     (tmp_path / "quake.txt").write_text("".join(f"{2 * k} {a:.12g}\n" for k, a in enumerate(values)))
     found = loads.build([table], 1e-3, 1000, (0.0, 0.0, -9.81), tmp_path).warnings
     assert any("its samples are 2 s apart" in line and "are its times in seconds?" in line for line in found)
-
-
-@pytest.mark.parametrize(("amplitude", "warned"), [(3.0, False), (4.0, True)])
-def test_a_sine_whose_amplitude_is_taken_for_an_acceleration(tmp_path: Path, amplitude: float, warned: bool) -> None:
-    """At 1 Hz 3 m/s are 1.9 g, 4 m/s are 2.6 g."""
-    table = {"kind": "sinusoidal", "direction": "x", "amplitude": amplitude, "frequency": 1.0, "cycles": 2}
-    found = loads.build([table], 1e-3, 3000, (0.0, 0.0, -9.81), tmp_path).warnings
-    assert bool(found) == warned
-    assert all("amplitude is a velocity [m/s]" in line for line in found)
 
 
 SCENE = """

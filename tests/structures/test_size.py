@@ -63,6 +63,35 @@ def test_too_many_blocks_are_refused_by_key_and_limit(table: dict[str, Any], key
         structures.build(table, 2000.0, Path())
 
 
+OPENING = {"centre": 0.0, "head": "round"}
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({"kind": "wall", "openings": [OPENING | {"depth": 1e-9}]}, r"openings\[0\]\.depth: must be at least 0\.001 m, got 1e-09"),
+        ({"kind": "wall", "openings": [OPENING | {"width": 1e-300}]}, r"openings\[0\]\.width: must be at least 0\.001 m"),
+        ({"kind": "wall", "openings": [OPENING | {"sill": 1e6}]}, r"openings\[0\]\.[a-z]+: makes about 4e\+06 blocks"),
+        ({"kind": "wall", "core": "rubble", "core_diameters": [1e-300]}, r"core_diameters: makes about inf blocks"),
+        ({"kind": "tower", "door_height": 1e6}, r"door_height: makes about 2e\+06 blocks"),
+        ({"kind": "church", "buttresses": 2, "buttress_depth": 1e6}, r"block_length: makes about"),
+        ({"kind": "church", "aisles": True, "aisle_height": 0.01}, r"aisle_height: must be at least four courses, 2 m"),
+        (
+            {"kind": "packing", "count": 50, "diameters": [1e-6]},
+            r"diameters: a layer of the container, 1 m by 1 m, would hold more than 1e\+06",
+        ),
+        ({"kind": "packing", "count": 50, "length": 1e6, "width": 1e6}, r"diameters: a layer of the container"),
+        ({"kind": "packing", "count": 50, "diameters": [0.1, 1e-5]}, r"diameters\[1\]: must be at least 0\.001 m beside 0\.1 m"),
+        ({"kind": "aqueduct", "clear_span": 1e-9}, r"clear_span: must be at least 0\.2 m"),
+        ({"kind": "wall", "foundations": {"x": 1000, "y": 1000}}, r"foundations: makes about 1e\+06 blocks"),
+        ({"kind": "wall", "ties": [{"along": "x", "height": 1.0, "diameter": 0.02, "spacing": 1e-320}]}, r"spacing: makes inf ties"),
+    ],
+)
+def test_counts_that_explode_are_refused_by_the_key_that_makes_them(table: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=r"^structure\.(ties\[0\]\.)?" + message):
+        structures.build(table, 2000.0, Path())
+
+
 def test_the_scene_raises_or_lowers_the_limit() -> None:
     assert len(structures.build({"kind": "wall", "most_blocks": 96}, 2000.0, Path())) == 103
     with pytest.raises(InputError, match=r"makes about 96 blocks, at most 95 are allowed"):

@@ -1,0 +1,132 @@
+"""Values in another unit draw one line that names key, value, both readings and how to say that it is meant so; usual ones draw none."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from models import box
+from places import EXAMPLES
+
+from masonry_cd.app.case import prepare, structure_of
+from masonry_cd.app.doubts import doubts, structure_doubts, unusual_pga
+from masonry_cd.app.limit_case import case_of
+from masonry_cd.app.limit_case import summary as limit_summary
+from masonry_cd.app.scene import Scene, parse_scene, read_scene
+from masonry_cd.app.starters import starter
+from masonry_cd.model.blocks import Assembly
+from structures import KINDS
+
+ROOT = EXAMPLES.parent
+TEXT = """
+[structure]
+kind = "file"
+path = "blocks.json"
+[material]
+density = 2000.0
+friction = 0.6
+[run]
+dt = 1e-3
+duration = 1.0
+[limit]
+push = "x"
+"""
+# a support and a stone of 2 t that is 1 m high
+PAIR = Assembly.from_blocks([box("base", (0, 0, -1), (1, 1, 0), fixed=True), box("stone", (0, 0, 0), (1, 1, 1))], 0.6)
+
+
+def lines(*changes: str, summaries: tuple[dict[str, Any], ...] = ()) -> list[str]:
+    return doubts(parse_scene(TEXT, Path("scene.toml"), changes), PAIR, summaries)
+
+
+CHECK = 'limit.check={spectrum="EC8", ag=0.25}'
+CASES = [
+    (CHECK, "limit.check.ag = 0.25 m/s2 is 0.0255 g: ", "if 0.25 g is meant, write 2.452"),
+    ('loads=[{kind="record", target_pga=0.3, path="a", direction="x"}]', "loads[0].target_pga = 0.3 m/s2 is 0.0306 g: ", "write 2.942"),
+    ('loads=[{kind="settlement", supports="b", displacement=30, duration=100}]', "loads[0].displacement = 30 m is 30 times the", "30 mm"),
+    ('loads=[{kind="settlement", supports="b", displacement=0.08, duration=0.1}]', "loads[0].displacement = 0.08 m is 0.08 times", "a longer duration?"),
+    ('loads=[{kind="point", block="stone", force=[0, 0, -40.0]}]', "loads[0].force = 40 N is 0.002 times the", "write 4e+04"),
+    ('loads=[{kind="point", block="stone", force=[0, 0, -4e8]}]', "loads[0].force = 4e+08 N is 400 MPa on its block", "30 MPa"),
+    ("material.density=1.9", "material.density = 1.9 kg/m3: ", "if 1.9 t/m3 is meant, write 1900"),
+    ("material.density=19.0", "material.density = 19 kg/m3: ", "if 19 kN/m3 is meant, write 1937"),
+    ("material.friction=1.5", "material.friction = 1.5: ", "tangent"),
+    ("material.friction={default = 0.6, base-block = 1.5}", "material.friction.base-block = 1.5: ", "tangent"),
+    ('material={density=2000.0, friction=0.6, deformable="uniform", young=1500.0}', "material.young = 1500 Pa: ", "write 1.5e+09"),
+    ("material.joints={normal_stiffness=20.0}", "material.joints.normal_stiffness = 20 N/m3: ", "write 2e+10"),
+    ("material.joints={cohesion=0.2}", "material.joints.cohesion = 0.2 Pa: ", "0.2 MPa is meant, write 2e+05"),
+    ("material.compressive_strength=2e4", "material.compressive_strength = 20000 Pa: ", "if 20000 kPa"),
+    ('structure.ties=[{along="x", height=1.0, diameter=0.03, yield_force=160}]', "structure.ties[0].yield_force = 160 N is", "1.6e+05"),
+    ('structure.ties=[{along="x", height=1.0, diameter=30, yield_force=1e8}]', "structure.ties[0].diameter = 30 m: ", "30 mm is meant"),
+    ('loads=[{kind="tie", blocks=["base", "stone"], area=7e-4, tension=40.0}]', "loads[0].tension = 40 N is 0.057 MPa", "4e+04"),
+    ("structure.roof_mass=1.2", "structure.roof_mass = 1.2 kg/m2: ", "if 1.2 kN/m2 is meant, write 122.4"),
+    ("structure.floors=[{height=3.0, mass=4.0}]", "structure.floors[0].mass = 4 kg/m2: ", "if 4 kN/m2 is meant, write 407.9"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "begins", "holds"), CASES, ids=[change[:50] for change, _, _ in CASES])
+def test_a_value_in_another_unit_draws_one_line_and_none_where_it_is_meant_so(change: str, begins: str, holds: str) -> None:
+    (line,) = lines(change)
+    assert line.startswith(begins)
+    key = begins.partition(" = ")[0]
+    assert holds in line
+    assert line.endswith(f'if it is meant so, quiet_checks = ["{key}"] says so')
+    assert lines(change, f'quiet_checks=["{key}"]') == []
+    assert lines(change, 'quiet_checks=["run.dt"]') == [line]
+
+
+def test_zero_leaves_something_out_and_is_never_doubted() -> None:
+    assert lines("material.joints={cohesion=0.0}", 'loads=[{kind="point", block="stone", force=[0, 0, 0]}]') == []
+
+
+@pytest.mark.parametrize(("amplitude", "pga", "said"), [(4.0, 25.0, "2.5 g"), (3.0, 18.8, ""), (1e-4, 6e-4, "6.1e-05 g"), (0.0, 0.0, "")])
+def test_a_sine_is_judged_by_its_peak_acceleration(amplitude: float, pga: float, said: str) -> None:
+    """At 1 Hz 3 m/s are 1.9 g, 4 m/s are 2.6 g."""
+    load = f'loads=[{{kind="sinusoidal", direction="x", amplitude={amplitude}, frequency=1.0, cycles=1}}]'
+    found = lines(load, summaries=({"after": {"pga": pga}},))
+    assert [said in line and line.startswith("loads[0].amplitude = ") for line in found] == ([True] if said else [])
+
+
+@pytest.mark.parametrize(("pga", "doubted"), [(0.02, True), (3.0, False), (25.0, True)])
+def test_a_record_is_judged_by_what_its_scale_makes_of_it(pga: float, doubted: bool) -> None:
+    load = 'loads=[{kind="record", path="a", direction="x", scale=9.81}]'
+    found = lines(load, summaries=({"after": {"pga": pga}},))
+    assert [line.startswith("loads[0].scale = 9.81 makes a PGA of ") for line in found] == [True] * doubted
+    assert bool(unusual_pga(pga, "quake.txt has a")) == doubted
+
+
+def test_the_lines_stand_among_the_warnings_of_a_run_and_the_notes_of_a_limit_analysis(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(TEXT.replace('kind = "file"\npath = "blocks.json"', 'kind = "column"\ndrums = 2').replace("0.6", "1.5"))
+    scene = read_scene(path)
+    (line,) = structure_doubts(scene)
+    assert line in limit_summary(case_of(scene))["notes"]
+    assert line in prepare(scene).warnings
+
+
+FILES = sorted([*EXAMPLES.glob("*.toml"), *(ROOT / "benchmarks").glob("*.toml"), ROOT / "docs" / "accuracy.toml"])
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+FENCED = [
+    (f"{page.name}-{i}", text) for page in PAGES for i, text in enumerate(re.findall(r"```toml[^\n]*\n(.*?)```", page.read_text(), re.S))
+]
+SCENES = [(path.name, path.read_text()) for path in FILES] + FENCED
+WHOLE = [
+    (name, text) for name, text in SCENES if all(re.search(rf"^\[\[?{table}", text, re.M) for table in ("structure", "material", "run"))
+]
+
+
+@pytest.mark.parametrize("text", [text for _, text in WHOLE], ids=[name for name, _ in WHOLE])
+def test_scenes_of_the_repository_draw_no_line(text: str) -> None:
+    assert _drawn(parse_scene(text, EXAMPLES / "scene.toml")) == []
+
+
+@pytest.mark.parametrize("kind", sorted({*KINDS} - {"file"}))
+def test_starters_draw_no_line(kind: str, tmp_path: Path) -> None:
+    assert _drawn(parse_scene(starter(kind, tmp_path / "scene.toml"), tmp_path / "scene.toml")) == []
+
+
+def _drawn(scene: Scene) -> list[str]:
+    """The lines of a scene whose records may not be there; its structure is built where a load is compared with it."""
+    compared = any(table.get("kind") in ("point", "settlement", "spreading") for table in scene.loads)
+    return doubts(scene, structure_of(scene).assembly if compared else PAIR)
