@@ -73,7 +73,8 @@ def test_a_thread_that_cannot_be_had_ends_the_team(monkeypatch: pytest.MonkeyPat
                 raise RuntimeError("can't start new thread")
             return self.pool.submit(*call)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(threads, "_pool", lambda size, pool=OneThread(): pool)
+    pool = OneThread()
+    monkeypatch.setattr(threads, "_pool", lambda size: pool)
     error = outcome(meet_again, 3, 5, -1, 0)
     assert isinstance(error, RuntimeError) and "can't start" in str(error)
 
