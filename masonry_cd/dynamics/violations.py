@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.dynamics.relative_velocity import of_bodies
+from masonry_cd.dynamics.relative_velocity import all_of_bodies
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import System
 from masonry_cd.jit import entry
@@ -76,10 +76,11 @@ def find_violations(
     laws = ContactLaws(p.bodies, p.jacobian, p.offset, p.mu, p.compliance, p.inverse_mass, bond)
     after = np.zeros((max(1, len(made.found.gap)), system.rows - 1))
     slips = FalseSlip(made.rows.active, made.found.previous, before, after)
-    threads = system.threads_for(count)
-    found = np.array(in_shares(lambda _, first, end: violate(laws, slips, impulse, v, h, (first, end)), threads, count))
-    worst = int(found[found[:, 1].argmax(), 3]) if count else -1
-    speed, slip, opening, _ = found.max(axis=0).tolist()
+    found = in_shares(lambda _, first, end: violate(laws, slips, impulse, v, h, (first, end)), system.threads_for(count), count)
+    speed, slip, opening, worst = found[0]
+    for other in found[1:]:
+        slip, worst = (other[1], other[3]) if other[1] > slip else (slip, worst)
+        speed, opening = max(speed, other[0]), max(opening, other[2])
     first, second = made.rows.blocks[worst].tolist() if worst >= 0 else (-1, -1)
     return Violation(speed, slip, opening, (first, second)), after
 
@@ -93,11 +94,11 @@ def violate(
     Returns the largest violation [m/s], false slip and false opening [m], and the contact with the largest false slip, -1 for none.
     """
     bodies, jacobian, offset, compliance, m = laws.bodies, laws.jacobian, laws.offset, laws.compliance, impulse.shape[1]
-    speed, slip, opening, worst = 0.0, 0.0, 0.0, -1
+    speed, slip, opening, worst = 0.0, -1.0, 0.0, -1  # speed and slip squared
     for c in range(share[0], share[1]):
-        w0, w1 = of_bodies(bodies, jacobian, c, 0, v, offset[c, 0]), of_bodies(bodies, jacobian, c, 1, v, offset[c, 1])
-        w2 = of_bodies(bodies, jacobian, c, 2, v, offset[c, 2]) if m == 3 else 0.0
+        w0, w1, w2 = all_of_bodies(bodies, jacobian, c, v)
         p1, p2 = impulse[c, 1], impulse[c, 2] if m == 3 else 0.0
+        w0, w1, w2 = w0 + offset[c, 0], w1 + offset[c, 1], w2 + offset[c, 2] if m == 3 else 0.0
         rho = 0.0
         for side in range(2):
             if bodies[c, side] >= 0:
@@ -110,11 +111,12 @@ def violate(
         pressed = impulse[c, 0] + (laws.bond[c] if len(laws.bond) else 0.0)
         parting = min(w0, rho_n * pressed)
         x1, x2, radius = rho_t * p1 - w1, rho_t * p2 - w2, laws.mu[c] * rho_t * max(pressed, 0.0)
-        length = np.sqrt(x1 * x1 + x2 * x2)
-        inside = radius / length if length > radius else 1.0
-        s1, s2 = rho_t * p1 - inside * x1, rho_t * p2 - inside * x2
-        speed = max(speed, np.sqrt(parting * parting + s1 * s1 + s2 * s2))
-        opening = max(opening, step * parting)
+        square = x1 * x1 + x2 * x2
+        s1, s2 = w1, w2
+        if square > radius * radius:
+            inside = radius / np.sqrt(square)
+            s1, s2 = rho_t * p1 - inside * x1, rho_t * p2 - inside * x2
+        speed, opening = max(speed, parting * parting + s1 * s1 + s2 * s2), max(opening, parting)
         at = slips.active[c]
         last = slips.previous[at]
         a1, a2 = step * s1, step * s2
@@ -124,7 +126,7 @@ def violate(
         slips.after[at, 0] = a1
         if m == 3:
             slips.after[at, 1] = a2
-        total = np.sqrt(a1 * a1 + a2 * a2)
-        if total > slip or worst < 0:
+        total = a1 * a1 + a2 * a2
+        if total > slip:
             slip, worst = total, c
-    return speed, slip, opening, worst
+    return np.sqrt(speed), np.sqrt(max(slip, 0.0)), step * opening, worst
