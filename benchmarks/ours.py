@@ -23,6 +23,7 @@ import numpy as np
 
 from benchmarks.counters import Counters
 from benchmarks.scenes import GRAVITY, BenchScene, scene, tower
+from loads.bars import Forces, PointLoad
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
 from masonry_cd.dynamics.equilibrium import settle
@@ -77,7 +78,9 @@ def stepper(made: BenchScene, steps: int, solver: str = "auto", tolerance: float
     )
     velocity = np.zeros((steps + 1, 1, 3))
     velocity[:, 0, :] = made.base_velocity(steps)[:, None] * made.direction
-    return Stepper(made.assembly(), velocity, np.tile([0.0, 0.0, -GRAVITY], (steps + 1, 1)), run)
+    held = PointLoad(len(made.blocks) - 1, np.zeros(3), np.array(made.force), np.ones(steps + 1))
+    forces = Forces((held,), ()) if any(made.force) else None
+    return Stepper(made.assembly(), velocity, np.tile([0.0, 0.0, -GRAVITY], (steps + 1, 1)), run, forces=forces)
 
 
 def stepper_of_file(path: Path, changes: Sequence[str] = (), factor: float = 1.0) -> Stepper:

@@ -38,6 +38,7 @@ class BenchScene:
     frequency: float = 2.0  # f [Hz]
     stiffness: float = 0.0  # of all joints, normal; 0: rigid [N/m3]
     direction: tuple[float, float, float] = (1.0, 0.0, 0.0)  # along which the base moves, of unit length
+    force: tuple[float, float, float] = (0.0, 0.0, 0.0)  # held on the last block, at its centre [N]
 
     def base_velocity(self, steps: int) -> np.ndarray:
         """Velocity of the base along its direction at t_k = k dt, (N + 1,) [m/s]."""

@@ -2,8 +2,9 @@ r"""Stiff and extreme cases: does anything drift, sink in, gain energy or break 
 
     python -m benchmarks.stability [-o docs/stability.md] [--picture docs/stability.png] [--only dt]
 
-Time steps from 1e-4 to 5e-2 s, mass ratios, friction from none to 10, blocks from millimetres to hundreds of metres, shaking to 5 g and
-to 50 Hz, joints from 1e8 to 1e13 N/m3; joints built with gaps of micrometres; and buildings in space, shaken hard, to a tolerance of 1e-3.
+Time steps from 1e-4 to 5e-2 s, mass ratios, light blocks under large forces, friction from none to 10, blocks from millimetres to hundreds
+of metres, shaking to 5 g and to 50 Hz, joints from 1e8 to 1e13 N/m3; joints built with gaps of micrometres; and buildings in space, shaken
+hard, to a tolerance of 1e-3.
 A case passes if, in every one of its steps,
 
     finite        all positions, velocities and impulses are numbers, and the run comes to its end
@@ -40,6 +41,7 @@ from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import RunStopped
 
 TOLERANCE = 1e-8
+PUSHED_ASIDE = 0.1  # share of a force that friction has to hold, and that does not overturn a tower of three
 HARD = 1e-3  # tolerance of what is shaken hard in space
 
 
@@ -70,6 +72,8 @@ def cases() -> Iterator[StabilityCase]:
     for ratio in (1e2, 1e4, 1e6):
         yield StabilityCase("mass ratio", f"tower of 10, top {ratio:.0e} times heavier", _denser(tower(10, amplitude=0.0), -1, ratio), 400)
     yield StabilityCase("mass ratio", "tower of 10, foot 1e+06 times heavier", _denser(tower(10, amplitude=0.0), 1, 1e6), 400)
+    for ratio in (1e2, 1e3, 1e4, 1e5, 1e6):
+        yield StabilityCase("light block", f"tower of 3 pushed by its top, a force {ratio:.0e} times its weight", _pushed(3, ratio), 400)
     for mu in (0.0, 0.05, 2.0, 10.0):
         yield StabilityCase("friction", f"tower of 10 at rest, mu {mu:g}", replace(tower(10, amplitude=0.0), friction=mu), 400)
         shaken = replace(_shaken(wall(6, 6), GRAVITY, 2.0), friction=mu)
@@ -107,6 +111,14 @@ def _denser(made: BenchScene, block: int, factor: float) -> BenchScene:
     blocks = list(made.blocks)
     blocks[block] = replace(blocks[block], density=factor * blocks[block].density)
     return replace(made, blocks=tuple(blocks))
+
+
+def _pushed(count: int, ratio: float) -> BenchScene:
+    """A tower whose top block takes a force of ten times the tower's weight, which is ``ratio`` times its own, aslant by a tenth."""
+    made = tower(count, amplitude=0.0)
+    weight = made.blocks[-1].density * float(np.ptp(made.blocks[-1].vertices, axis=0).prod()) * GRAVITY
+    force = 10.0 * count * weight
+    return replace(_denser(made, -1, force / weight / ratio), force=(PUSHED_ASIDE * force, 0.0, -force))
 
 
 def _scaled(made: BenchScene, factor: float) -> BenchScene:

@@ -32,6 +32,7 @@ from reports.damage.step_peaks import StepPeaks
 ROWS_AT_ONCE = 256  # steps whose numbers are handed to the writer together
 STEP_FIELDS = (
     "step_time", "load_step", "penetration", "solver/iterations", "solver/error", "solver/seconds", "solver/contacts",
+    "solver/violation", "solver/false_slip", "solver/false_opening",
     *(f"energy/{name}" for name in ENERGIES),
 )  # fmt: skip
 NAME_BYTES = 160  # of a shock, in UTF-8: 40 letters of any script
@@ -75,7 +76,7 @@ class Recorder:
     def step(self, report: StepReport, load_step: int) -> JointMeasures:
         """Record a step, which applied a step of the loads; return the measures of the joints after it."""
         stepper = self._stepper
-        solver = (report.iterations, report.error, report.seconds, report.contacts)
+        solver = (report.iterations, report.error, report.seconds, report.contacts, *report.violation[:3])
         self._rows.append((stepper.state.time, load_step, report.penetration, *solver, *(stepper.energy[name] for name in ENERGIES)))
         self._tensions.append(stepper.tensions)
         if len(self._rows) == ROWS_AT_ONCE:

@@ -167,9 +167,11 @@ def _write_asked(case: Case, folder: Path, summary: dict[str, Any], since: float
 
 def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: float) -> dict[str, Any]:
     """Complete the summary but for the damage, and write it into the results, from which ``report`` can write it if a kill comes."""
+    from reports.damage.joint_damage import displacement_max
+
     settings = case.scene.run
     with Results.open(writer.path, sums=False) as results:
-        summary |= outcome(case, results)
+        summary |= outcome(case, results) | {"displacement_max": displacement_max(results)}
         fast = time_step_checks.after_run(case.assembly, results, settings.dt)
         gravity = math.hypot(*settings.gravity)
         restless = time_step_checks.restless(results, case.loading.pauses, gravity, settings.longest_step, settings.tolerance)

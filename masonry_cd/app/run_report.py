@@ -12,6 +12,7 @@ from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.errors import InputError
 from masonry_cd.friction.infeasibility import find_jam, named
 
+COUNTS = 1e-6  # false slip from which on it counts, as a share of the smallest width: as overlaps that are left alone
 DEEP = 0.01  # overlap from which on its blocks are named, as a share of the smallest width
 FASTER = 1.5  # times the closing speed that was last looked into: one that is looked into anew
 NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
@@ -29,6 +30,10 @@ class RunReport:
     iterations_max: int = 0
     error_mean: float = 0.0
     error_max: float = 0.0
+    violation_max: float = 0.0  # of the contact laws in a step, see dynamics/violations.py [m/s]
+    false_slip_max: float = 0.0  # that violations have added up to at a contact [m]
+    false_opening_max: float = 0.0  # that a violation has left at a contact [m]
+    false_slip_where: str = ""  # in words, of one that COUNTS
     steps_as_before: int = 0  # steps that the impulses of the step before solved: no iteration
     steps_missed: int = 0  # steps whose natural map error is above the tolerance
     steps_accepted: int = 0  # those of them whose error the scene accepts
@@ -109,6 +114,8 @@ class RunReport:
             share = 100.0 * step.shortening.depth / stepper.width
             pair = named([assembly.names[b] for b in step.shortening.blocks])
             self.shortening_where = f"{share:.2g} % of the smallest width, between {pair} at {time:.4g} s"
+        if step.violation.slip > max(self.false_slip_max, COUNTS * stepper.width):
+            self.false_slip_where = f"{named([assembly.names[b] for b in step.violation.blocks])} at {time:.4g} s"
         if closing is not None and closing.speed > FASTER * self.closing_seen:
             jam, self.closing_seen = find_jam(closing), closing.speed
             self.jam = self.jam if jam is None else f"{jam.in_words(assembly)} at {time:.4g} s"
@@ -133,6 +140,9 @@ class RunReport:
         self.contacts_max = max(self.contacts_max, step.contacts)
         self.iterations_max = max(self.iterations_max, step.iterations)
         self.error_max = max(self.error_max, step.error)
+        self.violation_max = max(self.violation_max, step.violation.speed)
+        self.false_slip_max = max(self.false_slip_max, step.violation.slip)
+        self.false_opening_max = max(self.false_opening_max, step.violation.opening)
         self.penetration_max = max(self.penetration_max, step.penetration)
         self.shortening_max = max(self.shortening_max, step.shortening.depth)
         if step.closing is not None:

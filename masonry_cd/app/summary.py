@@ -22,6 +22,7 @@ from masonry_cd.solvers import threads_that_pay
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
 
+FALSE_SHARE = 0.01  # of the largest displacement, above which motion that violates the contact laws is warned of
 REPORTED = 1e-3  # share of the largest work from which on the closing lines report what the correction of overlaps put in
 
 
@@ -56,6 +57,10 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
             "iterations_max": report.iterations_max,
             "error_max": report.error_max,
             "error_mean": report.error_mean,
+            "violation_max": report.violation_max,
+            "false_slip_max": report.false_slip_max,
+            "false_slip_where": report.false_slip_where,
+            "false_opening_max": report.false_opening_max,
             "steps_missed": report.steps_missed,
             "accept": settings.accepted,
             "steps_accepted": report.steps_accepted,
@@ -127,8 +132,17 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         *_shortening_lines(s),
         f"solver {solver['name']}{on}: {solver['iterations_mean']:.0f} iterations on average, {solver['iterations_max']} at most; "
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
+        *_violation_lines(solver),
         f"energy: balance closed to {_balance(energy)}{lift}",
     ]
+
+
+def _violation_lines(solver: dict[str, Any]) -> list[str]:
+    """What the error of the solver comes to in m/s and in mm; nothing of older runs."""
+    if solver.get("violation_max") is None:
+        return []
+    left = f"{length(solver['false_slip_max'])} of slip and {length(solver['false_opening_max'])} of opening"
+    return [f"contact laws: violated by {length(solver['violation_max'])}/s at most, which adds up to {left} at the worst contacts"]
 
 
 def _shortening_lines(s: dict[str, Any]) -> list[str]:
@@ -191,6 +205,7 @@ def run_warnings(summary: dict[str, Any]) -> list[str]:
             f"{beyond or 'none'} of them by more than is accepted ({solver['accept']:g}); "
             f"the largest error is {solver['error_max']:.1e} (each step's: solver/error in result.h5)"
         )
+    lines += _false_motion(summary)
     closing = summary["closing"]
     if closing["steps"]:
         left = f"{closing['steps']} of them left contacts closing, at up to {length(closing['speed_max'])}/s, so that overlaps grow"
@@ -199,3 +214,16 @@ def run_warnings(summary: dict[str, Any]) -> list[str]:
     if summary["stopped"]:
         lines.append(f"the run ended early, {summary['stopped']}; the results hold all frames up to there")
     return lines
+
+
+def _false_motion(summary: dict[str, Any]) -> list[str]:
+    """That violations of the contact laws are no longer small beside the motion, where they are not."""
+    solver, moved = summary["solver"], summary.get("displacement_max", 0.0)
+    slip, opening = solver["false_slip_max"], solver["false_opening_max"]
+    if not (solver["false_slip_where"] and max(slip, opening) > FALSE_SHARE * moved):
+        return []
+    share = f"{100.0 * max(slip, opening) / moved:.2g} % of the largest displacement" if moved else "the blocks do not move"
+    return [
+        f"violations of the contact laws have added up to {length(slip)} of slip that friction should have held "
+        f"({solver['false_slip_where']}) and {length(opening)} of opening: {share}; a smaller run.tolerance makes them less"
+    ]

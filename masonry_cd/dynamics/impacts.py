@@ -49,6 +49,7 @@ class ImpactStep:
     carried_impulse: np.ndarray  # (F, n) generalised impulse for the next step
     forces: FrictionProblem  # the two problems as they were solved
     impacts: FrictionProblem
+    blow: np.ndarray  # (C, m) impulses of the impacts, and of the contacts whose law holds for the whole step [N s]
 
 
 class ImpactContacts(NamedTuple):
@@ -147,15 +148,15 @@ def solve_apart(
     guess[whole], force[whole] = force[whole], 0.0
     impacts = replace(problem, v_free=problem.body_velocity(force))
     second = solve(impacts, Solution(guess, None, 0), IMPACTS)
-    error = max(_error(forces, first), _error(impacts, second))
+    error = max(error_of(forces, first), error_of(impacts, second))
     contacts, after = ImpactContacts.of(impacts, gap, is_open), impacts.body_velocity(second.impulse)
     carried = carried_impulse(contacts, impacts.v_free, after, force, second.impulse, step)
     reason = first.reason if first.reason == second.reason else f"{first.reason}; impacts: {second.reason}"
     total = Solution(force + second.impulse, None, first.iterations + second.iterations, reason)
-    return ImpactStep(total, error, carried, forces, impacts)
+    return ImpactStep(total, error, carried, forces, impacts, second.impulse)
 
 
-def _error(problem: FrictionProblem, solution: Solution) -> float:
+def error_of(problem: FrictionProblem, solution: Solution) -> float:
     """The natural map error, measured unless the solver had to."""
     return natural_map_error(problem, solution.impulse) if solution.error is None else solution.error
 

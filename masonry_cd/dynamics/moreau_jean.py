@@ -9,7 +9,7 @@ One step of length h from (q, v) to (q+, v+), theta in [1/2, 1] (Jean, Comput. M
     solve      M v+ = M v_free + H^T p,   0 <= u_n + max(g, 0)/h  _|_  p_n >= 0,
                |p_t| <= mu p_n, opposed to the slip                     impacts apart from forces                impacts.py, islands.py
     update     q+     = q_m + h theta v+                                overlaps corrected at position level     new_state.py, overlaps.py
-    account    work and losses                                                                                   energy.py
+    account    work and losses, and what the step leaves of the contact laws                                     energy.py, violations.py
 
 The gap enters the law over the step, so a block that lands stops where it lands, with perfectly plastic impact. Contacts of elastic joints
 are springs instead, see ``joint_law.py``: there an overlap is the shortening of the joint.
@@ -32,9 +32,10 @@ from masonry_cd.dynamics import joint_forces
 from masonry_cd.dynamics.block_forces import BlockForces
 from masonry_cd.dynamics.contact_rows import assemble
 from masonry_cd.dynamics.energy import ENERGIES, account, at_start
+from masonry_cd.dynamics.error_scale import find_overload, on_scale
 from masonry_cd.dynamics.free_motion import Prediction, angular_momenta, predict
-from masonry_cd.dynamics.impacts import open_among, open_contacts, solve_apart
-from masonry_cd.dynamics.islands import Islands
+from masonry_cd.dynamics.impacts import error_of, open_among, open_contacts, solve_apart
+from masonry_cd.dynamics.islands import FORCES, Islands
 from masonry_cd.dynamics.joint_history import bonded_shares, pretensioned
 from masonry_cd.dynamics.new_state import RunStopped, update
 from masonry_cd.dynamics.overlaps import Overlap, largest_shortening, still_closing
@@ -44,9 +45,10 @@ from masonry_cd.dynamics.snapshot import check_motion, motion_arrays, part, pref
 from masonry_cd.dynamics.start import motion_at_start
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import Loads, Motion, System, plane_of
+from masonry_cd.dynamics.violations import Violation, find_violations
 from masonry_cd.freed_memory import keep_freed_memory
 from masonry_cd.friction.infeasibility import Closing
-from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
+from masonry_cd.friction.problem import FrictionProblem, Solution
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State, body_maps, rotation_matrices
@@ -63,7 +65,7 @@ class StepReport(NamedTuple):
     """What one step cost and how well it was solved."""
 
     iterations: int
-    error: float  # natural map error, measured outside the solver
+    error: float  # natural map error, measured outside the solver, on the scale of error_scale.py
     seconds: float  # of the whole step
     contacts: int
     penetration: float  # largest overlap of rigid contacts at q_m [m]
@@ -75,6 +77,7 @@ class StepReport(NamedTuple):
     closing: Closing | None = None  # what a step that missed its tolerance has left closing
     accepted: bool = False  # the step missed its tolerance, by no more than the scene accepts
     shortening: Overlap = Overlap()  # the largest one of springs
+    violation: Violation = Violation()  # of the contact laws
 
 
 class StepStart(NamedTuple):
@@ -93,6 +96,7 @@ class Solved(NamedTuple):
     solution: Solution
     error: float  # natural map error
     carried_impulse: np.ndarray | None = None  # (F, n) for the next step; None: no impacts were solved apart
+    blow: np.ndarray | None = None  # (C, m) of the impulses, those of the impacts, likewise [N s]
 
 
 # --- the phases that are not in files of their own ---------------------------------------------------------------------------
@@ -122,7 +126,8 @@ def solve(system: System, made: StepProblem, islands: Islands, number: int, watc
     bond = made.springs.bond
     start = replace(made.start, impulse=_shifted(made.start.impulse, bond))
     solved = _solve_cones(system, made._replace(problem=pretensioned(made.problem, bond), start=start), islands, number, watch)
-    return solved._replace(solution=replace(solved.solution, impulse=_shifted(solved.solution.impulse, -bond)))
+    blow = None if solved.blow is None else _shifted(solved.blow, -bond)
+    return solved._replace(solution=replace(solved.solution, impulse=_shifted(solved.solution.impulse, -bond)), blow=blow)
 
 
 def _shifted(impulse: np.ndarray, normal: np.ndarray) -> np.ndarray:
@@ -137,24 +142,17 @@ def _solve_cones(system: System, made: StepProblem, islands: Islands, number: in
     s, problem, start = system.settings, made.problem, made.start
     options = Options(s.tolerance, s.max_iterations, s.seed + number - 1, system.threads_for(problem.contacts), s.accepted)
     impact = _impact(system, made)
+    overload = None if start.velocity is None else find_overload(system, start.velocity, made.predicted)
     islands.link(problem, start.impulse, s.tolerance)
+    solve_part = on_scale(overload, options, islands.solve)
     if impact is None:
-        solution = islands.solve(problem, options, start)
-        shown = {"": problem}
-        solved = Solved(solution, natural_map_error(problem, solution.impulse) if solution.error is None else solution.error)
+        solution = solve_part(problem, start, FORCES)
+        shown, solved = {"": problem}, Solved(solution, error_of(problem, solution))
     else:
         is_open, struck = impact
-        both = solve_apart(
-            problem,
-            is_open,
-            ~struck,
-            made.rows.gap,
-            system.constants.step,
-            start,
-            lambda part, begin, kind: islands.solve(part, options, begin, kind),
-        )
+        both = solve_apart(problem, is_open, ~struck, made.rows.gap, system.constants.step, start, solve_part)
         shown = {"forces": both.forces, "impacts": both.impacts}
-        solved = Solved(both.solution, both.error, both.carried_impulse)
+        solved = Solved(both.solution, both.error, both.carried_impulse, both.blow)
     if watch is not None:
         for name, each in shown.items():
             watch(number, name, each)
@@ -227,9 +225,12 @@ class Stepper:
         solved = solve(system, made, self.islands, last.steps + 1, self.watch)
         new = update(system, last, made, solved.solution.impulse, solved.carried_impulse)
         energy = account(system, last, made, solved.solution.impulse, new)
-        self.motion, self.last, self.solution = new.motion._replace(energy=energy), made, solved.solution
+        obeyed = solved.solution.impulse if solved.blow is None else solved.blow
+        violation, false_slip = find_violations(system, made, obeyed, new.motion.v, last.false_slip)
+        self.motion = new.motion._replace(energy=energy, false_slip=false_slip)
+        self.last, self.solution = made, solved.solution
         self.load_step += ticks
-        return self._report(made, solved, new.deepest, begin)
+        return self._report(made, solved, new.deepest, begin)._replace(violation=violation)
 
     def _set_length(self, ticks: int) -> None:
         """Make steps of some ticks from here on; the impulses that the next one starts from grow with its length."""
@@ -312,8 +313,9 @@ class Stepper:
         m = self.motion
         state = replace(m.state, time=0.0, velocity=np.zeros_like(m.state.velocity))
         self.motion = m._replace(
-            state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None, steps=0, ticks=0
-        )
+            state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None,
+            false_slip=np.zeros_like(m.false_slip), steps=0, ticks=0,
+        )  # fmt: skip
         self.load_step = 0
 
     def lock_ties(self) -> None:
@@ -330,7 +332,10 @@ class Stepper:
         """
         m = other.motion
         energy = at_start(self.system, m.state, m.angular_momentum)
-        self.motion = m._replace(impulse=share * m.impulse, tensions=self.tensions, yielded=self.motion.yielded, energy=energy)
+        self.motion = m._replace(
+            impulse=share * m.impulse, false_slip=np.zeros_like(m.false_slip), tensions=self.tensions, yielded=self.motion.yielded,
+            energy=energy,
+        )  # fmt: skip
         self.detector, self.last = other.detector, other.last
         self.solution = Solution(share * other.solution.impulse, None, 0)
 

@@ -22,6 +22,31 @@ def of_bodies(bodies, jacobian, c, i, v, start):
 
 
 @borrower()
+def all_of_bodies(bodies, jacobian, c, v):
+    """H v of contact c, all rows, three numbers, zero for one that it does not have; arguments as of :func:`of_bodies`.
+
+    The rows are added up side by side, not one after the other: three times as quick.
+    """
+    u0, u1, u2, m = 0.0, 0.0, 0.0, jacobian.shape[2]
+    for side in range(2):
+        b = bodies[c, side]
+        if b < 0:
+            continue
+        if m == 3:
+            for j in range(v.shape[1]):
+                x = v[b, j]
+                u0 += jacobian[c, side, 0, j] * x
+                u1 += jacobian[c, side, 1, j] * x
+                u2 += jacobian[c, side, 2, j] * x
+        else:
+            for j in range(v.shape[1]):
+                x = v[b, j]
+                u0 += jacobian[c, side, 0, j] * x
+                u1 += jacobian[c, side, 1, j] * x
+    return u0, u1, u2
+
+
+@borrower()
 def of_supports(supports, frame, c, i, velocity, start):
     """start + what supports move along row i of contact c; ``supports`` (C, 2) with -1 for free blocks, ``velocity`` (S, 3)."""
     u = start

@@ -28,7 +28,8 @@ def motion_arrays(motion: Motion, load_step: int) -> dict[str, np.ndarray]:
     """A motion, after ``load_step`` steps of the loads, as arrays."""
     m = motion
     out = {name: getattr(m.state, name) for name in ("position", "orientation", "velocity")}
-    out |= {"angular_momentum": m.angular_momentum, "v": m.v, "impulse": m.impulse, "yielded": m.yielded}
+    out |= {"angular_momentum": m.angular_momentum, "v": m.v, "impulse": m.impulse, "false_slip": m.false_slip}
+    out["yielded"] = m.yielded
     out["steps"] = np.array([m.steps, load_step, m.ticks, m.span])
     out["energy"] = np.array([m.energy.begun, *(m.energy.totals[name] for name in ENERGIES)])
     if len(m.state.strain):
@@ -54,6 +55,7 @@ def check_motion(stored: Stored, system: System, motion: Motion, contacts: int) 
         stored.real("strain", *motion.state.strain.shape)
     stored.real("v", free, unknowns)
     stored.real("impulse", max(1, contacts), system.rows)
+    stored.real("false_slip", max(1, contacts), system.rows - 1)
     if stored.holds("carried_impulse"):
         stored.real("carried_impulse", free, unknowns)
     steps, load_step, ticks, span = stored.whole("steps", 4, high=len(system.loads.acceleration)).tolist()
@@ -79,6 +81,7 @@ def restored_motion(arrays: Mapping[str, np.ndarray], tick: float, tensions: np.
         v=arrays["v"],
         impulse=arrays["impulse"],
         carried_impulse=arrays.get("carried_impulse"),
+        false_slip=arrays["false_slip"],
         joints=JointMemory(**part("joints", arrays)),
         tensions=tensions,
         yielded=arrays["yielded"],

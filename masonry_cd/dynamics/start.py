@@ -27,6 +27,7 @@ def motion_at_start(system: System, state: State) -> Motion:
         v=system.unknowns_of(state.velocity),
         impulse=np.zeros((1, system.rows)),
         carried_impulse=None,
+        false_slip=np.zeros((1, system.rows - 1)),
         joints=JointMemory.empty(0),
         tensions=tensions,
         yielded=np.zeros(len(tensions)),

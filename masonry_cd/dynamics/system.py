@@ -174,6 +174,7 @@ class Motion(NamedTuple):
     v: np.ndarray  # (F, n) velocities of the free blocks
     impulse: np.ndarray  # (C, m) of all contacts of the last step, one row at least [N s], in steps of length ``span``
     carried_impulse: np.ndarray | None  # (F, n) generalised impulse that an impact leaves to the next step, see impacts.py
+    false_slip: np.ndarray  # (C, m - 1) of all contacts, one row at least, see violations.py [m]
     joints: JointMemory  # of elastic and bonded joints
     tensions: np.ndarray  # (T,) of the ties, as applied in the last step [N]
     yielded: np.ndarray  # (T,) by how much they are longer for good, by settling and by yielding [m]

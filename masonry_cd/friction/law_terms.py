@@ -100,7 +100,7 @@ def add_impulse_of_own(problem, p, begin, stop, out):
 @kernel()
 def law_terms(given, p, scaled):
     """The :class:`LawTerms` of impulses p (C, m) over ProblemArrays."""
-    terms, nobody = room_for_law(given), np.zeros(2, dtype=np.int64)
+    terms, nobody = room_for_law(given), np.zeros(3, dtype=np.int64)
     fill_law_terms(ThreadTeam(0, 1, nobody, nobody), given, p, scaled, terms)
     return terms
 

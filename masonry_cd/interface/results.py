@@ -56,6 +56,9 @@ PER_STEP = {  # and their types
     "solver/contacts": np.int64,
     "solver/error": np.float64,
     "solver/seconds": np.float64,
+    "solver/violation": np.float64,
+    "solver/false_slip": np.float64,
+    "solver/false_opening": np.float64,
     "penetration": np.float64,
 }
 

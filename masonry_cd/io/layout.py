@@ -22,6 +22,7 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /peaks/{displacement (B,), drift (P,), level_displacement (P, L), level_drift (P, L)}   over all steps, of blocks, parts and levels
     /peaks/{hinge_opening (J,), hinge_time (J,), hinge_place (J, 3)}   likewise, of joints while they were hinges
     /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]
+    /solver/violation (N,) [m/s], /solver/{false_slip, false_opening} (N,) [m]   of the contact laws, see masonry_cd/dynamics/violations.py
     /step_time (N,) [s]   /load_step (N,), the step of the loads that was applied
     /ties/tension (N, T) [N]   of each bar, in the order of the attribute ties; absent without ties
     /shocks/{name, start, end, frame} (S,)   of a sequence: times [s], and the frame at the end of the rest after each shock

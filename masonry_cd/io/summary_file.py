@@ -15,7 +15,17 @@ TABLES = ("solver", "energy", "islands", "closing", "loads", "left_out")
 NUMBERS = ("steps", "steps_asked", "dt", "wall_seconds", "stepping_seconds", "contacts_mean", "contacts_max", "penetration_max")
 TEXTS = ("title", "version", "stopped", "penetration_where", "provisional")
 OF_TABLES: dict[str, dict[str, type]] = {
-    "solver": {"name": str, "tolerance": float, "error_max": float, "error_mean": float, "steps_missed": float},
+    "solver": {
+        "name": str,
+        "tolerance": float,
+        "error_max": float,
+        "error_mean": float,
+        "steps_missed": float,
+        "violation_max": float,
+        "false_slip_max": float,
+        "false_opening_max": float,
+        "false_slip_where": str,
+    },
     "energy": {"balance_error": float, "kinetic_end": float},
     "loads": {"tables": list},
 }  # each may be missing, or null as what is not finite is

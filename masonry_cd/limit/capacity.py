@@ -140,7 +140,7 @@ class _Path:
             first = self.make.at(assembly, loads, joints)
         except Unbounded as failure:
             raise InputError(f"limit: no answer: {failure}") from None
-        self.stages, self.jumps = [first], list[int]()
+        self.stages, self.jumps, self.tried = [first], list[int](), 0
         self.make.accept(first)
         self.control = self._control(first)
 
@@ -148,6 +148,7 @@ class _Path:
         """The curve."""
         amount, end = FIRST * self.width, ""
         while not end:
+            self.tried += 1
             last = self.stages[-1]
             found, used, end = self._next(last, amount)
             if found is None:
@@ -232,7 +233,7 @@ class _Path:
             return f"the control displacement of {length(self.options.limit)} is reached"
         if len(self.stages) > STALLED and self._farthest(-1 - STALLED, -1) < WAY * self._farthest(0, -1 - STALLED):
             return f"in {STALLED} steps no block went more than {WAY:.0%} farther: blocks meet at every step"
-        if len(self.stages) > MOST * self.options.steps:
+        if max(len(self.stages), self.tried) > MOST * self.options.steps:  # stages that are left at once count as well
             return f"{MOST * self.options.steps} steps are made, and the factor has not vanished"
         return ""
 

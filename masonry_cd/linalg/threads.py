@@ -6,6 +6,8 @@ result: a sum over subtrees is taken in their order. So equal inputs give equal 
 runs without waiting.
 
 The kernels release Python's lock, so Python's own threads run them, and nothing is compiled twice.
+
+A thread that ends with an error never comes to the next barrier. It says so there, and those that wait for it end as well.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.intrinsics import atomic_add, atomic_load, yield_processor
 
 LINE = 8  # entries of an array that begin together on a line of the cache
+HERE, PASSED, ABANDONED = 0, 1, 2  # entries of a barrier
 _ONE_TEAM = Lock()  # at a time: two teams, each waiting for threads that the other one has, would wait for ever
 
 
@@ -30,20 +33,30 @@ class ThreadTeam(NamedTuple):
 
     rank: int  # of this thread, from 0
     size: int  # number of threads
-    barrier: np.ndarray  # (2,) shared: how many threads wait, how often all have passed
+    barrier: np.ndarray  # (3,) shared: how many threads wait, how often all have passed, whether one has ended with an error
     failed: np.ndarray  # (1,) shared: 1 if a thread met a matrix that is not positive definite
+
+
+class TeamAbandoned(RuntimeError):
+    """Another thread of the team has ended with an error, which is the one to report."""
 
 
 @borrower()
 def wait(team):
-    """Go on when all threads of the team are here."""
+    """Go on when all threads of the team are here.
+
+    Raises:
+        TeamAbandoned: one of them will never be.
+    """
     if team.size == 1:
         return
-    passed = atomic_load(team.barrier, 1)
-    if atomic_add(team.barrier, 0, 1) == team.size - 1:
-        team.barrier[0] = 0
-        atomic_add(team.barrier, 1, 1)
-    while atomic_load(team.barrier, 1) == passed:
+    passed = atomic_load(team.barrier, PASSED)
+    if atomic_add(team.barrier, HERE, 1) == team.size - 1:
+        team.barrier[HERE] = 0
+        atomic_add(team.barrier, PASSED, 1)
+    while atomic_load(team.barrier, PASSED) == passed:
+        if atomic_load(team.barrier, ABANDONED) != 0:
+            raise TeamAbandoned("another thread of the team has ended with an error")
         yield_processor()
 
 
@@ -80,15 +93,33 @@ def room_of_own():
 
 
 def run_by_team(kernel: Callable[..., Any], size: int, *arguments: Any) -> Any:
-    """Call ``kernel(team, *arguments)`` on each of ``size`` threads at once, the calling one among them; what the calling one returns."""
-    barrier, failed = np.zeros(2, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    """Call ``kernel(team, *arguments)`` on each of ``size`` threads at once, the calling one among them; what the calling one returns.
+
+    Where a thread ends with an error all of them end, and the first such error, in the order of their ranks, is raised.
+    """
+    barrier, failed = np.zeros(3, dtype=np.int64), np.zeros(1, dtype=np.int64)
     if size <= 1:
         return kernel(ThreadTeam(0, 1, barrier, failed), *arguments)
+
+    def member(rank: int) -> Any:
+        try:
+            return kernel(ThreadTeam(rank, size, barrier, failed), *arguments)
+        except BaseException:
+            barrier[ABANDONED] = 1
+            raise
+
     with _ONE_TEAM:
-        others = [_pool(size - 1).submit(kernel, ThreadTeam(rank, size, barrier, failed), *arguments) for rank in range(1, size)]
-        out = kernel(ThreadTeam(0, size, barrier, failed), *arguments)
-        for other in others:
-            other.result()
+        out, others, errors = None, [], list[BaseException]()
+        try:
+            for rank in range(1, size):
+                others.append(_pool(size - 1).submit(member, rank))
+            out = member(0)
+        except BaseException as error:
+            barrier[ABANDONED] = 1  # also where a thread could not be had
+            errors.append(error)
+        errors += [error for other in others if (error := other.exception()) is not None]
+    for error in sorted(errors, key=lambda error: isinstance(error, TeamAbandoned)):
+        raise error
     return out
 
 

@@ -242,7 +242,7 @@ class _Search:
     @property
     def ended(self) -> bool:
         """Whether the tolerance or a limit is reached."""
-        return self.accepted or self.error <= self.options.tolerance or sum(self.iterations) == self.options.max_iterations
+        return self.accepted or self.error <= self.options.tolerance or sum(self.iterations) >= self.options.limit(MOST_ITERATIONS)
 
     @property
     def asked_last(self) -> bool:

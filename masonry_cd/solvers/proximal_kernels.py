@@ -239,7 +239,8 @@ def stiffness_after_springs(stiffness, solved, spent, slow):
 def proximal_points(kind, shares, problem, work, inside, patience, answer, settings):
     """Proximal points with the operators of a :class:`Kind`, from ``answer`` on, which gets better; returns the iterations.
 
-    ``inside`` is its :class:`ProximalRoom`.
+    ``inside`` is its :class:`ProximalRoom`. Centres that the springs leave where they are, without a factorisation, have the same limit
+    as those: near what rounding leaves there may be no end of them.
     """
     springs, search, centre, own, free, offset = inside
     copy_share(shares.contacts, answer.impulse, springs.centre)
@@ -247,13 +248,14 @@ def proximal_points(kind, shares, problem, work, inside, patience, answer, setti
     copy_share(shares.rows, answer.velocity, centre)
     moved, error = kind.movable(problem, free, offset), answer.error[0]
     stiffness = min(max(1.0 / max(error, 1e-300), 1e2), 1e6)
-    iterations, failed = 0, 0
-    while iterations < settings.limit and answer.error[0] > settings.tolerance and failed < patience.failures:
+    iterations, failed, idle = 0, 0, 0
+    while max(iterations, idle) < settings.limit and answer.error[0] > settings.tolerance and failed < patience.failures:
         goal = answer.size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
         most = min(settings.limit - iterations, patience.iterations)
         kind.begin_at(shares, problem, moved, centre, search.v)
         solved, spent = settle_springs(kind, shares, moved, work, springs, stiffness, goal, most, search)
         iterations += spent
+        idle += spent == 0
         new = kind.map_norm(shares, problem, springs.p, work.room, own) / answer.size
         if not solved and not new < error:
             stiffness, failed = max(0.125 * stiffness, 1.0), failed + 1

@@ -50,7 +50,7 @@ def shares_of(team, contacts, sides, sums):
 @kernel()
 def shares_of_one(contacts):
     """:class:`Shares` of a thread alone where W alone is given."""
-    nobody, none, every = np.zeros(2, dtype=np.int64), np.zeros(1, dtype=np.int64), (0, contacts)
+    nobody, none, every = np.zeros(3, dtype=np.int64), np.zeros(1, dtype=np.int64), (0, contacts)
     team, sums = ThreadTeam(0, 1, nobody, nobody), allocate_sums(room_of_own(), contacts, contacts)
     return Shares(team, (0, -(-contacts // CHUNK)), every, every, every, BodySides(none, none, none, none), sums, none)
 

@@ -19,6 +19,7 @@ GOOD, LOOK, DOUBTFUL = "good", "look", "doubtful"
 FEW = 0.01  # share of the steps that may miss the tolerance before a run is doubtful
 BALANCE = (1e-3, 2e-2)  # share of the largest work by which the balance may be open: good up to the first, doubtful beyond the second
 LIFT = (1e-3, 2e-2)  # likewise of what taking overlaps away put in
+FALSE_MOTION = (0.01, 0.1)  # likewise of what violations have added up to, as a share of the largest displacement
 OVERLAP = (1.0, 10.0)  # likewise of the largest overlap, in thresholds of an open joint
 
 
@@ -70,6 +71,8 @@ def checks(context: PageContext) -> list[Check]:
     known = [_end(context)] if summary.get("steps") else []
     if "error_max" in summary.get("solver", {}):
         known.append(_solver(context))
+    if summary.get("solver", {}).get("false_slip_max") is not None:
+        known.append(_false_motion(context))
     if "balance_error" in summary.get("energy", {}):
         known.append(_energy(summary["energy"]))
     if "penetration_max" in summary:
@@ -120,6 +123,21 @@ def _solver(context: PageContext) -> Check:
             f"{closing['steps']} steps left contacts closing{jam}. Their forces mean nothing: look at what pushes blocks together there."
         )
     return Check("Contact forces", measured, verdict, meaning, remedy)
+
+
+def _false_motion(context: PageContext) -> Check:
+    """What the error of the contact forces comes to in m/s and in mm."""
+    solver, moved = context.summary["solver"], context.displacement_max
+    slip, opening = solver["false_slip_max"], solver["false_opening_max"]
+    where = f", {escaped(solver['false_slip_where'])}" if solver.get("false_slip_where") else ""
+    return Check(
+        "Motion against the contact laws",
+        f"{length(solver['violation_max'])}/s at most; {in_metres(slip)} of slip{where} and {in_metres(opening)} of opening in all",
+        graded(max(slip, opening), (FALSE_MOTION[0] * moved, FALSE_MOTION[1] * moved)) if where else GOOD,
+        "The error of the contact forces lets joints slip that friction should hold, and part that are pressed. A slip stays and adds up, "
+        "here at the single worst contact. It should be small beside the largest displacement.",
+        "Tighten run.tolerance until it is.",
+    )
 
 
 def _energy(energy: Mapping[str, Any]) -> Check:

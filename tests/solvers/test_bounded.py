@@ -1,0 +1,83 @@
+"""Tolerances that no impulses meet: every solver ends, with the best that it has, and says by how much it missed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from threading import Thread
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, natural_map_error
+from masonry_cd.solvers import SOLVERS, Options
+
+UNREACHABLE = 1e-300
+LONG = 60.0  # an end that does not come for so long is none: with its kernels compiled a solve takes milliseconds [s]
+LIMITS = (None, 1, 40)
+
+
+def identity(m: int) -> LocalProblem:
+    """One contact that presses and slides, W the identity."""
+    return LocalProblem(sparse.identity(m, format="csr"), -np.ones((1, m)), np.ones(1))
+
+
+def random_problem(seed: int, m: int) -> FrictionProblem:
+    """Up to three bodies and five contacts, some of them twice, with any friction; in a plane or in space."""
+    rng = np.random.default_rng([seed, m])
+    bodies, contacts, n = int(rng.integers(1, 4)), int(rng.integers(1, 6)), 3 if m == 2 else 6
+    root = rng.normal(size=(bodies, n, n)) + 2.0 * np.eye(n)
+    pairs = np.column_stack([rng.integers(0, bodies, contacts), np.full(contacts, -1)])
+    others = rng.integers(-1, bodies, contacts)
+    pairs[:, 1] = np.where(others == pairs[:, 0], -1, others)
+    jacobian = rng.normal(size=(contacts, 2, m, n))
+    jacobian[contacts // 2 :] = jacobian[: contacts - contacts // 2]
+    return FrictionProblem(
+        root @ root.transpose(0, 2, 1), rng.normal(size=(bodies, n)), pairs, jacobian, rng.choice([0.0, -0.1], (contacts, m)),
+        rng.choice([0.0, 0.3, 1.0, 2.5], contacts), np.zeros((0, m)),
+    )  # fmt: skip
+
+
+def problems(m: int) -> list[Problem]:
+    """Problems given by bodies and by W alone; some without friction, some at a solution."""
+    found = [random_problem(seed, m) for seed in range(4)]
+    still = replace(found[0], v_free=np.zeros_like(found[0].v_free), offset=np.zeros_like(found[0].offset))
+    return [identity(m), *found, still, *(problem.to_local() for problem in (*found, still))]
+
+
+def solved(name: str, problem: Problem, options: Options) -> Solution:
+    """What a solver returns, in a thread of its own, so that one that does not end fails the test."""
+    SOLVERS[name](problem, Options(1e-6), None)  # to have its kernels compiled
+    found: list[Solution | Exception] = []
+
+    def ask() -> None:
+        try:
+            found.append(SOLVERS[name](problem, options, None))
+        except Exception as error:
+            found.append(error)
+
+    thread = Thread(target=ask, daemon=True)
+    thread.start()
+    thread.join(LONG)
+    assert found, f"{name} does not end"
+    assert isinstance(found[0], Solution), found[0]
+    return found[0]
+
+
+@pytest.mark.parametrize("m", [2, 3], ids=["plane", "space"])
+@pytest.mark.parametrize("name", ["nlgs", "admm", "newton", "interior", "pivoting", "accelerated", "auto"])
+def test_every_solver_ends_at_a_tolerance_that_no_impulses_meet(name: str, m: int) -> None:
+    for problem in problems(m):
+        for limit in LIMITS:
+            solution = solved(name, problem, Options(UNREACHABLE, limit))
+            assert np.isfinite(solution.impulse).all()
+            error = natural_map_error(problem, solution.impulse)
+            assert np.isfinite(error) and (error > UNREACHABLE or error == 0.0)
+            assert ("converged" in solution.reason) == (error == 0.0), solution.reason
+            assert limit is None or solution.iterations <= limit
+
+
+@pytest.mark.parametrize("m", [2, 3], ids=["plane", "space"])
+def test_one_contact_is_solved_to_rounding_though_the_tolerance_is_below(m: int) -> None:
+    solution = solved("auto", identity(m), Options(1e-16))
+    assert natural_map_error(identity(m), solution.impulse) <= 1e-12
