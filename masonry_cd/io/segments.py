@@ -116,7 +116,7 @@ def held(dataset: h5py.Dataset) -> int:
 
 
 def in_pieces(dataset: h5py.Dataset, first: int, last: int) -> Iterator[np.ndarray]:
-    """The rows of a dataset from ``first`` up to ``last``, some megabytes at a time; empty rows, those of no joints, count like any other."""
+    """The rows of a dataset from ``first`` up to ``last``, some megabytes at a time; rows without columns, of no joints, count as well."""
     row_bytes = int(np.prod(dataset.shape[1:])) * dataset.dtype.itemsize
     step = max(1, AT_ONCE // row_bytes if row_bytes else last - first)
     for begin in range(first, last, step):
