@@ -115,6 +115,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     return [
         f"{s['title']}: {steps_in_words(s)} in {in_words(s['stepping_seconds'])}, "
         f"{length(per_step, 's')} per step; {in_words(s['wall_seconds'])} in all",
+        *verdict_lines(s),
         *time_step_lines(s),
         *outcome_lines(s),
         damage_line(s),
@@ -129,6 +130,15 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
         f"energy: balance closed to {_balance(energy)}{lift}",
     ]
+
+
+def verdict_lines(s: dict[str, Any]) -> list[str]:
+    """That a run cannot be relied on, and why, before anything that it found."""
+    found = s.get("verdict", {})
+    if found.get("verdict") != "doubtful":
+        return []
+    whys = "; ".join(check["why"] for check in found["checks"] if check["verdict"] == "doubtful")
+    return [f"{found['words']} ({whys})"]
 
 
 def _shortening_lines(s: dict[str, Any]) -> list[str]:
