@@ -15,6 +15,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.quantities import length
 from reports.damage.definitions import Thresholds
 from reports.damage.end_state import EndState
+from reports.damage.joint_damage import collapsed_blocks
 
 GOOD, LOOK, DOUBTFUL = "good", "look", "doubtful"
 UNKNOWN = "unknown"  # of a run that has left no numbers of its own
@@ -32,6 +33,7 @@ FEW = 0.01  # share of the steps that may miss the tolerance before a run is dou
 BALANCE = (1e-3, 2e-2)  # share of the largest work by which the balance may be open: good up to the first, doubtful beyond the second
 LIFT = (1e-3, 2e-2)  # likewise of what taking overlaps away put in
 DEPTH = (1.0, 10.0)  # likewise of the largest overlap, in thresholds of an open joint
+OF_DEBRIS = 10.0  # times the second where blocks fell: what lands gets as deep as it falls in a step, and changes no grade of what stands
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,7 @@ def verdict_of(summary: Mapping[str, Any], thresholds: Thresholds, end: EndState
 
 def verdict_on(results: Results, thresholds: Thresholds, end: EndState) -> Verdict:
     """The verdict on the run of a result file."""
-    return verdict_of(results.closing, thresholds, end)
+    return verdict_of(results.closing | {"collapsed_blocks": len(collapsed_blocks(results, thresholds))}, thresholds, end)
 
 
 def graded(value: float, bounds: tuple[float, float]) -> str:
@@ -158,5 +160,6 @@ def _overlap(summary: Mapping[str, Any], thresholds: Thresholds) -> Finding:
     """How far blocks got into one another."""
     deepest, threshold = summary["penetration_max"] or 0.0, thresholds.opened
     where = f", of {summary['penetration_where']}" if summary.get("penetration_where") else ""
-    verdict = graded(deepest, (DEPTH[0] * threshold, DEPTH[1] * threshold))
+    most = DEPTH[1] * (OF_DEBRIS if summary.get("collapsed_blocks") else 1.0)
+    verdict = graded(deepest, (DEPTH[0] * threshold, most * threshold))
     return Finding(OVERLAP, verdict, f"blocks overlap by up to {length(deepest)}{where}")

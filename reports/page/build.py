@@ -73,12 +73,12 @@ def write_page(
     table = joint_damage.joint_damage(results, thresholds)
     tolerance = _tolerance(results, summary)
     missed, steps, missed_times = series.steps_missed(results, tolerance)
-    end = end_state(results, thresholds)
+    end, fallen = end_state(results, thresholds), joint_damage.collapsed_blocks(results, thresholds)
     context = words.PageContext(
         results=results,
         solids=solids,
         table=table,
-        fallen=joint_damage.collapsed_blocks(results, thresholds),
+        fallen=fallen,
         displacement_max=joint_damage.displacement_max(results),
         missed=missed,
         steps=steps,
@@ -87,7 +87,7 @@ def write_page(
         parts=parts,
         provisional=end.provisional,
         thresholds=thresholds,
-        verdict=verdict_of(summary, thresholds, end),
+        verdict=verdict_of({**summary, "collapsed_blocks": len(fallen)}, thresholds, end),
     )
     tables = downloads.tables(results, table, parts)
     facts, text = _data(context, largest, tables | {"missed": missed_times}, limit)

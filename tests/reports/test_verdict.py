@@ -53,6 +53,8 @@ def solver(**changes: Any) -> dict[str, Any]:
         ({"energy": {"balance_error": 5e-3}}, "look", "open by 0.5 % of the largest work"),
         ({"energy": {"balance_error": None}}, "doubtful", "open by inf %"),
         ({"penetration_max": 5e-3, "penetration_where": "a and b at 1 s"}, "doubtful", "overlap by up to 5 mm, of a and b at 1 s"),
+        ({"penetration_max": 5e-3, "collapsed_blocks": 3}, "look", "overlap by up to 5 mm"),  # of what landed
+        ({"penetration_max": 5e-2, "collapsed_blocks": 3}, "doubtful", "overlap by up to 50 mm"),
         ({"stopped": "interrupted after step 3"}, "doubtful", "it ended early: interrupted after step 3"),
         ({"provisional": "provisional: still moving"}, "look", "provisional: still moving"),
         ({"time_step_remarks": ["run.dt is coarse"]}, "look", "run.dt is coarse"),
