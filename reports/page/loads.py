@@ -45,7 +45,7 @@ def _motions(context: PageContext) -> str:
         return ""
     rows = []
     for motion in context.motions:
-        last = ", ".join(number(float(f"{1e3 * value:.3g}")) for value in motion.displacement[-1])
+        last = ", ".join(number(float(f"{1e3 * value:.3g}")) for value in motion.displacement[-1]).replace("-", "−")
         moved = [in_metres(motion.largest), last] if motion.moves else ["at rest", "–"]
         rows.append([escaped(motion.called), *moved])
     columns = ("supports", "farthest from its place", "at the end along x, y, z [mm]")

@@ -79,7 +79,7 @@ def test_a_support_that_settles_is_not_averaged_with_those_that_do_not(tmp_path)
     said, facts = page(tmp_path, tmp_path / "result.h5")
     assert facts["motions"] == ["right"] and facts["motions_at_rest"]
     assert "base/0/displacement/z" in json.dumps(facts["contents"])
-    assert "right 30 mm 0, 0, -30" in said
+    assert "right 30 mm 0, 0, −30" in said
     assert "left, middle at rest" in said
 
 
