@@ -192,7 +192,7 @@ def check_end(out: Path, reference: Reference) -> None:
     if names[0] != names[1]:
         raise Wrong(f"files {names[0]}, not {names[1]}")
     found, whole = (without_scene(read_folder(folder)) for folder in (out, reference.folder))
-    differing = [name for name in whole if name not in found or _bits(found[name]) != _bits(whole[name])]
+    differing = [name for name in whole if name not in found or bits_of(found[name]) != bits_of(whole[name])]
     if found.keys() != whole.keys() or differing:
         raise Wrong(f"differs: {', '.join(differing[:5])}")
     for name in names[0]:
@@ -201,7 +201,7 @@ def check_end(out: Path, reference: Reference) -> None:
             raise Wrong(f"{name} differs")
 
 
-def _bits(array: np.ndarray) -> tuple[tuple[int, ...], bytes]:
+def bits_of(array: np.ndarray) -> tuple[tuple[int, ...], bytes]:
     """What must be alike: rows without columns, as of no joints, have a number but no bytes."""
     return array.shape, array.tobytes()
 

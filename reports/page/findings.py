@@ -165,8 +165,8 @@ def _motions(tables: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str, Ma
 
 
 def _direction(vector: Sequence[float]) -> str:
-    """``x`` for (1, 0, 0), else the numbers."""
-    along = [axis for axis, value in zip("xyz", vector, strict=False) if abs(value) > 1e-9]
+    """``x`` for (1, 0, 0), ``−x`` for (-1, 0, 0), else the numbers."""
+    along = [f"{'−' if value < 0 else ''}{axis}" for axis, value in zip("xyz", vector, strict=False) if abs(value) > 1e-9]
     if len(along) == 1:
         return along[0]
     return f"({', '.join(f'{value:.3g}' for value in vector)})"
