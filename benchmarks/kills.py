@@ -47,6 +47,10 @@ SCENES = {  # by kind: the scene, and changes that make it short
     "debris": ("debris", "run.duration=0.2", "report.damage=true"),
     "islands": ("islands", "run.duration=0.2"),
     "sequence": ("shocks", "run.dt=8e-3"),
+    "air": ("falling",),
+    "alone": ("alone",),
+    "unshaken": ("tower", "loads=[]", "run.duration=0.1"),
+    "parting": ("tower", "run.gravity=[0,0,9.81]", "run.duration=0.1"),  # blocks fall off their support: all joints vanish
     "threads": ("church", "run.duration=0.02", "run.solver=admm", "run.threads=2"),  # of 300 blocks
 }
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
@@ -188,13 +192,18 @@ def check_end(out: Path, reference: Reference) -> None:
     if names[0] != names[1]:
         raise Wrong(f"files {names[0]}, not {names[1]}")
     found, whole = (without_scene(read_folder(folder)) for folder in (out, reference.folder))
-    differing = [name for name in whole if name not in found or found[name].tobytes() != whole[name].tobytes()]
+    differing = [name for name in whole if name not in found or bits_of(found[name]) != bits_of(whole[name])]
     if found.keys() != whole.keys() or differing:
         raise Wrong(f"differs: {', '.join(differing[:5])}")
     for name in names[0]:
         one, other = out / name, reference.folder / name
         if one.suffix in (".csv", ".json") and SECONDS.sub("", one.read_text()) != SECONDS.sub("", other.read_text()):
             raise Wrong(f"{name} differs")
+
+
+def bits_of(array: np.ndarray) -> tuple[tuple[int, ...], bytes]:
+    """What must be alike: rows without columns, as of no joints, have a number but no bytes."""
+    return array.shape, array.tobytes()
 
 
 def without_scene(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

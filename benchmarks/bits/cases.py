@@ -62,6 +62,8 @@ CASES = {
     "islands": of("islands"),
     "islands-whole": of("islands", "run.islands=false", "run.duration=0.2"),
     "debris": of("debris"),
+    "falling": of("falling"),
+    "alone": of("alone"),
     "settlement": of("settlement"),
     "tilt": of("tilt"),
     "shocks": of("shocks"),

@@ -22,7 +22,6 @@ from masonry_cd.solvers import threads_that_pay
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case
 
-FALSE_SHARE = 0.01  # of the largest displacement, above which motion that violates the contact laws is warned of
 REPORTED = 1e-3  # share of the largest work from which on the closing lines report what the correction of overlaps put in
 
 
@@ -120,6 +119,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     return [
         f"{s['title']}: {steps_in_words(s)} in {in_words(s['stepping_seconds'])}, "
         f"{length(per_step, 's')} per step; {in_words(s['wall_seconds'])} in all",
+        *verdict_lines(s),
         *time_step_lines(s),
         *outcome_lines(s),
         damage_line(s),
@@ -143,6 +143,15 @@ def _violation_lines(solver: dict[str, Any]) -> list[str]:
         return []
     left = f"{length(solver['false_slip_max'])} of slip and {length(solver['false_opening_max'])} of opening"
     return [f"contact laws: violated by {length(solver['violation_max'])}/s at most, which adds up to {left} at the worst contacts"]
+
+
+def verdict_lines(s: dict[str, Any]) -> list[str]:
+    """That a run cannot be relied on, and why, before anything that it found."""
+    found = s.get("verdict", {})
+    if found.get("verdict") != "doubtful":
+        return []
+    whys = "; ".join(check["why"] for check in found["checks"] if check["verdict"] == "doubtful")
+    return [f"{found['words']} ({whys})"]
 
 
 def _shortening_lines(s: dict[str, Any]) -> list[str]:
@@ -218,9 +227,11 @@ def run_warnings(summary: dict[str, Any]) -> list[str]:
 
 def _false_motion(summary: dict[str, Any]) -> list[str]:
     """That violations of the contact laws are no longer small beside the motion, where they are not."""
+    from reports.damage.verdict import FALSE_SHARE
+
     solver, moved = summary["solver"], summary.get("displacement_max", 0.0)
     slip, opening = solver["false_slip_max"], solver["false_opening_max"]
-    if not (solver["false_slip_where"] and max(slip, opening) > FALSE_SHARE * moved):
+    if not (solver["false_slip_where"] and max(slip, opening) > FALSE_SHARE[0] * moved):
         return []
     share = f"{100.0 * max(slip, opening) / moved:.2g} % of the largest displacement" if moved else "the blocks do not move"
     return [

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from masonry_cd.app.folders import free_folder
-from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported
+from masonry_cd.cli.shared import Changes, Force, Output, SceneFile, errors_reported, warn
 
 
 def modal(
@@ -70,4 +70,5 @@ def _vibration(scene: Path, output: Path, asked: dict[str, Any], changes: Sequen
     free_folder(output, OUTPUTS, force)
     found = vibration_case(scene, asked, output, changes)
     typer.echo("\n".join(found["lines"]))
+    warn(found["warnings"])
     typer.echo(f"written: {', '.join(found['written'])}")

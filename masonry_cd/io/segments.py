@@ -116,10 +116,10 @@ def held(dataset: h5py.Dataset) -> int:
 
 
 def in_pieces(dataset: h5py.Dataset, first: int, last: int) -> Iterator[np.ndarray]:
-    """The rows of a dataset from ``first`` up to ``last``, some megabytes at a time."""
+    """The rows of a dataset from ``first`` up to ``last``, some megabytes at a time; rows without columns, of no joints, count as well."""
     row_bytes = int(np.prod(dataset.shape[1:])) * dataset.dtype.itemsize
-    step = max(1, AT_ONCE // max(1, row_bytes))
-    for begin in range(first, last, step) if row_bytes else ():
+    step = max(1, AT_ONCE // row_bytes if row_bytes else last - first)
+    for begin in range(first, last, step):
         yield dataset[begin : min(begin + step, last)]
 
 

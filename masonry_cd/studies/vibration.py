@@ -30,6 +30,7 @@ from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError, parse_table
 from masonry_cd.model.blocks import Assembly, refuse_spheres
+from masonry_cd.studies.joints_at_rest import at_rest_lines, at_rest_summary, joints_at_rest
 from reports.modal.elastic_joints import joint_modes
 from reports.modal.shapes import RigidShapes
 
@@ -79,7 +80,7 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
         changes: ``key=value`` that change the scene.
 
     Returns:
-        what vibration.json holds, with ``lines`` to print and ``written``, the files.
+        what vibration.json holds, with ``lines`` to print, ``warnings`` that must not pass in silence, and ``written``, the files.
 
     Raises:
         InputError: a wrong option or scene, or a joint that is rigid.
@@ -95,7 +96,9 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         companion = linear_modes(assembly, max(asked.modes, MODES if asked.sweep else 0))
         rows = free_vibration(assembly, scene.run, companion, asked.modes)
-        found: dict[str, Any] = {"title": scene.title, "modes": rows, "lines": _mode_lines(rows)}
+        rest = at_rest_summary(joints_at_rest(_at_rest(assembly, scene.run, scene.run.dt, np.zeros((2, 1, 3)))))
+        found: dict[str, Any] = {"title": scene.title, "modes": rows, "joints_at_rest": rest, "lines": _mode_lines(rows)}
+        found["warnings"] = at_rest_lines(rest)
         if asked.sweep:
             swept = _swept(assembly, scene, companion, asked)
             found |= swept | {"lines": [*found["lines"], _sweep_line(swept)]}

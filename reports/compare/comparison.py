@@ -26,6 +26,7 @@ from masonry_cd.io.summary_file import read_summary
 from reports.damage.joint_damage import displacement_max
 from reports.damage.macro_elements import WHOLE
 from reports.damage.part_damage import PartDamage
+from reports.damage.verdict import NOT_GRADED
 from reports.deformed import base_shift, solids_of
 from reports.outputs import damage_of
 from reports.settings import Report, report_of
@@ -82,6 +83,8 @@ def compare(folders: Sequence[Path], names: Sequence[str] | None = None) -> Comp
             settings = settings or report_of(results.scene)
             runs.append(_run(results, folder, name, settings))
             words += results.words
+            if (whole := runs[-1].damage.parts[-1])["grade"] == NOT_GRADED:
+                words.append(f"{name}: {NOT_GRADED}: {whole['grade_reason']}")
             if end := runs[-1].damage.provisional:
                 words.append(f"{name}: grades, mechanisms and what is left are {end}")
     rows = [*_scene_rows(runs), *_damage_rows(runs), *_part_rows(runs), *_response_rows(runs), *_solver_rows(runs)]
@@ -175,7 +178,7 @@ def _part_rows(runs: Sequence[Run]) -> list[tuple[str, str, list[Any]]]:
     rows = []
     for name in names:
         found = [next((row for row in run.damage.parts if row["part"] == name), None) for run in runs]
-        if any(row is not None and row["grade"] != "D0" for row in found):
+        if any(row is not None and row["grade"] not in ("D0", NOT_GRADED) for row in found):
             rows.append((f"part {name}", "", [f"{row['grade']} {row['mechanism']}" if row else None for row in found]))
     return rows
 

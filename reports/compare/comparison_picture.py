@@ -9,6 +9,7 @@ import numpy as np
 
 from reports.compare.comparison import Comparison, Run
 from reports.damage.grades import NAMES
+from reports.damage.verdict import NOT_GRADED
 from reports.drawing.figure import COLOURS, FAINT, INK, save
 
 STROKES = ("-", "--", ":", "-.")
@@ -16,6 +17,7 @@ HATCHES = ("", "///", "...", "xxx")
 GRADE_COLOURS = ("#ffffff", "#fde9c8", "#fdbb84", "#ef6548", "#b30000", "#4d0000")
 SHOWN = 0.1  # displacements up to this share of the height are shown
 HEAD: dict[str, Any] = {"loc": "left", "fontsize": 13, "fontweight": "bold", "color": INK}
+WITHOUT_GRADE = {-1: "no such part", -2: NOT_GRADED}
 PARTS = 30  # shown at most
 
 
@@ -117,7 +119,7 @@ def _widths(axes: Any, runs: list[Run]) -> None:
 
 
 def _grades(runs: list[Run]) -> tuple[list[str], np.ndarray]:
-    """Parts in the order of their worst grade, and their grade in each run (parts, runs); -1 where a run has no such part."""
+    """Parts in the order of their worst grade, and their grade in each run (parts, runs), or a key of WITHOUT_GRADE."""
     found = dict.fromkeys(row["part"] for run in runs for row in run.damage.parts)
     table = {name: [_grade(run, name) for run in runs] for name in found}
     order = sorted(found, key=lambda name: (name != runs[0].damage.parts[-1]["part"], -max(table[name])))[:PARTS]
@@ -127,7 +129,7 @@ def _grades(runs: list[Run]) -> tuple[list[str], np.ndarray]:
 def _grade(run: Run, part: str) -> int:
     """Number of a part's grade."""
     row = next((row for row in run.damage.parts if row["part"] == part), None)
-    return NAMES.index(row["grade"]) if row else -1
+    return -1 if row is None else NAMES.index(row["grade"]) if row["grade"] != NOT_GRADED else -2
 
 
 def _grade_table(axes: Any, runs: list[Run], names: list[str], grid: np.ndarray) -> None:
@@ -139,7 +141,7 @@ def _grade_table(axes: Any, runs: list[Run], names: list[str], grid: np.ndarray)
             grade = int(grid[i, k])
             colour = GRADE_COLOURS[grade] if grade >= 0 else "white"
             axes.add_patch(Rectangle((k, i), 1, 1, facecolor=colour, edgecolor="#c9cdd1", linewidth=1.0))
-            text = f"{NAMES[grade]}  {_mechanism(runs[k], names[i])}" if grade >= 0 else "no such part"
+            text = f"{NAMES[grade]}  {_mechanism(runs[k], names[i])}" if grade >= 0 else WITHOUT_GRADE[grade]
             text += ", provisional" if grade >= 0 and runs[k].damage.provisional else ""
             axes.text(k + 0.03, i + 0.5, text, va="center", fontsize=10, color="white" if grade >= 4 else INK, clip_on=True)
     axes.set_xlim(0, len(runs))

@@ -10,6 +10,7 @@ from reports.damage import joint_damage
 from reports.damage.definitions import Thresholds
 from reports.damage.end_state import EndState, end_state
 from reports.damage.joint_damage import JointDamage
+from reports.damage.verdict import verdict_on
 from reports.settings import Report
 from reports.ties import write_ties
 
@@ -44,6 +45,7 @@ def damage_numbers(results: Results, table: JointDamage, end: EndState, threshol
             "sliding_max": float(table.max_sliding.max(initial=0.0)),
         }
         | end.as_summary()
+        | verdict_on(results, thresholds, end).as_summary()
         | ({"shocks": joint_damage.shock_rows(results, thresholds)} if results.shocks else {})
         | joint_damage.bonds(results)
     )

@@ -39,6 +39,7 @@ from reports.damage.macro_elements import (
 )
 from reports.damage.mechanism import Mechanism, Rules, mechanisms, pieces_of
 from reports.damage.step_peaks import falls_as_in_runs
+from reports.damage.verdict import verdict_on
 from reports.deformed import Solids, solids_of
 from reports.drawing.figure import classes
 
@@ -95,8 +96,10 @@ def part_damage(results: Results, settings: Settings | None = None, frames: np.n
     history: list[Row] = []
     shocks: list[Row] = []
 
+    ungraded = verdict_on(results, settings.thresholds, end_state(results, settings.thresholds)).instead_of_a_grade()
+
     def parts(table: JointDamage, snapshot: DamageSnapshot, frame: int) -> list[Row]:
-        last, end = history[-view.parts.count :], {"provisional": end_state(results, settings.thresholds, frame).provisional}
+        last, end = history[-view.parts.count :], {"provisional": end_state(results, settings.thresholds, frame).provisional} | ungraded
         return [_part_row(view, watch, table, snapshot, p, last[p]) | end for p in range(view.parts.count)]
 
     for frame in np.unique([*chosen, *after]):

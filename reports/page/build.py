@@ -20,18 +20,20 @@ from reports.damage.definitions import STATES, Thresholds
 from reports.damage.end_state import end_state
 from reports.damage.joint_damage import JointDamage
 from reports.damage.part_damage import PartDamage
+from reports.damage.verdict import verdict_of
 from reports.deformed import Solids, solids_of
 from reports.drawing.figure import nice
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of, within_sight
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
 from reports.maps.framing import COLLAPSE, MOST, SEEN
-from reports.page import downloads, findings, limits, motion, series, stress, title_block, trust, words
+from reports.page import downloads, findings, limits, loads, motion, series, stress, title_block, trust, words
 from reports.page.document import filled, write_document
 from reports.page.pack import packed, packed_length
 from reports.ties import tie_lines, tie_tensions
 
 LIMIT = 13_500_000  # of the packed data [bytes]: with names and scripts the page stays below 15 MB
 FRAMES = 600  # sent at most
+PLOTTED = 6  # motions of supports that are plotted, those that go farthest; the page has a table of all
 LARGEST = 0.05  # where the last class of the colour scales begins, as in the crack map [m]
 SCRIPTS = ("unpack.js", "motion.js", "camera.js", "shaders.js", "viewer.js", "plots.js", "charts.js", "table.js", "main.js")
 COLUMNS = (
@@ -71,22 +73,25 @@ def write_page(
     table = joint_damage.joint_damage(results, thresholds)
     tolerance = _tolerance(results, summary)
     missed, steps, missed_times = series.steps_missed(results, tolerance)
+    end, fallen = end_state(results, thresholds), joint_damage.collapsed_blocks(results, thresholds)
+    moved = joint_damage.displacement_max(results)
     context = words.PageContext(
         results=results,
         solids=solids,
         table=table,
-        fallen=joint_damage.collapsed_blocks(results, thresholds),
-        displacement_max=joint_damage.displacement_max(results),
+        fallen=fallen,
+        displacement_max=moved,
         missed=missed,
         steps=steps,
         tolerance=tolerance,
         summary=summary,
         parts=parts,
-        provisional=end_state(results, thresholds).provisional,
+        provisional=end.provisional,
         thresholds=thresholds,
+        verdict=verdict_of({**summary, "collapsed_blocks": len(fallen), "displacement_max": moved}, thresholds, end),
     )
     tables = downloads.tables(results, table, parts)
-    facts, text = _data(results, solids, table, (thresholds, largest), tables | {"missed": missed_times}, limit)
+    facts, text = _data(context, largest, tables | {"missed": missed_times}, limit)
     asked = context.report.get("view", "auto")
     facts |= {"view": asked} if asked != "auto" else {}
     facts |= {"tolerance": tolerance, "missed": missed, "steps": steps, "planar": bool(summary.get("planar"))}
@@ -116,12 +121,15 @@ def _amplification(solids: Solids, largest: float, any_fallen: bool) -> float:
     return float(np.clip(nice(SEEN * size / largest), 1.0, MOST))
 
 
-def _data(
-    results: Results, solids: Solids, table: JointDamage, classes: tuple[Thresholds, float], more: Mapping[str, np.ndarray], limit: int
-) -> tuple[dict[str, Any], str]:
+def _data(context: words.PageContext, largest: float, more: Mapping[str, np.ndarray], limit: int) -> tuple[dict[str, Any], str]:
     """The numbers: what fits into JSON, and the arrays, with some more by name, as one packed text."""
+    results, solids, table, classes = context.results, context.solids, context.table, (context.thresholds, largest)
+    moving = [motion for motion in context.motions if motion.moves][:PLOTTED]
     facts, arrays = _still(results, solids, table, classes[0])
-    curves = series.base_motion(results, solids) | series.step_curves(results)
+    facts["motions"] = ["" if len(context.motions) == 1 else motion.called for motion in moving]
+    facts["motions_at_rest"] = len(moving) > 0 and not all(motion.moves for motion in context.motions)
+    facts["motions_left_out"] = sum(motion.moves for motion in context.motions) - len(moving)
+    curves = series.base_motion(results, moving) | series.step_curves(results)
     for name, curve in curves.items():
         arrays |= {f"{name}/time": curve.time, f"{name}/value": curve.value}
     arrays |= more
@@ -253,10 +261,12 @@ def _body(context: words.PageContext, facts: Mapping[str, Any], text: str, table
         "title": words.escaped(_title(context)),
         "block": title_block.title_block(context),
         "lead": words.lead(context),
+        "verdict": words.verdict(context),
         "outcome": words.outcome(context),
         "notices": words.notices(context),
         "tiles": words.tiles(context),
         "parts": findings.parts(context),
+        "loads": loads.loads(context),
         "capacity": findings.capacity(context),
         "ties": findings.ties(context),
         "stress": stress.stress(context),

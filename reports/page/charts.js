@@ -24,10 +24,15 @@ class Charts {
       .map(([name, label, by = 1], k) => ({ name: label, colour: HUES[k % HUES.length], time: this.data[`${name}/time`], value: this.data[`${name}/value`].map((v) => by * v) }));
   }
 
+  /* Each motion of the supports by its own; directions in which nothing happens are left out. */
   base(name, title, unit) {
-    const all = this.curves(["x", "y", "z"].map((axis) => [`base/${name}/${axis}`, axis]));
-    const moving = all.filter(({ value }) => value.some((v) => Math.abs(v) > 1e-9)); /* directions in which nothing happens are left out */
-    return { title, unit, curves: moving, hidden: !moving.length };
+    const { motions, motions_left_out: left, motions_at_rest: resting } = this.facts;
+    const wanted = motions.flatMap((who, k) => ["x", "y", "z"].map((axis) => [`base/${k}/${name}/${axis}`, who ? `${who}, ${axis}` : axis]));
+    const moving = this.curves(wanted).filter(({ value }) => value.some((v) => Math.abs(v) > 1e-9));
+    const curves = moving.slice(0, HUES.length).map((curve, k) => (motions.length > 1 ? { ...curve, colour: HUES[k] } : curve));
+    const more = left || moving.length > curves.length ? "Those that go less far are in the table of the motions of the supports." : "";
+    const note = more || (resting ? "All other supports are at rest." : "");
+    return { title, unit, curves, hidden: !curves.length, note };
   }
 
   energy() {

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from masonry_cd.quantities import force
+from reports.damage.verdict import NOT_GRADED, Verdict
 from reports.drawing.figure import in_metres
 from reports.page.words import PageContext, escaped, number, sensible
 
@@ -39,7 +40,7 @@ def parts(context: PageContext) -> str:
         return ""
     whole = context.parts.parts[-1]
     rows = [whole, *sorted(context.parts.parts[:-1], key=lambda row: str(row["grade"]), reverse=True)]
-    body = "".join(_part(row, row is whole) for row in rows)
+    body = "".join(_part(row, row is whole, context.verdict) for row in rows)
     head = "".join(f'<th scope="col">{name}</th>' for name in COLUMNS)
     thresholds = escaped(context.parts.settings.thresholds.in_words())
     state = f" <b>Grades and what is left are {escaped(context.provisional)}.</b>" if context.provisional else ""
@@ -72,9 +73,12 @@ def _frames(context: PageContext) -> str:
     return f"the {len(times)} frames of the history{apart}"
 
 
-def _part(row: Mapping[str, Any], whole: bool) -> str:
-    """A row of the table of parts."""
-    cells = [f'<td><span class="grade {row["grade"]}">{row["grade"]}</span></td>', f"<td>{escaped(row['grade_reason'])}</td>"]
+def _part(row: Mapping[str, Any], whole: bool, verdict: Verdict) -> str:
+    """A row of the table of parts; the verdict stands for the grades of a run that cannot be relied on, once, in the row of the whole."""
+    grade, reason = row["grade"], row["grade_reason"]
+    if not verdict.reliable:
+        grade, reason = NOT_GRADED, verdict.in_words if whole else ""
+    cells = [f'<td><span class="grade {grade.replace(" ", "-")}">{grade}</span></td>', f"<td>{escaped(reason)}</td>"]
     cells.append(f"<td>{escaped(row['mechanism'])}</td>")
     counts = [row[key] for key in ("only_opened", "only_slid", "opened_and_slid", "separated", "lost_blocks")]
     lengths = [1e3 * row["residual_opening"], 1e3 * row["residual_sliding"]]
@@ -161,8 +165,8 @@ def _motions(tables: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str, Ma
 
 
 def _direction(vector: Sequence[float]) -> str:
-    """``x`` for (1, 0, 0), else the numbers."""
-    along = [axis for axis, value in zip("xyz", vector, strict=False) if abs(value) > 1e-9]
+    """``x`` for (1, 0, 0), ``−x`` for (-1, 0, 0), else the numbers."""
+    along = [f"{'−' if value < 0 else ''}{axis}" for axis, value in zip("xyz", vector, strict=False) if abs(value) > 1e-9]
     if len(along) == 1:
         return along[0]
     return f"({', '.join(f'{value:.3g}' for value in vector)})"

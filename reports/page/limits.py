@@ -9,9 +9,11 @@ import numpy as np
 
 from masonry_cd.io.results import Results
 from masonry_cd.model.materials import JointLaw, Material
+from masonry_cd.quantities import counted
 from reports.damage.grades import DESCRIPTIONS, LABELS, NAMES, REFERENCE, Grades, percent
 from reports.drawing.figure import in_metres
 from reports.page.findings import section, table
+from reports.page.loads import point_loads
 from reports.page.words import PageContext, escaped, number
 
 CHUNK_BYTES = 1 << 24  # joint forces are read in chunks of this size
@@ -68,9 +70,12 @@ def not_modelled(context: PageContext) -> list[str]:
             "Bending, shear and stretching of the floors in the model: each is one rigid slab, a diaphragm that holds its walls together "
             "more than joists and boards would."
         )
+    live = "live loads"
+    if count := point_loads(context):
+        live += f' beyond the {counted(count, "point load")} of <a href="#loads-title">Loads in the model</a>'
     lines.append(
         "Floors, roofs, backfill, plaster, neighbours and whatever else is not among the blocks, with its mass and its stiffness; "
-        "live loads, water, temperature and decay."
+        f"{live}, water, temperature and decay."
     )
     return lines
 

@@ -5,15 +5,15 @@ A stretch of many steps is sent as two of them, the lowest and the highest, each
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from masonry_cd.io.results import Results
-from reports.deformed import Solids
+from reports.page.support_motion import SupportMotion
 
 POINTS = 2400  # of one curve at most
-CHUNK_BYTES = 1 << 24  # frames are read in chunks of this size
 ENERGIES = {
     "kinetic": "kinetic",
     "base_work": "work of the base",
@@ -52,22 +52,13 @@ def thinned(time: np.ndarray, value: np.ndarray, points: int = POINTS) -> Curve:
     return Curve(time[keep].astype(np.float32), value[keep].astype(np.float32))
 
 
-def base_motion(results: Results, solids: Solids) -> dict[str, Curve]:
-    """Mean displacement [m] and velocity [m/s] of the supports, ``base/displacement/x`` and so on; empty where there are none."""
-    fixed, frames = np.flatnonzero(solids.fixed), results.frames
-    if not len(fixed):
-        return {}
-    displacement, velocity = np.empty((frames, 3)), np.empty((frames, 3))
-    chunk = max(1, CHUNK_BYTES // (48 * len(solids.centre)))
-    for first in range(0, frames, chunk):
-        rows = slice(first, min(first + chunk, frames))
-        displacement[rows] = (np.asarray(results.position[rows])[:, fixed] - solids.centre[fixed]).mean(axis=1)
-        velocity[rows] = np.asarray(results.velocity[rows])[:, fixed, :3].mean(axis=1)
+def base_motion(results: Results, motions: Sequence[SupportMotion]) -> dict[str, Curve]:
+    """Displacement [m] and velocity [m/s] of each motion of the supports, ``base/0/displacement/x`` and so on."""
     time = np.asarray(results.time, dtype=float)
     out = {}
-    for name, values in (("displacement", displacement), ("velocity", velocity)):
-        for axis, column in zip("xyz", values.T, strict=True):
-            out[f"base/{name}/{axis}"] = thinned(time, column)
+    for k, motion in enumerate(motions):
+        for name, values in (("displacement", motion.displacement), ("velocity", motion.velocity)):
+            out |= {f"base/{k}/{name}/{axis}": thinned(time, column) for axis, column in zip("xyz", values.T, strict=True)}
     return out
 
 

@@ -1,7 +1,6 @@
 """How far the numbers can be trusted: what the run checked of itself, in words for an engineer, and what to do where a check is not met.
 
-Every check has a number, a verdict and a sentence on what it means. ``good``: it does not limit what the report says. ``look``: read what
-stands beside it. ``doubtful``: do not rely on the run before it is mended.
+Every check has a number, a verdict and a sentence on what it means; the verdicts are those of :mod:`reports.damage.verdict`.
 """
 
 from __future__ import annotations
@@ -11,16 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from masonry_cd.quantities import length
+from reports.damage.verdict import DOUBTFUL, ENERGY, FALSE_MOTION, FORCES, GOOD, LIFT, LOOK, OVERLAP, TIME_STEP
+from reports.damage.verdict import END as END_OF_RUN
 from reports.drawing.figure import in_metres
 from reports.page.findings import section, table
 from reports.page.words import PageContext, escaped, number
-
-GOOD, LOOK, DOUBTFUL = "good", "look", "doubtful"
-FEW = 0.01  # share of the steps that may miss the tolerance before a run is doubtful
-BALANCE = (1e-3, 2e-2)  # share of the largest work by which the balance may be open: good up to the first, doubtful beyond the second
-LIFT = (1e-3, 2e-2)  # likewise of what taking overlaps away put in
-FALSE_MOTION = (0.01, 0.1)  # likewise of what violations have added up to, as a share of the largest displacement
-OVERLAP = (1.0, 10.0)  # likewise of the largest overlap, in thresholds of an open joint
 
 
 @dataclass(frozen=True)
@@ -74,17 +68,12 @@ def checks(context: PageContext) -> list[Check]:
     if summary.get("solver", {}).get("false_slip_max") is not None:
         known.append(_false_motion(context))
     if "balance_error" in summary.get("energy", {}):
-        known.append(_energy(summary["energy"]))
+        known.append(_energy(context, summary["energy"]))
     if "penetration_max" in summary:
         known.append(_overlap(context))
     if "time_step_remarks" in summary:
-        known.append(_time_step(summary))
+        known.append(_time_step(context, summary))
     return known
-
-
-def graded(value: float, bounds: tuple[float, float]) -> str:
-    """The verdict on a value by where it is good up to and doubtful from."""
-    return GOOD if value <= bounds[0] else LOOK if value <= bounds[1] else DOUBTFUL
 
 
 def _end(context: PageContext) -> Check:
@@ -93,9 +82,9 @@ def _end(context: PageContext) -> Check:
     time = number(float(context.results.time[-1]), "s")
     found = f"ended early at {time}" if stopped else f"moving at {time}" if context.provisional else f"at rest at {time}"
     return Check(
-        "End of the run",
+        END_OF_RUN,
         found,
-        DOUBTFUL if stopped else LOOK if context.provisional else GOOD,
+        context.verdict.of(END_OF_RUN),
         "What is left of cracks, slips and drifts, and the grades, hold once all standing blocks are still.",
         "They are provisional here: let the run go on (run.until_still, run.longest, or --resume).",
     )
@@ -105,7 +94,6 @@ def _solver(context: PageContext) -> Check:
     """Whether the contact forces of each step were found."""
     solver, missed, steps = context.summary["solver"], context.missed, context.steps or context.summary["steps"]
     closing = context.summary.get("closing", {})
-    verdict = GOOD if not missed else LOOK if missed <= FEW * steps and solver["error_max"] < 1.0 else DOUBTFUL
     measured = f"{missed or 'no'} of {steps} steps missed {number(context.tolerance)}; error {_two(solver['error_max'])} at most"
     meaning = (
         "In each time step all contact forces are found at once, so that no joint pulls, none is pushed together further, and friction "
@@ -117,44 +105,41 @@ def _solver(context: PageContext) -> Check:
         "run.max_iterations, or halve run.dt."
     )
     if closing.get("steps"):
-        verdict = DOUBTFUL
         jam = f": {escaped(closing['jam'])}" if closing.get("jam") else ""
         remedy = (
             f"{closing['steps']} steps left contacts closing{jam}. Their forces mean nothing: look at what pushes blocks together there."
         )
-    return Check("Contact forces", measured, verdict, meaning, remedy)
+    return Check(FORCES, measured, context.verdict.of(FORCES), meaning, remedy)
 
 
 def _false_motion(context: PageContext) -> Check:
     """What the error of the contact forces comes to in m/s and in mm."""
-    solver, moved = context.summary["solver"], context.displacement_max
+    solver = context.summary["solver"]
     slip, opening = solver["false_slip_max"], solver["false_opening_max"]
     where = f", {escaped(solver['false_slip_where'])}" if solver.get("false_slip_where") else ""
     return Check(
-        "Motion against the contact laws",
+        FALSE_MOTION,
         f"{length(solver['violation_max'])}/s at most; {in_metres(slip)} of slip{where} and {in_metres(opening)} of opening in all",
-        graded(max(slip, opening), (FALSE_MOTION[0] * moved, FALSE_MOTION[1] * moved)) if where else GOOD,
+        context.verdict.of(FALSE_MOTION),
         "The error of the contact forces lets joints slip that friction should hold, and part that are pressed. A slip stays and adds up, "
         "here at the single worst contact. It should be small beside the largest displacement.",
         "Tighten run.tolerance until it is.",
     )
 
 
-def _energy(energy: Mapping[str, Any]) -> Check:
+def _energy(context: PageContext, energy: Mapping[str, Any]) -> Check:
     """Whether the energy adds up."""
     name, meaning = (
-        "Energy balance",
+        ENERGY,
         "The work of the base, of gravity and of forces is either still there as motion or was lost to friction and impacts. What does not "
         "add up is an error of the computation.",
     )
     if energy.get("at_rest"):
         return Check(name, f"off by {_two(energy['balance_max'])} J", GOOD, f"{meaning} No work was done to speak of.", "")
     open_share, lift = energy["balance_error"] or 0.0, energy.get("lift_share") or 0.0
-    verdicts = graded(open_share, BALANCE), graded(lift, LIFT)
-    worst = max(verdicts, key=(GOOD, LOOK, DOUBTFUL).index)
-    lifted = f"; taking overlaps away put in {_two(lift)}" if lift > BALANCE[0] else ""
+    lifted = f"; taking overlaps away put in {_two(lift)}" if lift > LIFT[0] else ""
     measured = f"open by {_two(open_share)} of the largest work{lifted}"
-    return Check(name, measured, worst, meaning, "Halve run.dt and compare; if it stays, tighten run.tolerance.")
+    return Check(name, measured, context.verdict.of(ENERGY), meaning, "Halve run.dt and compare; if it stays, tighten run.tolerance.")
 
 
 def _overlap(context: PageContext) -> Check:
@@ -162,24 +147,24 @@ def _overlap(context: PageContext) -> Check:
     deepest, threshold = context.summary["penetration_max"] or 0.0, context.thresholds.opened
     where = f", {escaped(context.summary['penetration_where'])}" if context.summary.get("penetration_where") else ""
     return Check(
-        "Overlap of blocks",
+        OVERLAP,
         f"{in_metres(deepest)} at most{where}",
-        graded(deepest, (OVERLAP[0] * threshold, OVERLAP[1] * threshold)),
+        context.verdict.of(OVERLAP),
         f"Blocks should not enter one another. Openings and slidings below this mean nothing; they count from {in_metres(threshold)}.",
         "Halve run.dt, and tighten run.tolerance; a jam between moving supports shows here as well.",
     )
 
 
-def _time_step(summary: Mapping[str, Any]) -> Check:
+def _time_step(context: PageContext, summary: Mapping[str, Any]) -> Check:
     """Whether the time step resolves the shaking and the blocks."""
     remarks, adapted = summary["time_step_remarks"], summary.get("time_step")
     measured = f"{length(summary['dt'], 's')}"
     if adapted:
         measured = f"{length(adapted['shortest'], 's')} to {length(adapted['longest'], 's')}, by the local error"
     return Check(
-        "Time step",
+        TIME_STEP,
         measured,
-        LOOK if remarks else GOOD,
+        context.verdict.of(TIME_STEP),
         "It has to resolve the shaking, the rocking of the smallest block, and the fastest motion.",
         " ".join(f"{escaped(remark)}." for remark in remarks),
     )

@@ -18,8 +18,10 @@ from masonry_cd.io.results import Results
 from reports.damage.definitions import Thresholds
 from reports.damage.joint_damage import JointDamage
 from reports.damage.part_damage import PartDamage
+from reports.damage.verdict import GOOD, NOT_GRADED, UNKNOWN, Verdict
 from reports.deformed import Solids
 from reports.drawing.figure import in_metres
+from reports.page.support_motion import SupportMotion, support_motions
 
 TABLES = {"structure": "Structure", "material": "Material", "run": "Computation", "report": "Report"}
 
@@ -40,11 +42,17 @@ class PageContext:
     parts: PartDamage | None = None
     provisional: str = ""  # why residual values are not the last, in words
     thresholds: Thresholds = field(default_factory=Thresholds)
+    verdict: Verdict = field(default_factory=Verdict)  # on the run
 
     @cached_property
     def tables(self) -> dict[str, Any]:
         """The tables of the scene; empty where the result keeps none."""
         return tomllib.loads(self.results.scene) if self.results.scene else {}
+
+    @cached_property
+    def motions(self) -> tuple[SupportMotion, ...]:
+        """How the supports move, each motion by its own."""
+        return support_motions(self.results, self.solids)
 
     @property
     def report(self) -> Mapping[str, Any]:
@@ -118,6 +126,16 @@ def _supports(count: int) -> str:
     return "1 block is a support" if count == 1 else f"{count or 'no'} blocks are supports"
 
 
+def verdict(context: PageContext) -> str:
+    """The verdict on the run, before anything that it found."""
+    found = context.verdict
+    said = f"{found.in_words[0].upper()}{found.in_words[1:]}."
+    if found.worst in (GOOD, UNKNOWN):
+        return f'<p class="verdict-first"><span class="verdict {found.worst}">{found.worst}</span> {escaped(said)}</p>'
+    more = f'{escaped(found.reasons)}. See <a href="#trust-title">How far the numbers can be trusted</a>.'
+    return f'<p class="verdict-first"><span class="verdict {found.worst}">{found.worst}</span> <b>{escaped(said)}</b> {more}</p>'
+
+
 def outcome(context: PageContext) -> str:
     """The damage, in a sentence."""
     table, joints = context.table, context.results.joints.count
@@ -142,9 +160,17 @@ def _graded(context: PageContext) -> str:
     if context.parts is None:
         return ""
     whole = context.parts.parts[-1]
+    if _grade(context) == NOT_GRADED:
+        return "<b>The structure is not graded, since the run cannot be relied on.</b> "
     why = f": {escaped(whole['grade_reason'])}" if whole["grade_reason"] else ""
     state = ", provisionally" if context.provisional else ""
     return f"<b>The structure as a whole is graded {whole['grade']}, {escaped(whole['grade_label'])}</b>{state}{why}. "
+
+
+def _grade(context: PageContext) -> str:
+    """The grade of the structure; none where the run cannot be relied on."""
+    assert context.parts is not None
+    return str(context.parts.parts[-1]["grade"]) if context.verdict.reliable else NOT_GRADED
 
 
 def notices(context: PageContext) -> str:
@@ -172,7 +198,7 @@ def notices(context: PageContext) -> str:
 def tiles(context: PageContext) -> str:
     """The headline numbers, as a list."""
     joints, seconds = context.results.joints.count, context.summary.get("stepping_seconds")
-    grade = [("grade of the structure", context.parts.parts[-1]["grade"])] if context.parts is not None else []
+    grade = [("grade of the structure", _grade(context))] if context.parts is not None else []
     rows = [
         *grade,
         ("joints opened", f"{context.only('opened')}<small> of {joints}</small>"),

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from reports.damage.verdict import NOT_GRADED
 from reports.study.bootstrap import LEVEL
 from reports.study.fits import Fit
 from reports.study.folder import Study
@@ -111,6 +112,9 @@ def warnings_of(study: Study) -> list[str]:
     some = int((missed > 0).sum())
     if some:
         out.append(f"{some} of {found['done']} runs missed the solver's tolerance in some steps")
+    ungraded = study.text("grade").count(NOT_GRADED) if "grade" in study.columns else 0
+    if ungraded:
+        out.append(f"{ungraded} of {found['done']} runs cannot be relied on and are {NOT_GRADED}: fits by grade leave them out")
     return out
 
 

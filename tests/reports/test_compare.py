@@ -35,7 +35,7 @@ def made(folder: Path, slip: float, mu: float = 0.6, a: float = 0.2, r: str = ""
     folder.mkdir()
     rest = at_rest(PIER)
     states = [rest, shifted(rest, 2, (2 * slip, 0, 0)), shifted(rest, 2, (slip, 0, 0))]
-    write_run(folder / "result.h5", PIER, states, scene=SCENE.format(mu=mu, a=a, r=r))
+    write_run(folder / "result.h5", PIER, states, scene=SCENE.format(mu=mu, a=a, r=r), ended=True)
     (folder / "summary.json").write_text(json.dumps({"solver": {"name": "nlgs", "error_max": 1e-9, "steps_missed": 3}}))
     return folder
 

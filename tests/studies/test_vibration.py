@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from models import tower, wall
+from models import box, gravity, stepper, tower, wall
 
+from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.errors import InputError
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.materials import JointLaw
+from masonry_cd.studies.joints_at_rest import at_rest_lines, at_rest_summary, joints_at_rest
 from masonry_cd.studies.vibration import free_vibration, linear_modes, sweep, vibration_case
 
 RUN = Run(dt=1e-3, duration=1.0, tolerance=1e-9)
@@ -36,6 +39,39 @@ def test_a_mortar_wall_swings_like_a_bonded_one_and_a_dry_one_softer():
     linear = [row["linear_hz"] for row in rows]
     assert frequencies[0] == pytest.approx(linear, rel=5e-3)
     assert frequencies[1][2] < 0.99 * linear[2]
+
+
+def at_rest(blocks: list[Block], cohesion: float = 0.0) -> list[dict[str, Any]]:
+    """What is left of the joints of blocks that have settled."""
+    law = {"default": JointLaw(normal_stiffness=1e9, cohesion=cohesion)}
+    machine = stepper(blocks, 2, acceleration=gravity(2), joints=law, tolerance=1e-9, solver="auto")
+    settle(machine)
+    return joints_at_rest(machine)
+
+
+def test_head_joints_of_a_dry_wall_are_open_at_rest_and_those_of_mortar_are_not():
+    rows = at_rest(wall(2, 3))
+    head = [row["block_a"][:2] == row["block_b"][:2] for row in rows]  # of one course
+    assert [row["share_left"] for row in rows] == pytest.approx([0.0 if upright else 1.0 for upright in head])
+    found = at_rest_summary(rows)
+    assert (found["open"], found["partly"]) == (sum(head), 0)
+    assert found["share_left"] == pytest.approx(
+        1.0 - sum(r["area"] for r, up in zip(rows, head, strict=True) if up) / sum(r["area"] for r in rows)
+    )
+    first, *named = at_rest_lines(found)
+    assert f"{sum(head)} of {len(rows)} joints are open and 0 are only partly in contact" in first
+    assert len(named) == sum(head) and "open, 0 of" in named[0]
+    assert at_rest_lines(at_rest_summary(at_rest(wall(2, 3), cohesion=1e6))) == []
+
+
+def test_a_joint_whose_load_leaves_the_middle_third_gapes_and_keeps_a_part_of_its_stiffness():
+    """A beam that rests on 0.7 of its 1 m: its weight passes 0.15 m from the middle of the joint, beyond a sixth of 0.7 m."""
+    support = box("support", (-0.2, 0.0, -0.2), (0.5, 0.3, 0.0), fixed=True)
+    (row,) = at_rest([support, box("beam", (-0.2, 0.0, 0.0), (0.8, 0.3, 0.2))])
+    assert 0.5 < row["share_left"] < 0.999
+    assert 0 < row["points_left"] < row["points"]
+    shorter = box("beam", (-0.2, 0.0, 0.0), (0.55, 0.3, 0.2))  # its weight passes within the middle third
+    assert at_rest([support, shorter])[0]["share_left"] == pytest.approx(1.0)
 
 
 def test_a_small_sweep_follows_the_linear_model_and_a_strong_one_does_not():
@@ -84,5 +120,7 @@ duration = 1.0
         rows = list(csv.DictReader(file))
     assert [abs(float(row["difference_percent"])) < 1.0 for row in rows] == [True, True]
     assert "free vibration of the run" in found["lines"][0]
+    assert found["joints_at_rest"] == {"joints": 2, "open": 0, "partly": 0, "share_left": 1.0, "not_closed": []}
+    assert found["warnings"] == []
     with pytest.raises(InputError, match=r"modal\.sweep"):
         vibration_case(scene, {"sweep": "w"}, out)

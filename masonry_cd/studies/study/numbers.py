@@ -16,6 +16,7 @@ from reports.damage.definitions import Thresholds
 from reports.damage.grades import NAMES
 from reports.damage.joint_damage import displacements, fallen, joint_damage
 from reports.damage.joint_files import thresholds_of
+from reports.damage.verdict import NOT_GRADED
 from reports.outputs import damage_of
 
 FARTHEST, EVENLY = 20, 20  # frames at which drifts are looked at: all of them would take a fifth of the time of a run of 30 blocks
@@ -52,13 +53,13 @@ def of_run(results_file: Path, summary: Mapping[str, Any], scene: Scene) -> tupl
         "collapsed_blocks": int(summary["collapsed_blocks"]),
         "collapse_time": collapse_time,
         "grade": whole["grade"],
-        "grade_number": NAMES.index(whole["grade"]),
+        "grade_number": _number(whole["grade"]),
         "steps": int(summary["steps"]),
         "steps_missed": int(summary["solver"]["steps_missed"]),
         "error_max": float(summary["solver"]["error_max"]),
         "provisional": summary["provisional"],
     }
-    found["parts"] = {row["part"]: {"grade_number": NAMES.index(row["grade"]), "drift": _finite(row["max_drift"])} for row in parts}
+    found["parts"] = {row["part"]: {"grade_number": _number(row["grade"]), "drift": _finite(row["max_drift"])} for row in parts}
     arrays = {
         "opening": table.max_opening.astype(np.float32),
         "sliding": table.max_sliding.astype(np.float32),
@@ -87,6 +88,11 @@ def _first_fall(results: Results, thresholds: Thresholds) -> float:
         middle = (low + high) // 2
         low, high = (low, middle) if fallen(results, thresholds, middle).any() else (middle + 1, high)
     return float(results.time[high])
+
+
+def _number(grade: str) -> int | None:
+    """The number of a grade; None where the run cannot be relied on, so that it was not graded."""
+    return None if grade == NOT_GRADED else NAMES.index(grade)
 
 
 def _finite(value: float) -> float | None:

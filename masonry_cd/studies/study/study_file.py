@@ -92,10 +92,11 @@ class LimitState(Table):
             raise ValueError('above: a grade is compared by at_least = "D3"')
         return self
 
-    def exceeded(self, row: Mapping[str, Any]) -> bool:
-        """Whether a run that is done exceeded it."""
+    def exceeded(self, row: Mapping[str, Any]) -> bool | None:
+        """Whether a run that is done exceeded it; None for the grade of one that is not graded."""
         if self.quantity == "grade":
-            return int(row["grade_number"]) >= GRADES.index(self.at_least or "")
+            number = row["grade_number"]
+            return None if number is None else int(number) >= GRADES.index(self.at_least or "")
         value = row.get(self.quantity)
         assert self.above is not None
         return value is not None and float(value) > self.above

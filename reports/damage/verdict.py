@@ -1,0 +1,179 @@
+"""Whether a run can be relied on: the one verdict on it, by what the run checked of itself.
+
+Each check is ``good``: it does not limit what the results say; ``look``: read what stands beside it; or ``doubtful``: do not rely on the
+run before it is mended. The verdict on the run is that of its worst check. A run that is doubtful has no grade of damage: the verdict
+stands in its place wherever a grade does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from masonry_cd.io.results import Results
+from masonry_cd.quantities import length
+from reports.damage.definitions import Thresholds
+from reports.damage.end_state import EndState
+from reports.damage.joint_damage import collapsed_blocks, displacement_max
+
+GOOD, LOOK, DOUBTFUL = "good", "look", "doubtful"
+UNKNOWN = "unknown"  # of a run that has left no numbers of its own
+RANKS = (GOOD, LOOK, DOUBTFUL)
+END, FORCES, FALSE_MOTION = "End of the run", "Contact forces", "Motion against the contact laws"
+ENERGY, OVERLAP, TIME_STEP = "Energy balance", "Overlap of blocks", "Time step"
+NOT_GRADED = "not graded"  # stands for the grade of a run that is doubtful
+WORDS = {
+    GOOD: "all checks of the computation are good",
+    LOOK: "read this before you rely on the run",
+    DOUBTFUL: "do not rely on this run before it is mended",
+    UNKNOWN: "the run left no summary, so its checks are not known",
+}
+
+FEW = 0.01  # share of the steps that may miss the tolerance before a run is doubtful
+BALANCE = (1e-3, 2e-2)  # share of the largest work by which the balance may be open: good up to the first, doubtful beyond the second
+LIFT = (1e-3, 2e-2)  # likewise of what taking overlaps away put in
+FALSE_SHARE = (0.01, 0.1)  # likewise of what violations of the contact laws add up to, as a share of the largest displacement
+DEPTH = (1.0, 10.0)  # likewise of the largest overlap, in thresholds of an open joint
+OF_DEBRIS = 10.0  # times the second where blocks fell: what lands gets as deep as it falls in a step, and changes no grade of what stands
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The verdict of one check, and the numbers that led to it, in plain words."""
+
+    name: str
+    verdict: str
+    why: str
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict on a run, from those of its checks; none are known of a run that left no summary."""
+
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def worst(self) -> str:
+        """``good``, ``look``, ``doubtful``, or ``unknown``."""
+        return max((found.verdict for found in self.findings), key=RANKS.index, default=UNKNOWN)
+
+    @property
+    def reliable(self) -> bool:
+        """False for a run that is doubtful: its damage is not graded."""
+        return self.worst != DOUBTFUL
+
+    def of(self, name: str) -> str:
+        """The verdict of a check; unknown where it was not made."""
+        return next((found.verdict for found in self.findings if found.name == name), UNKNOWN)
+
+    @property
+    def decisive(self) -> tuple[Finding, ...]:
+        """The checks that decide the verdict; none where all are good."""
+        return tuple(found for found in self.findings if found.verdict == self.worst != GOOD)
+
+    @property
+    def in_words(self) -> str:
+        """``do not rely on this run before it is mended: contact forces, energy balance``."""
+        names = ", ".join(found.name.lower() for found in self.decisive)
+        return WORDS[self.worst] + (f": {names}" if names else "")
+
+    @property
+    def reasons(self) -> str:
+        """What decides it, with its numbers."""
+        return "; ".join(found.why for found in self.decisive)
+
+    def as_summary(self) -> dict[str, Any]:
+        """For summary.json."""
+        checks = [{"check": found.name, "verdict": found.verdict, "why": found.why} for found in self.findings]
+        return {"verdict": {"verdict": self.worst, "words": self.in_words, "checks": checks}}
+
+    def instead_of_a_grade(self) -> dict[str, str]:
+        """What stands in the row of a part for its grade; nothing where the run can be relied on."""
+        if self.reliable:
+            return {}
+        return {"grade": NOT_GRADED, "grade_label": self.in_words, "grade_reason": f"{self.in_words} ({self.reasons})"}
+
+
+def verdict_of(summary: Mapping[str, Any], thresholds: Thresholds, end: EndState | None = None) -> Verdict:
+    """The verdict on a run by its numbers.
+
+    Args:
+        summary: as in summary.json, or what the results hold of it; empty where there is none.
+        thresholds: of damage; overlaps are measured by them.
+        end: how the run ended, which says more than the summary of one that was cut off.
+    """
+    found = [_end(summary, end)] if summary.get("steps") or (end is not None and end.stopped) else []
+    if "error_max" in summary.get("solver", {}):
+        found.append(_forces(summary))
+    if summary.get("solver", {}).get("false_slip_max") is not None:
+        found.append(_false_motion(summary))
+    if "balance_error" in summary.get("energy", {}):
+        found.append(_energy(summary["energy"]))
+    if "penetration_max" in summary:
+        found.append(_overlap(summary, thresholds))
+    if "time_step_remarks" in summary:
+        remarks = summary["time_step_remarks"]
+        found.append(Finding(TIME_STEP, LOOK if remarks else GOOD, "; ".join(map(str, remarks))))
+    return Verdict(tuple(found))
+
+
+def verdict_on(results: Results, thresholds: Thresholds, end: EndState) -> Verdict:
+    """The verdict on the run of a result file."""
+    of_results = {"collapsed_blocks": len(collapsed_blocks(results, thresholds)), "displacement_max": displacement_max(results)}
+    return verdict_of(results.closing | of_results, thresholds, end)
+
+
+def graded(value: float, bounds: tuple[float, float]) -> str:
+    """The verdict on a value by where it is good up to and doubtful from; one that is not finite is doubtful."""
+    return GOOD if value <= bounds[0] else LOOK if value <= bounds[1] else DOUBTFUL
+
+
+def _end(summary: Mapping[str, Any], end: EndState | None) -> Finding:
+    """Whether the run came to its end, and the blocks to rest."""
+    stopped = summary.get("stopped") or (end.stopped if end is not None else "")
+    provisional = end.provisional if end is not None else summary.get("provisional")
+    if stopped:
+        return Finding(END, DOUBTFUL, f"it ended early: {stopped}")
+    return Finding(END, LOOK, str(provisional)) if provisional else Finding(END, GOOD, "at rest")
+
+
+def _forces(summary: Mapping[str, Any]) -> Finding:
+    """Whether the contact forces of each step were found."""
+    solver, steps, closing = summary["solver"], summary.get("steps") or 0, summary.get("closing") or {}
+    missed, most = solver.get("steps_missed") or 0, solver["error_max"]
+    error = float("inf") if most is None else float(most)  # JSON has null for what is not finite
+    if closing.get("steps"):
+        jam = f": {closing['jam']}" if closing.get("jam") else ""
+        return Finding(FORCES, DOUBTFUL, f"{closing['steps']} steps left contacts closing{jam}")
+    verdict = GOOD if not missed else LOOK if missed <= FEW * steps and error < 1.0 else DOUBTFUL
+    return Finding(FORCES, verdict, f"{missed} of {steps} steps missed the tolerance, with an error of {error:.2g} at most")
+
+
+def _false_motion(summary: Mapping[str, Any]) -> Finding:
+    """How far joints moved against the contact laws; lengths that count for nothing beside the structure's size have no place named."""
+    solver, moved = summary["solver"], summary.get("displacement_max") or 0.0
+    slip, opening = solver["false_slip_max"], solver["false_opening_max"] or 0.0
+    why = f"the error of the contact forces adds up to {length(slip)} of slip and {length(opening)} of opening"
+    counts = bool(solver.get("false_slip_where"))
+    return Finding(FALSE_MOTION, graded(max(slip, opening), (FALSE_SHARE[0] * moved, FALSE_SHARE[1] * moved)) if counts else GOOD, why)
+
+
+def _energy(energy: Mapping[str, Any]) -> Finding:
+    """Whether the energy adds up."""
+    if energy.get("at_rest"):
+        return Finding(ENERGY, GOOD, "no work was done to speak of")
+    share = float("inf") if energy["balance_error"] is None else float(energy["balance_error"])
+    lift = energy.get("lift_share") or 0.0
+    verdict = max(graded(share, BALANCE), graded(lift, LIFT), key=RANKS.index)
+    lifted = f", and taking overlaps away put in {100 * lift:.2g} %" if lift > LIFT[0] else ""
+    return Finding(ENERGY, verdict, f"the energy balance is open by {100 * share:.2g} % of the largest work{lifted}")
+
+
+def _overlap(summary: Mapping[str, Any], thresholds: Thresholds) -> Finding:
+    """How far blocks got into one another."""
+    deepest, threshold = summary["penetration_max"] or 0.0, thresholds.opened
+    where = f", of {summary['penetration_where']}" if summary.get("penetration_where") else ""
+    most = DEPTH[1] * (OF_DEBRIS if summary.get("collapsed_blocks") else 1.0)
+    verdict = graded(deepest, (DEPTH[0] * threshold, most * threshold))
+    return Finding(OVERLAP, verdict, f"blocks overlap by up to {length(deepest)}{where}")

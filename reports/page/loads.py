@@ -1,0 +1,105 @@
+"""The loads in the model: forces, pushes, motions that are given to single supports, and how each support moved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from masonry_cd.quantities import force
+from reports.drawing.figure import in_metres
+from reports.page.findings import section, table
+from reports.page.words import PageContext, escaped, number
+
+MOST = 40  # rows of a table
+NAMED = 6  # supports of a load that are named
+
+
+def loads(context: PageContext) -> str:
+    """What acts on the structure beside its weight and shaking, and the motions of the supports."""
+    tables, amounts = context.tables.get("loads", []), context.summary.get("loads", {}).get("tables", [])
+    rows = []
+    for k, load in enumerate(tables):
+        known = amounts[k] if k < len(amounts) and amounts[k].get("kind") == load.get("kind") else {}
+        if load.get("kind") in ROWS:
+            rows.append([f"load {k + 1}, {load['kind']}", *ROWS[load["kind"]](load, known)])
+    return section("loads", "Loads in the model", _table(("load", "on", "how much", "when"), rows) + _motions(context))
+
+
+def point_loads(context: PageContext) -> int:
+    """How many point loads the scene has."""
+    return sum(load.get("kind") == "point" for load in context.tables.get("loads", []))
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table with as many rows as one reads."""
+    if not rows:
+        return ""
+    more = f'<p class="note">And {len(rows) - MOST} more.</p>' if len(rows) > MOST else ""
+    return table(columns, rows[:MOST]) + more
+
+
+def _motions(context: PageContext) -> str:
+    """Each motion of the supports, where they do not all move alike."""
+    if len(context.motions) < 2:
+        return ""
+    rows = []
+    for motion in context.motions:
+        last = ", ".join(number(float(f"{1e3 * value:.3g}")) for value in motion.displacement[-1]).replace("-", "−")
+        moved = [in_metres(motion.largest), last] if motion.moves else ["at rest", "–"]
+        rows.append([escaped(motion.called), *moved])
+    columns = ("supports", "farthest from its place", "at the end along x, y, z [mm]")
+    return "<h3>Motions of the supports</h3>" + _table(columns, rows)
+
+
+def _point(load: Mapping[str, Any], _: Mapping[str, Any]) -> list[str]:
+    """A force on a block."""
+    vector = [float(value) for value in load["force"]]
+    at = f" at ({', '.join(f'{value:.4g}' for value in load['point'])}) m" if load.get("point") else " at its centre of mass"
+    start, ramp = float(load.get("start", 0.0)), float(load.get("ramp", 0.0))
+    when = f"grows from {start:g} to {start + ramp:g} s" if ramp else f"in full from {start:g} s on"
+    return [f"{escaped(load['block'])}{at}", f"{force(math.hypot(*vector))} {_along(vector)}", when]
+
+
+def _ground(load: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
+    """A settlement or a spreading of supports."""
+    names = known.get("supports") or load.get("supports") or ["all supports"]
+    names = [names] if isinstance(names, str) else list(names)
+    on = ", ".join(map(str, names[:NAMED])) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
+    start = float(load.get("start", 0.0))
+    sign = "−" if load["displacement"] < 0 else ""
+    much = f"{sign}{in_metres(abs(load['displacement']))} {_along(load['direction'])}"
+    return [escaped(on), much, f"{start:g} to {start + float(load['duration']):g} s"]
+
+
+def _body(load: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
+    """A push or a tilt of all blocks."""
+    unit = "°" if load["kind"] == "tilt" else " of the weight"
+    end = known.get("angle" if load["kind"] == "tilt" else "peak")
+    up_to = "" if end is None else f" to {end:.4g}{unit}"
+    along = known.get("direction") or load.get("direction")
+    much = f"from {float(load.get('initial', 0.0)):g}{up_to} at {float(load['rate']):g}{unit} per second"
+    return ["all free blocks", f"{much}{f' {_along(along)}' if along else ''}", f"from {float(load.get('start', 0.0)):g} s on"]
+
+
+def _tie(load: Mapping[str, Any], _: Mapping[str, Any]) -> list[str]:
+    """A bar between two blocks."""
+    first, second = load["blocks"]
+    section_of = f"diameter {in_metres(load['diameter'])}" if "diameter" in load else f"section {1e6 * load.get('area', 0.0):.4g} mm²"
+    yields = f", yields at {force(load['yield_force'])}" if load.get("yield_force") else ""
+    return [f"{escaped(first)} to {escaped(second)}", f"{section_of}, {force(load.get('tension', 0.0))} at the start{yields}", "throughout"]
+
+
+def _along(direction: object) -> str:
+    """``along −z``, whether it was given as an axis or as a vector."""
+    if isinstance(direction, str):
+        return f"along {escaped(direction.replace('-', '−'))}"
+    vector = [float(value) for value in direction] if isinstance(direction, (list, tuple)) else []
+    size = math.hypot(*vector)
+    axes = [(axis, value) for axis, value in zip("xyz", vector, strict=False) if abs(value) > 1e-9 * size]
+    if len(axes) == 1:
+        return f"along {'−' if axes[0][1] < 0 else ''}{axes[0][0]}"
+    return f"along ({', '.join(f'{value / size:.3g}' for value in vector)})" if size else ""
+
+
+ROWS = {"point": _point, "settlement": _ground, "spreading": _ground, "push": _body, "tilt": _body, "tie": _tie}

@@ -1,0 +1,125 @@
+"""The verdict on a run: by its checks, and in place of a grade wherever a grade stands."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from made_run import at_rest, box, shifted, write_run
+
+from masonry_cd.app.scene import parse_scene
+from masonry_cd.app.summary import verdict_lines
+from masonry_cd.io.results import Results
+from masonry_cd.studies.study import numbers
+from masonry_cd.studies.study.study_file import LimitState
+from reports.compare.comparison import compare
+from reports.damage.definitions import Thresholds
+from reports.damage.joint_files import write_joint_damage
+from reports.damage.part_files import part_lines, write_part_damage
+from reports.damage.verdict import verdict_of
+from reports.outputs import damage_of
+from reports.page import write_page
+from reports.settings import Report
+
+SOUND: dict[str, Any] = {
+    "steps": 200,
+    "stopped": "",
+    "solver": {"error_max": 1e-9, "error_mean": 1e-10, "steps_missed": 0},
+    "closing": {"steps": 0},
+    "energy": {"balance_error": 1e-6, "lift_share": 0.0},
+    "penetration_max": 1e-6,
+    "time_step_remarks": [],
+}
+SCENE = '[structure]\nkind = "file"\npath = "blocks.json"\n[material]\ndensity = 2000.0\nfriction = 0.6\n'
+CUT = "do not rely on this run before it is mended: end of the run"
+
+
+def solver(**changes: Any) -> dict[str, Any]:
+    return {"solver": SOUND["solver"] | changes}
+
+
+@pytest.mark.parametrize(
+    ("changes", "worst", "why"),
+    [
+        ({}, "good", ""),
+        (solver(steps_missed=1), "look", "1 of 200 steps missed the tolerance"),
+        (solver(steps_missed=3), "doubtful", "3 of 200 steps missed the tolerance"),
+        (solver(steps_missed=1, error_max=2.0), "doubtful", "an error of 2 at most"),
+        (solver(steps_missed=1, error_max=None), "doubtful", "an error of inf at most"),
+        ({"closing": {"steps": 2, "jam": "a wedge"}}, "doubtful", "2 steps left contacts closing: a wedge"),
+        ({"energy": {"balance_error": 5e-3}}, "look", "open by 0.5 % of the largest work"),
+        ({"energy": {"balance_error": None}}, "doubtful", "open by inf %"),
+        ({"penetration_max": 5e-3, "penetration_where": "a and b at 1 s"}, "doubtful", "overlap by up to 5 mm, of a and b at 1 s"),
+        ({"penetration_max": 5e-3, "collapsed_blocks": 3}, "look", "overlap by up to 5 mm"),  # of what landed
+        ({"penetration_max": 5e-2, "collapsed_blocks": 3}, "doubtful", "overlap by up to 50 mm"),
+        ({"stopped": "interrupted after step 3"}, "doubtful", "it ended early: interrupted after step 3"),
+        ({"provisional": "provisional: still moving"}, "look", "provisional: still moving"),
+        ({"time_step_remarks": ["run.dt is coarse"]}, "look", "run.dt is coarse"),
+    ],
+)
+def test_the_worst_check_decides_and_gives_its_numbers(changes, worst, why):
+    found = verdict_of(SOUND | changes, Thresholds())
+    assert (found.worst, found.reliable) == (worst, worst != "doubtful")
+    assert why in found.reasons and bool(found.reasons) == (worst != "good")
+
+
+def test_a_run_without_numbers_is_unknown_not_good():
+    assert verdict_of({}, Thresholds()).worst == "unknown"
+
+
+def blocks() -> list[Any]:
+    return [box("base", (0, 0, -0.2), (1, 1, 0), "base", fixed=True), box("stone", (0, 0, 0), (1, 1, 0.5), "pier")]
+
+
+def run_in(folder: Path, ended: bool) -> Path:
+    """A stone that has slid by 8 mm, in a run that ended or was cut off."""
+    folder.mkdir()
+    rest = at_rest(blocks())
+    write_run(folder / "result.h5", blocks(), [rest, shifted(rest, 1, (0.008, 0, 0))], scene=SCENE, ended=ended)
+    return folder
+
+
+def test_a_run_that_cannot_be_relied_on_says_so_instead_of_a_grade(tmp_path):
+    out = run_in(tmp_path / "cut", ended=False)
+    with Results.open(out / "result.h5") as results:
+        summary = write_joint_damage(results, out, Report())
+        damage = damage_of(results, Report())
+        write_part_damage(damage, out)
+        write_page(results, out / "report.html", summary, parts=damage)
+    assert summary["verdict"]["verdict"] == "doubtful"
+    assert {row["grade"] for row in damage.parts} == {"not graded"}
+    assert damage.parts[-1]["grade_reason"].startswith(CUT)
+    with (out / "damage.csv").open(newline="") as file:
+        assert {row["grade"] for row in csv.DictReader(file)} == {"not graded"}
+    assert {row["grade"] for row in json.loads((out / "damage.json").read_text())["parts"]} == {"not graded"}
+    first, *rest = part_lines(damage.parts)
+    assert first.startswith(f"not graded: {CUT}")
+    page = (out / "report.html").read_text(encoding="utf-8").partition("<body>")[2].partition('<script type="application/json"')[0]
+    assert page.index("Do not rely on this run before it is mended") < page.index("The structure is not graded") < page.index("<main>")
+    assert page.count('<span class="grade not-graded">not graded</span>') == len(damage.parts)
+    for said in ("".join(rest), page.partition('id="grades-title"')[0]):
+        assert not any(grade in said for grade in ("D1", "D2", "D3"))
+
+
+def test_a_comparison_and_a_study_give_it_no_grade(tmp_path):
+    cut, ended = run_in(tmp_path / "cut", ended=False), run_in(tmp_path / "ended", ended=True)
+    found = compare([cut, ended])
+    assert next(values for name, _, values in found.rows if name == "grade") == ["not graded", "D2"]
+    assert any(word.startswith(f"cut: not graded: {CUT}") for word in found.words)
+    scene = parse_scene(SCENE + "[run]\ndt = 1e-3\nduration = 1.0\n", tmp_path / "scene.toml")
+    state = LimitState(quantity="grade", at_least="D2")
+    exceeded = []
+    for folder in (cut, ended):
+        with Results.open(folder / "result.h5") as results:
+            summary = write_joint_damage(results, folder, Report()) | {"steps": 1, "solver": {"steps_missed": 0, "error_max": 0.0}}
+        exceeded.append(state.exceeded(numbers.of_run(folder / "result.h5", summary, scene)[0]))
+    assert exceeded == [None, True]
+
+
+def test_the_closing_lines_say_so_where_it_is_doubtful():
+    assert verdict_lines(verdict_of(SOUND, Thresholds()).as_summary()) == []
+    (line,) = verdict_lines(verdict_of(SOUND | solver(steps_missed=9), Thresholds()).as_summary())
+    assert line.startswith("do not rely on this run before it is mended: contact forces (9 of 200 steps missed")
