@@ -84,7 +84,7 @@ class Verdict:
         sides = f"{self.capacity:.4g} {self.unit} borne, {self.demand:.4g} {self.unit} asked for, ratio {self.ratio:.3g}"
         end = "; the mechanism does not start" if self.unmoved >= 1.0 and self.demand > self.capacity else ""
         if self.state == "not decided":
-            end += f"; {self.doubt or f'that leaves less than the margin of {100.0 * MARGIN:g} % which the search asks for'}"
+            end += f"; {self.doubt or f'less than the margin of {100.0 * MARGIN:g} % is left'}"
         return f"{self.check} check {self.state}: {sides}{end} ({self.clause})"
 
     def _met(self, share: float) -> bool:
