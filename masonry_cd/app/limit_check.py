@@ -83,7 +83,7 @@ def check_mechanism(
 
 def _untied(found: Sequence[Candidate], loads: StaticLoads) -> bool:
     """Whether mechanisms found without the ties are among those looked at, or there are no ties."""
-    return not len(loads.bars.strength) or any(one.source.endswith(UNTIED) for one in found)
+    return not len(loads.bars.strength) or any(UNTIED in one.source for one in found)
 
 
 def _looked(found: Candidate, made: Oscillator, confidence: float) -> Looked:

@@ -32,7 +32,7 @@ from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 
 SEARCH, ASSOCIATED = "search without dilation", "associated"
-UNTIED = ", found without the ties"
+UNTIED, STOPPED = ", found without the ties", ", the solver ended before its tolerance"
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ def candidates(analysis: Analysis, assembly: Assembly, joints: Joints, options: 
     out: list[Candidate] = []
     for source, optimum in found:
         moves = mechanism(analysis.problem, assembly, joints, optimum.velocity)
-        factor = tied_factor(analysis.problem, optimum) if source.endswith(UNTIED) else optimum.factor
+        factor = tied_factor(analysis.problem, optimum) if UNTIED in source else optimum.factor
         made = Candidate(source, factor, moves, _dilation(analysis.problem, optimum))
         if np.isfinite(factor) and not any(_alike(made, other) for other in out):
             out.append(made)
@@ -78,7 +78,8 @@ def tied_factor(problem: LimitProblem, untied: Optimum) -> float:
 def _named(suffix: str, associated: Optimum, least: LeastFound | None) -> list[tuple[str, Optimum]]:
     """What a search found, the least first, and the associated mechanism."""
     ends = () if least is None else sorted(least.ends, key=lambda end: end.factor)
-    return [*((SEARCH + suffix, end) for end in ends), (ASSOCIATED + suffix, associated)]
+    found = [*((SEARCH, end) for end in ends), (ASSOCIATED, associated)]
+    return [(source + suffix + (STOPPED if optimum.stopped else ""), optimum) for source, optimum in found]
 
 
 def _without_ties(problem: LimitProblem, options: Options) -> list[tuple[str, Optimum]]:

@@ -54,6 +54,14 @@ def test_what_a_tie_that_does_not_yield_holds_never_starts() -> None:
     assert not any(one.source.endswith(UNTIED) for one in looked)
 
 
+def test_a_mechanism_of_a_solver_that_ended_early_says_so() -> None:
+    analysis, _, _ = found_of(pillar(), 0.65)
+    early = replace(analysis.associated, optimum=replace(analysis.associated.optimum, stopped="MaxIterations"))
+    assembly, joints = joined(pillar(), 0.65)
+    sources = [one.source for one in candidates(replace(analysis, associated=early), assembly, joints, Options())]
+    assert sources == [SEARCH, f"{ASSOCIATED}, the solver ended before its tolerance"]
+
+
 def test_what_slides_dilates_as_associated_and_not_in_the_search() -> None:
     """A slab that slides and lifts by mu: gravity takes from the push all that friction would, half of the power of both."""
     _, looked, made = found_of([ground(4.0), box("slab", (0.0, -1.0, 0.0), (2.0, 1.0, 0.4))], 0.3)
