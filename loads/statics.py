@@ -62,10 +62,10 @@ class LimitTable(Table):
     sides: Annotated[Count, Field(ge=0, le=64)] = 0
     """Of friction pyramids that replace the circular cones of a structure in space, from inside; 0 for circular ones."""
     starts: Annotated[Count, Field(ge=0, le=1000)] | None = None
-    """Of the search for the least factor of sliding without dilation; 3 in a plane and none in space when not given, where each start
-    solves some twenty cone programmes."""
+    """Of the search for the least factor of sliding without dilation. When not given: 4 in a plane; in space, where a start solves ten or
+    twenty cone programmes, 4 with a check of up to 10,000 contact points and none else."""
     check: CheckTable | None = None
-    """By the kinematic approach of a code, of the mechanism that a push or a tilt sets in motion."""
+    """By the kinematic approach of a code, of the mechanism with the least a0* of those that a push or a tilt sets in motion."""
     curve: CurveTable | None = None
     """The capacity curve: the mechanism at finite displacements."""
 

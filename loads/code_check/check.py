@@ -6,22 +6,23 @@ from pathlib import Path
 
 from loads.code_check import ec8, ntc2008, ntc2018
 from loads.code_check.ground import ground_of
-from loads.code_check.steps import CodeCheck
+from loads.code_check.steps import Basis, CodeCheck
 from loads.code_check.table import CheckTable
 from masonry_cd.limit.oscillator import Oscillator
 
 CODES = {"NTC2018": ntc2018.check, "NTC2008": ntc2008.check, "EC8": ec8.check}
 
 
-def code_check(table: CheckTable, oscillator: Oscillator, folder: Path) -> CodeCheck:
+def code_check(table: CheckTable, oscillator: Oscillator, folder: Path, basis: Basis | None = None) -> CodeCheck:
     """Check a mechanism.
 
     Args:
         table: what is asked.
         oscillator: of the mechanism.
         folder: from which the path of a record is read.
+        basis: what it rests on; without one, nothing is "satisfied".
 
     Raises:
         InputError: a record that cannot be read.
     """
-    return CODES[table.code](table, oscillator, ground_of(table, folder))
+    return CODES[table.code](table, oscillator, ground_of(table, folder)).resting_on(basis or Basis())

@@ -24,7 +24,7 @@ def check(table: CheckTable, oscillator: Oscillator, ground: Ground) -> CodeChec
     if table.limit_state != "SLC":
         verdicts.append(_linear(table, starts, borne, steps))
     if table.by_displacements and oscillator.falls:
-        verdicts.append(_non_linear(table, oscillator, ground, starts <= borne, steps))
+        verdicts.append(_non_linear(table, oscillator, ground, borne / starts, steps))
     elif table.by_displacements:
         notes.append(no_end(oscillator))
     return CodeCheck("NTC2018", EDITION, table.limit_state, ground.words, tuple(steps), tuple(verdicts), tuple(notes))
@@ -63,7 +63,7 @@ def _linear(table: CheckTable, asked: float, borne: float, steps: list[Step]) ->
     return Verdict("linear", asked, borne, "m/s2", "C8.7.1.2.1.7")
 
 
-def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, rigid: bool, steps: list[Step]) -> Verdict:
+def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, unmoved: float, steps: list[Step]) -> Verdict:
     """By displacements, at SLV or SLC."""
     state = table.limit_state
     share, factor, clause, damping = LIMITS[state]
@@ -79,4 +79,4 @@ def _non_linear(table: CheckTable, oscillator: Oscillator, ground: Ground, rigid
     else:
         asked, by = ground.furthest(table.element_period or 0.0, period, damping), "C8.7.1.2.1.8"
     steps.append(Step("d asked", asked, "m", by, "displacement asked for at that period"))
-    return Verdict("non-linear", asked, ultimate, "m", "C8.7.1.2.1.8", rigid)
+    return Verdict("non-linear", asked, ultimate, "m", "C8.7.1.2.1.8", unmoved)

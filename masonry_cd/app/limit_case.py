@@ -15,26 +15,25 @@ import numpy as np
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
 from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
+from masonry_cd.app.limit_search import search_words, ways
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.contact.find_joints import built_gap, find_joints, loose_contacts
 from masonry_cd.errors import InputError
 from masonry_cd.limit.analysis import Analysis, Collapse, Options, analyse
 from masonry_cd.limit.mechanism import STATES
-from masonry_cd.limit.problem import plane_of
 from masonry_cd.model.blocks import Assembly, refuse_spheres
 from masonry_cd.model.joints import Joints
 from masonry_cd.quantities import counted, force, in_words
 
 if TYPE_CHECKING:
     from loads.code_check.steps import CodeCheck
-    from loads.statics import LimitTable, StaticLoads
+    from loads.statics import StaticLoads
     from reports.limit.ties import LimitTie
 
 OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "ties.csv", "check.json", "check.csv", "mechanism.png", "thrust.png", "limit.html")
 EVERY = (*OUTPUTS, *CURVE_OUTPUTS)  # that a folder of an analysis may hold
 TURNS = 30  # most rounds in which the angle of a tilt is found
 SAME_TILT = 1e-9  # change of lambda at which it is
-STARTS = 3  # of the search for the least factor in a plane
 SAME = 1e-4  # share of the factor by which the least and the associated one may differ and agree
 NAMED = 6  # blocks that a line names
 
@@ -101,14 +100,14 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
         if asked.check is not None:
             suits(loads, scene.run.gravity)
         joints = find_joints(assembly)
-        options = _options(assembly, loads, asked, scene.run.seed)
-        analysis = _analyse(assembly, joints, loads, options)
+        how = ways(assembly, joints, loads, asked, scene.run.seed)
+        analysis = _analyse(assembly, joints, loads, how.analysis)
         table = asked.curve or (CurveTable() if curve else None)
-        followed = None if table is None else follow(table, assembly, joints, loads, options, scene.run.gravity)
+        followed = None if table is None else follow(table, assembly, joints, loads, how.curve, scene.run.gravity)
         check = None
         if asked.check is not None and analysis.stands and not analysis.bears_nothing:
             known = None if followed is None else followed.curve
-            check = check_mechanism(asked.check, analysis, (assembly, joints), loads, scene.run.gravity, scene.folder, options, known)
+            check = check_mechanism(asked.check, analysis, (assembly, joints), loads, scene.run.gravity, scene.folder, how, known)
         elif asked.check is not None:
             notes.append("limit.check: no check: there is no load factor at which a mechanism would start")
         notes += analysis.remarks
@@ -138,12 +137,6 @@ def _analyse(assembly: Assembly, joints: Joints, loads: StaticLoads, options: Op
         if not found.stands or abs(factor - last) <= SAME_TILT * (1.0 + abs(factor)):
             return analyse(assembly, joints, turned, options) if found.stands and options.starts else found
     raise InputError(f"limit.tilt: the angle of collapse is not found in {TURNS} rounds; push gives the factor of a body force")
-
-
-def _options(assembly: Assembly, loads: StaticLoads, asked: LimitTable, seed: int) -> Options:
-    """How to solve; in space, where each start is expensive, without a search unless it is asked for."""
-    usual = STARTS if plane_of(assembly, loads.at()) is not None else 0
-    return Options(asked.sides, usual if asked.starts is None else asked.starts, seed)
 
 
 def summary(case: LimitCase) -> dict[str, Any]:
@@ -184,7 +177,7 @@ def summary(case: LimitCase) -> dict[str, Any]:
     if least is not None:
         out["least"] = {
             "factor": least.optimum.factor, "gap": least.gap, "starts": least.starts, "agreeing": least.agreeing,
-            "found": list(least.found),
+            "spread": least.spread, "found": list(least.found),
         }  # fmt: skip
     return out
 
@@ -223,15 +216,12 @@ def found_lines(case: LimitCase) -> list[str]:
         angle = f", an angle of {math.degrees(math.atan(answer.factor)):.4g} degrees" if case.loads.kind == "tilt" else ""
         out.append(f"{case.loads.words}: load factor {answer.factor:.5g}{angle} (associated: sliding opens joints; an upper value)")
     if least is not None:
-        open_end = least.starts - len(least.found)
-        ended = f", {open_end} to no end" if open_end else ""
-        sure = f"{least.agreeing} of {least.starts} starts came to it, none to less{ended}; no proof that it is the least"
-        out.append(f"sliding without dilation: {least.optimum.factor:.5g} is the least found; {sure}")
+        out.append(search_words(analysis))
         apart = answer.factor - least.optimum.factor > SAME * abs(answer.factor)
         between = f"Coulomb's law allows {least.optimum.factor:.5g} to {answer.factor:.5g} at least; a run finds one of its values"
         out.append(between if apart else "both agree: how joints slide makes no difference here")
     elif not analysis.problem.moves_support:
-        out.append(_no_least(analysis.starts))
+        out.append(search_words(analysis))
     return out
 
 
@@ -249,13 +239,6 @@ def _how_lines(case: LimitCase) -> list[str]:
         f"{answer.optimum.method}, {in_words(answer.seconds)}",
         *([] if case.curve is None else curve_lines(case.curve, case.assembly.names)),
     ]
-
-
-def _no_least(starts: int) -> str:
-    """Why there is no least factor after so many starts."""
-    off = "not searched for; limit.starts = 2 does, at some twenty times the cost of each"
-    sought = f"of {starts} starts none came to an end" if starts else off
-    return f"sliding without dilation may give way at less: {sought}"
 
 
 def _who(case: LimitCase) -> str:

@@ -1,23 +1,26 @@
-"""The check by a code of the mechanism that a limit analysis found: ``[limit.check]``."""
+"""The check by a code of the mechanisms that a limit analysis found: ``[limit.check]``."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from masonry_cd.app.limit_search import Ways, doubt, search_words
 from masonry_cd.errors import InputError
-from masonry_cd.limit.analysis import Analysis, Options
+from masonry_cd.limit.analysis import Analysis
+from masonry_cd.limit.candidates import UNTIED, Candidate, candidates
 from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
-from masonry_cd.limit.oscillator import oscillator
+from masonry_cd.limit.oscillator import ANOTHER, Oscillator, oscillator
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 
 if TYPE_CHECKING:
-    from loads.code_check.steps import CodeCheck
+    from loads.code_check.steps import CodeCheck, Looked
     from loads.code_check.table import CheckTable
     from loads.statics import StaticLoads
 
@@ -46,22 +49,46 @@ def check_mechanism(
     loads: StaticLoads,
     gravity: Sequence[float],
     folder: Path,
-    options: Options,
+    how: Ways,
     known: CapacityCurve | None,
 ) -> CodeCheck:
-    """Check the mechanism of the least factor, or of the associated one, of a structure that stands and bears some of the push.
+    """Check the mechanism of the least acceleration a0* of all that were found, of a structure that stands and bears some of the push.
 
-    Where the check is by displacements as well, the mechanism is followed until its factor vanishes, as ``options`` say, unless a curve is
-    ``known`` that does.
+    Where the check is by displacements as well, a mechanism is followed until its factor vanishes, unless a curve is ``known`` that does.
 
     Raises:
         InputError: a record that cannot be read.
     """
     from loads.code_check.check import code_check
+    from loads.code_check.steps import Basis
 
     push = math.hypot(*gravity) * np.asarray(loads.direction)
-    moves = analysis.governing.mechanism
-    curve = known if known is not None and known.falls and moves.moving[known.control.block] else None
-    if table.by_displacements and curve is None:
-        curve = capacity_curve(*structure, loads.at(), CurveOptions(options, control=int(np.argmax(moves.velocity[:, :3] @ push))))
-    return code_check(table, oscillator(analysis, *structure, push, curve), folder)
+    found = candidates(analysis, *structure, how.analysis)
+    each = [oscillator(one, *structure, push, None) for one in found]
+    order = sorted(range(len(found)), key=lambda k: each[k].acceleration())
+    least, made = found[order[0]], each[order[0]]
+    elsewhere = abs(analysis.associated.factor - least.factor) > ANOTHER * abs(least.factor)
+    if table.by_displacements and elsewhere and not how.curve.starts and not made.doubt:
+        made = replace(made, end="a curve follows the mechanism without dilation only where limit.starts asks for it")
+    elif table.by_displacements and not made.doubt:
+        curve = known
+        if curve is None or not curve.falls or not least.mechanism.moving[curve.control.block]:
+            control = int(np.argmax(least.mechanism.velocity[:, :3] @ push))
+            curve = capacity_curve(*structure, loads.at(), CurveOptions(how.curve, control=control))
+        made = oscillator(least, *structure, push, curve)
+    looked = tuple(_looked(found[k], each[k], table.confidence_factor) for k in order)
+    search = search_words(analysis) + ("" if _untied(found, loads) else "; without the ties none was found that can start with them")
+    return code_check(table, made, folder, Basis(search, doubt(analysis), looked))
+
+
+def _untied(found: Sequence[Candidate], loads: StaticLoads) -> bool:
+    """Whether mechanisms found without the ties are among those looked at, or there are no ties."""
+    return not len(loads.bars.strength) or any(UNTIED in one.source for one in found)
+
+
+def _looked(found: Candidate, made: Oscillator, confidence: float) -> Looked:
+    """A mechanism and its oscillator as a check tells of them."""
+    from loads.code_check.steps import Looked
+
+    moving = int(found.mechanism.moving.sum())
+    return Looked(found.source, moving, found.factor, made.fraction, made.acceleration() / confidence, made.doubt)

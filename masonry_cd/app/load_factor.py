@@ -91,9 +91,9 @@ def _work_of_one(case: Case, pull: np.ndarray, moment: np.ndarray) -> np.ndarray
     return np.concatenate([[0.0], np.cumsum(np.sum(0.5 * (push[1:] + push[:-1]) * np.diff(moment, axis=0), axis=1))])
 
 
-def limit_bracket(case: Case) -> dict[str, float] | None:
-    """The least factor found and the associated one, by limit analysis, where that takes seconds: of few blocks in a plane, under one
-    push or tilt that limit analysis takes as it is; None elsewhere."""
+def limit_bracket(case: Case) -> dict[str, float | None] | None:
+    """The least factor found, None where no start comes to an end, and the associated one, by limit analysis, where that takes seconds: of
+    few blocks in a plane, under one push or tilt that limit analysis takes as it is; None elsewhere."""
     from loads.statics import limit_table, static_loads
     from masonry_cd.limit.analysis import Options, analyse
     from masonry_cd.limit.problem import plane_of
@@ -114,8 +114,7 @@ def limit_bracket(case: Case) -> dict[str, float] | None:
         return None
     if not found.stands:
         return None
-    upper = found.associated.factor
-    return {"least_found": upper if found.least is None else found.least.optimum.factor, "associated": upper}
+    return {"least_found": None if found.least is None else found.least.optimum.factor, "associated": found.associated.factor}
 
 
 def tie_bars(case: Case) -> list[TieBar]:
@@ -173,6 +172,8 @@ def _bracket_line(factor: dict[str, Any]) -> list[str]:
     if not bracket:
         return []
     least, upper = bracket["least_found"], bracket["associated"]
+    if least is None:
+        return [f"limit analysis: {upper:.4g} at most (associated); no start of the search for the least factor came to an end"]
     if upper - least <= ALIKE * abs(upper):
         return [f"limit analysis: {upper:.4g}; how joints slide makes no difference here"]
     return [f"limit analysis: {least:.4g}, the least found without dilation, to {upper:.4g} (associated)"]

@@ -72,7 +72,8 @@ class LimitAnalysis:
 
     @property
     def check(self) -> DataFrame | None:
-        """The check by a code, value by value: symbol, value, unit, clause, meaning; ``attrs["verdicts"]`` say what is satisfied.
+        """The check by a code, value by value: symbol, value, unit, clause, meaning; ``attrs["verdicts"]`` say what is satisfied,
+        not satisfied or not decided.
 
         None without a table ``[limit.check]``, and where the structure does not stand.
         """
@@ -147,8 +148,12 @@ class LimitAnalysis:
         return "\n".join(lines(self._case))
 
     def __repr__(self) -> str:
-        found = "does not stand" if not self.stands else "no load factor" if self.factor is None else f"load factor {self.factor:.5g}"
+        found = "does not stand" if not self.stands else "no load factor" if self.factor is None else f"load factor {self._known()}"
         return f'<LimitAnalysis "{self._case.scene.title}": {self._case.loads.words}, {found}>'
+
+    def _known(self) -> str:
+        """What is known of the factor: from the least found up to the associated one, which is an upper value."""
+        return f"at most {self.factor:.5g}" if self.least is None else f"{self.least:.5g} (least found) to {self.factor:.5g}"
 
 
 def limit_analysis(

@@ -151,10 +151,8 @@ def analyse(assembly: Assembly, joints: Joints, loads: Loads, options: Options |
     except Unbounded as failure:
         raise InputError(f"limit: no answer: {failure}") from None
     answer = _answer(problem, assembly, joints, best, cap, time.perf_counter() - begin)
-    least, starts = None, 0 if problem.moves_support else options.starts
-    if starts:
-        search = least_factor_in_space if problem.axis is None else least_factor
-        least = search(problem, best, starts, options.seed)
+    starts = 0 if problem.moves_support else options.starts
+    least = searched(problem, best, starts, options.seed)
     moves = None if least is None else mechanism(problem, assembly, joints, least.optimum.velocity)
     programmes = {RESTS: alone, "the load factor, whose certificate says how far it holds": best}
     if least is not None:
@@ -177,6 +175,13 @@ def largest_factor(problem: LimitProblem, options: Options) -> tuple[Optimum, fl
     if scaled.factor > 0.99 * CAP:
         raise InputError(NO_WORK)
     return replace(scaled, factor=scale * scaled.factor, velocity=scale * scaled.velocity), scale * CAP
+
+
+def searched(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> LeastFound | None:
+    """The least factor without dilation that so many starts come to; None of none, and where none came to an end."""
+    if not starts:
+        return None
+    return (least_factor_in_space if problem.axis is None else least_factor)(problem, associated, starts, seed)
 
 
 def _remarks(programmes: dict[str, Optimum]) -> tuple[str, ...]:

@@ -15,7 +15,9 @@ The least is a linear programme with complementarity constraints (Ferris & Tin-L
    forces of least lambda + M g are found, for these forces the velocities of least g, and so on: linear programmes both.
 
 A pair with g = 0 is a proof that its factor is one of those that Coulomb's law allows; that no other is less is no proof but the
-agreement of starts: the normal forces of the associated problem first, then random ones.
+agreement of starts. The first begins at the normal forces of the associated problem, which wedge blocks between their neighbours wherever
+that bears more. The second begins at the least normal forces in equilibrium, which press together nothing that need not be, and keeps them
+in move 1. The others are random, by turns around the one and the other.
 """
 
 from __future__ import annotations
@@ -38,6 +40,7 @@ PENALTY = 1e4  # M, over w_1 . v = 1
 STUCK = 1e-12  # shares of factor and g that a round of the descent changes at least
 EXACT = 1e-7  # g of a pair that counts, as a share of the power of the loads
 ALIKE = 2e-3  # factors that differ by no more than this share of the least agree
+AGREE = 2  # starts that come to the least factor before it counts as known: one start alone may miss it
 
 Pair = tuple[Optimum, float]  # forces and velocities, and g over the power of the loads
 
@@ -49,13 +52,28 @@ class LeastFound:
     optimum: Optimum
     gap: float  # g over the power of the loads
     starts: int
-    found: tuple[float, ...]  # the factor of each start that came to an end
+    ends: tuple[Optimum, ...]  # of each start that came to an end
+
+    @property
+    def found(self) -> tuple[float, ...]:
+        """The factors of the starts that came to an end."""
+        return tuple(end.factor for end in self.ends)
 
     @property
     def agreeing(self) -> int:
         """Starts that came to it."""
         best = self.optimum.factor
         return sum(factor <= best + ALIKE * abs(best) for factor in self.found)
+
+    @property
+    def agreed(self) -> bool:
+        """Whether starts enough came to it for it to count as known, which is no proof that it is the least."""
+        return self.agreeing >= AGREE
+
+    @property
+    def spread(self) -> float:
+        """The largest factor found less the least, over the least."""
+        return (max(self.found) - self.optimum.factor) / max(abs(self.optimum.factor), 1e-300)
 
 
 def least_factor(problem: LimitProblem, associated: Optimum, starts: int, seed: int) -> LeastFound | None:
@@ -73,23 +91,29 @@ def least_factor(problem: LimitProblem, associated: Optimum, starts: int, seed: 
         velocity = programmes.sequence(normal, blend)
         return None if velocity is None else programmes.descend(velocity)
 
-    return least_of_starts(search, associated.force[:, 0] + problem.apex, starts, seed)
+    return least_of_starts(search, (associated.force[:, 0] + problem.apex, programmes.least_normal), starts, seed)
 
 
-def least_of_starts(search: Callable[[np.ndarray, float], Pair | None], first: np.ndarray, starts: int, seed: int) -> LeastFound | None:
+def least_of_starts(
+    search: Callable[[np.ndarray, float], Pair | None], given: tuple[np.ndarray, Callable[[], np.ndarray | None]], starts: int, seed: int
+) -> LeastFound | None:
     """The least pair of a search from several normal forces, None where no start came to an end.
 
     Args:
         search: a pair from normal forces r'_n (P,) and a blend b of the sequence, None where it comes to no end.
-        first: (P,) normal forces of the first start, whose blend is a half.
+        given: (P,) normal forces of the first start, whose blend is a half, and a function for those of the second, whose blend is one.
+            Where that gives None, all others are around the first.
         starts: how many.
-        seed: of the normal forces and blends of the others, which are random.
+        seed: of the normal forces and blends of the others.
     """
     random = np.random.default_rng(seed)
     ends: list[Pair] = []
+    first, least = given[0], given[1]() if starts > 1 else None
     for start in range(starts):
         normal, blend = first, 0.5
-        if start:
+        if start % 2 and least is not None:
+            normal, blend = least * (1.0 if start == 1 else random.uniform(0.5, 1.5, len(least))), 1.0
+        elif start:
             normal = first * random.random(len(first)) + random.exponential(float(first.mean()), len(first))
             blend = 0.3 + 0.4 * float(random.random())
         end = search(normal, blend)
@@ -98,7 +122,7 @@ def least_of_starts(search: Callable[[np.ndarray, float], Pair | None], first: n
     if not ends:
         return None
     best, gap = min(ends, key=lambda end: end[0].factor)
-    return LeastFound(best, gap, starts, tuple(optimum.factor for optimum, _ in ends))
+    return LeastFound(best, gap, starts, tuple(optimum for optimum, _ in ends))
 
 
 class _Search:
@@ -170,7 +194,25 @@ class _Search:
         work = np.concatenate(
             [opening + 2.0 * problem.mu * np.maximum(slip, 0.0), opening + 2.0 * problem.mu * np.maximum(-slip, 0.0), slack]
         )
-        cost = np.append(PENALTY * work, 1.0)
+        x = self._cheapest(np.append(PENALTY * work, 1.0))
+        if x is None:
+            return None
+        along, against = x[:count], x[count : 2 * count]
+        force = np.stack([along + against - problem.apex, problem.mu * (along - against)], axis=1)
+        least = float(opening @ self.floor)  # of the sum: where the bond's tension is cut off, r'_n stays at it
+        least -= float(yields @ np.where(yields > 0.0, problem.strength, 0.0))
+        power = abs(float(problem.dead @ velocity)) + abs(float(x[-1])) + 1e-300
+        made = Optimum(float(x[-1]), force, x[2 * count : -1], velocity, self.solved, "sequence of linear programmes (HiGHS)")
+        return made, (float(work @ x[:-1]) - least) / power
+
+    def least_normal(self) -> np.ndarray | None:
+        """The normal forces r'_n (P,) of least sum that bear the dead loads with any factor."""
+        x = self._cheapest(np.repeat([1.0, 0.0], [2 * self.points, self.ties + 1]))
+        return None if x is None else x[: self.points] + x[self.points : 2 * self.points]
+
+    def _cheapest(self, cost: np.ndarray) -> np.ndarray | None:
+        """Shares of the edges of all cones, tensions of the ties and factor, of least cost in equilibrium; None without an answer."""
+        problem, count = self.problem, self.points
         bounds = np.zeros((len(cost), 2))
         bounds[:, 1] = np.inf
         bounds[2 * count : -1, 1] = problem.strength
@@ -183,16 +225,7 @@ class _Search:
             method="highs-ds",
         )  # fmt: skip
         self.solved += 1
-        if answer.status != 0:
-            return None
-        x = answer.x
-        along, against = x[:count], x[count : 2 * count]
-        force = np.stack([along + against - problem.apex, problem.mu * (along - against)], axis=1)
-        least = float(opening @ self.floor)  # of the sum: where the bond's tension is cut off, r'_n stays at it
-        least -= float(yields @ np.where(yields > 0.0, problem.strength, 0.0))
-        power = abs(float(problem.dead @ velocity)) + abs(float(x[-1])) + 1e-300
-        made = Optimum(float(x[-1]), force, x[2 * count : -1], velocity, self.solved, "sequence of linear programmes (HiGHS)")
-        return made, (float(work @ x[:-1]) - least) / power
+        return answer.x if answer.status == 0 else None
 
     def _velocity(self, optimum: Optimum) -> np.ndarray | None:
         """The velocities of least g for forces."""

@@ -38,7 +38,21 @@ def least_factor_in_space(problem: LimitProblem, associated: Optimum, starts: in
         except Unbounded:
             return None
 
-    return least_of_starts(search, np.maximum(associated.force[:, 0] + problem.apex, 0.0), starts, seed)
+    def least_normal() -> np.ndarray | None:
+        try:
+            return _least_normal(problem, cap)
+        except Unbounded:
+            return None
+
+    return least_of_starts(search, (np.maximum(associated.force[:, 0] + problem.apex, 0.0), least_normal), starts, seed)
+
+
+def _least_normal(problem: LimitProblem, cap: float) -> np.ndarray:
+    """The normal forces r'_n (P,) of least sum that bear the dead loads with any factor, which weighs next to nothing beside them."""
+    prices = np.zeros((problem.points.count, 3))
+    prices[:, 0] = PENALTY
+    found = solve_programme(problem, priced(problem, cone_programme(problem, problem.dead, problem.live, cap), prices))
+    return np.maximum(found.force[:, 0] + problem.apex, 0.0)
 
 
 def _sequence(problem: LimitProblem, normal: np.ndarray, blend: float, cap: float) -> np.ndarray:

@@ -6,6 +6,10 @@ displacements d_k of their centres along the push, and the factor alpha,
     M* = (sum P d)^2 / (g sum P d^2),      e* = g M* / sum P,      a = alpha g / e*,      d = D sum P d^2 / (d_C sum P d),
 
 where D is the displacement of a control point C at which the capacity curve has the factor alpha, and d_C its virtual displacement.
+
+A chain of a few bodies is such an oscillator. A mechanism that dilates moves blocks that friction would leave alone, and one that spreads
+over a building is many oscillators: its e* falls as more blocks move a little, and a = alpha g / e* rises without a meaning. e* = 1 is then
+taken, the largest that it can be: a is the least that these bodies may have, and no displacement is known.
 """
 
 from __future__ import annotations
@@ -16,11 +20,16 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.limit.analysis import Analysis
+from masonry_cd.limit.candidates import Candidate
 from masonry_cd.limit.capacity import CapacityCurve
 from masonry_cd.limit.mechanism import STATES, Mechanism
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
+
+DILATES = 0.01  # share of the power of the loads; the search in space leaves 0.001 at most
+FEW = 8.0  # bodies of equal weight: an arch has three, the panels of a dome or of a wall that bends both ways six to eight
+ANOTHER = 0.05  # share of alpha by which a curve that begins elsewhere is of another mechanism; the starts of a search differ by less
+TAKES_PART = 0.5  # e* of what is one oscillator: chains that overturn or bend have 0.5 to 1; with less, most of what moves takes no part
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,17 +43,18 @@ class Oscillator:
     second: float  # sum P d^2 over the square of that of the control point [N]
     displacement: np.ndarray  # (n,) of the control point, from zero [m]; empty where none is known at which the factor vanishes
     factor: np.ndarray  # (n,) alpha there, at most that at which it starts; the last is zero
-    end: str = ""  # why the capacity curve ends, in words
+    end: str = ""  # why no displacement is known, in words
+    doubt: str = ""  # why the mechanism is no oscillator with one degree of freedom, in words; then e* = 1
 
     @property
     def mass(self) -> float:
         """M* [kg]."""
-        return self.first**2 / (self.gravity * self.second)
+        return self.fraction * self.weight / self.gravity
 
     @property
     def fraction(self) -> float:
-        """e*."""
-        return self.gravity * self.mass / self.weight
+        """e*; one, the safe side, of what is no oscillator."""
+        return 1.0 if self.doubt else self.first**2 / (self.weight * self.second)
 
     @property
     def reach(self) -> float:
@@ -67,29 +77,51 @@ class Oscillator:
         return there * self.gravity / self.fraction
 
 
-def oscillator(analysis: Analysis, assembly: Assembly, joints: Joints, push: np.ndarray, curve: CapacityCurve | None) -> Oscillator:
-    """The oscillator of the mechanism of the least factor found, or else of the associated one.
+def oscillator(found: Candidate, assembly: Assembly, joints: Joints, push: np.ndarray, curve: CapacityCurve | None) -> Oscillator:
+    """The oscillator of a mechanism.
 
     Args:
-        analysis: of a structure that stands, under a push along the direction.
+        found: of a structure that stands, under a push along the direction.
         assembly: its blocks.
         joints: of them.
         push: (3,) as large as gravity, along the push [m/s2].
         curve: of the same push, for the displacements; None where none is asked for.
     """
-    governing = analysis.governing
-    moves, gravity = governing.mechanism, float(np.linalg.norm(push))
+    moves, gravity = found.mechanism, float(np.linalg.norm(push))
     weight = np.where(moves.moving & ~assembly.fixed, gravity * assembly.mass, 0.0)
     along = moves.velocity[:, :3] @ push / gravity
     body = _bodies(moves, joints, weight > 0.0)
     whole, work = np.bincount(body, weight), np.bincount(body, weight * along)
     second = float(np.sum(work[whole > 0.0] ** 2 / whole[whole > 0.0]))
+    doubt = _doubt(found.dilation, whole, float(work.sum()) ** 2 / (float(whole.sum()) * second))
     unit, reach, factor = 1.0, np.zeros(0), np.zeros(0)
-    if curve is not None and curve.falls and moves.moving[curve.control.block]:
+    end = _no_displacement(found, curve)
+    if curve is not None and not doubt and not end:
         unit = float(moves.velocity[curve.control.block, :3] @ curve.control.direction)
-        reach, factor = curve.displacement, np.clip(curve.factor, 0.0, governing.factor)
-    end = "" if curve is None else curve.end
-    return Oscillator(governing.factor, gravity, float(weight.sum()), float(work.sum()) / unit, second / unit**2, reach, factor, end)
+        reach, factor = curve.displacement, np.clip(curve.factor, 0.0, found.factor)
+    return Oscillator(found.factor, gravity, float(weight.sum()), float(work.sum()) / unit, second / unit**2, reach, factor, end, doubt)
+
+
+def _no_displacement(found: Candidate, curve: CapacityCurve | None) -> str:
+    """Why a curve does not say where the factor of a mechanism vanishes; empty where it does, and without one."""
+    if curve is None:
+        return ""
+    first = float(curve.factor[0])
+    if abs(first - found.factor) > ANOTHER * abs(found.factor) or not found.mechanism.moving[curve.control.block]:
+        return f"the capacity curve is that of another mechanism, which starts at {first:.4g}"
+    return "" if curve.falls else f"the capacity curve ends before the load factor vanishes: {curve.end}"
+
+
+def _doubt(dilation: float, weight: np.ndarray, fraction: float) -> str:
+    """Why a mechanism is no oscillator, by its dilation, the weights of its bodies and its e*; empty where it is one."""
+    if dilation > DILATES:
+        return "the mechanism dilates, its joints open as they slide"
+    bodies = float(weight.sum()) ** 2 / float(np.sum(weight**2))
+    if bodies > FEW:
+        return f"the mechanism spreads over as much as {bodies:.0f} bodies of equal weight"
+    if fraction < TAKES_PART:
+        return f"{100.0 * fraction:.0f} % only of the weight that moves takes part"
+    return ""
 
 
 def _bodies(moves: Mechanism, joints: Joints, moving: np.ndarray) -> np.ndarray:

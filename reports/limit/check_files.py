@@ -20,5 +20,5 @@ def write_check(check: Mapping[str, Any], path: Path) -> None:
     """
     rows = [[f"{step[key]:.6g}" if key == "value" else step[key] for key in STEPS] for step in check["steps"]]
     for one in check["verdicts"]:
-        rows.append([f"{one['check']} check", "satisfied" if one["passed"] else "not satisfied", "", one["clause"], one["words"]])
+        rows.append([f"{one['check']} check", one["state"], "", one["clause"], one["words"]])
     write_csv(path, STEPS, rows)

@@ -23,13 +23,17 @@ CAPTIONS = {
 }
 NAMED = 40  # blocks at most that are listed
 CERTIFICATE = {
-    "static": ("Static value", "what the forces found bear: no less than this is the factor, where the three residuals of forces are zero"),
-    "kinematic": ("Kinematic value", "the load that the mechanism found cannot resist: no more than this is the factor"),
-    "gap": ("Gap", "between the two: how far the factor is known"),
+    "static": (
+        "Static value",
+        "what the forces found bear: the associated factor is no less, where the residuals of forces are zero",
+    ),
+    "kinematic": ("Kinematic value", "the load that the mechanism found cannot resist: no factor is more"),
+    "gap": ("Gap", "between the two: how far the associated factor is known"),
     "equilibrium": ("Equilibrium", "largest force that is left over on a block, over the mean weight of a block"),
     "friction": ("Strength", "largest force beyond what friction or a bond allows, over the mean weight of a block"),
     "flow": ("Flow rule", "by how much a joint closes that must not, over the largest velocity"),
 }
+VERDICTS = {"satisfied": "good", "not decided": "look", "NOT satisfied": "doubtful"}  # and how they are coloured
 STATES = {"hinge": "hinges", "slide": "slide", "hinge_and_slide": "hinge and slide", "open": "open"}
 
 
@@ -83,17 +87,17 @@ def _numbers(summary: Mapping[str, Any]) -> list[tuple[str, object]]:
     moving = summary["mechanism"]["moving_blocks"]
     out.append(("blocks that move", f"{len(moving)}<small> of {summary['blocks']}</small>"))
     for one in (summary["check"] or {}).get("verdicts", []):
-        out.append((f"{escaped(one['check'])} check: borne over asked for", number(float(f"{one['ratio']:.3g}"))))
+        out.append((f"{escaped(one['check'])} check, {one['state']}: borne over asked for", number(float(f"{one['ratio']:.3g}"))))
     return out
 
 
 def _check(check: Mapping[str, Any] | None) -> str:
-    """The check by a code: its verdicts and every value."""
+    """The check by a code: its verdicts, the mechanisms looked at, and every value."""
     if check is None:
         return ""
     state = f", limit state {check['limit_state']}" if check["limit_state"] else ""
     verdicts = "".join(
-        f'<li><span class="verdict {"good" if one["passed"] else "doubtful"}">{"satisfied" if one["passed"] else "not satisfied"}</span> '
+        f'<li><span class="verdict {VERDICTS[one["state"]]}">{one["state"]}</span> '
         f"{escaped(one['check'])} check: {escaped(one['words'].partition(': ')[2])}</li>"
         for one in check["verdicts"]
     )
@@ -103,8 +107,30 @@ def _check(check: Mapping[str, Any] | None) -> str:
         "check",
         "Check by a code",
         f'<p>{escaped(check["edition"])}{state}; {escaped(check["ground"])}.</p><ul class="said">{verdicts}</ul>{more}'
+        + _looked(check["basis"])
         + table(("symbol", "value", "clause", "meaning"), rows, (1,)),
     )
+
+
+def _looked(basis: Mapping[str, Any]) -> str:
+    """The mechanisms looked at, the one that is checked first, and the search that found them."""
+    if not basis["looked"]:
+        return ""
+    rows = [
+        [
+            escaped(one["found"]), f"{one['moving_blocks']:,}", number(float(f"{one['alpha0']:.4g}")),
+            number(float(f"{one['fraction']:.3g}")), number(float(f"{one['acceleration']:.4g}"), "m/s²"),
+            escaped(f"e* = 1 is taken: {one['doubt']}" if one["doubt"] else ""),
+        ]
+        for one in basis["looked"]
+    ]  # fmt: skip
+    said = (
+        "Of the mechanisms that were found, the one that starts under the least acceleration a0* is checked: the first of this table. "
+        "One that dilates or spreads is no oscillator with one degree of freedom: e* = 1 is then taken, the safe side, and there is no "
+        "check by displacements."
+    )
+    head = ("found by", "blocks that move", "α0", "e*", "a0*", "")
+    return f'<p>{said}</p>{table(head, rows, (1, 2, 3, 4))}<p class="note">{escaped(basis["search"])}.</p>'
 
 
 def _value(step: Mapping[str, Any]) -> str:
@@ -149,8 +175,9 @@ def _certificate(summary: Mapping[str, Any]) -> str:
     rows = [[name, number(made[key]), escaped(words)] for key, (name, words) in CERTIFICATE.items()]
     how = f"{solver['method']}, {solver['iterations']} iterations; measured apart from the solver, without units."
     said = (
-        "By the two theorems of limit analysis the factor lies between the static and the kinematic value. It is that of associated "
-        "sliding, which opens joints; the least factor without dilation is found by a search, without proof."
+        "By the two theorems of limit analysis the associated factor, of sliding that opens joints, lies between the static and the "
+        "kinematic value. For friction that does not dilate it is an upper value, and the static value no lower bound; the least factor "
+        "is found by a search, without proof."
     )
     body = table(("", "value", "meaning"), rows, (1,)) + f'<p class="note">{escaped(how)} {said}</p>'
     return section("certificate", "How good the answer is", body)

@@ -126,8 +126,11 @@ def _not_the_least(found: Mapping[str, Any]) -> str:
         return ""
     bracket, where = found.get("limit_analysis"), "the command <code>masonry-cd limit</code> gives the bracket"
     if bracket:
-        least, upper = (number(float(f"{bracket[key]:.3g}")) for key in ("least_found", "associated"))
-        where = f"limit analysis has {least}, the least found without dilation, to {upper}, the associated value"
+        upper, found = number(float(f"{bracket['associated']:.3g}")), bracket["least_found"]
+        least = (
+            f"{number(float(f'{found:.3g}'))}, the least found without dilation, to" if found is not None else "no least factor, at most"
+        )
+        where = f"limit analysis has {least} {upper}, the associated value"
     return f"<p>Rigid joints that slide allow several load factors. This run found one, not the least: {where}.</p>"
 
 

@@ -265,8 +265,8 @@ def test_a_solver_that_ends_before_its_tolerance_is_said(tmp_path, monkeypatch):
 def test_a_search_without_an_end_is_told_from_none(tmp_path, monkeypatch):
     monkeypatch.setattr(nonassociated, "EXACT", -1.0)  # no pair counts
     ended = limit_case(scene(tmp_path, pillar(), PUSH))
-    assert any("of 3 starts none came to an end" in line for line in lines(ended))
-    assert (summary(ended)["least"], summary(ended)["starts"]) == (None, 3)
+    assert any("of 4 starts none came to an end" in line for line in lines(ended))
+    assert (summary(ended)["least"], summary(ended)["starts"]) == (None, 4)
     none = limit_case(scene(tmp_path, pillar(), PUSH + "[limit]\nstarts = 0\n"))
     assert any("not searched for" in line for line in lines(none))
 

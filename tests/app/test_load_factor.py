@@ -16,6 +16,7 @@ from masonry_cd.app.load_factor import NOT_THE_LEAST, limit_bracket, outcome_lin
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
+from masonry_cd.limit import nonassociated
 from masonry_cd.model.blocks import Block
 from structures.files import blockfile
 
@@ -59,6 +60,15 @@ def test_the_bracket_of_limit_analysis_stands_beside_a_factor_that_sliding_decid
     bracket = {"least_found": 0.3558, "associated": 0.40369}
     *_, line = outcome_lines({"load_factor": factor | {"limit_analysis": bracket}})
     assert line == "limit analysis: 0.3558, the least found without dilation, to 0.4037 (associated)"
+    *_, line = outcome_lines({"load_factor": factor | {"limit_analysis": bracket | {"least_found": None}}})
+    assert line == "limit analysis: 0.4037 at most (associated); no start of the search for the least factor came to an end"
+
+
+def test_an_upper_value_is_not_the_least_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nonassociated, "EXACT", -1.0)  # no start comes to an end
+    push = 'kind = "push"\nrate = 0.1\ninitial = 0.1'
+    held = push_over(tmp_path, [ground(), box("b", (0, -0.2, 0), (0.6, 0.2, 0.2))], push, 0.4, 5e-3, 0.01)
+    assert held["load_factor"]["limit_analysis"] == {"least_found": None, "associated": pytest.approx(0.4, abs=1e-6)}
 
 
 def test_a_factor_on_elastic_joints_is_not_said_to_be_one_of_several() -> None:

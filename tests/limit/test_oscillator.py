@@ -10,10 +10,12 @@ from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
 from masonry_cd.limit.analysis import Options, analyse
+from masonry_cd.limit.candidates import Candidate, candidates
 from masonry_cd.limit.capacity import CurveOptions, capacity_curve
 from masonry_cd.limit.mechanism import STATES
 from masonry_cd.limit.oscillator import Oscillator, oscillator
-from masonry_cd.model.blocks import Block
+from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.model.joints import Joints
 from structures.geometry.prism import prism_xz
 
 X = np.array([1.0, 0.0, 0.0])
@@ -24,7 +26,13 @@ def of_blocks(blocks, friction=0.65) -> Oscillator:
     assembly, joints = joined(blocks, friction)
     loads = push_loads(assembly)
     curve = capacity_curve(assembly, joints, loads, CurveOptions(Options(starts=0)))
-    return oscillator(analyse(assembly, joints, loads, Options(starts=0)), assembly, joints, GRAVITY * X, curve)
+    return oscillator(associated(assembly, joints), assembly, joints, GRAVITY * X, curve)
+
+
+def associated(assembly: Assembly, joints: Joints) -> Candidate:
+    """The associated mechanism of a push along x."""
+    options = Options(starts=0)
+    return candidates(analyse(assembly, joints, push_loads(assembly), options), assembly, joints, options)[0]
 
 
 def test_a_free_standing_wall():
@@ -57,7 +65,7 @@ def test_courses_that_turn_as_one_are_one_body():
 
 def test_without_a_curve_no_displacement_is_known():
     assembly, joints = joined([ground(4.0), box("slab", (0.0, -1.0, 0.0), (2.0, 1.0, 0.4))], 0.3)
-    found = oscillator(analyse(assembly, joints, push_loads(assembly), Options(starts=0)), assembly, joints, GRAVITY * X, None)
+    found = oscillator(associated(assembly, joints), assembly, joints, GRAVITY * X, None)
     assert found.alpha == pytest.approx(0.3, rel=1e-9)
     assert not found.falls
     assert found.last == math.inf
@@ -134,7 +142,7 @@ def test_an_arch_on_piers_is_a_linkage_of_four_hinges():
     weight = GRAVITY * np.array([mass[part].sum() for part in parts])
     move = np.array([mass[part] @ each[part] / mass[part].sum() for part in parts])
     curve = capacity_curve(assembly, joints, push_loads(assembly), CurveOptions(Options(starts=0)))
-    made = oscillator(found, assembly, joints, GRAVITY * X, curve)
+    made = oscillator(associated(assembly, joints), assembly, joints, GRAVITY * X, curve)
     assert made.alpha == pytest.approx(alpha(0.0), rel=1e-6)
     assert made.weight == pytest.approx(weight.sum(), rel=1e-9)
     assert made.mass == pytest.approx((weight @ move) ** 2 / (GRAVITY * weight @ move**2), rel=1e-6)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from loads.code_check.check import code_check
+from loads.code_check.steps import Basis, Verdict
 from loads.code_check.table import CheckTable
 from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum
@@ -28,7 +30,7 @@ def wall() -> Oscillator:
 
 def checked(oscillator: Oscillator | None = None, folder=None, **keys):
     """The check, and its values by symbol."""
-    made = code_check(parse_table(CheckTable, keys, "limit.check"), oscillator or wall(), folder)
+    made = code_check(parse_table(CheckTable, keys, "limit.check"), oscillator or wall(), folder, Basis(doubt=""))
     return made, {step.symbol: step.value for step in made.steps}
 
 
@@ -61,12 +63,12 @@ def test_the_wall_on_the_ground_by_ntc_2018():
 
 
 def test_without_an_end_of_the_curve_there_is_no_check_by_displacements():
-    endless = Oscillator(ALPHA, G, 1.0, 1.0, 1.0, np.zeros(0), np.zeros(0), "blocks meet")
+    endless = Oscillator(ALPHA, G, 1.0, 1.0, 1.0, np.zeros(0), np.zeros(0), "the curve ends: blocks meet")
     for code in ("NTC2018", "NTC2008"):
         made, value = checked(endless, code=code, spectrum="EC8", ag=2.0)
         assert [one.check for one in made.verdicts] == ["linear"]
         assert "d0*" not in value
-        assert made.notes[0].endswith("before the load factor vanishes: blocks meet")
+        assert made.notes[0] == "no non-linear check: the curve ends: blocks meet"
         assert checked(endless, code=code, spectrum="EC8", ag=2.0, displacements=False)[0].notes == ()
 
 
@@ -193,3 +195,22 @@ def test_keys_that_do_not_fit_are_refused_in_one_line(keys, message):
 def test_a_record_that_is_not_there_is_named(tmp_path):
     with pytest.raises(InputError, match=r"limit\.check\.record\.path: no\.csv"):
         checked(folder=tmp_path, record={"path": "no.csv"})
+
+
+@pytest.mark.parametrize(
+    ("capacity", "doubt", "state", "passed"),
+    [
+        (0.99, "", "NOT satisfied", False), (0.99, "no search", "NOT satisfied", False), (1.04, "", "not decided", None),
+        (1.06, "", "satisfied", True), (9.0, "no search", "not decided", None),
+    ],
+)  # fmt: skip
+def test_satisfied_needs_a_sure_search_and_a_margin(capacity: float, doubt: str, state: str, passed: bool | None) -> None:
+    made = Verdict("linear", 1.0, capacity, "m/s2", "clause", doubt=doubt)
+    assert (made.state, made.passed) == (state, passed)
+    assert made.words.startswith(f"linear check {state}: {capacity:g} m/s2 borne, 1 m/s2 asked for, ratio {capacity:g}")
+    assert ("no search" in made.words) is (state == "not decided" and bool(doubt))
+
+
+def test_without_a_basis_nothing_is_satisfied() -> None:
+    made = code_check(parse_table(CheckTable, {"spectrum": "EC8", "ag": 0.1}, "limit.check"), wall(), Path())
+    assert {one.state for one in made.verdicts} == {"not decided"}

@@ -212,6 +212,10 @@ def test_a_factor_on_rigid_joints_is_not_passed_off_as_the_least(tmp_path):
     bracket = {"limit_analysis": {"least_found": 0.2231, "associated": 0.2712}}
     said = words(page_of(tmp_path / "planar", DRY, SOUND | {"load_factor": factor | bracket}))
     assert "limit analysis has 0.223, the least found without dilation, to 0.271, the associated value" in said
+    (tmp_path / "no end").mkdir()
+    bracket["limit_analysis"]["least_found"] = None
+    said = words(page_of(tmp_path / "no end", DRY, SOUND | {"load_factor": factor | bracket}))
+    assert "limit analysis has no least factor, at most 0.271, the associated value" in said
 
 
 def test_shaking_and_ties_have_tables(tmp_path):

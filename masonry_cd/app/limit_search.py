@@ -1,0 +1,75 @@
+"""The search for the least factor without dilation as a scene asks for it, and what may be said after it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from masonry_cd.limit.analysis import Analysis, Options
+from masonry_cd.limit.interfaces import interfaces
+from masonry_cd.limit.nonassociated import AGREE
+from masonry_cd.limit.problem import plane_of
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.joints import Joints
+
+if TYPE_CHECKING:
+    from loads.statics import LimitTable, StaticLoads
+
+STARTS = 4  # of the search in a plane, and for a check in space: two from each end of what normal forces may be
+SEARCHED = 10_000  # contact points in space up to which a check searches unasked: two starts take 50 s of processor time at 7,500 and 250 s
+# at 14,500, and with ties the search is made twice
+ASK = "limit.starts = 2 does"
+
+
+@dataclass(frozen=True)
+class Ways:
+    """How to solve."""
+
+    analysis: Options
+    curve: Options  # of the points of a capacity curve
+
+
+def ways(assembly: Assembly, joints: Joints, loads: StaticLoads, asked: LimitTable, seed: int) -> Ways:
+    """How to solve as a table ``[limit]`` asks for it.
+
+    In space each start is expensive: unasked a search is made for a check only, of a structure that is not large, and no curve is followed
+    by it.
+    """
+    planar = plane_of(assembly, loads.at()) is not None
+    usual = asked.starts if asked.starts is not None else STARTS if planar else 0
+    options = Options(asked.sides, usual, seed)
+    if asked.starts is not None or planar or asked.check is None or asked.sides:
+        return Ways(options, options)
+    small = interfaces(assembly, joints, None).count <= SEARCHED
+    return Ways(replace(options, starts=STARTS if small else 0), options)
+
+
+def search_words(analysis: Analysis) -> str:
+    """What a search came to: the least factor, starts, agreement and spread; or why there is no such factor."""
+    least = analysis.least
+    if least is None:
+        off = f"not searched for; {ASK}, at some twenty times the cost of the associated factor each"
+        sought = f"of {analysis.starts} starts none came to an end" if analysis.starts else off
+        return f"sliding without dilation may give way at less: {sought}"
+    open_end = least.starts - len(least.found)
+    ended = f", {open_end} to no end" if open_end else ""
+    wide = f", the largest found is {100.0 * least.spread:.2g} % above it" if len(least.found) > 1 else ""
+    sure = f"{least.agreeing} of {least.starts} starts came to it, none to less{ended}{wide}; no proof that it is the least"
+    return f"sliding without dilation: {least.optimum.factor:.5g} is the least found; {sure}"
+
+
+def doubt(analysis: Analysis) -> str:
+    """Why no demand counts as met after a search, in words; empty where one may.
+
+    The static value of the associated programme does not count: it is no lower bound where joints slide without dilation.
+    """
+    least = analysis.least
+    if least is not None and least.agreed:
+        return ""
+    if not analysis.starts:
+        large = analysis.problem.axis is None and analysis.problem.points.count > SEARCHED
+        size = f" of more than {SEARCHED:,} contact points" if large else ""
+        return f"the least factor without dilation is not searched for unasked{size}: {ASK}"
+    if least is None:
+        return f"of {analysis.starts} starts of the search for the least factor none came to an end: raise limit.starts"
+    return f"{least.agreeing} of {least.starts} starts came to the least factor found, {AGREE} have to agree: raise limit.starts"

@@ -1,0 +1,105 @@
+r"""The mechanisms whose start is compared with a demand: each with the factor alpha_0 at which it starts.
+
+The least factor does not decide a check by accelerations: a_0 = alpha_0 g / e* differs from mechanism to mechanism by e* as well. So all
+that were found are looked at: those of the search without dilation, the associated one, and those of the same structure without its ties.
+
+**The factor of a given mechanism** v is that of virtual work,
+
+    lambda = ( -w_0 . v  -  r . u  +  N_y . max(G v, 0) ) / w_1 . v,      u = H v,
+
+with the forces r of the joints that were found together with v. -r . u is what the joints take up: a bond where they open, mu r'_n |u_t|
+where they slide. Without dilation v alone does not say r'_n, as friction hangs on normal forces that do no work; they are those of the
+equilibrium in which v was found. In associated sliding dilation gives back what friction takes, and dry joints take up nothing.
+
+**With ties** that mechanism takes up N_y max(G v, 0) more: those that it stretches yield, the others are slack, and one that does not yield
+holds it. r stays what it was. So a tie never lowers the factor of a mechanism, nor does it touch its e*. What the pull of a tie does to
+friction is not counted here: it is in the mechanisms that are found with the ties.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from masonry_cd.errors import InputError
+from masonry_cd.limit.analysis import Analysis, Options, largest_factor, searched
+from masonry_cd.limit.mechanism import STILL, Mechanism, mechanism
+from masonry_cd.limit.nonassociated import ALIKE, LeastFound
+from masonry_cd.limit.problem import LimitProblem
+from masonry_cd.limit.solution import Optimum, Unbounded
+from masonry_cd.model.blocks import Assembly
+from masonry_cd.model.joints import Joints
+
+SEARCH, ASSOCIATED = "search without dilation", "associated"
+UNTIED, STOPPED = ", found without the ties", ", the solver ended before its tolerance"
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A mechanism and the factor at which it starts."""
+
+    source: str  # how it was found
+    factor: float  # alpha_0, with all ties
+    mechanism: Mechanism
+    dilation: float  # work of normal forces on joints that open, as a share of the power of the loads
+
+
+def candidates(analysis: Analysis, assembly: Assembly, joints: Joints, options: Options) -> tuple[Candidate, ...]:
+    """The mechanisms that an analysis of a standing structure found, and those found without its ties that can start with them; each once.
+
+    Args:
+        analysis: of the structure with its ties.
+        assembly: its blocks.
+        joints: of them.
+        options: of the analysis; the search without ties is made as they say.
+    """
+    found = _named("", analysis.associated.optimum, analysis.least)
+    if len(analysis.problem.strength):
+        found += _without_ties(analysis.problem, options)
+    out: list[Candidate] = []
+    for source, optimum in found:
+        moves = mechanism(analysis.problem, assembly, joints, optimum.velocity)
+        factor = tied_factor(analysis.problem, optimum) if UNTIED in source else optimum.factor
+        made = Candidate(source, factor, moves, _dilation(analysis.problem, optimum))
+        if np.isfinite(factor) and not any(_alike(made, other) for other in out):
+            out.append(made)
+    return tuple(out)
+
+
+def tied_factor(problem: LimitProblem, untied: Optimum) -> float:
+    """The factor at which a mechanism found without ties starts once those of a problem are there; infinite where one holds it."""
+    velocity = untied.velocity / float(problem.live @ untied.velocity)
+    longer = problem.bars @ velocity
+    grows = longer > STILL * float(np.abs(velocity).max(initial=0.0))
+    return untied.factor + float(np.sum(longer[grows] * problem.strength[grows]))
+
+
+def _named(suffix: str, associated: Optimum, least: LeastFound | None) -> list[tuple[str, Optimum]]:
+    """What a search found, the least first, and the associated mechanism."""
+    ends = () if least is None else sorted(least.ends, key=lambda end: end.factor)
+    found = [*((SEARCH, end) for end in ends), (ASSOCIATED, associated)]
+    return [(source + suffix + (STOPPED if optimum.stopped else ""), optimum) for source, optimum in found]
+
+
+def _without_ties(problem: LimitProblem, options: Options) -> list[tuple[str, Optimum]]:
+    """What is found of a problem without its ties; nothing where it has no factor then."""
+    bare = replace(problem, bars=problem.bars[:0], strength=problem.strength[:0])
+    try:
+        best, _ = largest_factor(bare, options)
+        return _named(UNTIED, best, searched(bare, best, options.starts, options.seed))
+    except (InputError, Unbounded):
+        return []
+
+
+def _dilation(problem: LimitProblem, found: Optimum) -> float:
+    """Work of normal forces, less what a bond takes up, on joints that open, over the power of the loads."""
+    opening = np.maximum((problem.jacobian @ found.velocity)[:: problem.directions], 0.0)
+    power = abs(float(problem.dead @ found.velocity)) + abs(found.factor * float(problem.live @ found.velocity))
+    return float(opening @ np.maximum(found.force[:, 0] + problem.tension, 0.0)) / max(power, 1e-300)
+
+
+def _alike(one: Candidate, other: Candidate) -> bool:
+    """Whether two are one mechanism that was found twice in the same way."""
+    near = abs(one.factor - other.factor) <= ALIKE * abs(other.factor)
+    return one.source == other.source and near and bool(np.array_equal(one.mechanism.moving, other.mechanism.moving))

@@ -1,0 +1,132 @@
+"""masonry_cd.app.limit_check: "satisfied" follows from a sure search with a margin, and every output has one verdict."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from models import GRAVITY, box, ground
+from test_limit_case import TIE, pillar, scene
+from typer.testing import CliRunner
+
+from masonry_cd.app import limit_search
+from masonry_cd.app.limit_case import LimitCase, limit_case, lines, summary, write
+from masonry_cd.cli.app import app
+from masonry_cd.limit import nonassociated
+from masonry_cd.model.blocks import Block
+
+BORNE = GRAVITY / 6.0 / 1.35  # a0* of the slab of 0.5 by 3 m
+
+
+def wedged() -> list[Block]:
+    """A slab between two cheeks that it does not press: without dilation it leans alone, as associated it has to move them aside."""
+    cheeks = [box("left", (0.0, -1.6, 0.0), (1.0, -1.0, 3.0)), box("right", (0.0, 1.0, 0.0), (1.0, 1.6, 3.0))]
+    return [ground(5.0), box("slab", (0.0, -1.0, 0.0), (0.5, 1.0, 3.0)), *cheeks]
+
+
+def checked(folder: Path, ratio: float, more: str = "", displacements: bool = False) -> LimitCase:
+    """The check of blocks pushed against -x, for a demand that the slab alone meets by a ratio."""
+    check = f'[limit.check]\nspectrum = "EC8"\nag = {2.0 * BORNE / ratio}\ndisplacements = {str(displacements).lower()}\n'
+    return limit_case(scene(folder, wedged(), f"[limit]\npush = '-x'\n{more}{check}", mu=0.6))
+
+
+@pytest.mark.parametrize(("ratio", "state"), [(0.98, "NOT satisfied"), (1.03, "not decided"), (1.08, "satisfied")])
+def test_the_least_factor_without_dilation_decides_with_a_margin(ratio: float, state: str, tmp_path: Path) -> None:
+    case = checked(tmp_path, ratio)
+    assert case.analysis.associated.factor > 1.15 / 6.0  # would meet each of the three
+    assert case.analysis.least is not None and case.analysis.starts == 4  # unasked, for the check
+    assert case.check is not None
+    (verdict,) = case.check.verdicts
+    assert (verdict.state, verdict.ratio) == (state, pytest.approx(ratio, rel=1e-3))
+    assert ("margin of 5 %" in verdict.words) is (state == "not decided")
+
+
+def test_every_output_has_the_same_verdict(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    case = checked(tmp_path, 1.03)
+    write(case, folder, pictures=False)
+    assert case.check is not None
+    (words,) = (one.words for one in case.check.verdicts)
+    assert words.startswith("linear check not decided: ") and words in lines(case)
+    made = json.loads((folder / "check.json").read_text())
+    assert made == json.loads((folder / "limit.json").read_text())["check"]
+    assert [(one["state"], one["passed"], one["words"]) for one in made["verdicts"]] == [("not decided", None, words)]
+    with (folder / "check.csv").open() as file:
+        last = list(csv.DictReader(file))[-1]
+    assert (last["symbol"], last["value"], last["meaning"]) == ("linear check", "not decided", words)
+    page = (folder / "limit.html").read_text()
+    assert (
+        '<span class="verdict look">not decided</span> linear check: ' in page and "linear check, not decided: borne over asked for" in page
+    )
+    assert not any(f"{word}</span> linear check" in page for word in (">satisfied", "NOT satisfied"))
+
+
+def test_without_a_search_or_with_one_start_nothing_is_satisfied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    case = checked(tmp_path, 1.08, "starts = 0\n")
+    assert case.check is not None and case.check.verdicts[0].state == "not decided"
+    assert "not searched for unasked: limit.starts = 2 does" in case.check.verdicts[0].words
+    case = checked(tmp_path, 1.5, "starts = 1\n")
+    assert case.check is not None and case.check.verdicts[0].state == "not decided"
+    assert "1 of 1 starts came to the least factor found, 2 have to agree" in case.check.verdicts[0].words
+    monkeypatch.setattr(limit_search, "SEARCHED", 4)  # as of a large structure
+    case = checked(tmp_path, 1.5)
+    assert case.check is not None and case.analysis.starts == 0
+    assert case.check.verdicts[0].state == "not decided"
+    assert "not searched for unasked of more than 4 contact points: limit.starts = 2 does" in case.check.verdicts[0].words
+
+
+def test_starts_that_do_not_agree_decide_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nonassociated, "ALIKE", -1.0)  # none agree, not even with themselves
+    case = checked(tmp_path, 1.5)
+    assert case.check is not None and case.check.verdicts[0].state == "not decided"
+    assert "0 of 4 starts came to the least factor found" in case.check.verdicts[0].words
+
+
+def test_that_a_mechanism_starts_is_enough_to_say_no(tmp_path: Path) -> None:
+    case = checked(tmp_path, 0.5, "starts = 0\n")
+    assert case.analysis.least is None and case.check is not None
+    assert case.check.verdicts[0].state == "NOT satisfied"
+
+
+def test_without_a_check_no_search_is_made_unasked_in_space(tmp_path: Path) -> None:
+    case = limit_case(scene(tmp_path, wedged(), "[limit]\npush = '-x'\n", mu=0.6))
+    assert case.analysis.starts == 0
+    assert any("not searched for; limit.starts = 2 does" in line for line in lines(case))
+
+
+def test_the_mechanism_of_the_least_acceleration_is_checked_and_those_looked_at_are_listed(tmp_path: Path) -> None:
+    tie = f"{TIE}area = 1e-4\nmodulus = 2e11\nyield_force = 500.0\n"
+    case = limit_case(
+        scene(tmp_path, pillar(), f'{tie}[limit]\npush = "x"\n[limit.check]\nspectrum = "EC8"\nag = 2.0\ndisplacements = false\n')
+    )
+    assert case.check is not None
+    looked = summary(case)["check"]["basis"]["looked"]
+    assert {one["found"].partition(",")[2] for one in looked} == {"", " found without the ties"}
+    least = [one["acceleration"] for one in looked]
+    assert least == sorted(least)
+    assert {step.symbol: step.value for step in case.check.steps}["a0*"] == pytest.approx(least[0])
+    write(case, tmp_path / "out", pictures=False)
+    assert "found without the ties" in (tmp_path / "out" / "limit.html").read_text()
+
+
+def test_what_dilates_has_no_oscillator_and_no_check_by_displacements(tmp_path: Path) -> None:
+    slab = [ground(4.0), box("slab", (0.0, -1.0, 0.0), (2.0, 1.0, 0.4))]
+    path = scene(tmp_path, slab, '[limit]\npush = "x"\nstarts = 0\n[limit.check]\nspectrum = "EC8"\nag = 2.0\n', mu=0.3)
+    done = CliRunner().invoke(app, ["limit", str(path), "-o", str(tmp_path / "out"), "--no-picture"])
+    assert done.exit_code == 0, done.output
+    assert "e* = 1 is taken, the safe side: the mechanism dilates" in done.output
+    assert "no check by displacements: the mechanism dilates" in done.output
+    made = json.loads((tmp_path / "out" / "check.json").read_text())
+    assert [one["check"] for one in made["verdicts"]] == ["linear"]
+    page = (tmp_path / "out" / "limit.html").read_text()
+    assert "e* = 1 is taken: the mechanism dilates" in page and "taken as one: the mechanism dilates" in page
+
+
+def test_a_curve_of_another_mechanism_gives_no_displacement(tmp_path: Path) -> None:
+    """Unasked, in space, a curve follows the associated mechanism: slab and cheeks; asked for, the search begins at its forces, too."""
+    for more, words in (("", "only where limit.starts asks for it"), ("starts = 2\n", "that of another mechanism, which starts at 0.2576")):
+        check = checked(tmp_path, 0.5, more, displacements=True).check
+        assert check is not None and [one.check for one in check.verdicts] == ["linear"]
+        assert any(note.startswith("no non-linear check: ") and words in note for note in check.notes)
