@@ -32,7 +32,7 @@ from benchmarks.held_push import GRAVITY, Bracket, Trial, bracket
 from benchmarks.limit_structures import NAMES, USUAL, church, made, of_table
 from benchmarks.sitting import head
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.analysis import Analysis, Options, analyse
 from masonry_cd.limit.mechanism import STATES
 from masonry_cd.limit.problem import Bars, Loads

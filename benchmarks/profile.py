@@ -35,7 +35,7 @@ from benchmarks.ours import stepper_of_file
 from benchmarks.sitting import HERE, head, sitting
 from masonry_cd.app.scene import read_scene
 from masonry_cd.dynamics import moreau_jean
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.linalg.symbolic import SymbolicFactor
 from masonry_cd.solvers import accelerated, admm, interior, newton, nlgs, pivoting

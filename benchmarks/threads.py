@@ -19,7 +19,7 @@ import numpy as np
 
 from benchmarks.ours import stepper_of_file
 from benchmarks.sitting import head
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.solvers import cores, threads_that_pay
 
 WARM = 2  # steps before the clock starts: the first is cold

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.app.scene_schema import scene_schema
-from masonry_cd.table_schema import table_schema
+from masonry_cd.foundation.table_schema import table_schema
 from structures.site import PlaceTable
 
 PAGE = Path(__file__).with_name("scene_reference.md")

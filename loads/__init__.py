@@ -19,8 +19,8 @@ from loads.kinds.gravity import GravityTable
 from loads.kinds.sequence import Pause, Shock
 from loads.kinds.tilt import TiltTable, load_factors
 from loads.motion import LoadKind, LoadTable, RunGrid
-from masonry_cd.errors import InputError, parse_table, suggest
-from masonry_cd.extensions import Entries
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.extensions import Entries
 from masonry_cd.model.blocks import Assembly
 
 __all__ = ["KINDS", "Loading", "build", "parse_load"]

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from loads.motion import Part, RunGrid
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 LARGEST = 4e9  # bytes that the motions of the supports may take
 

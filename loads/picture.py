@@ -15,8 +15,8 @@ from loads.signal.accelerogram import Accelerogram, Processed, process
 from loads.signal.baseline import History
 from loads.signal.intensity import arias, significant_window
 from loads.signal.response import default_periods, response_spectrum
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError, parse_table
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError, parse_table
 
 BEFORE, AFTER, TARGET = "#9aa3ab", "#0b5fa5", "#c7372f"
 INK, FAINT = "#23272b", "#5f666d"

@@ -27,8 +27,8 @@ from loads.kinds.forces import PointLoad, PointTable, Tie, TieTable, bar
 from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.tilt import PushTable, TiltTable
 from loads.motion import Direction, DirectionKey, LoadTable, RunGrid, parse_direction
-from masonry_cd.errors import InputError, parse_table
-from masonry_cd.fields import Count, Table
+from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.fields import Count, Table
 from masonry_cd.limit.problem import Arms, Bars, Loads
 from masonry_cd.model.blocks import Assembly
 

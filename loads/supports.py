@@ -18,8 +18,8 @@ import numpy as np
 from pydantic import BaseModel, Field, model_validator
 
 from loads.motion import DirectionKey, LoadTable, RunGrid, strict
-from masonry_cd.errors import InputError, suggest
-from masonry_cd.fields import Instant
+from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.fields import Instant
 from masonry_cd.model.blocks import Assembly
 
 

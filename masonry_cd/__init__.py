@@ -7,7 +7,7 @@
 
 What there is says docs/python.md. Nothing is imported before it is asked for: a name of ``NAMES`` comes from the room ``interface``, or
 from where the program itself keeps it. Type checkers and editors read ``__init__.pyi``. There is no import statement for the names here:
-every module imports this one, so that all kernels would be stamped by the sources of the interface (:mod:`masonry_cd.jit`).
+every module imports this one, so that all kernels would be stamped by the sources of the interface (:mod:`masonry_cd.foundation.jit`).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __version__ = "0.1.0"
 NAMES = {
     "Block": "masonry_cd.model.blocks:Block",
     "Comparison": "masonry_cd.interface.comparison:Comparison",
-    "InputError": "masonry_cd.errors:InputError",
+    "InputError": "masonry_cd.foundation.errors:InputError",
     "LimitAnalysis": "masonry_cd.interface.limit:LimitAnalysis",
     "Run": "masonry_cd.interface.results:Run",
     "RunWarning": "masonry_cd.interface.running:RunWarning",
@@ -46,7 +46,7 @@ def __getattr__(name: str) -> Any:
     """A name of the interface, imported now."""
     if name not in NAMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    import_module("masonry_cd.rooms").require_own_rooms()
+    import_module("masonry_cd.foundation.own_packages").require_own_packages()
     module, _, attribute = NAMES[name].partition(":")
     globals()[name] = found = getattr(import_module(module), attribute)
     return found

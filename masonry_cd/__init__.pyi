@@ -1,4 +1,4 @@
-from masonry_cd.errors import InputError as InputError
+from masonry_cd.foundation.errors import InputError as InputError
 from masonry_cd.interface.comparison import Comparison as Comparison
 from masonry_cd.interface.comparison import compare as compare
 from masonry_cd.interface.limit import LimitAnalysis as LimitAnalysis

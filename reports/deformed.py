@@ -21,7 +21,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from masonry_cd.dynamics.pauses import plans_of
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Polyhedra, Polyhedron, area_vectors

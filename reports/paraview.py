@@ -29,9 +29,9 @@ from typing import Any, Literal
 import h5py
 import numpy as np
 
-from masonry_cd.atomic import replacing
-from masonry_cd.csv_files import write_csv
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.hdf5_file import created
 from masonry_cd.io.layout import EDGE_STRESS, JOINT_HISTORIES
 from masonry_cd.io.meshes import Meshes

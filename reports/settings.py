@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from masonry_cd.errors import parse_table
-from masonry_cd.fields import Flag, Number, Table
+from masonry_cd.foundation.errors import parse_table
+from masonry_cd.foundation.fields import Flag, Number, Table
 from reports.extra import EXTRA
 
 

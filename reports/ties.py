@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.csv_files import write_csv
+from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.io.results import Results
 from masonry_cd.io.tie_bars import TieBar
 

@@ -14,7 +14,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from masonry_cd.extensions import Extensions
+from masonry_cd.foundation.extensions import Extensions
 
 if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs no more
     from masonry_cd.model.blocks import Block
@@ -61,7 +61,7 @@ def make(table: Mapping[str, Any], density: float | None, folder: Path) -> Made:
     Raises:
         InputError: an unknown kind, a key of that kind that is wrong, or blocks that are unsound.
     """
-    from masonry_cd.errors import InputError, suggest
+    from masonry_cd.foundation.errors import InputError, suggest
     from structures import size
 
     kinds = ", ".join(KINDS)

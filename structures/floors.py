@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import Field
 
-from masonry_cd.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from structures.geometry.checks import check
 from structures.geometry.prism import box

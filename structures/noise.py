@@ -18,7 +18,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from masonry_cd.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.model.blocks import Assembly, Block, refuse_spheres
 from masonry_cd.model.geometry import Polyhedron
 from masonry_cd.model.middle_plane import middle_plane

@@ -26,8 +26,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull
 
-from masonry_cd.errors import InputError, parse_table
-from masonry_cd.fields import is_number
+from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.fields import is_number
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Polyhedron
 from structures import Made, make

@@ -27,7 +27,7 @@ def limited(most: object) -> Iterator[None]:
     Raises:
         InputError: it is no whole number above zero.
     """
-    from masonry_cd.errors import InputError
+    from masonry_cd.foundation.errors import InputError
 
     if isinstance(most, bool) or not isinstance(most, int) or most < 1:
         raise InputError(f"structure.{KEY}: should be a whole number above 0, got {most!r}")
@@ -48,7 +48,7 @@ def within(estimate: float, key: str) -> None:
     Raises:
         InputError: names the key, the number and the limit.
     """
-    from masonry_cd.errors import InputError
+    from masonry_cd.foundation.errors import InputError
 
     line = beyond(estimate, key, most_blocks())
     if line:

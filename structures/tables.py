@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, Field
 
-from masonry_cd.table_schema import rows
+from masonry_cd.foundation.table_schema import rows
 from structures.floors import FloorTable
 from structures.layout.foundations import FoundationsTable
 from structures.noise import NoiseTable

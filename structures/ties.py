@@ -27,8 +27,8 @@ from typing import Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from masonry_cd.errors import InputError, parse_table, suggest
-from masonry_cd.fields import check_tension
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.fields import check_tension
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.polygon import loop_planes
 from structures.schema import Length, Place, Table

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 LONGEST = 900  # characters of a message, its folder apart: two cut values and the words around them
 SCENE = """title = "a"

@@ -9,7 +9,7 @@ import numpy as np
 from models import stepper
 
 import structures
-from masonry_cd.gmsh_session import gmsh_session
+from masonry_cd.foundation.gmsh_session import gmsh_session
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.polygon import loop_normal

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_run import at_rest, box, write_run
 
-from masonry_cd.csv_files import unguarded, write_csv
+from masonry_cd.foundation.csv_files import unguarded, write_csv
 from masonry_cd.io.results import Results
 from reports.damage.definitions import Thresholds
 from reports.damage.joint_damage import joint_damage, write_joints_csv
@@ -21,7 +21,7 @@ EVIL = "=cmd|'/c calc'!A1"
 
 
 def without_guard(cell: str) -> str:
-    """A cell as it was, by the rule that masonry_cd/csv_files.py tells."""
+    """A cell as it was, by the rule that masonry_cd/foundation/csv_files.py tells."""
     return cell[1:] if re.match(r"''*[=+\-@\t\r\n]", cell) else cell
 
 

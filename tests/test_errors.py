@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from masonry_cd.errors import LINE, one_line
+from masonry_cd.foundation.errors import LINE, one_line
 
 
 @pytest.mark.parametrize("value", ["a" * 10_000, 'a": {"' * 2_000, "a b " * 3_000, "\x1b[31m" * 2_000])

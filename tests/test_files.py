@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from loads.readers import Source
-from masonry_cd import files
 from masonry_cd.app.inputs import file_digests
 from masonry_cd.app.scene import read_scene
-from masonry_cd.errors import InputError
+from masonry_cd.foundation import files
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.friction.files import read_problem
 from masonry_cd.io import checkpoint
 from masonry_cd.io.results import Results

@@ -12,7 +12,7 @@ import pytest
 FAULTS = """
 import resource
 import numpy as np
-from masonry_cd.freed_memory import keep_freed_memory
+from masonry_cd.foundation.freed_memory import keep_freed_memory
 
 def step():
     arrays = [np.ones(400_000) for _ in range(5)]  # 16 MB in all, each mapped by itself at first

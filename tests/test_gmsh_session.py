@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from masonry_cd.gmsh_session import gmsh_session
+from masonry_cd.foundation.gmsh_session import gmsh_session
 
 STATUS = Path("/proc/self/status")
 

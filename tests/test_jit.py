@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from places import ROOT
 
-from masonry_cd.jit import entry, has_cache, kept, kernel
-from masonry_cd.numba_internals import SharedFiles
+from masonry_cd.foundation.jit import entry, has_cache, kept, kernel
+from masonry_cd.foundation.numba_internals import SharedFiles
 
 
 @kernel()
@@ -118,7 +118,7 @@ def test_processes_that_compile_at_once_do_not_take_each_others_code(tmp_path):
 
 
 CALLEE = """
-from masonry_cd.jit import kernel
+from masonry_cd.foundation.jit import kernel
 
 @kernel()
 def scaled(x):
@@ -126,7 +126,7 @@ def scaled(x):
 """
 CALLER = """
 from kernel_below import scaled
-from masonry_cd.jit import entry
+from masonry_cd.foundation.jit import entry
 
 @entry()
 def scaled_twice(x):
@@ -136,7 +136,7 @@ GIVING = """
 from typing import Any, NamedTuple
 import numpy as np
 from kernel_below import scaled
-from masonry_cd.jit import entry, kernel
+from masonry_cd.foundation.jit import entry, kernel
 
 class Operators(NamedTuple):
     scale: Any
@@ -210,7 +210,7 @@ def test_plain_njit_gives_the_same_and_keeps_nothing(run_kernel, tmp_path):
 FULL_DISC = """
 import resource
 from kernel_above import scaled_twice
-from masonry_cd.jit import lost
+from masonry_cd.foundation.jit import lost
 scaled_twice(1.0), lost() is None or print("lost too early")
 resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))  # no file may grow: what is written fails as on a full disc
 print(scaled_twice(1), lost().strerror)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from places import EXAMPLES, ROOT
 
-from masonry_cd.rooms import ROOMS, require_own_rooms
+from masonry_cd.foundation.own_packages import PACKAGES, require_own_packages
 
 
 def python(folder: Path, *arguments: str, path: tuple[Path, ...] = ()) -> subprocess.CompletedProcess[str]:
@@ -20,10 +20,10 @@ def python(folder: Path, *arguments: str, path: tuple[Path, ...] = ()) -> subpro
 
 
 def test_the_rooms_are_found() -> None:
-    require_own_rooms()
+    require_own_packages()
 
 
-@pytest.mark.parametrize("name", ROOMS)
+@pytest.mark.parametrize("name", PACKAGES)
 def test_a_file_beside_a_script_is_named_with_the_remedy(tmp_path: Path, name: str) -> None:
     (tmp_path / f"{name}.py").write_text("mine = 1\n")
     (tmp_path / "script.py").write_text("from masonry_cd.app.scene import read_scene\n")
@@ -31,7 +31,7 @@ def test_a_file_beside_a_script_is_named_with_the_remedy(tmp_path: Path, name: s
     assert ended.returncode == 1
     said = ended.stderr.strip().splitlines()[-1]
     assert said.startswith(
-        f'masonry_cd.errors.InputError: {tmp_path / name}.py hides the package "{name}" of masonry_cd: rename it, or run'
+        f'masonry_cd.foundation.errors.InputError: {tmp_path / name}.py hides the package "{name}" of masonry_cd: rename it, or run'
     )
 
 
@@ -52,7 +52,7 @@ def test_the_command_says_so_in_one_line(tmp_path: Path) -> None:
 
 def test_the_working_folder_is_not_looked_into_by_the_module(tmp_path: Path) -> None:
     """python -m masonry_cd in a folder with files of these names works, as the installed command does."""
-    for name in ROOMS:
+    for name in PACKAGES:
         (tmp_path / f"{name}.py").write_text("raise SystemExit('the wrong file')\n")
     ended = python(tmp_path, "-m", "masonry_cd", "build", str(EXAMPLES / "trilithon.toml"), "-o", "out", "--no-picture")
     assert (ended.returncode, ended.stderr) == (0, "")

@@ -12,8 +12,8 @@ from loads.code_check.table import CheckTable
 from loads.signal.accelerogram import process, size_factor
 from loads.signal.code_spectrum import CodeSpectrum
 from loads.signal.response import response_spectrum
-from masonry_cd import libm
-from masonry_cd.errors import InputError
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError
 
 PERIODS = 200  # at which the spectrum of a record is looked at
 SHORTEST = 0.02  # [s]

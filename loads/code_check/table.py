@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from loads.signal.accelerogram import Accelerogram, Scaled
 from loads.signal.site_spectrum import SiteSpectrum
-from masonry_cd.fields import Span
+from masonry_cd.foundation.fields import Span
 
 Height = Annotated[float, Field(gt=0.0, le=1000.0)]
 Damping = Annotated[float, Field(gt=0.0, le=0.3)]

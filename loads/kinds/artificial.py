@@ -30,9 +30,9 @@ from loads.signal.intensity import in_words, intensity
 from loads.signal.response import Oscillators, response_spectrum
 from loads.signal.site_spectrum import Positive, SiteSpectrum
 from loads.supports import ShakingTable
-from masonry_cd import libm
-from masonry_cd.errors import InputError
-from masonry_cd.fields import Span, is_number
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.fields import Span, is_number
 
 STEP = 0.005  # [s] of the accelerogram
 DAMPING = 0.05  # for which code spectra stand

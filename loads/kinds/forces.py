@@ -20,8 +20,8 @@ from pydantic import BeforeValidator, Field, model_validator
 from loads.bars import Forces, PointLoad, Tie
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
-from masonry_cd.errors import InputError
-from masonry_cd.fields import Instant, check_tension, is_number
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.fields import Instant, check_tension, is_number
 from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.place_on_block import require_on_block

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from loads.motion import LoadKind, LoadTable, Part, RunGrid, smooth_step
-from masonry_cd.fields import Instant
+from masonry_cd.foundation.fields import Instant
 
 
 class GravityTable(LoadTable):

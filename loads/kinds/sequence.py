@@ -30,9 +30,9 @@ from loads.signal.accelerogram import Accelerogram, Processed, Scaled, describe_
 from loads.signal.intensity import in_words
 from loads.signal.plausible import doubts
 from loads.supports import ShakingTable
-from masonry_cd.errors import parse_table
-from masonry_cd.fields import Span, is_number
-from masonry_cd.table_schema import rows
+from masonry_cd.foundation.errors import parse_table
+from masonry_cd.foundation.fields import Span, is_number
+from masonry_cd.foundation.table_schema import rows
 
 Positive = Annotated[float, Field(gt=0.0)]
 

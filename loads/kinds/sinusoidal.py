@@ -19,9 +19,9 @@ from pydantic import Field, model_validator
 
 from loads.motion import DirectionKey, LoadKind, Part, RunGrid, describe, smooth_step
 from loads.supports import ShakingTable
-from masonry_cd import libm
-from masonry_cd.errors import InputError
-from masonry_cd.fields import Instant, Span
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.fields import Instant, Span
 
 Positive = Annotated[float, Field(gt=0.0)]
 

@@ -23,9 +23,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, RunGrid, parse_direction
-from masonry_cd import libm
-from masonry_cd.errors import InputError
-from masonry_cd.fields import Instant
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.fields import Instant
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]

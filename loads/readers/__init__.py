@@ -7,7 +7,7 @@ asked first.
 from __future__ import annotations
 
 from loads.readers.source import RawRecord, Reader, Request, Source
-from masonry_cd.extensions import Entries
+from masonry_cd.foundation.extensions import Entries
 
 __all__ = ["READERS", "RawRecord", "Request", "Source", "read"]
 

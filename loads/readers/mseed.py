@@ -18,7 +18,7 @@ import numpy as np
 
 from loads.readers.quantity import of_channel
 from loads.readers.source import RawRecord, Reader, Request, Source, refuse_layout
-from masonry_cd.errors import suggest
+from masonry_cd.foundation.errors import suggest
 
 BEGINNINGS = (re.compile(rb"\d{6}[DRQM][ \0]"), re.compile(rb"MS\x03"))  # of files of version 2 and 3
 

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from loads.readers.quantity import Stated
-from masonry_cd.errors import InputError, suggest
-from masonry_cd.files import read_bytes
+from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.files import read_bytes
 
 COMMENTS = ("#", "%", "//")
 

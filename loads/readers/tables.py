@@ -15,8 +15,8 @@ from loads.readers.quantity import Stated, named, of_comments
 from loads.readers.source import COMMENTS, RawRecord, Reader, Request, Source, refuse_calibration
 from loads.readers.units import TIME, split_heading
 from loads.readers.wrapped import FEWEST_ROWS, advances, filled, in_reading_order, paired, times_of
-from masonry_cd.errors import suggest
-from masonry_cd.fields import finite_number
+from masonry_cd.foundation.errors import suggest
+from masonry_cd.foundation.fields import finite_number
 
 IRREGULAR = 0.2  # of a step: times written with few digits (1/128 s as 0.008) stay below, a missing line does not
 DELIMITERS = (";", "\t", ",")

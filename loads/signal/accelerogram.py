@@ -22,8 +22,8 @@ from loads.signal.baseline import ORDERS, History, correct, integrate
 from loads.signal.filters import band_pass, resample, taper_factors
 from loads.signal.intensity import arias, in_words, intensity
 from loads.signal.series import Keys, accelerations
-from masonry_cd.errors import InputError
-from masonry_cd.fields import Instant, is_number
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.fields import Instant, is_number
 
 FEWEST = 8  # samples
 OFFSET = 0.02  # of the PGA: means of sound records stay below, also of windows with some shaking left at their ends

@@ -18,7 +18,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from loads.signal.baseline import History
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 ANGLES = np.radians(np.arange(180.0))
 AXES = ("x", "y", "z")

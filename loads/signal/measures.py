@@ -28,9 +28,9 @@ from loads.signal.directions import ANGLES, AXES, PAIRS, ROTATED, RULES, Motion,
 from loads.signal.incremental_velocity import ALPHA, BETA, fiv3
 from loads.signal.intensity import arias, cumulative_absolute_velocity, significant_duration
 from loads.signal.response import Oscillators, response_spectrum
-from masonry_cd import libm
-from masonry_cd.errors import InputError, suggest
-from masonry_cd.fields import finite_number
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.fields import finite_number
 
 DAMPING = 0.05
 PERIODS = 10  # of AvgSA

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd import libm
-from masonry_cd.jit import entry, kernel
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.jit import entry, kernel
 
 PARTS_PER_PERIOD = 40
 TERMS = 14  # of the exponential: (2 pi / 40)^14 / 14! is 7e-23

@@ -20,7 +20,7 @@ import numpy as np
 
 from loads.readers import RawRecord
 from loads.readers.units import UNITS, measured_by
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 DERIVATIVES = {"acceleration": 0, "velocity": 1, "displacement": 2}
 REACH = 32  # samples beyond an end that its slope depends on: 0.43^32 is 2e-12

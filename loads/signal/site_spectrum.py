@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from loads.motion import strict
 from loads.signal.code_spectrum import CodeSpectrum, ec8, ntc
-from masonry_cd.fields import Span
+from masonry_cd.foundation.fields import Span
 
 Positive = Annotated[float, Field(gt=0.0)]
 

@@ -1,5 +1,5 @@
 """A scene becomes results: scene file, case, run loop, checks, summary."""
 
-from masonry_cd.rooms import require_own_rooms
+from masonry_cd.foundation.own_packages import require_own_packages
 
-require_own_rooms()
+require_own_packages()

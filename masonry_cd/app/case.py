@@ -26,8 +26,8 @@ from masonry_cd.dynamics.pauses import HOLD, STILL
 from masonry_cd.dynamics.planar import Plane, find_plane
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.dynamics.strain import unknowns_of_strain
-from masonry_cd.errors import InputError, in_plain_words
-from masonry_cd.jit import lost, why_nothing_is_kept
+from masonry_cd.foundation.errors import InputError, in_plain_words
+from masonry_cd.foundation.jit import lost, why_nothing_is_kept
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State

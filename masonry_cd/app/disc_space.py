@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 from masonry_cd.app.recorder import STEP_FIELDS
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 

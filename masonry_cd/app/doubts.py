@@ -17,7 +17,7 @@ import numpy as np
 from masonry_cd.app.ranges import PLAIN, RANGES, G
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.scene_text import is_within, parse_toml
-from masonry_cd.fields import is_number
+from masonry_cd.foundation.fields import is_number
 from masonry_cd.model.blocks import Block
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.friction.problem import FrictionProblem
 
 FILES = "problem_[0-9]*.npz"  # what a run may have left in its folder

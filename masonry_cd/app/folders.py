@@ -6,7 +6,7 @@ import os
 import shutil
 from pathlib import Path
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 RUN = ("result.h5", "summary.json")  # marks of a run
 

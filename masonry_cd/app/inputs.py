@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.errors import InputError
-from masonry_cd.files import read_bytes
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.files import read_bytes
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from masonry_cd.app.limit_search import Ways, doubt, search_words
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.analysis import Analysis
 from masonry_cd.limit.candidates import UNTIED, Candidate, candidates
 from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.quantities import in_words, length
 from masonry_cd.limit.analysis import Options
 from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
-from masonry_cd.quantities import in_words, length
 
 if TYPE_CHECKING:
     from loads.statics import CurveTable, StaticLoads
@@ -146,7 +146,7 @@ def curve_rows(curve: CapacityCurve) -> list[dict[str, Any]]:
 def write_curve(found: FollowedCurve, names: tuple[str, ...], folder: Path) -> list[Path]:
     """Write capacity.csv and capacity.json."""
     from masonry_cd.app.summary import write_json
-    from masonry_cd.csv_files import write_csv
+    from masonry_cd.foundation.csv_files import write_csv
 
     table, file = (folder / name for name in CURVE_OUTPUTS[:2])
     rows = [[f"{cell:.9g}" if isinstance(cell, float) else cell for cell in row.values()] for row in curve_rows(found.curve)]

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.app.carried import largest_carried
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.quantities import force, length
 from masonry_cd.io.results import Results
 from masonry_cd.io.tie_bars import TieBar
-from masonry_cd.quantities import force, length
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case

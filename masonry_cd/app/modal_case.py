@@ -18,8 +18,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from masonry_cd.csv_files import write_csv
-from masonry_cd.errors import InputError, parse_table
+from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block, refuse_spheres
 from reports.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
 from reports.modal.modes import METHODS, Modes, modal

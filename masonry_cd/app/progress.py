@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, Any, TextIO
 
-from masonry_cd.quantities import in_words
+from masonry_cd.foundation.quantities import in_words
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar

@@ -11,7 +11,7 @@ import numpy as np
 from masonry_cd.app.checkpoint_checks import check_content
 from masonry_cd.app.inputs import digests, require_same
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import require_rows
 from masonry_cd.io.results import Results

@@ -24,12 +24,12 @@ from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.step_costs import StepCosts, motion_classes
 from masonry_cd.app.summary import as_json, run_summary, run_warnings, write_json
-from masonry_cd.atomic import part_of
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.pauses import Pauses
 from masonry_cd.dynamics.start import drawn_velocities
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.atomic import part_of
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.lock import locked
 from masonry_cd.io.meshes import Meshes

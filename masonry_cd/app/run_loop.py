@@ -24,7 +24,7 @@ from masonry_cd.dynamics.adaptive import AdaptedStep, AdaptiveSteps
 from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper, StepReport
 from masonry_cd.dynamics.pauses import Aftermath, Pauses, Shock
 from masonry_cd.dynamics.snapshot import part, prefixed
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.model.joints import Joints, measure_joints

@@ -11,8 +11,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from masonry_cd import files
-from masonry_cd.errors import InputError
+from masonry_cd.foundation import files
+from masonry_cd.foundation.errors import InputError
 
 DEEPEST = 20  # tables and lists in one another; scenes and studies have at most six
 TOO_DEEP = "lists or tables nested too deep"

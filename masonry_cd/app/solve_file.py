@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError, suggest
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.friction.files import read_problem
 from masonry_cd.friction.problem import LocalProblem, Problem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options

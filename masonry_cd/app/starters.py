@@ -15,9 +15,9 @@ from typing import Any
 from masonry_cd.app.scene_schema import TITLE, limit_schema, load_schema, report_schema, schema_text, structure_schema
 from masonry_cd.app.scene_text import toml_text
 from masonry_cd.dynamics.settings import Run
-from masonry_cd.errors import InputError, one_line, suggest
+from masonry_cd.foundation.errors import InputError, one_line, suggest
+from masonry_cd.foundation.table_schema import Schema, table_schema
 from masonry_cd.model.materials import Material
-from masonry_cd.table_schema import Schema, table_schema
 
 SCHEMA = "masonry-cd.schema.json"  # beside the scene, so that both may be moved and shared
 COLUMN, WIDTH = 36, 138  # where texts begin and end

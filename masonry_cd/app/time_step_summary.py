@@ -6,7 +6,7 @@ from typing import Any
 
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.dynamics.settings import Run
-from masonry_cd.quantities import length
+from masonry_cd.foundation.quantities import length
 
 
 def time_step_summary(settings: Run, report: RunReport, tolerance: float) -> dict[str, Any]:

@@ -31,9 +31,9 @@ from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics import islands
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
+from masonry_cd.foundation.jit import has_cache, kept
 from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.io.result_writer import ResultWriter
-from masonry_cd.jit import has_cache, kept
 from masonry_cd.linalg.small_blocks import room_for, size_of_blocks
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.elastic_blocks import ElasticBlocks

@@ -7,11 +7,11 @@ import sys
 
 def main() -> None:
     """The entry point of the installed command. Ctrl-C while it loads, or a second one while it ends, leaves a line and no traceback."""
-    from masonry_cd.errors import InputError
-    from masonry_cd.rooms import require_own_rooms
+    from masonry_cd.foundation.errors import InputError
+    from masonry_cd.foundation.own_packages import require_own_packages
 
     try:
-        require_own_rooms()
+        require_own_packages()
         from masonry_cd.cli.app import app
 
         app()

@@ -66,7 +66,7 @@ def accuracy(
 
 def _measurement(ensemble: int | None, workers: int, output: Path) -> tuple[Callable[..., dict[str, Any]], tuple[str, ...]]:
     """What measures, and the files that it writes."""
-    from masonry_cd.errors import InputError
+    from masonry_cd.foundation.errors import InputError
     from masonry_cd.studies import accuracy_case
 
     if ensemble is None:

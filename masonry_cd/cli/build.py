@@ -77,7 +77,7 @@ def build(
 
 def _formats(asked: list[str] | None) -> tuple[str, ...]:
     """The formats of blocks to write, each once."""
-    from masonry_cd.errors import InputError
+    from masonry_cd.foundation.errors import InputError
 
     known = ("json", "obj", "stl", "vtu", "vtm", "vtkhdf")
     for name in asked or ():
@@ -88,7 +88,7 @@ def _formats(asked: list[str] | None) -> tuple[str, ...]:
 
 def _repairs(asked: list[str] | None) -> list[str]:
     """What --repair changes in the scene."""
-    from masonry_cd.errors import InputError
+    from masonry_cd.foundation.errors import InputError
 
     changes = []
     for repair in asked or ():
@@ -101,7 +101,7 @@ def _repairs(asked: list[str] | None) -> list[str]:
 
 def _draw_problem(fault: Unsound, folder: Path) -> None:
     """Draw problem.png where the libraries for it are installed; the error itself is reported in any case."""
-    from masonry_cd.errors import InputError
+    from masonry_cd.foundation.errors import InputError
 
     try:
         from reports.drawing.refused_blocks import problem_picture

@@ -41,7 +41,7 @@ def record(
         from loads.signal.plausible import doubts
         from masonry_cd.app.doubts import unusual_pga
         from masonry_cd.app.scene_text import parse_change
-        from masonry_cd.errors import InputError
+        from masonry_cd.foundation.errors import InputError
 
         if not file.exists():
             raise InputError(f"{file}: no such record")

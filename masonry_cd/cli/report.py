@@ -103,7 +103,7 @@ def summary_of(results: Results, folder: Path) -> tuple[dict[str, Any], list[str
     Raises:
         InputError: one of a newer format.
     """
-    from masonry_cd.errors import InputError
+    from masonry_cd.foundation.errors import InputError
     from masonry_cd.io.summary_file import NAME, Newer, read_summary
 
     words: list[str] = []

@@ -25,7 +25,7 @@ Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but warn
 
 def exclude(first: tuple[str, object], second: tuple[str, object]) -> None:
     """Refuse two options that contradict each other, each a name and what was given."""
-    from masonry_cd.errors import InputError
+    from masonry_cd.foundation.errors import InputError
 
     if first[1] and second[1]:
         raise InputError(f"{first[0]} and {second[0]} exclude each other: leave one out")
@@ -43,7 +43,7 @@ def errors_reported() -> Iterator[None]:
 
     Numbers beyond their range are refused, or reported by name: what numpy says of them besides, by line of this program, helps no user.
     """
-    from masonry_cd.errors import InputError, in_plain_words
+    from masonry_cd.foundation.errors import InputError, in_plain_words
 
     try:
         with warnings.catch_warnings():

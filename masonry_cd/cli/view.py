@@ -39,7 +39,7 @@ def page_of(folder: Path) -> Path:
     Raises:
         InputError: no such folder, nothing of ours in it, or no page, with the command that makes one.
     """
-    from masonry_cd.errors import InputError
+    from masonry_cd.foundation.errors import InputError
     from reports.outputs import PAGE
 
     if not folder.is_dir():

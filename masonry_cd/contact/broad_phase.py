@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.contact.motion import Motion, part_reach
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.model.blocks import Shapes
 
 SKIN = 0.2  # growth of the bounding boxes, as a share of the median width of the parts

@@ -8,7 +8,7 @@ import numpy as np
 
 from masonry_cd.contact.motion import Motion
 from masonry_cd.contact.pair_memory import PairMemory
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.model.geometry import turned_normal
 
 

@@ -20,7 +20,6 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.arrays import Stored
 from masonry_cd.contact.broad_phase import SKIN, Listing, list_holds, list_pairs
 from masonry_cd.contact.contact_set import ContactSet, write_contacts
 from masonry_cd.contact.facets import Facets, Overlay
@@ -29,7 +28,8 @@ from masonry_cd.contact.motion import Motion, pair_margin
 from masonry_cd.contact.pair_memory import APART, KEPT, SEARCHED, PairMemory, check_pairs, is_stuck, update_gaps
 from masonry_cd.contact.round_contact import POINTS, find_round_contact
 from masonry_cd.contact.workspace import Workspace
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.arrays import Stored
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.linalg.threads import in_shares
 from masonry_cd.model.blocks import Assembly, Shapes
 from masonry_cd.model.geometry import relative_pose

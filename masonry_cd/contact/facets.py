@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.contact.manifold import SNAP, share_out
-from masonry_cd.jit import borrower
+from masonry_cd.foundation.jit import borrower
 from masonry_cd.model.block_mesh import BlockMesh
 from masonry_cd.model.blocks import Shapes
 from masonry_cd.model.geometry import Polyhedra

@@ -20,7 +20,7 @@ from masonry_cd.contact.manifold import across_edges, contact_points, incident_f
 from masonry_cd.contact.motion import distance_moved, pose_ahead
 from masonry_cd.contact.pair_memory import APART, CLIPPED, REUSE, SEARCHED, store_points, update_gaps
 from masonry_cd.contact.separation import EDGES, FACE_OF_A, FAR_APART, WHOLE, Placed, place_part, separate
-from masonry_cd.jit import borrower
+from masonry_cd.foundation.jit import borrower
 
 EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
 SAME = 0.9  # least cosine of the angle between the normals of a contact before and now; where it is less it is another one

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.contact.separation import EDGES, FACE_OF_A
-from masonry_cd.jit import borrower
+from masonry_cd.foundation.jit import borrower
 from masonry_cd.model.polygon import clip_in_place, plane_distances
 
 SLIVER = 1e-4  # narrowest interface, as a share of the smaller part's width

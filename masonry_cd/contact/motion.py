@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import borrower
+from masonry_cd.foundation.jit import borrower
 from masonry_cd.model.geometry import relative_pose
 
 NEAR = 1e-3  # surfaces closer than this share of the smaller part's width are always in the contact set

@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.arrays import LARGEST, Stored
 from masonry_cd.contact.motion import distance_moved
 from masonry_cd.contact.separation import EDGES, FACE_OF_A, FACE_OF_B, FAR_APART, ROUND, UNKNOWN
-from masonry_cd.jit import borrower
+from masonry_cd.foundation.arrays import LARGEST, Stored
+from masonry_cd.foundation.jit import borrower
 from masonry_cd.model.blocks import Shapes
 from masonry_cd.model.geometry import Polyhedra, inverse_row
 

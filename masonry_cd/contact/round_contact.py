@@ -24,7 +24,7 @@ import numpy as np
 
 from masonry_cd.contact.motion import distance_moved
 from masonry_cd.contact.separation import FAR_APART, ROUND, WHOLE, Placed, place_part
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.model.geometry import Polyhedra, turned_normal
 
 POINTS = 4  # of a contact with rolling friction

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.model.geometry import Polyhedra, turned_normal
 
 UNKNOWN, FAR_APART, FACE_OF_A, FACE_OF_B, EDGES, ROUND = 0, 1, 2, 3, 4, 5  # kinds of separating feature; none is kept of pairs far apart

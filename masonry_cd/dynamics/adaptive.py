@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.arrays import Stored
 from masonry_cd.dynamics.local_error import PASSING, Change, base_drift, fastest, landing_gap, load_variation, step_error
 from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper, StepReport
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.dynamics.step_control import REPEAT, StepControl
+from masonry_cd.foundation.arrays import Stored
 from masonry_cd.model.blocks import Assembly
 
 TOLERANCE = 3e-5  # local error aimed at when the scene gives none, as a share of the smallest width of a block

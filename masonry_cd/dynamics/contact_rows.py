@@ -22,8 +22,8 @@ from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.strain import fill_strain_rows
 from masonry_cd.dynamics.system import Motion, System
 from masonry_cd.dynamics.warps import fill_warp_rows, warped_gaps
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.friction.problem import FrictionProblem, Solution
-from masonry_cd.jit import borrower, entry
 from masonry_cd.linalg.threads import in_shares
 from masonry_cd.model.deformation import STRAINS
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from masonry_cd.dynamics.strain import Strains
 from masonry_cd.dynamics.warps import WarpArrays, Warps
-from masonry_cd.jit import entry
+from masonry_cd.foundation.jit import entry
 from masonry_cd.model.block_mesh import BlockMesh
 from masonry_cd.model.deformation import STRAINS
 from masonry_cd.model.warping import shape_slopes

@@ -21,7 +21,7 @@ from masonry_cd.dynamics.new_state import Update
 from masonry_cd.dynamics.relative_velocity import of_bodies, of_supports
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import EnergyBalance, Motion, System
-from masonry_cd.jit import entry
+from masonry_cd.foundation.jit import entry
 from masonry_cd.model.state import State
 
 ENERGIES = (

@@ -15,9 +15,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from masonry_cd import libm
 from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper
-from masonry_cd.errors import InputError
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError
 
 RADIANS, STEPS = 30.0, 400  # step of settling, in radians of the swing of a block on its joint, and most steps
 LONGEST = 40  # steps of a swing: a slower one goes on from rest, and still comes closer by a hundredth if it takes eleven times as many

@@ -23,7 +23,7 @@ from masonry_cd.dynamics.block_arrays import BlockArrays
 from masonry_cd.dynamics.block_forces import Acting
 from masonry_cd.dynamics.strain import Strains
 from masonry_cd.dynamics.system import Motion, StepLoads, System
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.model.state import State, fill_rotations
 
 

@@ -29,8 +29,8 @@ import numpy as np
 
 from masonry_cd.dynamics.islands import FORCES, IMPACTS
 from masonry_cd.dynamics.relative_velocity import of_bodies
+from masonry_cd.foundation.jit import entry
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
-from masonry_cd.jit import entry
 
 FAST = 3.0  # impacts faster than this many times g h count
 AT_ONCE = 1e-6  # gaps that close within this share of the step are closed

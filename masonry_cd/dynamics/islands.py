@@ -28,10 +28,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.arrays import Stored
+from masonry_cd.foundation.arrays import Stored
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.friction.law_terms import errors_by_group
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
-from masonry_cd.jit import borrower, entry
 from masonry_cd.solvers import Options, Solver
 from masonry_cd.solvers.memory_checks import check_memory
 

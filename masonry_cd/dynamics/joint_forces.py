@@ -9,7 +9,7 @@ from masonry_cd.dynamics.block_arrays import StepConstants
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import System
-from masonry_cd.jit import entry
+from masonry_cd.foundation.jit import entry
 
 
 def joint_forces(

@@ -54,8 +54,8 @@ from masonry_cd.contact.contact_set import ContactSet
 from masonry_cd.dynamics.block_arrays import StepConstants
 from masonry_cd.dynamics.contact_arrays import ContactRows, Velocities
 from masonry_cd.dynamics.relative_velocity import of_bodies, of_both, of_supports
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.friction.problem import FrictionProblem
-from masonry_cd.jit import borrower, entry
 from masonry_cd.model.materials import JointLaws
 
 AT_LIMIT = 1e-6  # an impulse this close to the cone, as a share of it, is on it

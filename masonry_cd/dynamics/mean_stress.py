@@ -38,14 +38,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.arrays import Stored
 from masonry_cd.contact.contact_set import ContactSet
 from masonry_cd.dynamics.block_arrays import BlockArrays, StepConstants
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.element_stress import ElementStress
 from masonry_cd.dynamics.free_motion import turned_tensor
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.arrays import Stored
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import rotation_matrices
 

@@ -25,7 +25,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.arrays import Stored
 from masonry_cd.contact.contact_set import ContactSet
 from masonry_cd.contact.detector import Detector, TooManyPoints
 from masonry_cd.dynamics import joint_forces
@@ -46,7 +45,8 @@ from masonry_cd.dynamics.start import motion_at_start
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import Loads, Motion, System, plane_of
 from masonry_cd.dynamics.violations import Violation, find_violations
-from masonry_cd.freed_memory import keep_freed_memory
+from masonry_cd.foundation.arrays import Stored
+from masonry_cd.foundation.freed_memory import keep_freed_memory
 from masonry_cd.friction.infeasibility import Closing
 from masonry_cd.friction.problem import FrictionProblem, Solution
 from masonry_cd.model.blocks import Assembly

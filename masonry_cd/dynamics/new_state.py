@@ -17,7 +17,7 @@ from masonry_cd.dynamics.overlaps import Overlap, correct_overlaps, deepest_over
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.strain import StrainWork
 from masonry_cd.dynamics.system import Motion, System
-from masonry_cd.jit import entry
+from masonry_cd.foundation.jit import entry
 
 
 class RunStopped(RuntimeError):

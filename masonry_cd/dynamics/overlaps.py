@@ -18,8 +18,8 @@ from masonry_cd.dynamics.free_motion import drift
 from masonry_cd.dynamics.relative_velocity import of_bodies
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import System
+from masonry_cd.foundation.jit import entry
 from masonry_cd.friction.infeasibility import Closing
-from masonry_cd.jit import entry
 from masonry_cd.model.state import State
 
 OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone, or those of the joints as built

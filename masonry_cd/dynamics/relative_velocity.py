@@ -6,7 +6,7 @@ who asks. A side on a free block contributes J v with its part of H, one on a su
 
 from __future__ import annotations
 
-from masonry_cd.jit import borrower
+from masonry_cd.foundation.jit import borrower
 
 
 @borrower()

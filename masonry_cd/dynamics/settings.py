@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, WithJsonSchema, model_validator
 
-from masonry_cd.fields import Count, Flag, Number, Table, Vector, is_number
+from masonry_cd.foundation.fields import Count, Flag, Number, Table, Vector, is_number
 from masonry_cd.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 from masonry_cd.solvers.solver_name import SolverName
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from masonry_cd.arrays import Stored
 from masonry_cd.dynamics.energy import ENERGIES
 from masonry_cd.dynamics.joint_law import JointMemory
 from masonry_cd.dynamics.system import EnergyBalance, Motion, System
+from masonry_cd.foundation.arrays import Stored
 from masonry_cd.model.state import State
 
 

@@ -39,7 +39,7 @@ from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.planar import Plane
 from masonry_cd.dynamics.strain_kernels import StrainLaw, fill_free_strains, move_strains, strain_energies
 from masonry_cd.dynamics.warps import Warps, warps_of
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.deformation import SHEARS, STRAINS, Deformation

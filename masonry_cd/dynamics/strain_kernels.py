@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import entry
+from masonry_cd.foundation.jit import entry
 from masonry_cd.linalg.small_blocks import dot
 
 

@@ -25,7 +25,7 @@ import numpy as np
 from masonry_cd.dynamics.relative_velocity import all_of_bodies
 from masonry_cd.dynamics.step_problem import StepProblem
 from masonry_cd.dynamics.system import System
-from masonry_cd.jit import entry
+from masonry_cd.foundation.jit import entry
 from masonry_cd.linalg.threads import in_shares
 
 

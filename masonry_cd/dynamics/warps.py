@@ -20,7 +20,7 @@ from masonry_cd.contact.contact_set import ContactSet
 from masonry_cd.contact.facets import Facets
 from masonry_cd.dynamics.contact_arrays import ContactRows
 from masonry_cd.dynamics.planar import Plane
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.model.block_mesh import BlockMesh, block_mesh
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.deformation import Deformation

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.friction.joint_twists import out_of_frame
 from masonry_cd.friction.operators import has_frames, unknowns_at
-from masonry_cd.jit import borrower, entry, kernel
 
 BODY = 2  # what a body costs beside its contacts, in sides of contacts
 LATER = 2  # what a side costs for the blocks between its body and one that is eliminated later

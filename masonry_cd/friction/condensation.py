@@ -25,10 +25,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.friction.body_sides import sides_of_bodies
 from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.friction.problem import FrictionProblem
-from masonry_cd.jit import borrower, entry
 from masonry_cd.linalg.small_blocks import STEP, dot, room_for
 
 DEPENDENT = 1e-12  # share of a row, in the norm of M^-1, that may be off those before it without an unknown: rounding leaves 1e-15

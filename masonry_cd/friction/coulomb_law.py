@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import borrower, kernel
+from masonry_cd.foundation.jit import borrower, kernel
 
 OPEN, STICK, SLIP = 0, 1, 2  # status of a contact
 INVERSE_NN, COUPLING, SCHUR, NN, SCALE, START, MU, Q, P, C = 0, 1, 3, 6, 7, 8, 9, 10, 13, 16  # columns of a table of contacts

@@ -24,9 +24,9 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError, suggest
-from masonry_cd.files import is_file
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.files import is_file
 from masonry_cd.friction.local_blocks import block_arrays, contact_pattern
 from masonry_cd.friction.local_operators import is_definite
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem

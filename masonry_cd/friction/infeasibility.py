@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from masonry_cd.foundation.quantities import length
 from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.model.blocks import Assembly
-from masonry_cd.quantities import length
 
 MOST = 400  # contacts looked at
 JAMMED = 0.01  # least t that counts, as a share of the closing speed that the step has left

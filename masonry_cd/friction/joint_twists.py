@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry, kernel
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.linalg.small_blocks import size_tuple
 
 FIT = 1e-12  # how far rows may be off those of a frame, relative to their largest arm: positions carry rounding

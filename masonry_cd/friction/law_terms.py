@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.friction.joint_twists import NUMBERS
 from masonry_cd.friction.natural_map import natural_map_norms, squared_residual
 from masonry_cd.friction.operators import (
@@ -22,7 +23,6 @@ from masonry_cd.friction.operators import (
     unknowns_at,
     widths_in_order,
 )
-from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.threads import ThreadTeam, share_of, wait
 

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.friction.coulomb_law import SCALE
 from masonry_cd.friction.natural_map import squared_residual
-from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.cholesky import factorise_cholesky
 from masonry_cd.linalg.single_columns import SYMMETRIC
 from masonry_cd.linalg.small_blocks import identities, multiply

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.friction.coulomb_law import tangent_length
-from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.small_blocks import EPSILON
 
 

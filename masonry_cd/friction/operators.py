@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.friction.joint_twists import velocity_in
 from masonry_cd.friction.natural_map import squared_residual
-from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.small_blocks import invert, is_wide
 
 

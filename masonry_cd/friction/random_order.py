@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import borrower, kernel
+from masonry_cd.foundation.jit import borrower, kernel
 
 
 @kernel(inline="always")

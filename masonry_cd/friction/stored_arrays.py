@@ -15,8 +15,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from masonry_cd.errors import InputError
-from masonry_cd.files import size_of_regular
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.files import size_of_regular
 
 MOST = 16e9  # bytes of all arrays of a file: problems of millions of contacts
 NO_ZIP = (zipfile.BadZipFile, zlib.error, SyntaxError, RecursionError, tokenize.TokenError)  # the last of the header of a member

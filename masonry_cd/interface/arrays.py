@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 
-from masonry_cd.errors import InputError, suggest
+from masonry_cd.foundation.errors import InputError, suggest
 
 if TYPE_CHECKING:
     from masonry_cd.model.blocks import Block
@@ -210,7 +210,7 @@ def _motion(table: Mapping[str, Any], where: str) -> tuple[np.ndarray, np.ndarra
 
 def _write_motion(folder: Path, names: Sequence[str], time: np.ndarray, acceleration: np.ndarray) -> str:
     """Write a motion as CSV under the next free name, which is returned."""
-    from masonry_cd.csv_files import write_csv
+    from masonry_cd.foundation.csv_files import write_csv
 
     number = next(n for n in range(1, 10**6) if not (folder / f"motion{n}.csv").exists())
     rows = np.column_stack([time, acceleration]).tolist()

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from masonry_cd.app.folders import free_folder
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.interface.plots import Page
 from masonry_cd.interface.running import RunWarning
 from masonry_cd.interface.scenes import Scene, scene

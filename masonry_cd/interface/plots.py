@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from masonry_cd.errors import parse_table
+from masonry_cd.foundation.errors import parse_table
 from masonry_cd.io.results import Results
 from reports.settings import Report
 

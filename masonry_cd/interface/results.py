@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.app.summary import closing_lines, damage_line
-from masonry_cd.errors import InputError, suggest
+from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.mesh_tables import STRESSES, element_peak_table, element_table, node_table
 from masonry_cd.interface.plots import Plots
 from masonry_cd.interface.scenes import Scene, scene_of

@@ -23,7 +23,7 @@ from masonry_cd.app.inputs import paths_of
 from masonry_cd.app.scene import Scene as CheckedScene
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.scene_text import dump_toml, override, parse_toml, read_text
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.interface.arrays import BLOCK_FILE, hold_arrays, into_files
 from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.interface.values import changes as changes_of
@@ -218,7 +218,7 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene | None = No
     >>> mc.scene(stack, "run.dtt=1e-3")
     Traceback (most recent call last):
         ...
-    masonry_cd.errors.InputError: scene: run.dtt: unknown key (did you mean "dt"?)
+    masonry_cd.foundation.errors.InputError: scene: run.dtt: unknown key (did you mean "dt"?)
     """
     if isinstance(source, Scene):
         return source.changed(*changes, **tables) if changes or tables else source

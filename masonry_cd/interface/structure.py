@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from masonry_cd.errors import InputError, suggest
+from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.tables import frame_of
 from masonry_cd.model.blocks import Block
 

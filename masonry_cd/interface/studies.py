@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.app.progress import Interrupted
-from masonry_cd.errors import InputError, suggest
+from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.results import RESULTS, Run
 from masonry_cd.interface.running import RunWarning
 from masonry_cd.interface.study_plots import StudyPlots

@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from masonry_cd.errors import InputError, suggest
+from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.plots import Page
 from reports.study.fits import Fits
 from reports.study.folder import Study

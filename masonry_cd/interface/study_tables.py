@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.app.scene_text import dump_toml
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.interface.scenes import scene
 from masonry_cd.interface.values import plain
 from masonry_cd.studies.study.study_case import Plan, plan_of_study, require_own

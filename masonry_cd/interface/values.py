@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.app.scene_text import toml_text
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 

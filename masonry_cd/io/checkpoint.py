@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import part_of, replacing
-from masonry_cd.errors import InputError
-from masonry_cd.files import size_of_regular
+from masonry_cd.foundation.atomic import part_of, replacing
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.files import size_of_regular
 
 NAME = "checkpoint.npz"
 FORMAT = 12  # of what a stepper writes and of the results beside it; raised when what they hold changes

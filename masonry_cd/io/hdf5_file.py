@@ -21,8 +21,8 @@ from typing import Any
 
 import h5py
 
-from masonry_cd.errors import InputError
-from masonry_cd.files import size_of_regular
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.files import size_of_regular
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SUPERBLOCK = struct.Struct("<8s4B4QI")  # signature, version, sizes, marks; base, extension, end of file, root; checksum

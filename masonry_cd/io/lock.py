@@ -11,8 +11,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError
 
 NAME = "run.lock"
 

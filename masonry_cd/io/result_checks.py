@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.hdf5_file import READ_ERRORS
 from masonry_cd.io.layout import (
     BLOCK_ARRAYS,

@@ -22,8 +22,9 @@ from types import TracebackType
 import h5py
 import numpy as np
 
-from masonry_cd.atomic import part_of
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.atomic import part_of
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.jit import compiled_for
 from masonry_cd.io import tie_bars
 from masonry_cd.io.block_arrays import write_blocks
 from masonry_cd.io.layout import CLOSING, FORMAT, JOINT_CONSTANTS, JOINT_PEAKS, MESH_ARRAYS
@@ -32,7 +33,6 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.segments import Sealer, append, checksum_of_constants, growing, in_pieces
 from masonry_cd.io.tie_bars import ATTRIBUTE as TIES
 from masonry_cd.io.tie_bars import TieBar
-from masonry_cd.jit import compiled_for
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 

@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 
 from masonry_cd.dynamics.pauses import Aftermath
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.block_arrays import read_blocks
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
 from masonry_cd.io.layout import (

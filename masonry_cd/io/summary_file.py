@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.errors import InputError
-from masonry_cd.files import read_text
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.files import read_text
 
 NAME = "summary.json"
 FORMAT = 1  # of its keys; raised when an older program would misread them

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.conic import solve_conic
 from masonry_cd.limit.linear import solve_linear
 from masonry_cd.limit.mechanism import Mechanism, mechanism

@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.analysis import Analysis, Options, largest_factor, searched
 from masonry_cd.limit.mechanism import STILL, Mechanism, mechanism
 from masonry_cd.limit.nonassociated import ALIKE, LeastFound

@@ -20,7 +20,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.quantities import length
 from masonry_cd.limit.analysis import STANDS, Options, at_rest
 from masonry_cd.limit.following import Motion
 from masonry_cd.limit.mechanism import STILL
@@ -30,7 +31,6 @@ from masonry_cd.limit.solution import Unbounded
 from masonry_cd.limit.stage import FIRST, LONGEST, SHORTEST, Stage, Stages
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
-from masonry_cd.quantities import length
 
 STEPS = 40  # from start to end, about
 MOST = 6  # times so many steps at most

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd import libm
 from masonry_cd.contact.find_joints import built_gap, touching_points
+from masonry_cd.foundation import libm
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.polygon import loop_area

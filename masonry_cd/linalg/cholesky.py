@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import entry, kernel
+from masonry_cd.foundation.jit import entry, kernel
 from masonry_cd.linalg.dense import gemm, inverse_cholesky
 from masonry_cd.linalg.ghost_rows import share_of_subtrees
 from masonry_cd.linalg.single_columns import SYMMETRIC, factorise_columns

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import borrower, kernel
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import invert
 from masonry_cd.linalg.vectors import add_times, fill_eight, fill_four, load_eight, load_four, store_lanes
 

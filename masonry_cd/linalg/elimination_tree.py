@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import entry, kernel
+from masonry_cd.foundation.jit import entry, kernel
 from masonry_cd.linalg.small_blocks import copy_flat
 
 SHORT = 2  # columns: supernodes up to this width may be padded much, see supernodes

@@ -5,7 +5,7 @@ Arrays with ghost rows have N + 1 + E rows: the nodes, the supports, and the gho
 
 from __future__ import annotations
 
-from masonry_cd.jit import borrower
+from masonry_cd.foundation.jit import borrower
 from masonry_cd.linalg.threads import share_of
 
 

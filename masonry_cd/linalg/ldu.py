@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import entry, kernel
+from masonry_cd.foundation.jit import entry, kernel
 from masonry_cd.linalg.dense import gemm, invert_square
 from masonry_cd.linalg.single_columns import UNSYMMETRIC, factorise_columns
 from masonry_cd.linalg.supernodes import (

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import borrower, kernel
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import copy_flat, invert, is_wide, multiply
 from masonry_cd.linalg.vectors import add_six_times, load_six, store_six
 from masonry_cd.linalg.wide_columns import backward_wide_columns, eliminate_wide_columns, forward_wide_columns

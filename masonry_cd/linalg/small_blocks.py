@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry, kernel
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.linalg.vectors import add_six_times, fill_six, load_six, store_six
 
 EPSILON = 2.2e-16  # relative rounding error of a float

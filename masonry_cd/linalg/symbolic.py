@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import entry, kernel
+from masonry_cd.foundation.jit import entry, kernel
 from masonry_cd.linalg.elimination_tree import fill_in, neighbours_below, supernodes
 from masonry_cd.linalg.small_blocks import copy_flat
 

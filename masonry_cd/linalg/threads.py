@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import borrower, kernel
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.linalg.intrinsics import atomic_add, atomic_load, yield_processor
 
 LINE = 8  # entries of an array that begin together on a line of the cache

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.linalg.single_columns import SYMMETRIC, UNSYMMETRIC, backward_columns, forward_columns
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.supernodes import Factor, gather_rows, has_single_columns, longest_line, subtract_rows

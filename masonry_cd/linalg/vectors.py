@@ -16,7 +16,7 @@ from numba import types
 from numba.core.cgutils import get_or_insert_function, unpack_tuple
 from numba.extending import intrinsic, models, register_model
 
-from masonry_cd.jit import kernel
+from masonry_cd.foundation.jit import kernel
 
 _INDEX = ir.IntType(32)
 

@@ -6,7 +6,7 @@ products, two rows and four columns of the result at a time, which fit into the 
 
 from __future__ import annotations
 
-from masonry_cd.jit import borrower, kernel
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import STEP
 from masonry_cd.linalg.vectors import add_times, fill_four, load_four, store_lanes
 

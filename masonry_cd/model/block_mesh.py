@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.errors import InputError
-from masonry_cd.gmsh_session import gmsh_session
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.gmsh_session import gmsh_session
 from masonry_cd.model.geometry import Faces, Polyhedron, area_vectors
 
 MOST_UNKNOWNS = 768  # of a block, which are solved for together: kernels are compiled for their number

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.deformation import Deformation, deformation_of
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.geometry import Faces, MassProperties, Polyhedra, Polyhedron, mass_properties

@@ -11,8 +11,8 @@ from typing import Any
 
 from pydantic import BeforeValidator, WithJsonSchema
 
-from masonry_cd.errors import InputError, suggest
-from masonry_cd.fields import is_number
+from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.fields import is_number
 
 ANY = "*"  # in a pattern: anything
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry, kernel
+from masonry_cd.foundation.jit import borrower, entry, kernel
 
 
 class PartTables(NamedTuple):

@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.model.elastic_blocks import ElasticBlocks, Elasticity
 
 STRAINS = 6  # of a block

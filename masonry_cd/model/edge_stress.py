@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.geometry import relative_pose
 from masonry_cd.model.joints import Joints, clip_to_other, flat_polygon, flatten, plane_axes

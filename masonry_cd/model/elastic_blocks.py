@@ -9,8 +9,8 @@ from typing import Annotated, Any, TypeAlias
 
 from pydantic import Field, model_validator
 
-from masonry_cd.errors import InputError
-from masonry_cd.fields import Number, Table
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.fields import Number, Table
 from masonry_cd.model.by_group import by_group, numbers, of_group
 
 RIGID, UNIFORM, TETRAHEDRA = KINDS = ("rigid", "uniform", "tetrahedra")  # of blocks

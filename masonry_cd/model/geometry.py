@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import borrower
+from masonry_cd.foundation.jit import borrower
 from masonry_cd.model.polygon import next_in_loop
 
 Faces = tuple[tuple[int, ...], ...]

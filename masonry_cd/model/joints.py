@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry, kernel
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.geometry import relative_angle, relative_pose
 from masonry_cd.model.polygon import clip_in_place, plane_distances

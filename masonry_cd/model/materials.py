@@ -14,12 +14,12 @@ from typing import Annotated, Any, TypeVar
 import numpy as np
 from pydantic import Field, WithJsonSchema, field_validator, model_validator
 
-from masonry_cd.errors import InputError, suggest
-from masonry_cd.fields import Number, Table, is_number
+from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.fields import Number, Table, is_number
+from masonry_cd.foundation.table_schema import one_or_by_name
 from masonry_cd.model.by_group import ANY, members
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.strength import Strength
-from masonry_cd.table_schema import one_or_by_name
 
 Value = TypeVar("Value")
 LIGHTEST, HEAVIEST = 0.1, 1e6  # density [kg/m3], what numbers bear; what masonry has is in masonry_cd/app/ranges.py

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.jit import borrower, entry
+from masonry_cd.foundation.jit import borrower, entry
 
 NEXT, LAST = [1, 2, 0], [2, 0, 1]  # axes in cyclic order after x, y, z
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from masonry_cd.jit import entry
+from masonry_cd.foundation.jit import entry
 from masonry_cd.model.blocks import Assembly
 
 

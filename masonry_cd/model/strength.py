@@ -7,7 +7,7 @@ from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from masonry_cd.fields import Number
+from masonry_cd.foundation.fields import Number
 from masonry_cd.model.by_group import numbers, of_group
 
 WEAKEST, STRONGEST = 1e4, 1e10  # [Pa]: from loose rubble, of a hundredth of a MPa, to more than any ceramic

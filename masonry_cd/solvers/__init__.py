@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from masonry_cd.extensions import Extensions
+from masonry_cd.foundation.extensions import Extensions
 from masonry_cd.solvers.options import Options, cores, threads_that_pay
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.friction.coulomb_law import P
 from masonry_cd.friction.local_operators import LocalArrays, local_residual
-from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.threads import ThreadTeam, share_of, wait
 from masonry_cd.solvers.local_kernels import local_table, sweep_local

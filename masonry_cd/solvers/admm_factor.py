@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.friction.coulomb_law import tangent_length
 from masonry_cd.friction.joint_twists import add_up_stiffness, rows_of_twist, twist_of, velocity_at
 from masonry_cd.friction.operators import has_unit_masses, unknowns_at
-from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.cholesky import factorise_by_team, factorise_cholesky
 from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat, is_wide

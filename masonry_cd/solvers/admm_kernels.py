@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.friction.natural_map import size_of
 from masonry_cd.friction.operators import ProblemArrays, has_unit_masses, put_in_order, trace_of_contact
-from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.supernodes import longest_line

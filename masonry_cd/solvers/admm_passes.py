@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from masonry_cd.foundation.jit import borrower
 from masonry_cd.friction.coulomb_law import tangent_length
 from masonry_cd.friction.joint_twists import add_to_wrench, add_wrench, twist_of, velocity_at
 from masonry_cd.friction.natural_map import project_stretched, project_to_cone, squared_residual
 from masonry_cd.friction.operators import missing_momentum_of, unknowns_at
-from masonry_cd.jit import borrower
 from masonry_cd.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of
 from masonry_cd.linalg.intrinsics import prefetch
 from masonry_cd.linalg.small_blocks import copy_flat

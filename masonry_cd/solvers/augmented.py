@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.friction.joint_twists import out_of_frame
 from masonry_cd.friction.operators import has_frames, has_unit_masses
-from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import add_outer_product, is_wide
 from masonry_cd.linalg.vectors import add_six_times, load_six, pack_six, store_six
 from masonry_cd.linalg.wide_columns import add_turned_product

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.friction.body_sides import add_impulse_of_sides
 from masonry_cd.friction.coulomb_law import tangent_length
-from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.threads import take, wait
 from masonry_cd.solvers.shared_operators import contact_change, contact_velocity, solve_by_first
 from masonry_cd.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks, sum_of_chunks

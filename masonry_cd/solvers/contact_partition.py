@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import entry, kernel
 from masonry_cd.friction.joint_twists import NUMBERS, JointTwists, fill_frame, find_arm
 from masonry_cd.friction.operators import ProblemArrays
-from masonry_cd.jit import entry, kernel
 from masonry_cd.linalg.ghost_rows import nodes_of
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.symbolic import SymbolicFactor

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.friction.joint_twists import frames_of
 from masonry_cd.friction.natural_map import size_of
 from masonry_cd.friction.operators import ProblemArrays
-from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.ordering import Pattern
 from masonry_cd.linalg.supernodes import BlockMatrix, Factor
 from masonry_cd.linalg.symbolic import SymbolicFactor

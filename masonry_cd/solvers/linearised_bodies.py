@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.friction.body_sides import weighed_sides
 from masonry_cd.friction.operators import (
     OrderedProblem,
@@ -21,7 +22,6 @@ from masonry_cd.friction.operators import (
     velocity_of_contact,
     widths_in_order,
 )
-from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.small_blocks import copy_flat, invert, multiply
 from masonry_cd.linalg.threads import SharedRoom, ThreadTeam, room_of_own, run_by_team, take, wait
 from masonry_cd.solvers.central_path import STIFFEST, interior_direction, missing_velocity

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.friction.local_operators import LocalArrays, delassus_product, local_norm, place_blocks
-from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.ldu import factorise_ldu
 from masonry_cd.linalg.single_columns import UNSYMMETRIC
 from masonry_cd.linalg.small_blocks import copy_flat, invert, multiply

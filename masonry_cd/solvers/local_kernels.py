@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.friction.coulomb_law import ROW, START, local_impulse, own_velocity, prepare_law, tangent_length
 from masonry_cd.friction.local_operators import (
     LocalArrays,
@@ -16,7 +17,6 @@ from masonry_cd.friction.local_operators import (
 )
 from masonry_cd.friction.natural_map import project_to_cone, size_of
 from masonry_cd.friction.random_order import seeded, shuffle
-from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.cholesky import factorise_cholesky
 from masonry_cd.linalg.single_columns import SYMMETRIC
 from masonry_cd.linalg.small_blocks import copy_flat, identities

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.arrays import Stored
+from masonry_cd.foundation.arrays import Stored
 from masonry_cd.linalg.ordering import FIELDS, Pattern
 from masonry_cd.linalg.small_blocks import NARROW, STEP
 from masonry_cd.solvers.admm import NAMES

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.friction.coulomb_law import tangent_length
-from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.threads import take
 from masonry_cd.solvers.linearised import keep_better
 from masonry_cd.solvers.shares import copy_share

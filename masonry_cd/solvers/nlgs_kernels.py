@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
+from masonry_cd.foundation.jit import entry
 from masonry_cd.friction.operators import ProblemArrays
 from masonry_cd.friction.random_order import seeded, shuffle
-from masonry_cd.jit import entry
 from masonry_cd.solvers.nlgs_sweep import groups_of, sweep
 from masonry_cd.solvers.nlgs_table import ScaledProblem, measure_error, read_answer, scaled_problem
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.friction.coulomb_law import MU, ROW, START, C, P, Q, local_impulse, own_velocity
-from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.intrinsics import prefetch
 from masonry_cd.solvers.nlgs_table import law_of
 

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.friction.coulomb_law import COUPLING, INVERSE_NN, MU, NN, ROW, SCALE, SCHUR, C, P, Q, prepare_law
 from masonry_cd.friction.natural_map import squared_residual
-from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import cholesky_small
 
 

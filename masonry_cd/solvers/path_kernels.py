@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import borrower, kernel
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.linalg.threads import take, wait
 from masonry_cd.solvers.central_path import (
     Iterate,

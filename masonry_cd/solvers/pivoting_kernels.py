@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK
 from masonry_cd.friction.operators import velocity_of_contact
-from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.triangular import solve_ldu
 from masonry_cd.solvers.linearised import keep_better
 from masonry_cd.solvers.proximal_kernels import FREE, HELD, softness, spring_blocks

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, entry, kernel
 from masonry_cd.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
-from masonry_cd.jit import borrower, entry, kernel
 from masonry_cd.linalg.threads import take, wait
 from masonry_cd.solvers.linearised import keep_better
 from masonry_cd.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.friction.body_sides import add_impulse_of_sides
 from masonry_cd.friction.operators import (
     body_velocity_of,
@@ -12,7 +13,6 @@ from masonry_cd.friction.operators import (
     squared_map_norm_of,
     velocity_of_contact,
 )
-from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.ldu import factorise_ldu_by_team
 from masonry_cd.linalg.threads import wait
 from masonry_cd.linalg.triangular import solve_ldu

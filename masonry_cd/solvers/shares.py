@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.friction.body_sides import BodySides, share_by_cost
-from masonry_cd.jit import borrower, kernel
 from masonry_cd.linalg.small_blocks import copy_flat
 from masonry_cd.linalg.threads import ThreadTeam, room_of_own, share_of, take, wait
 

@@ -29,7 +29,7 @@ import numpy as np
 
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.app.solve_file import load_kernels
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.friction.problem import LocalProblem, Problem, natural_map_error
 from masonry_cd.io.results import Results
 from masonry_cd.solvers import SOLVERS, Options, pivoting

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.app.scene import read_scene
-from masonry_cd.atomic import replacing
-from masonry_cd.csv_files import write_csv
-from masonry_cd.errors import InputError, suggest
-from masonry_cd.files import is_file
-from masonry_cd.quantities import in_words
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.files import is_file
+from masonry_cd.foundation.quantities import in_words
 
 OUTPUTS = ("accuracy.csv", "accuracy.md", "accuracy.png", "seeds.csv")
 PROBLEM_REPEATS, SCENE_REPEATS = 5, 1

@@ -12,11 +12,11 @@ from masonry_cd import __version__
 from masonry_cd.app.case import prepare
 from masonry_cd.app.inputs import file_digests
 from masonry_cd.app.scene import Scene, read_scene
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
-from masonry_cd.files import is_file
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.files import is_file
+from masonry_cd.foundation.quantities import in_words, length
 from masonry_cd.io.lock import locked
-from masonry_cd.quantities import in_words, length
 from masonry_cd.studies.accuracy_case import markdown, numbers_asked, solvers_asked, tolerances_asked, write_rows
 from masonry_cd.studies.accuracy_ensemble import (
     LEAST,

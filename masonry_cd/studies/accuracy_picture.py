@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.accuracy import RunRow, SolverRow
 from reports.drawing.figure import COLOURS, FAINT, INK
 

@@ -101,7 +101,7 @@ def _measured(results: Results) -> dict[str, np.ndarray]:
 
 def seed_lines(study: SeedStudy) -> list[str]:
     """The summary, in words."""
-    from masonry_cd.quantities import length
+    from masonry_cd.foundation.quantities import length
 
     force, mean = study.spread("normal_force"), study.values["normal_force"].mean(axis=0)
     loaded = mean > LOADED * mean.max(initial=0.0)

@@ -13,9 +13,9 @@ from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, TypeVar
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
-from masonry_cd.files import read_text
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.files import read_text
 
 Asked = TypeVar("Asked")
 Row = dict[str, Any]

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError
 from reports.drawing.figure import COLOURS, FAINT, INK
 
 

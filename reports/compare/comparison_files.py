@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
-from masonry_cd.csv_files import write_csv
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.csv_files import write_csv
 from reports.compare.comparison import Comparison
 from reports.compare.comparison_picture import comparison_picture
 

@@ -26,9 +26,9 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, field_validator
 
-from masonry_cd.errors import parse_table
-from masonry_cd.fields import is_number
-from masonry_cd.quantities import length
+from masonry_cd.foundation.errors import parse_table
+from masonry_cd.foundation.fields import is_number
+from masonry_cd.foundation.quantities import length
 
 INF = float("inf")
 NAMES = ("D0", "D1", "D2", "D3", "D4", "D5")

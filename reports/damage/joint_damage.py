@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.csv_files import write_csv
+from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.io.layout import BONDED
 from masonry_cd.io.results import Results
 from masonry_cd.model.joints import OPENED as OPENING_IN_RUN

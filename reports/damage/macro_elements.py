@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
-from masonry_cd.csv_files import write_csv
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.csv_files import write_csv
 from reports.damage.grades import NAMES
 from reports.damage.part_damage import PartDamage, Row
 from reports.damage.verdict import NOT_GRADED

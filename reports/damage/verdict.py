@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results
-from masonry_cd.quantities import length
 from reports.damage.definitions import Thresholds
 from reports.damage.end_state import EndState
 from reports.damage.joint_damage import collapsed_blocks, displacement_max

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError
 from reports.drawing.render import View
 
 WIDTH = 1800  # of the sheet

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from masonry_cd.extensions import Entries
+from masonry_cd.foundation.extensions import Entries
 
 if TYPE_CHECKING:  # scenes are checked before HDF5 is loaded
     from masonry_cd.io.results import Results

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing.figure import COLOURS, INK, plain_axes, save
 from reports.extra import ExtraReport

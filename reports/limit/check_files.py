@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.csv_files import write_csv
+from masonry_cd.foundation.csv_files import write_csv
 
 STEPS = ("symbol", "value", "unit", "clause", "meaning")
 

@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.quantities import force
+from masonry_cd.foundation.quantities import force
 from reports.page.document import filled, header, pictures, plain_style, write_document
 from reports.page.findings import section, table
 from reports.page.title_block import rows_of

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.csv_files import write_csv
+from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.limit.analysis import Collapse
 from masonry_cd.limit.mechanism import STATES
 from masonry_cd.model.blocks import Assembly

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.quantities import force
+from masonry_cd.foundation.quantities import force
 from reports.damage.macro_elements import DamageSnapshot
 from reports.drawing.figure import FAINT, INK, TRIAD, Box, Paint, Sheet, classes
 from reports.drawing.render import View

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.polygon import clip_loops, next_in_loop
 from reports.deformed import Solids

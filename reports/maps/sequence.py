@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing.figure import Sheet
 from reports.drawing.render import Canvas

@@ -17,9 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
+from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.layout import EDGE_STRESS
 from masonry_cd.io.results import Results
-from masonry_cd.quantities import length, pressure
 from reports.deformed import frame_index
 from reports.drawing.figure import Paint, Sheet, in_metres
 from reports.drawing.render import SAMPLES, Canvas

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids, base_shift, joint_frame

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.geometry import area_vectors
 from masonry_cd.model.polygon import next_in_loop

@@ -16,7 +16,7 @@ import numpy as np
 from scipy import linalg, sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 DENSE = 600  # unknowns up to which a dense solver is used
 SHIFT = 1e-6  # of the scale that the caller gives

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.errors import InputError, suggest
+from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties
 from reports.modal.shapes import Shapes

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties
 
@@ -59,7 +59,7 @@ def solid_mesh(blocks: Sequence[Block], kinds: np.ndarray, size: float | None = 
     Raises:
         InputError: gmsh is missing or cannot mesh the solid.
     """
-    from masonry_cd.gmsh_session import gmsh_session
+    from masonry_cd.foundation.gmsh_session import gmsh_session
 
     volume = sum(mass_properties(b.vertices, b.faces).volume for b in blocks if not b.fixed)
     _check_count(volume, size)

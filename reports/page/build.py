@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.damage import joint_damage
 from reports.damage.definitions import STATES, Thresholds

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from masonry_cd.quantities import force
+from masonry_cd.foundation.quantities import force
 from reports.drawing.figure import in_metres
 from reports.page.findings import section, table
 from reports.page.words import PageContext, escaped, number

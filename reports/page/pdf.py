@@ -7,8 +7,8 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from masonry_cd.atomic import part_of
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.atomic import part_of
+from masonry_cd.foundation.errors import InputError
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge", "chrome", "msedge")
 FLAGS = (

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.results import Results
-from masonry_cd.quantities import length, pressure
 from reports.maps.stress_map import StressScale
 from reports.page.findings import section, table
 from reports.page.words import PageContext, escaped, number

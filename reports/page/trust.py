@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from masonry_cd.quantities import length
+from masonry_cd.foundation.quantities import length
 from reports.damage.verdict import DOUBTFUL, ENERGY, FALSE_MOTION, FORCES, GOOD, LIFT, LOOK, OVERLAP, TIME_STEP
 from reports.damage.verdict import END as END_OF_RUN
 from reports.drawing.figure import in_metres

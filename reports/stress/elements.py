@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.csv_files import write_csv
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.csv_files import write_csv
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from reports.stress.peaks import AT_ONCE, NOTHING, Largest, principal, require_stress, strengths

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.layout import EDGE_STRESS, MEAN_NORMAL_FORCE
 from masonry_cd.io.results import Results
 from masonry_cd.model.strength import strength_by_group

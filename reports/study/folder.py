@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.csv_files import unguarded
-from masonry_cd.errors import InputError
-from masonry_cd.files import read_bytes, read_text
+from masonry_cd.foundation.csv_files import unguarded
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.files import read_bytes, read_text
 from reports.study.limits import LimitState, read_limit_states
 
 FIRST = ("run", "motion", "level", "seed", "status", "reason", "seconds")  # columns before what varied
@@ -170,7 +170,7 @@ def _read_rows(path: Path, asked: Mapping[str, Any]) -> tuple[list[str], list[li
 
 
 def _column(name: str, cells: list[str]) -> np.ndarray | list[str]:
-    """A column: numbers where all cells are, empty ones nan; else words, without the guard of :mod:`masonry_cd.csv_files`."""
+    """A column: numbers where all cells are, empty ones nan; else words, without the guard of :mod:`masonry_cd.foundation.csv_files`."""
     if name not in TEXT and not name.endswith(".grade"):
         try:
             return np.array([float(cell) if cell else math.nan for cell in cells], dtype=float)

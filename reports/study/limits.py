@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.errors import InputError, suggest
-from masonry_cd.fields import is_number
+from masonry_cd.foundation.errors import InputError, suggest
+from masonry_cd.foundation.fields import is_number
 from reports.damage.grades import NAMES
 
 WHOLE_NUMBERS = ("collapsed_blocks", "steps_missed", "steps")  # counts: they have no logarithm worth a regression

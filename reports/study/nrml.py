@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree as Xml
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import one_line
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import one_line
 from reports.study.measures import Imt
 
 SPACE = "http://openquake.org/xmlns/nrml/0.5"

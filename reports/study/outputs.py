@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from reports.study.fits import Fit, Fits, fit_study
 from reports.study.folder import Study, read_study
 from reports.study.fragility_picture import fragility_picture

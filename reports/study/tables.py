@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.atomic import replacing
-from masonry_cd.csv_files import write_csv
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.csv_files import write_csv
 from reports.study.fits import Fit, Fits
 from reports.study.fragility_picture import ORDER
 from reports.study.measures import openquake, unit

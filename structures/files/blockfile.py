@@ -22,9 +22,9 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError, parse_table, suggest
-from masonry_cd.files import read_text
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.files import read_text
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, Polyhedron
 from masonry_cd.model.sphere import ball_centre

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.gmsh_session import gmsh_session
+from masonry_cd.foundation.gmsh_session import gmsh_session
 from structures.files.foreign import Answer, Faces, Piece, Refused
 from structures.size import MOST, beyond
 

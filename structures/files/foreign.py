@@ -77,7 +77,7 @@ def read(reader: str, path: Path, keywords: Mapping[str, Any] | None = None, lim
     Raises:
         InputError: one line: the file cannot be read, or the child crashed, took too long or too much.
     """
-    from masonry_cd.errors import InputError
+    from masonry_cd.foundation.errors import InputError
 
     limits = limits or Limits()
     request = {

@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from masonry_cd.arrays import LARGEST
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
-from masonry_cd.files import read_text
+from masonry_cd.foundation.arrays import LARGEST
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.files import read_text
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, triangles
 from structures.files import foreign, vtkfile

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.atomic import replacing
+from masonry_cd.foundation.atomic import replacing
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, Polyhedron
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.arrays import LARGEST
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.arrays import LARGEST
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Polyhedra, Polyhedron, area_vectors, mass_properties
 from masonry_cd.model.polygon import next_in_loop

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces, Polyhedron
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
-from masonry_cd.gmsh_session import gmsh_session
+from masonry_cd.foundation.gmsh_session import gmsh_session
 from masonry_cd.model.polygon import polygon_area
 
 Segment = tuple[tuple[float, float], tuple[float, float]]  # the two ends x, z of a joint [m]

@@ -18,8 +18,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
-from masonry_cd.errors import InputError, parse_table
-from masonry_cd.fields import is_number
+from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.fields import is_number
 from masonry_cd.model.blocks import Block
 from structures import size
 from structures.geometry.checks import check

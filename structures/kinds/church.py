@@ -16,7 +16,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from structures import size
 from structures.geometry.checks import check

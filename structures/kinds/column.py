@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from masonry_cd import libm
-from masonry_cd.errors import InputError, parse_table
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces
 from structures.geometry.checks import check

@@ -8,8 +8,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from masonry_cd.errors import InputError, parse_table
-from masonry_cd.files import is_file
+from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.files import is_file
 from masonry_cd.model.blocks import Block, refuse_spheres
 from structures.files import blockfile, meshfile
 from structures.files.blockfile import METRES, sound

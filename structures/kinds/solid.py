@@ -25,8 +25,8 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from masonry_cd.errors import InputError, parse_table
-from masonry_cd.files import is_file
+from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.files import is_file
 from masonry_cd.model.blocks import Block
 from structures import size
 from structures.files import foreign

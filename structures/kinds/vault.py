@@ -23,7 +23,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from masonry_cd.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces
 from structures import size

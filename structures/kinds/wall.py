@@ -20,9 +20,9 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from masonry_cd.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.table_schema import rows
 from masonry_cd.model.blocks import Block
-from masonry_cd.table_schema import rows
 from structures import size
 from structures.geometry.checks import check
 from structures.layout import rubble, wall_plan

@@ -27,8 +27,8 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from masonry_cd import libm
-from masonry_cd.errors import InputError
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError
 from structures.schema import Length, Table
 
 AGREE = 1e-6  # relative difference up to which redundant keys agree

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from structures import size
 from structures.layout.openings import Closing, Opening, haunch_break
 from structures.layout.openings import breaks as breaks_of

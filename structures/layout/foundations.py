@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydantic import Field
 
-from masonry_cd.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.model.blocks import Block
 from structures import size
 from structures.geometry.convex import halves

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.errors import InputError
-from masonry_cd.fields import is_number
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.fields import is_number
 from masonry_cd.model.blocks import Block
 from structures.layout.wall_plan import ground
 

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd import libm
-from masonry_cd.errors import InputError
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError
 from structures import size
 from structures.schema import HeadShape, OpeningTable
 

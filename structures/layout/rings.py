@@ -18,7 +18,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from masonry_cd import libm
+from masonry_cd.foundation import libm
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import Faces
 from structures.geometry.compound_block import compound_block

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.jit import entry, kernel
+from masonry_cd.foundation.jit import entry, kernel
 from structures.layout.loose_grains import Grains, number_shares
 
 TRIES = 4  # places at which a sphere is dropped, of which it keeps the lowest: rubble is thrown where it is low

@@ -16,8 +16,8 @@ import structures
 from loads import readers
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.solve_file import solve_file
-from masonry_cd.errors import InputError
-from masonry_cd.extensions import Extensions
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extensions import Extensions
 from masonry_cd.io.results import Results
 from masonry_cd.solvers import SOLVERS
 from reports import outputs

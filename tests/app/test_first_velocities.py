@@ -14,7 +14,7 @@ from masonry_cd.app.scene import Origin, scene_of
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.start import drawn_velocities
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 
 WALL = {"kind": "wall", "length": 1.0, "thickness": 0.5, "height": 1.0, "course_height": 0.5, "unit_length": 0.5}

@@ -12,7 +12,7 @@ import loads
 from masonry_cd.app.case import build_structure
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_text import override
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 
 def blocks(**keys: object) -> str:

@@ -11,7 +11,7 @@ import pytest
 from models import box, wall
 
 from masonry_cd.app.modal_case import by_group, modal_case
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Block
 
 ARCH = """\

@@ -13,7 +13,7 @@ import pytest
 from masonry_cd.app import progress
 from masonry_cd.app.progress import Interrupt, Interrupted, Progress, said_if_slow
 from masonry_cd.app.step_costs import AFTER, REST, SETTLING, STRONG, StepCosts, motion_classes
-from masonry_cd.quantities import force, in_words, length
+from masonry_cd.foundation.quantities import force, in_words, length
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from masonry_cd.app.run_loop import run
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.moreau_jean import ENERGIES, StepReport
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint, result_writer, segments
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results

@@ -10,7 +10,7 @@ import pytest
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.dynamics.settings import Run
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.solvers import SOLVERS
 
 GOOD = """\

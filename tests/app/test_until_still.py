@@ -15,7 +15,7 @@ from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from structures.files.blockfile import write
 

@@ -17,8 +17,8 @@ from masonry_cd.app import warmup
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.flat_calls import FlatCall
-from masonry_cd.jit import compiled, kept
+from masonry_cd.foundation.flat_calls import FlatCall
+from masonry_cd.foundation.jit import compiled, kept
 from masonry_cd.solvers import SOLVERS, Options
 from masonry_cd.solvers.linearised_bodies import linearised_by_team
 

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import structures
 from masonry_cd.cli.app import app
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
 from reports import outputs

@@ -29,7 +29,7 @@ from masonry_cd.cli.app import app
 from masonry_cd.contact.detector import Detector
 from masonry_cd.dynamics.islands import Islands
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.friction.files import write_problem
 from masonry_cd.friction.problem import LocalProblem
 from masonry_cd.io.result_writer import ResultWriter

@@ -19,7 +19,7 @@ import masonry_cd.solvers
 import structures
 import structures.kinds
 from masonry_cd import __version__
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.friction.problem import Problem, natural_map_error
 from masonry_cd.solvers import SOLVERS, Options
 

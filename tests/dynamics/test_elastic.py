@@ -12,7 +12,7 @@ from masonry_cd.contact.detector import Detector
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.materials import JointLaw
 from masonry_cd.model.state import State, rotation_matrices

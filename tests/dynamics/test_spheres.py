@@ -7,7 +7,7 @@ import pytest
 from models import GRAVITY, box, gravity, ground, stepper
 
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 

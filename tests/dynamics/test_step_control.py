@@ -5,7 +5,7 @@ import pytest
 
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.dynamics.step_control import CALM, QUIET, REPEAT, StepControl
-from masonry_cd.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError, parse_table
 
 LONGEST = 32
 

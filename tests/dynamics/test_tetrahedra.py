@@ -10,7 +10,6 @@ import pytest
 from models import BOX_FACES, GRAVITY, box, ground, stepper, still, tower, turned
 
 from loads.bars import Forces, PointLoad
-from masonry_cd.arrays import Stored
 from masonry_cd.contact.detector import Detector
 from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.dynamics.equilibrium import settle
@@ -18,7 +17,8 @@ from masonry_cd.dynamics.mean_stress import MeanStress, check_sums
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
 from masonry_cd.dynamics.strain import unknowns_of_strain
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.arrays import Stored
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.elastic_blocks import ElasticBlocks
 from masonry_cd.model.materials import JointLaw

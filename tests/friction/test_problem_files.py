@@ -14,7 +14,7 @@ from places import SHARED
 from scipy import sparse
 
 from masonry_cd.app.solve_file import solve_file
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.friction.files import read_problem, write_problem
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 

@@ -14,8 +14,8 @@ import pytest
 from places import EXAMPLES, ROOT
 
 import masonry_cd as mc
-from masonry_cd import jit
 from masonry_cd.app.scene import read_scene
+from masonry_cd.foundation import jit
 
 ARCH = EXAMPLES / "arch.toml"
 
@@ -44,7 +44,9 @@ def test_a_bad_scene_is_refused_before_numba_comes(tmp_path: Path) -> None:
 def test_a_file_of_ones_own_that_hides_a_room_is_named(tmp_path: Path) -> None:
     (tmp_path / "loads.py").write_text("mine = 1\n")
     said = python(tmp_path, "import masonry_cd as mc; mc.scene").stderr.strip().splitlines()[-1]
-    assert said.startswith(f'masonry_cd.errors.InputError: {tmp_path / "loads"}.py hides the package "loads" of masonry_cd: rename it')
+    assert said.startswith(
+        f'masonry_cd.foundation.errors.InputError: {tmp_path / "loads"}.py hides the package "loads" of masonry_cd: rename it'
+    )
 
 
 def test_every_name_is_there_and_no_other() -> None:

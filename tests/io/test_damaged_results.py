@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 from masonry_cd.cli.app import app
 from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.layout import FORMAT
 from masonry_cd.io.results import Results
 

@@ -16,7 +16,7 @@ from places import ROOT
 
 from masonry_cd.app.run_loop import run
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import result_writer
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results

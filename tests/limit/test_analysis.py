@@ -11,7 +11,7 @@ from limit_loads import joined, push_loads, pushed
 from models import GRAVITY, box, ground
 
 from benchmarks.dry_walls import FRICTION, dry_wall
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.analysis import Options, analyse, certificate
 from masonry_cd.limit.interfaces import area_shares
 from masonry_cd.limit.mechanism import STATES

@@ -12,7 +12,7 @@ from models import GRAVITY, box, ground
 from benchmarks.dry_walls import FRICTION, dry_wall
 from masonry_cd.app.limit_dynamics import brackets
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.analysis import Options
 from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.limit.moved import Placement

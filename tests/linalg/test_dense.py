@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from masonry_cd.jit import entry
+from masonry_cd.foundation.jit import entry
 from masonry_cd.linalg.dense import gemm
 
 

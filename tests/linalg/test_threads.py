@@ -7,7 +7,7 @@ from threading import Thread
 import numpy as np
 import pytest
 
-from masonry_cd.jit import entry
+from masonry_cd.foundation.jit import entry
 from masonry_cd.linalg.threads import ThreadTeam, run_by_team, wait
 
 LONG = 20.0  # that a thread may wait for the others, were it not for the error: it would wait for ever [s]

@@ -7,7 +7,7 @@ import pytest
 from numba.core.errors import TypingError
 from numpy.testing import assert_allclose, assert_array_equal
 
-from masonry_cd.jit import entry
+from masonry_cd.foundation.jit import entry
 from masonry_cd.linalg.vectors import (
     add_six_times,
     add_times,

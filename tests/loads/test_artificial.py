@@ -12,7 +12,7 @@ from loads.kinds import artificial
 from loads.kinds.artificial import ArtificialTable, accelerogram, envelope
 from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 G = (0.0, 0.0, -9.81)
 EC8 = {"kind": "artificial", "direction": "x", "spectrum": "EC8", "ag": 2.0, "ground": "B"}

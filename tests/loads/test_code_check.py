@@ -13,7 +13,7 @@ from loads.code_check.steps import Basis, Verdict
 from loads.code_check.table import CheckTable
 from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum
-from masonry_cd.errors import InputError, parse_table
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.limit.oscillator import Oscillator
 
 G = 9.81

@@ -18,7 +18,7 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.place_on_block import require_on_block

@@ -13,7 +13,7 @@ from places import ROOT
 from loads.picture import file_picture, record_picture, thin_curve
 from loads.signal.baseline import integrate
 from loads.signal.response import default_periods
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 TIME = 0.01 * np.arange(1001)
 WAVE = 2.0 * np.sin(np.pi * TIME / 10.0) ** 2 * np.sin(2 * np.pi * 1.3 * TIME)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import loads
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 G = (0.0, 0.0, -9.81)
 SINE = {"kind": "sinusoidal", "direction": "x", "amplitude": 0.2, "frequency": 2.0, "cycles": 4}

@@ -12,7 +12,7 @@ from loads.motion import STANDARD_GRAVITY
 from loads.signal.baseline import History, integrate
 from loads.signal.directions import rotated
 from loads.signal.measures import FAMILIES, parse
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 STEP = 0.01
 HALF_SINE = integrate(3.0 * np.sin(np.pi * np.linspace(0.0, 1.0, 1001)), 0.001)  # 3 m/s2, 1 s long

@@ -10,7 +10,7 @@ import pytest
 import loads
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 STEP = 0.01
 TIME = STEP * np.arange(1001)

@@ -12,7 +12,7 @@ import loads
 from loads.readers import RawRecord, quantity
 from loads.signal.accelerogram import Accelerogram, Processed, process
 from loads.signal.series import Keys, accelerations, derivative
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 STEP = 0.01
 TIME = STEP * np.arange(40)

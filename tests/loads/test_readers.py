@@ -10,7 +10,7 @@ from records import STEP, TIME, WAVE, at2, columns, esm, table
 
 from loads.readers import RawRecord, Request, Source, read
 from loads.readers.units import acceleration_unit, split_heading
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 
 def load(tmp_path: Path, text: str, name: str = "auto", **request: object) -> tuple[str, RawRecord]:

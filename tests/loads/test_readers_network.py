@@ -9,7 +9,7 @@ import pytest
 
 import loads
 from loads.readers import RawRecord, Request, Source, read
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 COUNTS = np.round(1000.0 * np.sin(np.linspace(0.0, 9.0, 40))).astype(int) - 500
 HEADING = {

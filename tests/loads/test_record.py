@@ -11,7 +11,7 @@ from places import SHARED
 import loads
 from loads.motion import STANDARD_GRAVITY
 from loads.signal.baseline import integrate
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 RECORDS = SHARED / "records"
 STEP = 0.01

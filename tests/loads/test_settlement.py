@@ -12,7 +12,7 @@ from models import box
 import loads
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly
 
 G = (0.0, 0.0, -9.81)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import loads
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 G = (0.0, 0.0, -9.81)
 DT = 5e-3

@@ -9,7 +9,7 @@ import pytest
 
 from loads.readers import RawRecord, Request, Source, read
 from loads.readers.wrapped import in_reading_order
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 STEP = 0.01
 TIME = STEP * np.arange(402)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model import block_mesh as meshing
 from masonry_cd.model.geometry import Polyhedron
 from structures.geometry.prism import box

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from models import box, ground, tower
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.geometry import mass_properties
 from masonry_cd.model.polygon import clip, clip_loops

@@ -7,7 +7,7 @@ import pytest
 from models import tower
 from pydantic import ValidationError
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.deformation import hooke, principal_axes
 from masonry_cd.model.elastic_blocks import ElasticBlocks, Elasticity

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.materials import JointLaw, friction_table, joint_table
 
 GROUPS = ("base", "arch", "pier")

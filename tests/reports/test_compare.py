@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, write_run
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from reports.compare import comparison, comparison_files
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)

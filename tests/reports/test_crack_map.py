@@ -13,7 +13,7 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 from pictures import BASE, COLUMN, model_area, opening_scale, pixels, shares
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
 from reports.damage.definitions import Thresholds

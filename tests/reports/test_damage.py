@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
 from reports.damage import joint_damage

@@ -15,7 +15,7 @@ import pytest
 from block_files import cuboid
 
 import masonry_cd as mc
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.model.block_mesh import block_mesh

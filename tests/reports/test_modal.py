@@ -11,7 +11,7 @@ from beams import CLAMPED, FREE, HINGED, Beam, chain
 from models import box, tower
 from scipy.optimize import brentq
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Block
 from reports.modal.modes import Modes, modal
 

@@ -13,7 +13,7 @@ from made_run import at_rest, box, shifted, turned, write_run
 from typer.testing import CliRunner
 
 from masonry_cd.cli.app import app
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.state import rotation_matrices

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.paraview import export
 

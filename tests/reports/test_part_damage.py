@@ -12,7 +12,7 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 from places import ROOT
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.state import State

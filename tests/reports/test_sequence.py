@@ -9,7 +9,7 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 from pictures import COLUMN, opening_scale, pixels
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from reports.drawing.render import Canvas, Surface, Window, view_named
 from reports.maps.framing import MapStyle, framing

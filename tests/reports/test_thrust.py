@@ -12,7 +12,7 @@ from solids import build
 
 from masonry_cd.app.run_loop import run
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.model.blocks import Block

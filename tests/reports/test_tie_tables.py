@@ -17,7 +17,7 @@ from masonry_cd.app.case import make_structures, prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
 from reports.drawing.structure_picture import structure_picture

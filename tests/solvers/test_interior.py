@@ -14,9 +14,9 @@ from scipy import sparse
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
 from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.foundation.jit import entry
 from masonry_cd.friction.coulomb_law import SLIP, STICK
 from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Solution, natural_map_error
-from masonry_cd.jit import entry
 from masonry_cd.solvers import SOLVERS, Options
 from masonry_cd.solvers.central_path import Iterate, Linearisation, allows_step, change_contact, contact_step, linearise_contact
 from masonry_cd.solvers.interior import TURN

@@ -14,7 +14,7 @@ from statics import can_stand, section, stretches
 from statics3d import can_stand as can_stand_in_space
 
 import structures
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties
 from structures.geometry import solid

@@ -13,7 +13,7 @@ from statics import can_stand, section
 
 import structures
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.geometry import mass_properties
 

@@ -13,7 +13,7 @@ import pytest
 from places import SHARED
 
 import structures
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties
 from structures.files import blockfile

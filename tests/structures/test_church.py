@@ -11,7 +11,7 @@ from solids import bonded_share, build, free_volume, moved_at_rest, outline, tou
 from statics3d import assembled, can_stand, in_one_piece
 
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.geometry import mass_properties
 from masonry_cd.model.polygon import polygon_area, polygon_centroid

@@ -8,7 +8,7 @@ import pytest
 from solids import build, free_volume, moved_at_rest
 from statics3d import assembled, can_stand, in_one_piece
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 
 def frustum(sides: int, low: float, high: float, height: float) -> float:

@@ -9,7 +9,7 @@ import pytest
 from models import ground
 
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.geometry import mass_properties
 from structures.geometry.checks import check

@@ -12,7 +12,7 @@ from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
 import structures
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.analysis import Options, analyse
 from masonry_cd.limit.problem import Bars
 from masonry_cd.model.blocks import Block

@@ -16,8 +16,8 @@ import pytest
 from models import tower
 
 import structures
-from masonry_cd.errors import InputError
-from masonry_cd.gmsh_session import gmsh_session
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.gmsh_session import gmsh_session
 from structures.files import cutting, foreign, mesh_readers, meshfile
 
 HEAD = 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1, 0.4, 0.5};\n'
@@ -269,7 +269,7 @@ def test_a_child_imports_no_more_than_it_needs() -> None:
     text = "import sys, structures.files.foreign, structures.files.mesh_readers, structures.files.cutting; print(*sys.modules)"
     there = set(subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True).stdout.split())
     assert "numpy" in there
-    assert not there & {"numba", "scipy", "pydantic", "gmsh", "vtkmodules", "pyvista", "trimesh", "meshio", "masonry_cd.errors"}
+    assert not there & {"numba", "scipy", "pydantic", "gmsh", "vtkmodules", "pyvista", "trimesh", "meshio", "masonry_cd.foundation.errors"}
 
 
 # Readers that misbehave, found by their names in the child.

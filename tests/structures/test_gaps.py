@@ -12,7 +12,7 @@ from solids import build, moved_at_rest
 
 import structures
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.geometry import triangles
 from structures.files import blockfile

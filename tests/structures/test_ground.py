@@ -10,7 +10,7 @@ import pytest
 from models import stepper
 
 import structures
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Block
 
 THIN = {"kind": "arch", "radius": 1.0, "thickness": 0.08, "voussoirs": 9}  # too thin to stand

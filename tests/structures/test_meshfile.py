@@ -11,7 +11,7 @@ from solids import build
 
 import structures
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.geometry import Polyhedron, mass_properties
 from structures.files import meshfile

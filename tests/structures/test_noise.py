@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import structures
 from masonry_cd.cli.app import app
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.geometry import mass_properties
 from masonry_cd.model.middle_plane import middle_plane

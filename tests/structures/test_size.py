@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import structures
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from structures import size
 
 KINDS: list[dict[str, Any]] = [

@@ -10,8 +10,8 @@ from solids import bonded_share, exposed, free_volume, moved_at_rest
 
 import structures
 from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.errors import InputError
-from masonry_cd.gmsh_session import gmsh_session
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.gmsh_session import gmsh_session
 from masonry_cd.model.blocks import Assembly, Block
 
 HEAD = 'SetFactory("OpenCASCADE");\n'

@@ -14,7 +14,7 @@ import loads
 import structures
 from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.dynamics.settings import Run
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from structures import Made, site
 from structures.files import blockfile

@@ -9,7 +9,7 @@ import pytest
 from solids import bonded_share, build, exposed, free_volume, moved_at_rest, volume_of_walls
 from statics3d import assembled, can_stand, in_one_piece
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from structures.kinds import tower
 from structures.layout import wall_plan
 

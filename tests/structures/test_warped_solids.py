@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import structures
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Block
 from masonry_cd.model.geometry import mass_properties
 from structures.geometry import convex

@@ -10,7 +10,7 @@ from scipy.stats import lognorm, norm, truncnorm
 from studied import GRID, RECORDS, SCENE, STEP, changed, wave, write_records, write_scene, write_study
 
 from loads.signal.baseline import correct, integrate
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.studies.study.checks import scene_of_run
 from masonry_cd.studies.study.designs.ida import next_level
 from masonry_cd.studies.study.plan import Plan

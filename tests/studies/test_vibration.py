@@ -12,7 +12,7 @@ from models import box, gravity, stepper, tower, wall
 
 from masonry_cd.dynamics.equilibrium import settle
 from masonry_cd.dynamics.settings import Run
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.model.blocks import Assembly, Block
 from masonry_cd.model.materials import JointLaw
 from masonry_cd.studies.joints_at_rest import at_rest_lines, at_rest_summary, joints_at_rest

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field
 
 from masonry_cd.app.scene_text import parse_toml, read_text
-from masonry_cd.errors import InputError, parse_table
-from masonry_cd.fields import Count, Table
+from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.fields import Count, Table
 from masonry_cd.solvers import cores
 
 if TYPE_CHECKING:

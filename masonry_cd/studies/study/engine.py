@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from masonry_cd.errors import one_line
-from masonry_cd.quantities import in_words
+from masonry_cd.foundation.errors import one_line
+from masonry_cd.foundation.quantities import in_words
 from masonry_cd.studies.study.clusters import DEATHS
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.task import Outcome, Task, run_task

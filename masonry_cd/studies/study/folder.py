@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 
 from masonry_cd import __version__
-from masonry_cd.atomic import replacing
-from masonry_cd.errors import InputError
-from masonry_cd.files import read_text
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.files import read_text
 from masonry_cd.studies.study.plan import Planned
 from masonry_cd.studies.study.study_file import Study
 from masonry_cd.studies.study.task import ROWS, Outcome

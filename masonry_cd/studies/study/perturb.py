@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 SIZES = {"sinusoidal": ("amplitude",), "record": ("scale", "target_pga")}  # keys by which loads grow, by kind
 UNSCALED = "scale"  # of a record that has neither key

@@ -15,8 +15,8 @@ from typing import Any
 
 from masonry_cd.app.inputs import file_digests
 from masonry_cd.app.scene_text import assign
-from masonry_cd.errors import InputError
-from masonry_cd.extensions import Extensions
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.extensions import Extensions
 from masonry_cd.studies.study.designs import ida
 from masonry_cd.studies.study.perturb import perturb, set_in_motion
 from masonry_cd.studies.study.space import Asked, Space

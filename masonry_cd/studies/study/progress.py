@@ -14,7 +14,7 @@ from contextlib import suppress
 from typing import Any, TextIO
 
 from masonry_cd.app.progress import PLAIN
-from masonry_cd.quantities import in_words
+from masonry_cd.foundation.quantities import in_words
 
 DRAWN, SAID = 0.5, 10.0  # between two lines on a terminal and elsewhere [s]
 

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator, model_validator
 
 from loads.signal.accelerogram import Accelerogram
-from masonry_cd.errors import parse_table
-from masonry_cd.fields import Instant, Number, Table
+from masonry_cd.foundation.errors import parse_table
+from masonry_cd.foundation.fields import Instant, Number, Table
 
 GROUPS = ("motion", "component")
 PASSED_ON = (  # to each load of kind "record"

@@ -21,7 +21,7 @@ from loads.signal.baseline import History
 from loads.signal.directions import rotated
 from loads.signal.intensity import arias
 from loads.signal.measures import Measure, parse
-from masonry_cd.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.studies.study.record_tables import RecordsTable
 from masonry_cd.studies.study.study_file import Study
 

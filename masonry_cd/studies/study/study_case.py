@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.app.progress import Interrupt, Interrupted
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.lock import locked
 from masonry_cd.studies.study.checks import check_first, check_varied
 from masonry_cd.studies.study.clusters import Where, connected

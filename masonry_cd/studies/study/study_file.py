@@ -22,9 +22,9 @@ from pydantic import Field, field_validator, model_validator
 from loads.signal.directions import RULES
 from masonry_cd.app.scene import Origin, Scene, read_scene, scene_of
 from masonry_cd.app.scene_text import dump_toml, parse_toml, read_text
-from masonry_cd.errors import InputError, parse_table, suggest
-from masonry_cd.fields import Count, Number, Table
-from masonry_cd.files import is_file
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.fields import Count, Number, Table
+from masonry_cd.foundation.files import is_file
 from masonry_cd.solvers.options import LARGEST_SEED
 from masonry_cd.studies.study.record_tables import RecordsTable
 from masonry_cd.studies.study.varied import Correlation, Varied, read_varied

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.atomic import replacing
-from masonry_cd.csv_files import write_csv
+from masonry_cd.foundation.atomic import replacing
+from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.studies.study.numbers import QUANTITIES
 from masonry_cd.studies.study.plan import Maker, Planned
 from reports.study.folder import FIRST

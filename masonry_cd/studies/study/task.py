@@ -19,7 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from masonry_cd.errors import InputError, one_line
+from masonry_cd.foundation.errors import InputError, one_line
 
 ROWS = "rows"  # folder of a study with what each run came to
 RESULTS = "result.h5"

@@ -25,8 +25,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from masonry_cd.errors import InputError, parse_table, suggest
-from masonry_cd.fields import Count, Number, Table
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
+from masonry_cd.foundation.fields import Count, Number, Table
 
 FAR = 1e-6  # quantile that stands for the end of a distribution without bounds
 NEEDED = {"uniform": ("low", "high"), "normal": ("mean", "std"), "lognormal": ("median", "beta")}

@@ -11,7 +11,7 @@ import os
 import stat
 from pathlib import Path
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 MOST = 4e9  # bytes of a file that is read whole: a table of 10^8 numbers has a tenth of it
 KINDS = (

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
 LARGEST = 1e15  # magnitude beyond which no number of a run's state is one, in any unit of it
 

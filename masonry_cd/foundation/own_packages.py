@@ -6,19 +6,19 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-from masonry_cd.errors import InputError
+from masonry_cd.foundation.errors import InputError
 
-ROOMS = ("structures", "loads", "reports")
-HOME = Path(__file__).resolve().parent.parent  # the folder that holds masonry_cd and the rooms beside it
+PACKAGES = ("structures", "loads", "reports")
+HOME = Path(__file__).resolve().parents[2]  # the folder that holds masonry_cd and the packages beside it
 
 
-def require_own_rooms() -> None:
-    """Check where Python finds the rooms; nothing is imported.
+def require_own_packages() -> None:
+    """Check where Python finds the packages beside masonry_cd; nothing is imported.
 
     Raises:
         InputError: names the file that hides one, and the remedy.
     """
-    for name in ROOMS:
+    for name in PACKAGES:
         place = _place(name)
         if place is None:
             raise InputError(f'the package "{name}" of masonry_cd is missing in {HOME}: install masonry-cd anew')

@@ -39,8 +39,8 @@ import numba
 from numba.extending import typeof_impl
 from numba.types import Dispatcher
 
-from masonry_cd import processor
-from masonry_cd.flat_calls import FlatCall, named_tuples
+from masonry_cd.foundation import processor
+from masonry_cd.foundation.flat_calls import FlatCall, named_tuples
 
 NEWEST = (0, 68)  # minor version of numba that numba_internals.py was last tried with
 SWITCH = "MASONRY_CD_PLAIN_NJIT"  # environment variable: whether to use numba's own njit
@@ -51,7 +51,7 @@ DISPATCHER = type(numba.njit(lambda: None))  # what a compiled function is
 IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n#]*)|import[ \t]+([^\n#]*))", re.MULTILINE)
 
 if not PLAIN:
-    from masonry_cd import numba_internals
+    from masonry_cd.foundation import numba_internals
 
 
 def entry(**options: Any) -> Callable[[Callable[..., Any]], Any]:

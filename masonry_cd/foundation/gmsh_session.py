@@ -27,7 +27,7 @@ def gmsh_session() -> Iterator[Any]:
                 gmsh.initialize(readConfigFiles=False, interruptible=False)
     except (ImportError, OSError, AttributeError) as failure:
         reason = str(failure).splitlines()[0] if str(failure) else type(failure).__name__
-        from masonry_cd.errors import InputError
+        from masonry_cd.foundation.errors import InputError
 
         raise InputError(f"gmsh does not start ({reason}); on Debian and Ubuntu: apt-get install {PACKAGES}") from None
     try:

@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from masonry_cd.atomic import replacing
+from masonry_cd.foundation.atomic import replacing
 
 # with the apostrophes before it, so that a guard can be told from what a name begins with; the last four are =, +, - and @ of full width
 FORMULA = re.compile("'*[=+\\-@\t\r\n\0\uff1d\uff0b\uff0d\uff20]")
