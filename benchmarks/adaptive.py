@@ -29,7 +29,7 @@ from benchmarks.ours import stepper
 from benchmarks.sitting import HERE, head, sitting
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
-from masonry_cd.dynamics.adaptive import AdaptiveSteps
+from masonry_cd.mechanics.dynamics.adaptive import AdaptiveSteps
 from masonry_cd.studies.discarded import run_and_discard
 
 RECORD = HERE.parents[1] / "shared/records/laquila_2009_AQV_NS.asc"

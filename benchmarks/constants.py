@@ -4,9 +4,9 @@ r"""Does each tuned constant of ``auto``, and of its methods, earn its place? Sc
     python -m benchmarks.constants TRIAL FAR --scenes arch demo
 
 Costs are counted, not timed: iterations of each method and measurements of the error, weighed as ``auto`` itself weighs them
-(``masonry_cd.solvers.auto.work``), so that the table is the same on any machine. The seconds of the processor are a second witness.
-A structure that slides is sensitive to rounding, and its cost with it: the row "shaken 1e-9 more" says how far two runs that do not differ
-in anything that matters are apart. A constant that gains less than that, or less than 5 % in every scene, has no place.
+(``masonry_cd.mechanics.solvers.auto.work``), so that the table is the same on any machine. The seconds of the processor are a second
+witness. A structure that slides is sensitive to rounding, and its cost with it: the row "shaken 1e-9 more" says how far two runs that do
+not differ in anything that matters are apart. A constant that gains less than that, or less than 5 % in every scene, has no place.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ import scenes as problems
 from benchmarks import ours
 from benchmarks.scenes import GRAVITY, BenchScene, arcade, arch, tower, wall
 from benchmarks.sitting import head
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.friction.local_blocks import in_elimination_order, local_arrays
-from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, natural_map_error
-from masonry_cd.solvers import Options, auto
-from masonry_cd.solvers.admm import Memory
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.friction.local_blocks import in_elimination_order, local_arrays
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, natural_map_error
+from masonry_cd.mechanics.solvers import Options, auto
+from masonry_cd.mechanics.solvers.admm import Memory
 
 ROOT = Path(__file__).parents[1]
 NUDGE = 1e-9  # relative change of the shaking that makes no difference

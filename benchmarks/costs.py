@@ -6,7 +6,7 @@ r"""What a call of ADMM and of Newton costs: the weights by which ``auto`` count
 Each scene is stepped by each method, in a plane and in space, several times over. A step counts with the least seconds of the processor
 that it took in any of them; the first step, which starts cold, does not. The fit is one of relative errors, with weights that are not
 negative, in which each pair of scene and method counts the same: seconds of all its steps against what its calls had to work with and what
-their iterations had to do (``masonry_cd.solvers.auto.work``).
+their iterations had to do (``masonry_cd.mechanics.solvers.auto.work``).
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from scipy.optimize import nnls
 from benchmarks.ours import stepper, warm_up
 from benchmarks.scenes import BenchScene, scene
 from benchmarks.sitting import head
-from masonry_cd.friction.problem import FrictionProblem, Solution
-from masonry_cd.solvers import Options, auto
-from masonry_cd.solvers.admm import Memory
+from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
+from masonry_cd.mechanics.solvers import Options, auto
+from masonry_cd.mechanics.solvers.admm import Memory
 
 SMALL = ("tower1", "tower3", "tower10", "arch9", "arch27", "tower50", "arcade3", "wall4x5", "wall10x10")
 LARGE = ("wall20x20", "arcade50", "wall31x16", "wall40x25", "arcade250")

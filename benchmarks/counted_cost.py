@@ -12,9 +12,9 @@ from unittest.mock import patch
 
 import numpy as np
 
-from masonry_cd.friction.problem import FrictionProblem, Solution
-from masonry_cd.linalg.ordering import Pattern
-from masonry_cd.solvers import Options, accelerated, admm, auto, interior, newton, nlgs, pivoting
+from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
+from masonry_cd.mechanics.linalg.ordering import Pattern
+from masonry_cd.mechanics.solvers import Options, accelerated, admm, auto, interior, newton, nlgs, pivoting
 
 BESIDE = 0.6  # of a step for each contact: detection, assembly, update and account [us]
 

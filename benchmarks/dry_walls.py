@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures.geometry.prism import box
 
 FRICTION, DENSITY = 0.65, 2000.0

@@ -16,11 +16,11 @@ import numpy as np
 
 from benchmarks.scenes import GRAVITY, BenchScene, scene
 from benchmarks.sitting import head, sitting
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.elastic_blocks import ElasticBlocks
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 
 SCENES = {"arcade50": "arcade50", "wall": "wall6x6"}
 FIRST = 20  # steps that are not counted

@@ -21,9 +21,9 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly
 
 GRAVITY = 9.81  # [m/s2]
 SECONDS = 1.5  # that a push is held

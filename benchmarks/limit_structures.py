@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import structures
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures.geometry.prism import box
 from structures.layout import wall_plan
 

@@ -1,7 +1,7 @@
 r"""The steps of LMGC90 judged by our measure: its contacts and reactions put into a friction problem of ours.
 
-The friction problem of a step (see ``masonry_cd.friction.problem``) needs the velocities at its start. LMGC90's wheel does not give
-them, but its positions do, from rest on:
+The friction problem of a step (see ``masonry_cd.mechanics.friction.problem``) needs the velocities at its start. LMGC90's wheel does not
+give them, but its positions do, from rest on:
 
     x+ = x + h (1 - theta) v + h theta v+      =>      v+ = ((x+ - x) / h - (1 - theta) v) / theta,
 
@@ -24,8 +24,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchmarks.scenes import GRAVITY, BenchScene
-from masonry_cd.friction.natural_map import natural_map_norms
-from masonry_cd.friction.problem import FrictionProblem, natural_map_error
+from masonry_cd.mechanics.friction.natural_map import natural_map_norms
+from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_error
 
 
 @dataclass(frozen=True)

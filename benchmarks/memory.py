@@ -21,8 +21,8 @@ from benchmarks.scenes import BenchScene, scene
 from benchmarks.sitting import head
 from masonry_cd.app.recorder import ROWS_AT_ONCE
 from masonry_cd.app.run_loop import run
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.io.result_writer import ResultWriter
+from masonry_cd.mechanics.contact.find_joints import find_joints
 
 SAMPLES = 10
 

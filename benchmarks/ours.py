@@ -26,10 +26,10 @@ from benchmarks.scenes import GRAVITY, BenchScene, scene, tower
 from loads.bars import Forces, PointLoad
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.solvers import SOLVERS
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.solvers import SOLVERS
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ import numpy as np
 from benchmarks.sitting import head, sitting
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import parse_scene
-from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 DIAMETER = 0.1  # the largest [m]
 FILL = 1.0 / 3.0  # power of the number of spheres with which the floor of a heap grows

@@ -24,16 +24,16 @@ from benchmarks.ours import stepper, warm_up
 from benchmarks.scenes import BenchScene, scene
 from benchmarks.sitting import head, numbers_of
 from masonry_cd.app import recorder, run_loop
-from masonry_cd.contact import detector
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics import impacts, islands, moreau_jean
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.friction import problem
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
-from masonry_cd.linalg.ordering import Pattern
-from masonry_cd.model.joints import JointPeaks
-from masonry_cd.solvers import accelerated, admm, interior, newton, nlgs
+from masonry_cd.mechanics.contact import detector
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics import impacts, islands, moreau_jean
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.friction import problem
+from masonry_cd.mechanics.linalg.ordering import Pattern
+from masonry_cd.mechanics.model.joints import JointPeaks
+from masonry_cd.mechanics.solvers import accelerated, admm, interior, newton, nlgs
 from reports.damage.step_peaks import StepPeaks
 
 PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: owner and attribute

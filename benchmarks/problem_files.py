@@ -14,8 +14,8 @@ from scipy import sparse
 from benchmarks.ours import stepper
 from benchmarks.scenes import scene
 from benchmarks.sitting import environment, head, sitting
-from masonry_cd.friction.problem import LocalProblem, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.mechanics.friction.problem import LocalProblem, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 HERE = Path(__file__).parent
 HEAD = head("problem", "contacts", "tolerance", "program", "solver", "seconds", "iterations", "error", "unscaled")

@@ -34,13 +34,13 @@ from benchmarks.counters import Counters
 from benchmarks.ours import stepper_of_file
 from benchmarks.sitting import HERE, head, sitting
 from masonry_cd.app.scene import read_scene
-from masonry_cd.dynamics import moreau_jean
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.friction.operators import ProblemArrays
-from masonry_cd.linalg.symbolic import SymbolicFactor
-from masonry_cd.solvers import accelerated, admm, interior, newton, nlgs, pivoting
-from masonry_cd.solvers.linearised_bodies import INTERIOR, PATH, PIVOTING, PROXIMAL
-from masonry_cd.solvers.nlgs_table import ScaledProblem
+from masonry_cd.mechanics.dynamics import moreau_jean
+from masonry_cd.mechanics.friction.operators import ProblemArrays
+from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
+from masonry_cd.mechanics.solvers import accelerated, admm, interior, newton, nlgs, pivoting
+from masonry_cd.mechanics.solvers.linearised_bodies import INTERIOR, PATH, PIVOTING, PROXIMAL
+from masonry_cd.mechanics.solvers.nlgs_table import ScaledProblem
 
 SHAKEN = (  # strongly: a plane, and in space a church that slides and a larger one
     HERE.parent / "examples/aqueduct_sinusoidal.toml",

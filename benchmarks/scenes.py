@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.geometry import Faces
-from masonry_cd.model.materials import JointLaw
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.geometry import Faces
+from masonry_cd.mechanics.model.materials import JointLaw
 from structures.geometry.prism import box, prism_xz
 from structures.kinds import church as churches
 

@@ -16,9 +16,9 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 import scenes
 
-from masonry_cd.friction.files import read_problem
-from masonry_cd.friction.problem import Problem, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options, nlgs
+from masonry_cd.mechanics.friction.files import read_problem
+from masonry_cd.mechanics.friction.problem import Problem, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options, nlgs
 
 COLLECTED = Path(__file__).parents[1].parent / "shared" / "friction_problems"
 REPEATS = 5

@@ -36,9 +36,9 @@ from benchmarks.scenes import GRAVITY, BenchScene, arcade, arch, tower, wall
 from benchmarks.stability_outcome import BALANCE, DRIFT, GAINED, OVERLAP, REST_OVERLAP, Outcome
 from benchmarks.stability_picture import draw
 from benchmarks.strong_shaking import rest_cases, strong_cases
-from masonry_cd.contact.find_joints import built_gap
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.moreau_jean import RunStopped
+from masonry_cd.mechanics.contact.find_joints import built_gap
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped
 
 TOLERANCE = 1e-8
 PUSHED_ASIDE = 0.1  # share of a force that friction has to hold, and that does not overturn a tower of three

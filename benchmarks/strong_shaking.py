@@ -11,7 +11,7 @@ import numpy as np
 
 import structures
 from benchmarks.scenes import DENSITY, GRAVITY, BenchScene, cuboid
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 
 NOISE = {"noise": {"size": 1e-6, "axes": "xyz"}}
 TOWER = {

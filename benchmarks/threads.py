@@ -3,7 +3,7 @@
     python -m benchmarks.threads examples/church_sine.toml examples/aqueduct_sinusoidal.toml --steps 50
 
 Each is run by turns as often as asked, and medians are shown. Factors of one subtree, and pivoting, keep to one thread. The last column is
-what a run takes where ``run.threads`` is not given: one for each THREAD_WORTH contacts of ``masonry_cd/solvers/options.py``.
+what a run takes where ``run.threads`` is not given: one for each THREAD_WORTH contacts of ``masonry_cd/mechanics/solvers/options.py``.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.ours import stepper_of_file
 from benchmarks.sitting import head
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.solvers import cores, threads_that_pay
+from masonry_cd.mechanics.solvers import cores, threads_that_pay
 
 WARM = 2  # steps before the clock starts: the first is cold
 

@@ -21,7 +21,7 @@ from loads.kinds.tilt import TiltTable, load_factors
 from loads.motion import LoadKind, LoadTable, RunGrid
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.extensions import Entries
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.model.blocks import Assembly
 
 __all__ = ["KINDS", "Loading", "build", "parse_load"]
 

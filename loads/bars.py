@@ -24,7 +24,7 @@ from functools import cached_property
 
 import numpy as np
 
-from masonry_cd.dynamics.block_forces import Acting
+from masonry_cd.mechanics.dynamics.block_forces import Acting
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
 
 from masonry_cd.foundation.fields import is_number
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.model.blocks import Assembly
 
 STANDARD_GRAVITY = 9.80665  # [m/s2], the g in which records are written (CGPM 1901); not the site's gravity
 ROUNDING = 1e-10

@@ -1,7 +1,7 @@
 """The rest after the loads of a run: the base stands still and forces keep their last values, until the structure is still.
 
 The loads of a run of N steps are laid out over N + R, R the longest rest; the run loop leaves the rest early as it does those between
-shocks (:mod:`masonry_cd.dynamics.pauses`). The time for which the blocks have to be still counts from before step N where
+shocks (:mod:`masonry_cd.mechanics.dynamics.pauses`). The time for which the blocks have to be still counts from before step N where
 nothing changes there: a run that is still at the end of its duration gets no step more.
 """
 

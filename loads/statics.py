@@ -30,7 +30,7 @@ from loads.motion import Direction, DirectionKey, LoadTable, RunGrid, parse_dire
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import Count, Table
 from masonry_cd.limit.problem import Arms, Bars, Loads
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.model.blocks import Assembly
 
 NO_STEP = 1e-12  # of a grid that has none [s]: no tie is too stiff for it
 PULSE = 100.0  # steps that stand for the pulse of a settlement

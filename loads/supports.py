@@ -20,7 +20,7 @@ from pydantic import BaseModel, Field, model_validator
 from loads.motion import DirectionKey, LoadTable, RunGrid, strict
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import Instant
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.model.blocks import Assembly
 
 
 class Delay(BaseModel):

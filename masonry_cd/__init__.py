@@ -18,7 +18,7 @@ from typing import Any
 __version__ = "0.1.0"
 
 NAMES = {
-    "Block": "masonry_cd.model.blocks:Block",
+    "Block": "masonry_cd.mechanics.model.blocks:Block",
     "Comparison": "masonry_cd.interface.comparison:Comparison",
     "InputError": "masonry_cd.foundation.errors:InputError",
     "LimitAnalysis": "masonry_cd.interface.limit:LimitAnalysis",

@@ -15,7 +15,7 @@ from masonry_cd.interface.structure import Structure as Structure
 from masonry_cd.interface.studies import Study as Study
 from masonry_cd.interface.studies import open_study as open_study
 from masonry_cd.interface.studies import study as study
-from masonry_cd.model.blocks import Block as Block
+from masonry_cd.mechanics.model.blocks import Block as Block
 from structures.geometry.prism import box as box
 
 __version__: str

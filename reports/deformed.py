@@ -20,14 +20,14 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from masonry_cd.dynamics.pauses import plans_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Polyhedra, Polyhedron, area_vectors
-from masonry_cd.model.joints import Joints
-from masonry_cd.model.polygon import next_in_loop
-from masonry_cd.model.state import rotation_matrices
+from masonry_cd.mechanics.dynamics.pauses import plans_of
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Polyhedra, Polyhedron, area_vectors
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.polygon import next_in_loop
+from masonry_cd.mechanics.model.state import rotation_matrices
 
 
 @dataclass(frozen=True, eq=False)

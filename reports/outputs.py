@@ -10,7 +10,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from reports.damage.grades import read_grades
 from reports.damage.joint_files import thresholds_of
 from reports.damage.part_damage import PartDamage, Settings, part_damage

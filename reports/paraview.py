@@ -36,7 +36,7 @@ from masonry_cd.io.hdf5_file import created
 from masonry_cd.io.layout import EDGE_STRESS, JOINT_HISTORIES
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
-from masonry_cd.model.state import rotation_matrices
+from masonry_cd.mechanics.model.state import rotation_matrices
 from reports.damage.definitions import Thresholds, classify
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, base_shift, joint_corners, moved_nodes, solids_of

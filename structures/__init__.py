@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from masonry_cd.foundation.extensions import Extensions
 
 if TYPE_CHECKING:  # a child process that reads a file comes by here, and needs no more
-    from masonry_cd.model.blocks import Block
+    from masonry_cd.mechanics.model.blocks import Block
     from structures.ties import Bar
 
 Build: TypeAlias = "Callable[[Mapping[str, Any], float, Path], list[Block] | tuple[list[Block], list[str]]]"

@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures.geometry.checks import check
 from structures.geometry.prism import box
 from structures.layout.rooms import Boxes, Side, room

@@ -19,9 +19,9 @@ import numpy as np
 from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.model.blocks import Assembly, Block, refuse_spheres
-from masonry_cd.model.geometry import Polyhedron
-from masonry_cd.model.middle_plane import middle_plane
+from masonry_cd.mechanics.model.blocks import Assembly, Block, refuse_spheres
+from masonry_cd.mechanics.model.geometry import Polyhedron
+from masonry_cd.mechanics.model.middle_plane import middle_plane
 from structures.schema import Height, Table
 
 LARGEST = 1e-4  # share of the shortest edge: gaps stay a fifth of what contact detection takes for a joint that is open

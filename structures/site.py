@@ -28,8 +28,8 @@ from scipy.spatial import ConvexHull
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import is_number
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Polyhedron
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Polyhedron
 from structures import Made, make
 from structures.geometry.checks import Unsound, check
 from structures.geometry.convex import halves

@@ -16,10 +16,10 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.contact.contact_set import ContactSet
-from masonry_cd.contact.detector import Detector
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.mechanics.contact.contact_set import ContactSet
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 UPRIGHT = 1e-4  # sine of the slope of a joint: less is upright
 NAMED = 3  # blocks named in a line

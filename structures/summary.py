@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.quantities import length
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.joints import Joints
 from structures.standing import in_words, standing
 
 SMALL, LARGE = 0.3, 300.0  # extent of a structure beyond which its unit is doubted [m]

@@ -29,8 +29,8 @@ from pydantic import Field, model_validator
 
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import check_tension
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.polygon import loop_planes
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.polygon import loop_planes
 from structures.schema import Length, Place, Table
 
 KEY = "ties"

@@ -22,7 +22,7 @@ from masonry_cd.app.case import prepare
 from masonry_cd.app.progress import Interrupt
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
-from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from structures.files.blockfile import read
 
 DOCS = ROOT / "docs"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from benchmarks.limit import push as push_loads
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.limit.analysis import Analysis, Options, analyse
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.joints import Joints
-from masonry_cd.model.materials import JointLaw
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.materials import JointLaw
 
 
 def joined(blocks: Sequence[Block], friction: float, laws: Mapping[str, JointLaw] | None = None) -> tuple[Assembly, Joints]:

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from masonry_cd.friction.problem import FrictionProblem
+from masonry_cd.mechanics.friction.problem import FrictionProblem
 
 GRAVITY = 9.81
 

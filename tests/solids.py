@@ -10,9 +10,9 @@ from models import stepper
 
 import structures
 from masonry_cd.foundation.gmsh_session import gmsh_session
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.joints import Joints
-from masonry_cd.model.polygon import loop_normal
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.polygon import loop_normal
 from structures.layout import wall_plan
 from structures.layout.openings import Closing, close
 

@@ -12,9 +12,9 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import coo_matrix
 
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import mass_properties
-from masonry_cd.model.polygon import polygon_centroid
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import mass_properties
+from masonry_cd.mechanics.model.polygon import polygon_centroid
 
 
 def section(block: Block) -> np.ndarray:

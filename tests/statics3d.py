@@ -12,11 +12,11 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.limit.analysis import STANDS, at_rest
 from masonry_cd.limit.problem import Bars, Loads
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.joints import Joints
 
 
 def assembled(blocks: Sequence[Block]) -> tuple[Assembly, Joints]:

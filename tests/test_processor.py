@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
-from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 def digest(*arrays):
     return hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()

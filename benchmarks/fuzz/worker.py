@@ -117,7 +117,7 @@ def _limit() -> None:
     }
     for which, most in wanted.items():
         resource.setrlimit(which, (most, resource.getrlimit(which)[1]))
-    from masonry_cd.dynamics import settings
+    from masonry_cd.mechanics.dynamics import settings
     from structures import size
     from structures.files import foreign
 
@@ -127,7 +127,7 @@ def _limit() -> None:
 
 def _interrupt_after_steps(mark: Path) -> None:
     """Have Ctrl-C pressed after some steps of a run, which must then end as it promises."""
-    from masonry_cd.dynamics.moreau_jean import Stepper
+    from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
     step, done = Stepper.step, [0]
 

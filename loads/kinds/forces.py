@@ -22,9 +22,9 @@ from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, check_tension, is_number
-from masonry_cd.linalg.small_blocks import inverses, size_tuple
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.place_on_block import require_on_block
+from masonry_cd.mechanics.linalg.small_blocks import inverses, size_tuple
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.place_on_block import require_on_block
 
 LONGEST_TIE = 1e6  # [m]
 SOFTEST, STIFFEST = 1e-9, 1e18  # [N/m]

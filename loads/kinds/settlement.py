@@ -23,10 +23,10 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, Part, RunGrid
 from loads.supports import select_supports, structure
-from masonry_cd.dynamics.settings import MOST_STEPS
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, Span
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.dynamics.settings import MOST_STEPS
+from masonry_cd.mechanics.model.blocks import Assembly
 
 FEWEST_STEPS = 10  # of the run in a pulse
 NEAR = 1e-6  # of the largest extent of a block: boxes closer than this meet

@@ -21,18 +21,18 @@ from masonry_cd.app.doubts import doubts
 from masonry_cd.app.progress import said_if_slow
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.warmup import compile_kernels, keeps
-from masonry_cd.contact.find_joints import built_gap, find_joints
-from masonry_cd.dynamics.pauses import HOLD, STILL
-from masonry_cd.dynamics.planar import Plane, find_plane
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.dynamics.strain import unknowns_of_strain
 from masonry_cd.foundation.errors import InputError, in_plain_words
 from masonry_cd.foundation.jit import lost, why_nothing_is_kept
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.joints import Joints
-from masonry_cd.model.state import State
-from masonry_cd.model.strength import strength_by_group
-from masonry_cd.solvers import cores
+from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
+from masonry_cd.mechanics.dynamics.pauses import HOLD, STILL
+from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.state import State
+from masonry_cd.mechanics.model.strength import strength_by_group
+from masonry_cd.mechanics.solvers import cores
 
 if TYPE_CHECKING:
     from loads import Loading

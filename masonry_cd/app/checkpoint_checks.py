@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.dynamics.adaptive import AdaptiveSteps
-from masonry_cd.dynamics.element_stress import elements_of
-from masonry_cd.dynamics.mean_stress import check_sums
-from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.layout import JOINT_PEAKS
+from masonry_cd.mechanics.dynamics.adaptive import AdaptiveSteps
+from masonry_cd.mechanics.dynamics.element_stress import elements_of
+from masonry_cd.mechanics.dynamics.mean_stress import check_sums
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from reports.damage.step_peaks import UNKNOWN, shapes
 
 NUMBERS = {"frames": int, "quiet": int, "mark": str, "rows": dict, "report": dict, "format": int}

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from masonry_cd.app.recorder import STEP_FIELDS
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 NUMBER = 8  # bytes
 OF_BLOCK = 3 + 4 + 6  # numbers of a frame: position, orientation, velocity

@@ -18,10 +18,10 @@ from masonry_cd.app.ranges import PLAIN, RANGES, G
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.scene_text import is_within, parse_toml
 from masonry_cd.foundation.fields import is_number
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 
 if TYPE_CHECKING:
-    from masonry_cd.model.blocks import Assembly
+    from masonry_cd.mechanics.model.blocks import Assembly
 
 PEAK = 1.875  # largest speed of the pulse of a settlement over its mean
 Doubt = tuple[str, str]  # key and line

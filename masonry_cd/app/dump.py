@@ -1,7 +1,7 @@
 """Friction problems of chosen steps of a run, written to files as they are solved: ``masonry-cd run --dump-problem 120,121``.
 
 The run does not notice: a problem is written after it is solved, and nothing in it is changed. Where a step solves impacts apart from
-forces (:mod:`masonry_cd.dynamics.impacts`) both problems are written, each as its solver got it.
+forces (:mod:`masonry_cd.mechanics.dynamics.impacts`) both problems are written, each as its solver got it.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.friction.problem import FrictionProblem
+from masonry_cd.mechanics.friction.problem import FrictionProblem
 
 FILES = "problem_[0-9]*.npz"  # what a run may have left in its folder
 
@@ -52,7 +52,7 @@ class Dump:
     def __call__(self, step: int, name: str, problem: FrictionProblem) -> None:
         """Write a problem if it belongs to one of the steps."""
         if step in self._steps:
-            from masonry_cd.friction.files import write_problem  # scipy comes with it
+            from masonry_cd.mechanics.friction.files import write_problem  # scipy comes with it
 
             path = self._folder / f"problem_{step}{'_' if name else ''}{name}.npz"
             write_problem(path, problem)

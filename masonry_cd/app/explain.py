@@ -12,7 +12,7 @@ import numpy as np
 
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Scene
-from masonry_cd.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from reports.settings import Report
 
 HEAVY = {

@@ -17,13 +17,13 @@ from masonry_cd.app.limit_check import check_mechanism, suits
 from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
 from masonry_cd.app.limit_search import search_words, ways
 from masonry_cd.app.scene import Scene, read_scene
-from masonry_cd.contact.find_joints import built_gap, find_joints, loose_contacts
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted, force, in_words
 from masonry_cd.limit.analysis import Analysis, Collapse, Options, analyse
 from masonry_cd.limit.mechanism import STATES
-from masonry_cd.model.blocks import Assembly, refuse_spheres
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints, loose_contacts
+from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
+from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
     from loads.code_check.steps import CodeCheck

@@ -16,8 +16,8 @@ from masonry_cd.limit.analysis import Analysis
 from masonry_cd.limit.candidates import UNTIED, Candidate, candidates
 from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.limit.oscillator import ANOTHER, Oscillator, oscillator
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
     from loads.code_check.steps import CodeCheck, Looked

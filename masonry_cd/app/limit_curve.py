@@ -14,8 +14,8 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import in_words, length
 from masonry_cd.limit.analysis import Options
 from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
     from loads.statics import CurveTable, StaticLoads

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.limit.capacity import CapacityCurve
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
 
 PLACES = (0.1, 0.3, 0.5, 0.7, 0.9)  # points that are judged, as shares of the curve
 WIDE = 0.08  # first factors tried, to either side, as a share of the first factor of the curve

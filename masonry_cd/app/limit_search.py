@@ -9,8 +9,8 @@ from masonry_cd.limit.analysis import Analysis, Options
 from masonry_cd.limit.interfaces import interfaces
 from masonry_cd.limit.nonassociated import AGREE
 from masonry_cd.limit.problem import plane_of
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
     from loads.statics import LimitTable, StaticLoads

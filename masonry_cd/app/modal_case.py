@@ -20,7 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block, refuse_spheres
+from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
 from reports.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
 from reports.modal.modes import METHODS, Modes, modal
 

@@ -6,11 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.contact.find_joints import joint_parts
-from masonry_cd.dynamics.energy import ENERGIES
-from masonry_cd.dynamics.mean_stress import MeanStress
-from masonry_cd.dynamics.moreau_jean import Stepper, StepReport
-from masonry_cd.dynamics.pauses import ALIKE, Aftermath
 from masonry_cd.io.layout import (
     BONDED,
     CLOSING,
@@ -25,8 +20,13 @@ from masonry_cd.io.layout import (
 )
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_writer import ResultWriter
-from masonry_cd.model.edge_stress import edge_stresses
-from masonry_cd.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
+from masonry_cd.mechanics.contact.find_joints import joint_parts
+from masonry_cd.mechanics.dynamics.energy import ENERGIES
+from masonry_cd.mechanics.dynamics.mean_stress import MeanStress
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
+from masonry_cd.mechanics.dynamics.pauses import ALIKE, Aftermath
+from masonry_cd.mechanics.model.edge_stress import edge_stresses
+from masonry_cd.mechanics.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
 from reports.damage.step_peaks import StepPeaks
 
 ROWS_AT_ONCE = 256  # steps whose numbers are handed to the writer together

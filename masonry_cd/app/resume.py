@@ -10,11 +10,11 @@ import numpy as np
 
 from masonry_cd.app.checkpoint_checks import check_content
 from masonry_cd.app.inputs import digests, require_same
-from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import require_rows
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case

@@ -24,10 +24,6 @@ from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.step_costs import StepCosts, motion_classes
 from masonry_cd.app.summary import as_json, run_summary, run_warnings, write_json
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.pauses import Pauses
-from masonry_cd.dynamics.start import drawn_velocities
 from masonry_cd.foundation.atomic import part_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
@@ -36,6 +32,10 @@ from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import NAME as SUMMARY
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.pauses import Pauses
+from masonry_cd.mechanics.dynamics.start import drawn_velocities
 from reports.extra import EXTRA
 
 RESULTS = "result.h5"

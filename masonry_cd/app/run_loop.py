@@ -20,14 +20,14 @@ from masonry_cd.app.checkpoint_checks import check_content
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.app.recorder import Recorder
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.dynamics.adaptive import AdaptedStep, AdaptiveSteps
-from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper, StepReport
-from masonry_cd.dynamics.pauses import Aftermath, Pauses, Shock
-from masonry_cd.dynamics.snapshot import part, prefixed
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
-from masonry_cd.model.joints import Joints, measure_joints
+from masonry_cd.mechanics.dynamics.adaptive import AdaptedStep, AdaptiveSteps
+from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper, StepReport
+from masonry_cd.mechanics.dynamics.pauses import Aftermath, Pauses, Shock
+from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
+from masonry_cd.mechanics.model.joints import Joints, measure_joints
 
 
 def run(
@@ -50,7 +50,7 @@ def run(
 
     Args:
         stepper: at the start of the run.
-        joints: of the stepper's assembly at rest, see :func:`masonry_cd.contact.find_joints.find_joints`.
+        joints: of the stepper's assembly at rest, see :func:`masonry_cd.mechanics.contact.find_joints.find_joints`.
         writer: of the result file.
         steps: of the loads, how many in all, those before a resumption included.
         frame_every: steps of length dt between two frames; the first and the last state are always written.

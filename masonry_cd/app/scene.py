@@ -25,10 +25,10 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationInfo, field_validator
 
 from masonry_cd.app.scene_text import dump_toml, is_within, override, parse_toml, place_of, read_text
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import Table
-from masonry_cd.model.materials import Material
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
 
 LONGEST_VALUE = 60  # characters of a --set that messages repeat

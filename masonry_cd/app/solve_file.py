@@ -11,9 +11,9 @@ from scipy import sparse
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, suggest
-from masonry_cd.friction.files import read_problem
-from masonry_cd.friction.problem import LocalProblem, Problem, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.mechanics.friction.files import read_problem
+from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 
 def solve_file(

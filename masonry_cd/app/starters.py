@@ -14,10 +14,10 @@ from typing import Any
 
 from masonry_cd.app.scene_schema import TITLE, limit_schema, load_schema, report_schema, schema_text, structure_schema
 from masonry_cd.app.scene_text import toml_text
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.errors import InputError, one_line, suggest
 from masonry_cd.foundation.table_schema import Schema, table_schema
-from masonry_cd.model.materials import Material
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.materials import Material
 
 SCHEMA = "masonry-cd.schema.json"  # beside the scene, so that both may be moved and shared
 COLUMN, WIDTH = 36, 138  # where texts begin and end

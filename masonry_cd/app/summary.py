@@ -13,11 +13,11 @@ from masonry_cd import __version__
 from masonry_cd.app.load_factor import joints_in_words, outcome_lines
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_summary import steps_in_words, time_step_lines, time_step_summary
-from masonry_cd.dynamics.adaptive import error_tolerance
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.quantities import in_words, length
 from masonry_cd.io.summary_file import FORMAT
-from masonry_cd.solvers import threads_that_pay
+from masonry_cd.mechanics.dynamics.adaptive import error_tolerance
+from masonry_cd.mechanics.solvers import threads_that_pay
 
 if TYPE_CHECKING:
     from masonry_cd.app.case import Case

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.quantities import length
+from masonry_cd.mechanics.dynamics.settings import Run
 
 
 def time_step_summary(settings: Run, report: RunReport, tolerance: float) -> dict[str, Any]:

@@ -27,22 +27,22 @@ import numpy as np
 from numba import types
 
 from masonry_cd.app.run_loop import run
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics import islands
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.jit import has_cache, kept
-from masonry_cd.friction.problem import FrictionProblem
 from masonry_cd.io.result_writer import ResultWriter
-from masonry_cd.linalg.small_blocks import room_for, size_of_blocks
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.elastic_blocks import ElasticBlocks
-from masonry_cd.model.joints import touching_places
-from masonry_cd.model.materials import JointLaw
-from masonry_cd.model.state import State
-from masonry_cd.solvers import Options, cores, interior
-from masonry_cd.solvers.condensed import is_condensed
-from masonry_cd.solvers.linearised_bodies import linearised_by_team
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics import islands
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.friction.problem import FrictionProblem
+from masonry_cd.mechanics.linalg.small_blocks import room_for, size_of_blocks
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
+from masonry_cd.mechanics.model.joints import touching_places
+from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.state import State
+from masonry_cd.mechanics.solvers import Options, cores, interior
+from masonry_cd.mechanics.solvers.condensed import is_condensed
+from masonry_cd.mechanics.solvers.linearised_bodies import linearised_by_team
 
 STEPS, STEP = 6, 1e-3  # [s]
 FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))

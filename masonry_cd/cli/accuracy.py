@@ -10,7 +10,7 @@ import typer
 
 from masonry_cd.app.folders import free_folder
 from masonry_cd.cli.shared import Changes, Force, Output, Quiet, errors_reported, exclude
-from masonry_cd.solvers import SOLVERS
+from masonry_cd.mechanics.solvers import SOLVERS
 
 
 def accuracy(

@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from masonry_cd.cli.shared import errors_reported
-from masonry_cd.solvers import SOLVERS
-from masonry_cd.solvers.options import LARGEST_SEED, MOST_ITERATIONS
+from masonry_cd.mechanics.solvers import SOLVERS
+from masonry_cd.mechanics.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 
 
 def solve(

@@ -4,7 +4,7 @@
     structures.kinds        build(table, density, folder)   [structure] kind = "MODULE"
     loads.kinds             KINDS = {"name": LoadKind}      [[loads]] kind = "name"
     loads.readers           FORMATS = {"name": Reader}      [[loads]] format = "name"
-    masonry_cd.solvers      solve(problem, options, start)  [run] solver = "MODULE"
+    masonry_cd.mechanics.solvers      solve(problem, options, start)  [run] solver = "MODULE"
     reports.extra           REPORTS = {"name": ExtraReport} [report] extra = ["name"]
     ...studies.study.designs  runs(space)                   design = "MODULE" of a study
 

@@ -16,7 +16,7 @@ import numpy as np
 from masonry_cd.foundation.errors import InputError, suggest
 
 if TYPE_CHECKING:
-    from masonry_cd.model.blocks import Block
+    from masonry_cd.mechanics.model.blocks import Block
 
 BLOCKS = "blocks"  # key of [structure] that takes arrays
 FIXED = "fixed"  # key beside it: names of the supports
@@ -86,8 +86,8 @@ def _structure(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 def _block(given: Any, index: int) -> Block:
     """One block: as it is, from (vertices, faces), or from a dict with the keys of a block file."""
-    from masonry_cd.model.blocks import Block
-    from masonry_cd.model.sphere import ball_centre
+    from masonry_cd.mechanics.model.blocks import Block
+    from masonry_cd.mechanics.model.sphere import ball_centre
 
     if isinstance(given, Block):
         table: Mapping[str, Any] = {key: getattr(given, key) for key in FIELDS if key not in ROUND}

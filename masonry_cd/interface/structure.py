@@ -11,7 +11,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.tables import frame_of
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 
 if TYPE_CHECKING:
     from pandas import DataFrame

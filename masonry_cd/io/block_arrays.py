@@ -8,8 +8,8 @@ from dataclasses import replace
 import h5py
 import numpy as np
 
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces
 
 
 def write_blocks(group: h5py.Group, blocks: tuple[Block, ...]) -> None:

@@ -12,7 +12,7 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /stress (F, B, 6)   mean stress of the blocks since the frame before, xx yy zz xy yz xz, tension positive [Pa]; NaN of supports and in
         the first frame; only where the scene asks for it, as the next two:
     /joints/mean_normal_force (F, J)   mean normal force since the frame before [N]
-    /joints/edge_stress (F, J)   largest compression by that force, see masonry_cd/model/edge_stress.py [Pa]; infinite at an edge
+    /joints/edge_stress (F, J)   largest compression by that force, see masonry_cd/mechanics/model/edge_stress.py [Pa]; infinite at an edge
     /meshes/{block (M,), node_start (M + 1,), nodes (K, 3), element_start (M + 1,), elements (E, d + 1)}   the meshes of M blocks that are
         cut into tetrahedra, or triangles in a plane: nodes as built [m], in a plane in the middle of the block; corners of elements among
         all nodes; only where blocks are meshed and the scene asks for stress, as the next two, in single precision:
@@ -22,14 +22,13 @@ Layout (F frames, N steps, B blocks, J joints; SI units, world frame):
     /peaks/{displacement (B,), drift (P,), level_displacement (P, L), level_drift (P, L)}   over all steps, of blocks, parts and levels
     /peaks/{hinge_opening (J,), hinge_time (J,), hinge_place (J, 3)}   likewise, of joints while they were hinges
     /energy/* (N,) [J]   /solver/{iterations, error, seconds, contacts} (N,)   /penetration (N,) [m]
-    /solver/violation (N,) [m/s], /solver/{false_slip, false_opening} (N,) [m]   of the contact laws, see masonry_cd/dynamics/violations.py
-    /step_time (N,) [s]   /load_step (N,), the step of the loads that was applied
-    /ties/tension (N, T) [N]   of each bar, in the order of the attribute ties; absent without ties
-    /shocks/{name, start, end, frame} (S,)   of a sequence: times [s], and the frame at the end of the rest after each shock
-    /shocks/{opening, sliding, rotation, contact_area_loss, first_opening_time} (S, J)   the peaks of the joints up to there
-    /shocks/peaks/{drift (S, P), hinge_opening (S, J)}   likewise, those of the parts and hinges
-    /closing (L,)   bytes of what summary.json holds of a run that has ended, beside the damage (JSON)
-    /blocks/*   the blocks as they were built: a report needs no scene; /blocks/structure only where a scene has several;
+    /solver/violation (N,) [m/s], /solver/{false_slip, false_opening} (N,) [m]   of the contact laws, see
+    masonry_cd/mechanics/dynamics/violations.py /step_time (N,) [s]   /load_step (N,), the step of the loads that was applied /ties/tension
+    (N, T) [N]   of each bar, in the order of the attribute ties; absent without ties /shocks/{name, start, end, frame} (S,)   of a
+    sequence: times [s], and the frame at the end of the rest after each shock /shocks/{opening, sliding, rotation, contact_area_loss,
+    first_opening_time} (S, J)   the peaks of the joints up to there /shocks/peaks/{drift (S, P), hinge_opening (S, J)}   likewise, those of
+    the parts and hinges /closing (L,)   bytes of what summary.json holds of a run that has ended, beside the damage (JSON) /blocks/*   the
+    blocks as they were built: a report needs no scene; /blocks/structure only where a scene has several;
         /blocks/radius (B,) [m] only where there are spheres, 0 of polyhedra; a sphere has one vertex, its centre, and no face;
         /blocks/support (1,), to which displacements are relative, -1 without one
     /segments/*   checksums, see segments.py
@@ -43,7 +42,7 @@ A file without the attribute ``format`` is of a version of the program before th
 
 from __future__ import annotations
 
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.joints import Joints
 
 FORMAT = 1  # of the layout; raised when an older program would misread it
 FRAME_FIELDS = ("time", "position", "orientation", "velocity")

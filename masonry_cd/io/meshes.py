@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import h5py
 import numpy as np
 
-from masonry_cd.dynamics.element_stress import meshes_of, starts
-from masonry_cd.dynamics.strain import Strains
 from masonry_cd.io.layout import MESH_ARRAYS
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.dynamics.element_stress import meshes_of, starts
+from masonry_cd.mechanics.dynamics.strain import Strains
+from masonry_cd.mechanics.model.blocks import Assembly
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,8 +33,8 @@ from masonry_cd.io.results import Results
 from masonry_cd.io.segments import Sealer, append, checksum_of_constants, growing, in_pieces
 from masonry_cd.io.tie_bars import ATTRIBUTE as TIES
 from masonry_cd.io.tie_bars import TieBar
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 BUFFER_BYTES = 1 << 20
 ROOM = 1 << 22  # bytes of the disc that are left free: HDF5 must be able to close its file

@@ -16,7 +16,6 @@ from typing import Any
 import h5py
 import numpy as np
 
-from masonry_cd.dynamics.pauses import Aftermath
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.block_arrays import read_blocks
 from masonry_cd.io.hdf5_file import READ_ERRORS, open_to_read
@@ -38,8 +37,9 @@ from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_checks import check_constants, check_growing, rows_that_read
 from masonry_cd.io.segments import Segments, checksum_of_constants, checksum_of_peaks, checksum_of_step_peaks
 from masonry_cd.io.tie_bars import TieBar, read_bars
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.dynamics.pauses import Aftermath
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.joints import Joints
 
 SUPPORT_FRAMES = 200  # looked at for the support that moves least
 SAME = 1e-6  # share of the largest motion of a support by which others may differ and count as moving alike

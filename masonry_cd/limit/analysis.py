@@ -15,8 +15,8 @@ from masonry_cd.limit.nonassociated import LeastFound, least_factor
 from masonry_cd.limit.nonassociated_space import least_factor_in_space
 from masonry_cd.limit.problem import LimitProblem, Loads, limit_problem
 from masonry_cd.limit.solution import Optimum, Unbounded
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 CAP = 1e4  # largest factor looked for, with the live loads scaled to the dead ones
 STANDS = 1e-5  # a structure stands that bears its dead loads but for this share

@@ -28,8 +28,8 @@ from masonry_cd.limit.mechanism import STILL, Mechanism, mechanism
 from masonry_cd.limit.nonassociated import ALIKE, LeastFound
 from masonry_cd.limit.problem import LimitProblem
 from masonry_cd.limit.solution import Optimum, Unbounded
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 SEARCH, ASSOCIATED = "search without dilation", "associated"
 UNTIED, STOPPED = ", found without the ties", ", the solver ended before its tolerance"

@@ -29,8 +29,8 @@ from masonry_cd.limit.passing import borne, edge, passed
 from masonry_cd.limit.problem import Loads
 from masonry_cd.limit.solution import Unbounded
 from masonry_cd.limit.stage import FIRST, LONGEST, SHORTEST, Stage, Stages
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 STEPS = 40  # from start to end, about
 MOST = 6  # times so many steps at most

@@ -23,7 +23,7 @@ from masonry_cd.limit.mechanism import STILL
 from masonry_cd.limit.moved import Placement
 from masonry_cd.limit.problem import Bars, LimitProblem
 from masonry_cd.limit.solution import Optimum
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.model.blocks import Assembly
 
 MANY = 100  # unknowns from which sparse least squares are faster
 SMALL = 1e-9  # of the largest diagonal entry of A^T A: what is added to it

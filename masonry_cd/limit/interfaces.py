@@ -18,9 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
-from masonry_cd.model.polygon import loop_area
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.polygon import loop_area
 
 SAME = 1e-9  # corners of a joint nearer to one another than this share of its length are one
 

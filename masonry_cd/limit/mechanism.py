@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.limit.problem import LimitProblem
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 STILL = 1e-4  # share of the largest velocity below which nothing moves
 STATES = ("still", "hinge", "slide", "hinge and slide", "open")

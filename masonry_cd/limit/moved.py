@@ -14,11 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.contact.find_joints import built_gap, touching_points
 from masonry_cd.foundation import libm
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
-from masonry_cd.model.polygon import loop_area
+from masonry_cd.mechanics.contact.find_joints import built_gap, touching_points
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.polygon import loop_area
 
 TOUCHING = 1e-6  # largest gap of points that touch, as a share of the smallest width of a free block
 

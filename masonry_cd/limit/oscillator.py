@@ -23,8 +23,8 @@ from scipy.sparse.csgraph import connected_components
 from masonry_cd.limit.candidates import Candidate
 from masonry_cd.limit.capacity import CapacityCurve
 from masonry_cd.limit.mechanism import STATES, Mechanism
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 DILATES = 0.01  # share of the power of the loads; the search in space leaves 0.001 at most
 FEW = 8.0  # bodies of equal weight: an arch has three, the panels of a dome or of a wall that bends both ways six to eight

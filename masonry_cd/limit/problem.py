@@ -27,9 +27,9 @@ import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, hstack
 
 from masonry_cd.limit.interfaces import Interfaces, interfaces
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
-from masonry_cd.model.middle_plane import middle_plane
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.middle_plane import middle_plane
 
 
 @dataclass(frozen=True, eq=False)

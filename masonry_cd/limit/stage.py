@@ -19,8 +19,8 @@ from masonry_cd.limit.nonassociated import least_factor
 from masonry_cd.limit.nonassociated_space import least_factor_in_space
 from masonry_cd.limit.problem import Bars, LimitProblem, Loads, plane_of, problem_at
 from masonry_cd.limit.solution import Optimum, Unbounded
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 FIRST = 0.01  # displacement of the fastest corner in a first step, as a share of the smallest width of a block
 LONGEST = 0.25  # and in any step

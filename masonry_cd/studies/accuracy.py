@@ -1,9 +1,9 @@
 r"""Error against run time: of the friction solvers on one problem, and of whole runs over time step and tolerance.
 
 **A problem.** Every solver is given every tolerance from a cold start. Its error is the natural map error
-(:mod:`masonry_cd.friction.problem`), scaled and unscaled, computed from the impulses outside the solver; its time the median of repeats,
-kernels compiled before. A solver that misses a tolerance would go through the same iterations for a tighter one, so tighter ones are
-left out.
+(:mod:`masonry_cd.mechanics.friction.problem`), scaled and unscaled, computed from the impulses outside the solver; its time the median of
+repeats, kernels compiled before. A solver that misses a tolerance would go through the same iterations for a tighter one, so tighter ones
+are left out.
 
 **A scene.** Runs over all time steps and tolerances are compared with a reference of their own, at half the smallest step and the tightest
 tolerance, at equal times t (the frames). With d_b the displacement of free block b relative to the base and w_j the opening of joint j,
@@ -30,9 +30,9 @@ import numpy as np
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.app.solve_file import load_kernels
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.friction.problem import LocalProblem, Problem, natural_map_error
 from masonry_cd.io.results import Results
-from masonry_cd.solvers import SOLVERS, Options, pivoting
+from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options, pivoting
 from reports.deformed import base_shift, solids_of
 
 PROBLEM_TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)

@@ -51,7 +51,7 @@ def _problem(source: Path, asked: Mapping[str, Any], overrides: Sequence[str], s
         if given:
             raise InputError(f"{option}: {source.name} is a friction problem; time steps, seeds and changes are for a scene")
     solvers, tolerances = solvers_asked(asked["solvers"]), tolerances_asked(asked["tolerances"])
-    from masonry_cd.friction.files import read_problem
+    from masonry_cd.mechanics.friction.files import read_problem
     from masonry_cd.studies.accuracy import PROBLEM_TOLERANCES, solver_rows, solvers_for
 
     problem = read_problem(source)
@@ -141,7 +141,7 @@ def solvers_asked(text: str | None) -> tuple[str, ...] | None:
     """Solvers as typed, in that order."""
     if text is None:
         return None
-    from masonry_cd.solvers import SOLVERS
+    from masonry_cd.mechanics.solvers import SOLVERS
 
     names = [word.strip() for word in text.split(",")]
     for name in names:

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.contact.find_joints import find_joints, joint_parts, touching_points
-from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.foundation.quantities import counted
+from masonry_cd.mechanics.contact.find_joints import find_joints, joint_parts, touching_points
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 PRESSED = 1e-6  # normal impulse from which on a contact acts, as a share of the largest: below lies what solving leaves
 CLOSED = 0.999  # share of the area from which on a joint counts as closed

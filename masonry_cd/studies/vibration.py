@@ -23,13 +23,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.app.scene import Scene, read_scene
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.model.blocks import Assembly, refuse_spheres
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
 from masonry_cd.studies.joints_at_rest import at_rest_lines, at_rest_summary, joints_at_rest
 from reports.modal.elastic_joints import joint_modes
 from reports.modal.shapes import RigidShapes

@@ -1,7 +1,7 @@
 r"""Joint damage: what each joint suffered over the run and what is left of it at the end.
 
-The measures are those of :mod:`masonry_cd.model.joints`: opening (the widest corner gap), sliding (of the corners that touch), relative
-rotation, contact area. ``max_*`` is the largest value over all time steps, ``residual_*`` that of the last frame. The time of the
+The measures are those of :mod:`masonry_cd.mechanics.model.joints`: opening (the widest corner gap), sliding (of the corners that touch),
+relative rotation, contact area. ``max_*`` is the largest value over all time steps, ``residual_*`` that of the last frame. The time of the
 first opening is that of a step where the threshold is the run's own (0.1 mm), else that of a frame.
 
 What the words of its states mean, and where damage begins, say :mod:`reports.damage.definitions`.
@@ -18,7 +18,7 @@ import numpy as np
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.io.layout import BONDED
 from masonry_cd.io.results import Results
-from masonry_cd.model.joints import OPENED as OPENING_IN_RUN
+from masonry_cd.mechanics.model.joints import OPENED as OPENING_IN_RUN
 from reports.damage.definitions import STATES, Thresholds, classify, fallen_in, is_open, is_slid, parted
 from reports.deformed import Pose, base_shift, joint_frame, smallest_gap, solids_of
 

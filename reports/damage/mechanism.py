@@ -33,7 +33,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial.transform import Rotation
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.joints import Joints
 from reports.damage.macro_elements import DamageSnapshot, MacroElements
 from reports.deformed import Solids
 

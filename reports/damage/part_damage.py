@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.io.results import Results
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.joints import Joints
 from reports.damage.definitions import Thresholds
 from reports.damage.end_state import end_state
 from reports.damage.grades import Grades, grade_of

@@ -12,10 +12,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from masonry_cd.io.layout import STEP_PEAKS
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.damage_peaks import FallTables, PartTables, Peaks, StepMeasures, take_step
-from masonry_cd.model.joints import JointMeasures, Joints, touching_places
-from masonry_cd.model.state import State
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.damage_peaks import FallTables, PartTables, Peaks, StepMeasures, take_step
+from masonry_cd.mechanics.model.joints import JointMeasures, Joints, touching_places
+from masonry_cd.mechanics.model.state import State
 from reports.damage.definitions import Thresholds
 from reports.damage.macro_elements import HINGED, LEVELS, Levels, MacroElements, macro_elements_of, part_names
 from reports.deformed import Solids, solids_of

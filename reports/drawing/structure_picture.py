@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from reports.deformed import Solids
 from reports.drawing.figure import TRIAD, Box, Paint, Sheet, in_metres, layout
 from reports.drawing.render import Lines, Surface, View, Window, render, view_named

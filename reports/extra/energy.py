@@ -1,4 +1,5 @@
-"""The energy of a run over time: what was put in, where it went, and how well the account closes (:mod:`masonry_cd.dynamics.moreau_jean`).
+"""The energy of a run over time: what was put in, where it went, and how well the account closes
+(:mod:`masonry_cd.mechanics.dynamics.moreau_jean`).
 
     put in = work of the supports + work of gravity (+ of point loads and ties)  =  kinetic + friction + impact (+ stored) + balance
 

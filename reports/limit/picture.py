@@ -15,8 +15,8 @@ import numpy as np
 from masonry_cd.foundation.quantities import counted, force
 from masonry_cd.limit.analysis import Collapse
 from masonry_cd.limit.mechanism import STATES, STILL, Mechanism
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.joints import Joints
 from reports.deformed import Solids
 from reports.drawing.figure import INK, Box, Paint, Sheet, layout
 from reports.drawing.render import Layer, Lines, Surface, View, Window, render, view_named

@@ -10,8 +10,8 @@ import numpy as np
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.limit.analysis import Collapse
 from masonry_cd.limit.mechanism import STATES
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
 
 BLOCKS = ("block", "group", "moves", "speed", "vx", "vy", "vz", "wx_per_m", "wy_per_m", "wz_per_m")
 JOINTS = (

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.model.joints import Joints
-from masonry_cd.model.polygon import next_in_loop
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.polygon import next_in_loop
 from reports.deformed import Pose, Solids, joint_corners
 from reports.drawing.render import Surface
 

@@ -2,7 +2,7 @@ r"""Cuts a drawn structure by a plane, so that a crack map shows what goes on in
 
 The plane is x, y or z = value. What lies on the viewer's side of it is taken away and the blocks it runs through are closed by a cap.
 
-Polygons are clipped by :mod:`masonry_cd.model.polygon`: a corner stays where its signed distance from the plane is above 0.
+Polygons are clipped by :mod:`masonry_cd.mechanics.model.polygon`: a corner stays where its signed distance from the plane is above 0.
 A face that is cut leaves one edge in the plane; on a closed block these edges join into loops, which are the caps. Corners in
 the plane are taken to lie a little behind it, so no case is left over.
 """
@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.joints import Joints
-from masonry_cd.model.polygon import clip_loops, next_in_loop
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.polygon import clip_loops, next_in_loop
 from reports.deformed import Solids
 from reports.drawing.render import Lines, Surface, View
 from reports.drawing.tie_lines import DrawnTies

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.joints import Joints
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids
 from reports.drawing.render import Layer, Lines, Surface

@@ -19,7 +19,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from reports.modal.eigen import lowest_modes, participation
 from reports.modal.shapes import QuadraticShapes
 from reports.modal.solid_mesh import SolidMesh, solid_mesh

@@ -20,10 +20,10 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.joints import Joints
 from reports.modal.eigen import lowest_modes, participation
 from reports.modal.shapes import RigidShapes
 

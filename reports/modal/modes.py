@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError, suggest
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import mass_properties
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import mass_properties
 from reports.modal.shapes import Shapes
 
 MOST_MODES = 10_000

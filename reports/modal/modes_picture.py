@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from reports.drawing.figure import FAINT, INK, MARGIN, TITLE, WIDTH, Layout, Sheet
 from reports.drawing.render import Layer, Lines, Surface, View, Window, render, view_named
 from reports.drawing.structure_picture import SUPPORT, around, drawn_in, rgb

@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 
 
 @dataclass(frozen=True, eq=False)

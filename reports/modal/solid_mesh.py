@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import mass_properties
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import mass_properties
 
 CLUSTER = 48  # blocks united at a time
 MERGE = 24  # united clusters united at a time

@@ -102,7 +102,7 @@ def write_page(
 
 def _tolerance(results: Results, summary: Mapping[str, Any]) -> float:
     """The tolerance of the run: from its summary, else from its scene, else the default."""
-    from masonry_cd.dynamics.settings import Run
+    from masonry_cd.mechanics.dynamics.settings import Run
 
     given = summary.get("solver", {}).get("tolerance")
     if given is None and results.scene:

@@ -9,7 +9,7 @@ import numpy as np
 
 from masonry_cd.foundation.quantities import counted
 from masonry_cd.io.results import Results
-from masonry_cd.model.materials import JointLaw, Material
+from masonry_cd.mechanics.model.materials import JointLaw, Material
 from reports.damage.grades import DESCRIPTIONS, LABELS, NAMES, REFERENCE, Grades, percent
 from reports.drawing.figure import in_metres
 from reports.page.findings import section, table

@@ -1,9 +1,9 @@
 r"""The stress of a run: principal stresses of the blocks, largest compressions of blocks and joints, against a strength.
 
-A **block** has the mean stress over its volume (:mod:`masonry_cd.dynamics.mean_stress`). It hides bending, local pressure under a contact,
-and splitting beside it: a block may fail whose mean is low. A **joint** has the largest compression of a linear distribution without
-tension of its normal force (:mod:`masonry_cd.model.edge_stress`); where rigid blocks turn about an edge that is infinite, and what a
-strength f then says is how much of the joint the force N takes at the least, spread evenly, as in a plastic hinge:
+A **block** has the mean stress over its volume (:mod:`masonry_cd.mechanics.dynamics.mean_stress`). It hides bending, local pressure under a
+contact, and splitting beside it: a block may fail whose mean is low. A **joint** has the largest compression of a linear distribution
+without tension of its normal force (:mod:`masonry_cd.mechanics.model.edge_stress`); where rigid blocks turn about an edge that is infinite,
+and what a strength f then says is how much of the joint the force N takes at the least, spread evenly, as in a plastic hinge:
 
     crushed share = N / (f A),        A the area of the joint; the hinge moves in by half of that share of the joint's depth.
 
@@ -26,7 +26,7 @@ import numpy as np
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.layout import EDGE_STRESS, MEAN_NORMAL_FORCE
 from masonry_cd.io.results import Results
-from masonry_cd.model.strength import strength_by_group
+from masonry_cd.mechanics.model.strength import strength_by_group
 from reports.settings import report_of
 
 NOTHING = 1e-6  # share of the largest compression below which a tension is rounding

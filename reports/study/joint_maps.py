@@ -16,8 +16,8 @@ import numpy as np
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import length
-from masonry_cd.friction.stored_arrays import npz_arrays
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.friction.stored_arrays import npz_arrays
 from reports.damage.definitions import Thresholds
 from reports.damage.joint_files import thresholds_of
 from reports.maps.crack_key import OPENING_COLOURS, ColourClasses, Scale

@@ -25,9 +25,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.files import read_text
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces, Polyhedron
-from masonry_cd.model.sphere import ball_centre
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
+from masonry_cd.mechanics.model.sphere import ball_centre
 from structures.geometry.checks import Unsound, check, check_shells
 from structures.geometry.convex import split
 from structures.geometry.merge_coplanar import merge_coplanar

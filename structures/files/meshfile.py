@@ -23,8 +23,8 @@ from masonry_cd.foundation.arrays import LARGEST
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import read_text
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces, triangles
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces, triangles
 from structures.files import foreign, vtkfile
 from structures.geometry.compound_block import compound_block
 

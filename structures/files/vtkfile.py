@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.atomic import replacing
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces, Polyhedron
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 
 POLYHEDRON = 42  # VTK's number of this type of cell
 

@@ -17,9 +17,9 @@ import numpy as np
 
 from masonry_cd.foundation.arrays import LARGEST
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Polyhedra, Polyhedron, area_vectors, mass_properties
-from masonry_cd.model.polygon import next_in_loop
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Polyhedra, Polyhedron, area_vectors, mass_properties
+from masonry_cd.mechanics.model.polygon import next_in_loop
 from structures.geometry.overlap import overlapping_pairs, overlapping_spheres
 
 FLATNESS = 1e-5  # of faces and of convexity, relative to the size of the block

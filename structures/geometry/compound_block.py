@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces, Polyhedron
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 
 GRID = 1e-7  # corners of parts closer than this are one [m]
 

@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from masonry_cd.model.blocks import Block, refuse_spheres
-from masonry_cd.model.geometry import Faces, Polyhedron, sixfold_volumes, triangles
-from masonry_cd.model.polygon import clip, clip_loops, loop_area, loop_normal, loop_planes
+from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
+from masonry_cd.mechanics.model.geometry import Faces, Polyhedron, sixfold_volumes, triangles
+from masonry_cd.mechanics.model.polygon import clip, clip_loops, loop_area, loop_normal, loop_planes
 from structures.geometry.checks import FLATNESS, WARPED, Unsound, check, warp
 from structures.geometry.loops import open_edges, single_loop
 from structures.geometry.merge_coplanar import merge_coplanar

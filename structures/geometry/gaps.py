@@ -16,9 +16,9 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.contact.broad_phase import overlapping_boxes
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.polygon import clip, loop_area, loop_planes
+from masonry_cd.mechanics.contact.broad_phase import overlapping_boxes
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.polygon import clip, loop_area, loop_planes
 from structures.geometry.checks import Unsound
 
 ANGLE = 0.02  # [rad] faces at more than this to each other do not face each other

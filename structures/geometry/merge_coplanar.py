@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces
-from masonry_cd.model.polygon import loop_normal
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces
+from masonry_cd.mechanics.model.polygon import loop_normal
 from structures.geometry.loops import open_edges, single_loop
 
 COPLANAR = 1e-6  # relative to the size of the block

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.contact.broad_phase import overlapping_boxes
-from masonry_cd.contact.round_contact import round_depths
-from masonry_cd.contact.separation import depths
-from masonry_cd.model.blocks import Block, Shapes
-from masonry_cd.model.geometry import Polyhedra
+from masonry_cd.mechanics.contact.broad_phase import overlapping_boxes
+from masonry_cd.mechanics.contact.round_contact import round_depths
+from masonry_cd.mechanics.contact.separation import depths
+from masonry_cd.mechanics.model.blocks import Block, Shapes
+from masonry_cd.mechanics.model.geometry import Polyhedra
 
 
 def overlapping_pairs(shells: Polyhedra, owner: np.ndarray, fixed: np.ndarray, least: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

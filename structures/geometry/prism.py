@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from masonry_cd.model.geometry import Faces
-from masonry_cd.model.polygon import polygon_area
+from masonry_cd.mechanics.model.geometry import Faces
+from masonry_cd.mechanics.model.polygon import polygon_area
 
 
 def prism_xz(polygon: np.ndarray, y0: float, y1: float) -> tuple[np.ndarray, Faces]:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from masonry_cd.foundation.gmsh_session import gmsh_session
-from masonry_cd.model.polygon import polygon_area
+from masonry_cd.mechanics.model.polygon import polygon_area
 
 Segment = tuple[tuple[float, float], tuple[float, float]]  # the two ends x, z of a joint [m]
 

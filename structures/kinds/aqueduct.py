@@ -23,8 +23,8 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.polygon import polygon_centroid
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.polygon import polygon_centroid
 from structures import size
 from structures.geometry.checks import check
 from structures.geometry.prism import box, prism_xz, rectangle

@@ -20,7 +20,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import is_number
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.geometry.checks import check
 from structures.geometry.prism import prism_xz, rectangle

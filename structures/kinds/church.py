@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.geometry.checks import check
 from structures.kinds import church_parts

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures.geometry.prism import box
 from structures.kinds.church_table import ChurchTable
 from structures.kinds.column import ColumnTable, column

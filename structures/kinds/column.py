@@ -20,8 +20,8 @@ from pydantic import Field
 
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces
 from structures.geometry.checks import check
 from structures.geometry.prism import between, box
 from structures.layout import wall_plan

@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.geometry.checks import check
 from structures.layout import rings, wall_plan

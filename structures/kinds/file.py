@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.files import is_file
-from masonry_cd.model.blocks import Block, refuse_spheres
+from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
 from structures.files import blockfile, meshfile
 from structures.files.blockfile import METRES, sound
 from structures.geometry.checks import Unsound, check, check_shells

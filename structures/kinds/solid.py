@@ -27,7 +27,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.files import is_file
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.files import foreign
 from structures.files.blockfile import METRES, sound

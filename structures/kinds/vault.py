@@ -24,8 +24,8 @@ import numpy as np
 from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces
 from structures import size
 from structures.geometry.checks import check
 from structures.geometry.compound_block import compound_block

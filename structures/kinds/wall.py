@@ -22,7 +22,7 @@ from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.table_schema import rows
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.geometry.checks import check
 from structures.layout import rubble, wall_plan

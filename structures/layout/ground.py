@@ -12,7 +12,7 @@ import numpy as np
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import is_number
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures.layout.wall_plan import ground
 
 KEY = "ground"

@@ -19,8 +19,8 @@ from itertools import pairwise
 import numpy as np
 
 from masonry_cd.foundation import libm
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import between
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 
 NAMES = ("west", "east", "south", "north")  # x points east and y north
 AT = 1e-6  # [m]: faces closer to an edge than this bound it

@@ -10,8 +10,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block, refuse_spheres
-from masonry_cd.model.geometry import Polyhedron
+from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
+from masonry_cd.mechanics.model.geometry import Polyhedron
 from structures.geometry.compound_block import GRID, compound_block
 from structures.geometry.convex import halves
 

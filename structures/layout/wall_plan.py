@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures.geometry.prism import box, prism
 from structures.layout import coursing
 from structures.layout.coursing import LEAST_UNIT, Band, Piece

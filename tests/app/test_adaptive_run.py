@@ -15,11 +15,11 @@ from masonry_cd.app.run_case import run_case
 from masonry_cd.app.run_loop import run
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.studies.accuracy_case import accuracy_case
 
 TICKS, TICK, FRAME = 992, 1e-2 / 32, 32

@@ -19,9 +19,9 @@ from masonry_cd.app.case import prepare
 from masonry_cd.app.checkpoint_checks import check_content
 from masonry_cd.app.scene import read_scene
 from masonry_cd.cli.app import app
-from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 LIMIT = 300  # seconds after which a process counts as hanging
 

@@ -16,7 +16,7 @@ from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.limit_case import summary as limit_summary
 from masonry_cd.app.scene import Scene, parse_scene, read_scene
 from masonry_cd.app.starters import starter
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.model.blocks import Assembly
 from structures import KINDS
 
 ROOT = EXAMPLES.parent

@@ -19,7 +19,7 @@ from masonry_cd.app.solve_file import solve_file
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.extensions import Extensions
 from masonry_cd.io.results import Results
-from masonry_cd.solvers import SOLVERS
+from masonry_cd.mechanics.solvers import SOLVERS
 from reports import outputs
 from reports.settings import report_of
 
@@ -34,7 +34,7 @@ dt = 1e-3
 duration = 1.0
 """
 SLAB = """\
-    from masonry_cd.model.blocks import Block
+    from masonry_cd.mechanics.model.blocks import Block
     from structures.geometry.prism import box
 
     def build(table, density, folder):
@@ -43,7 +43,7 @@ SLAB = """\
 """
 ONE_CONTACT = """\
     import numpy as np
-    from masonry_cd.friction.problem import Solution
+    from masonry_cd.mechanics.friction.problem import Solution
 
     def solve(problem, options, start=None):
         "Of a single contact without friction: p_n = max(0, -q_n / W_nn)."
@@ -118,9 +118,9 @@ def test_a_solver(add, tmp_path):
     (tmp_path / "scene.toml").write_text(SCENE)
     with pytest.raises(InputError, match=r"run\.solver: input should be"):
         read_scene(tmp_path / "scene.toml", ["run.solver=one_contact"])
-    add("masonry_cd.solvers", "one_contact", ONE_CONTACT)
+    add("masonry_cd.mechanics.solvers", "one_contact", ONE_CONTACT)
     assert read_scene(tmp_path / "scene.toml", ["run.solver=one_contact"]).run.solver == "one_contact"
-    assert "masonry_cd.solvers.one_contact" not in sys.modules  # its name was read from the file
+    assert "masonry_cd.mechanics.solvers.one_contact" not in sys.modules  # its name was read from the file
     w = np.diag([2.0, 1.0, 1.0])
     at, ends = np.tile(np.arange(3), 3), np.arange(0, 10, 3)
     np.savez(tmp_path / "one.npz", W_data=w.ravel(), W_indices=at, W_indptr=ends, q=[-3.0, 0.0, 0.0], mu=[0.0])

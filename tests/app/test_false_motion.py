@@ -13,8 +13,8 @@ from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
-from masonry_cd.dynamics import moreau_jean
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.dynamics import moreau_jean
 from structures.files import blockfile
 
 FORCE = 10.0 * 3 * 2000.0 * 0.0625 * 9.81  # ten times the weight of the tower [N]

@@ -12,10 +12,10 @@ from masonry_cd.app.case import Case, prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import Origin, scene_of
 from masonry_cd.app.scene_text import dump_toml
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.start import drawn_velocities
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.start import drawn_velocities
 
 WALL = {"kind": "wall", "length": 1.0, "thickness": 0.5, "height": 1.0, "course_height": 0.5, "unit_length": 0.5}
 SHAKEN = {"kind": "sinusoidal", "direction": "x", "amplitude": 0.3, "frequency": 2.0, "cycles": 1}

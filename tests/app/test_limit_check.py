@@ -15,7 +15,7 @@ from masonry_cd.app import limit_search
 from masonry_cd.app.limit_case import LimitCase, limit_case, lines, summary, write
 from masonry_cd.cli.app import app
 from masonry_cd.limit import nonassociated
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 
 BORNE = GRAVITY / 6.0 / 1.35  # a0* of the slab of 0.5 by 3 m
 

@@ -17,7 +17,7 @@ from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
 from masonry_cd.limit import nonassociated
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures.files import blockfile
 
 

@@ -16,9 +16,9 @@ from places import ROOT
 from typer.testing import CliRunner
 
 from masonry_cd.cli.app import app
-from masonry_cd.contact.detector import Detector, TooManyPoints
-from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.contact.detector import Detector, TooManyPoints
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 BITS = ROOT / "benchmarks" / "bits"
 MESHED = ("deformable=tetrahedra", "mesh_size=10", "young=5e9", "damping=0.05", "damping_frequency=10")

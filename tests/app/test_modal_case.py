@@ -12,7 +12,7 @@ from models import box, wall
 
 from masonry_cd.app.modal_case import by_group, modal_case
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 
 ARCH = """\
 title = "Arch"

@@ -8,10 +8,10 @@ import numpy as np
 from models import box, gravity
 
 from masonry_cd.app.recorder import staying_support
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 
 STEPS = 100
 BLOCKS = [

@@ -16,13 +16,13 @@ from models import gravity, stepper, still, tower, wall
 from masonry_cd.app import recorder, run_loop
 from masonry_cd.app.run_loop import run
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics.moreau_jean import ENERGIES, StepReport
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint, result_writer, segments
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
-from masonry_cd.model.materials import JointLaw
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics.moreau_jean import ENERGIES, StepReport
+from masonry_cd.mechanics.model.materials import JointLaw
 from reports.damage.joint_damage import bonds, joint_damage, write_joints_csv
 
 STEPS = 60

@@ -9,9 +9,9 @@ import pytest
 
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_text import dump_toml
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.solvers import SOLVERS
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.solvers import SOLVERS
 
 GOOD = """\
 title = "A test"

@@ -21,9 +21,9 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_schema import FILE, scene_schema, schema_text
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.cli.app import app
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly
 from reports.damage.grades import read_grades
 from reports.settings import Report
 from structures import KINDS as STRUCTURES

@@ -14,8 +14,8 @@ from datasets import contents
 from typer.testing import CliRunner
 
 from masonry_cd.cli.app import app
-from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 RADIUS, ROLLING = 0.1, 0.1
 SCENE = """

@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 
 from masonry_cd.app.time_step_checks import after_run, before_run, dominant_frequency, fastest
 from masonry_cd.cli.app import app
-from masonry_cd.dynamics.moreau_jean import RunStopped
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 
 PLATE = box("plate", (-2, -2, -1), (2, 2, 0), fixed=True)
 

@@ -19,8 +19,8 @@ from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.flat_calls import FlatCall
 from masonry_cd.foundation.jit import compiled, kept
-from masonry_cd.solvers import SOLVERS, Options
-from masonry_cd.solvers.linearised_bodies import linearised_by_team
+from masonry_cd.mechanics.solvers import SOLVERS, Options
+from masonry_cd.mechanics.solvers.linearised_bodies import linearised_by_team
 
 
 def versions() -> Counter[str]:
@@ -38,7 +38,7 @@ def test_a_run_compiles_nothing(block_on_plate, tmp_path, planar):
     summary = run_case(prepared, tmp_path / "out")
     assert summary["steps"] == 300
     assert versions() - before == Counter()
-    assert before["masonry_cd.solvers.admm_kernels.admm_bodies"] > 0
+    assert before["masonry_cd.mechanics.solvers.admm_kernels.admm_bodies"] > 0
 
 
 def test_a_run_of_blocks_that_deform_compiles_nothing(block_on_plate, tmp_path):
@@ -76,7 +76,7 @@ def test_packed_grains_find_their_sweeps_compiled(block_on_plate):
     prepare(read_scene(scene, ["run.solver=auto"]))
     before = versions()
     assert SOLVERS["auto"](scenes.packing(4, mu=0.3, speed=0.0), Options(tolerance=1e-4), None).reason == "accelerated: converged"
-    assert before["masonry_cd.solvers.accelerated_kernels.accelerated_bodies"] > 0
+    assert before["masonry_cd.mechanics.solvers.accelerated_kernels.accelerated_bodies"] > 0
     assert versions() - before == Counter()
 
 

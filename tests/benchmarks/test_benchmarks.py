@@ -16,11 +16,11 @@ from benchmarks.lmgc90_error import judge
 from benchmarks.ours import measure, stepper
 from benchmarks.scenes import GRAVITY, arcade, arch, scene, tower, wall
 from benchmarks.sitting import numbers_of
-from masonry_cd.dynamics import islands
-from masonry_cd.friction.problem import natural_map_error
-from masonry_cd.model.geometry import mass_properties
-from masonry_cd.model.state import rotation_matrices
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.mechanics.dynamics import islands
+from masonry_cd.mechanics.friction.problem import natural_map_error
+from masonry_cd.mechanics.model.geometry import mass_properties
+from masonry_cd.mechanics.model.state import rotation_matrices
+from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 # --- scenes -----------------------------------------------------------------------------------------------------------------------
 

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks import constants
 from benchmarks.constants import SCENES, SWITCHED, Spent, measure, row, switched
-from masonry_cd.solvers import auto
+from masonry_cd.mechanics.solvers import auto
 
 
 def test_all_that_is_spent_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:

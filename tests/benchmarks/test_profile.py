@@ -11,8 +11,8 @@ from benchmarks import profile as module
 from benchmarks.profile import PHASES, SHAKEN, STEPS, line_of_steps, profile, records_in, tables
 from masonry_cd.app.case import structure_of
 from masonry_cd.app.scene import read_scene
-from masonry_cd.dynamics import moreau_jean
-from masonry_cd.solvers import admm, interior, newton, nlgs
+from masonry_cd.mechanics.dynamics import moreau_jean
+from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
 
 
 def test_steps_phases_and_methods_are_counted() -> None:

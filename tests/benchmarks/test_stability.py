@@ -13,8 +13,8 @@ from benchmarks.scenes import arch, tower
 from benchmarks.stability import DRIFT, StabilityCase, cases, main, row, run, sheet
 from benchmarks.stability_picture import draw
 from benchmarks.strong_shaking import rest_cases, strong_cases
-from masonry_cd.contact.find_joints import built_gap
-from masonry_cd.solvers import admm, interior, newton, nlgs
+from masonry_cd.mechanics.contact.find_joints import built_gap
+from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ from typer.testing import CliRunner
 
 import structures
 from masonry_cd.cli.app import app
-from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from reports import outputs
 from reports.settings import Report
 

@@ -30,7 +30,7 @@ def run(name: str, folder: Path, *changes: str) -> dict[str, Any]:
 
 def base_reaction(folder: Path) -> tuple[float, float]:
     """Sum of the normal forces of the joints on fixed blocks in the last frame, and the weight of the free blocks [N]."""
-    from masonry_cd.model.blocks import Assembly
+    from masonry_cd.mechanics.model.blocks import Assembly
 
     with Results.open(folder / "result.h5") as results:
         assembly, joints = Assembly.from_blocks(results.blocks, 0.5), results.joints

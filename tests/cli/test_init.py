@@ -17,8 +17,8 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_schema import TITLE, scene_schema, schema_text, structure_schema
 from masonry_cd.app.starters import SCHEMA, starter
 from masonry_cd.cli.app import app
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.model.materials import Material
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
 from structures import KINDS
 

@@ -22,8 +22,8 @@ from loads.kinds.tilt import PushTable, TiltTable
 from loads.statics import CurveTable
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.model.materials import Material
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report
 from structures.files.blockfile import read
 from structures.floors import AnchorTable, FloorTable

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from models import box, ground, turned
 
-from masonry_cd.contact.contact_set import ContactSet
-from masonry_cd.contact.detector import Detector
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.materials import JointLaw
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.mechanics.contact.contact_set import ContactSet
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 ELASTIC = {"default": JointLaw(normal_stiffness=1e9)}
 

@@ -5,12 +5,12 @@ import pytest
 from models import box, ground, tower, turned, wall
 from scipy.optimize import linprog
 
-from masonry_cd.contact.broad_phase import overlapping_boxes, sweep_axis
-from masonry_cd.contact.contact_set import ContactSet
-from masonry_cd.contact.detector import Detector
-from masonry_cd.contact.pair_memory import CLIPPED, KEPT, SEARCHED, STILL
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.mechanics.contact.broad_phase import overlapping_boxes, sweep_axis
+from masonry_cd.mechanics.contact.contact_set import ContactSet
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.contact.pair_memory import CLIPPED, KEPT, SEARCHED, STILL
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 
 def detect(blocks: list[Block], state: State | None = None, slack: float = 0.0) -> ContactSet:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from masonry_cd.contact.contact_set import ContactSet
-from masonry_cd.contact.detector import Detector, TooManyPoints
-from masonry_cd.dynamics.warps import Warps
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.elastic_blocks import ElasticBlocks
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.mechanics.contact.contact_set import ContactSet
+from masonry_cd.mechanics.contact.detector import Detector, TooManyPoints
+from masonry_cd.mechanics.dynamics.warps import Warps
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
+from masonry_cd.mechanics.model.state import State, rotation_matrices
 from structures.geometry.prism import prism_xz
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from models import box, ground, tower, turned, wall
 
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import JointPeaks, measure_joints
-from masonry_cd.model.state import State
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import JointPeaks, measure_joints
+from masonry_cd.mechanics.model.state import State
 
 
 def test_the_joints_of_a_wall_are_its_bed_and_head_joints():

@@ -5,12 +5,12 @@ import pytest
 from models import box
 from scipy.optimize import nnls
 
-from masonry_cd.contact.contact_set import ContactSet
-from masonry_cd.contact.detector import Detector
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.contact.round_contact import round_depths
-from masonry_cd.model.blocks import Assembly, Block, Shapes
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.mechanics.contact.contact_set import ContactSet
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.contact.round_contact import round_depths
+from masonry_cd.mechanics.model.blocks import Assembly, Block, Shapes
+from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 RADIUS = 0.25
 TABLE = box("table", (-1.0, -1.0, -1.0), (0.0, 0.0, 0.0), fixed=True)

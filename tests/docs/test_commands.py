@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 from loads.statics import limit_table
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import parse_table
-from masonry_cd.model.materials import Material
+from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.studies.study.clusters import SlurmTable
 from masonry_cd.studies.study.study_file import StudyTables
 

@@ -15,17 +15,17 @@ import scenes
 from doc_pages import DOCS, PAGES, page_name
 from models import stepper
 
-import masonry_cd.solvers
+import masonry_cd.mechanics.solvers
 import structures
 import structures.kinds
 from masonry_cd import __version__
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.friction.problem import Problem, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.mechanics.friction.problem import Problem, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = dict(re.findall(r"The whole file, `([\w/]+\.py)`:\n\n```python\n(.*?)```", (DOCS / "architecture.md").read_text(), re.DOTALL))
-STACK, JACOBI = "structures/kinds/stack.py", "masonry_cd/solvers/jacobi.py"
+STACK, JACOBI = "structures/kinds/stack.py", "masonry_cd/mechanics/solvers/jacobi.py"
 
 
 def loaded(path: Path, name: str) -> ModuleType:
@@ -69,7 +69,7 @@ def example(tmp_path: Path) -> Iterator[ModuleType]:
 @pytest.fixture
 def added(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The examples put where the program looks for kinds and solvers."""
-    for place, package in ((STACK, structures.kinds), (JACOBI, masonry_cd.solvers)):
+    for place, package in ((STACK, structures.kinds), (JACOBI, masonry_cd.mechanics.solvers)):
         folder = tmp_path / package.__name__
         folder.mkdir()
         (folder / Path(place).name).write_text(EXAMPLES[place])
@@ -98,7 +98,7 @@ def test_the_picture_is_drawn_alike_twice(picture: ModuleType, found: dict[str, 
 
 
 def test_imports_are_read_with_their_place(found: dict[str, tuple]) -> None:
-    assert "masonry_cd/friction" in found["masonry_cd/solvers"].imports
+    assert "masonry_cd/mechanics/friction" in found["masonry_cd/mechanics/solvers"].imports
     assert "structures" in found["masonry_cd/app"].lazy  # imported inside functions: a run without blocks never needs gmsh
     assert all(name not in room.imports + room.lazy for name, room in found.items())
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
 
-from masonry_cd.dynamics.adaptive import AdaptiveSteps
-from masonry_cd.dynamics.local_error import base_drift
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.system import Loads
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.materials import JointLaw
-from masonry_cd.model.state import State
+from masonry_cd.mechanics.dynamics.adaptive import AdaptiveSteps
+from masonry_cd.mechanics.dynamics.local_error import base_drift
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.system import Loads
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.state import State
 
 LONGEST, TICK = 1e-2, 1e-2 / 32
 AUTO = {"dt": "auto", "dt_max": LONGEST}

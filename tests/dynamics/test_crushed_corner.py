@@ -7,10 +7,10 @@ import numpy as np
 from models import box, ground, stepper, still
 
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.materials import JointLaw
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.materials import JointLaw
 
 SIDE, UNIT, COURSE, COURSES, TOP = 1.2, 0.3, 0.15, 3, 4.0  # [m]; stones are as wide as long
 STEP, STEPS = 5e-3, 240

@@ -7,7 +7,7 @@ import pytest
 from block_on_joint import AREA, MASS, STIFFNESS, history, on_joint
 from models import GRAVITY, gravity, stepper, tower
 
-from masonry_cd.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw
 
 TANGENTIAL = 4e7  # [N/m3]
 OMEGA = np.sqrt(STIFFNESS * AREA / MASS)  # of the swing up and down [rad/s]
@@ -81,7 +81,7 @@ def test_friction_bounds_spring_and_dashpot_together():
 
 def test_what_rests_rests_and_stiffness_limits_no_step():
     """Dashpots carry nothing at rest: a tower settled on joints of any stiffness and damping stays where it is."""
-    from masonry_cd.dynamics.equilibrium import settle
+    from masonry_cd.mechanics.dynamics.equilibrium import settle
 
     for stiffness in (1e8, 1e14):
         joints = {"default": JointLaw(normal_stiffness=stiffness, damping=0.1, damping_frequency=5.0)}

@@ -7,15 +7,15 @@ import pytest
 from block_on_joint import AREA, HEIGHT, MASS, SIDES, STIFFNESS, block, history, on_joint
 from models import GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
 
-from masonry_cd.contact.contact_set import ContactSet
-from masonry_cd.contact.detector import Detector
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.materials import JointLaw
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.mechanics.contact.contact_set import ContactSet
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 
 def on_spring(dt: float, steps: int, kick: dict[int, float] | None = None, planar: bool = True, **law: float) -> Stepper:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from models import GRAVITY, box, ground, stepper, still
 
-from masonry_cd.dynamics.islands import EASY, HARD, REVIEW, Islands, gather_islands
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.friction.problem import Solution
-from masonry_cd.solvers import Options
+from masonry_cd.mechanics.dynamics.islands import EASY, HARD, REVIEW, Islands, gather_islands
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.friction.problem import Solution
+from masonry_cd.mechanics.solvers import Options
 
 DT = 1e-3
 PLACES = {"broad": (0.0, 0.5), "slender": (2.0, 0.12), "middling": (4.0, 0.25)}  # x and width of towers of three blocks

@@ -10,15 +10,15 @@ from models import GRAVITY, box, gravity, ground, stepper, still, tower
 from numpy.linalg import eigvalsh
 
 from loads.bars import Forces, PointLoad, Tie
-from masonry_cd.contact.find_joints import find_joints, joint_parts
-from masonry_cd.dynamics.mean_stress import MeanStress, symmetric
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.edge_stress import edge_stresses, linear_stress
-from masonry_cd.model.elastic_blocks import ElasticBlocks
-from masonry_cd.model.joints import Joints
-from masonry_cd.model.state import State
+from masonry_cd.mechanics.contact.find_joints import find_joints, joint_parts
+from masonry_cd.mechanics.dynamics.mean_stress import MeanStress, symmetric
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.edge_stress import edge_stresses, linear_stress
+from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.state import State
 
 XX, YY, ZZ, XY, YZ, XZ = range(6)
 STEPS = 20

@@ -14,9 +14,9 @@ import pytest
 from models import box, stepper
 from scipy import linalg, optimize
 
-from masonry_cd.dynamics.element_stress import ElementStress
-from masonry_cd.dynamics.system import System
-from masonry_cd.model.elastic_blocks import ElasticBlocks
+from masonry_cd.mechanics.dynamics.element_stress import ElementStress
+from masonry_cd.mechanics.dynamics.system import System
+from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 
 LENGTH, DEPTH, WIDTH, YOUNG, DENSITY = 2.0, 0.25, 0.1, 1e9, 2000.0
 SHEAR = 5.0 / 6.0  # share of the section that shears, without Poisson's ratio

@@ -1,4 +1,4 @@
-"""masonry_cd.dynamics.pauses: a rest ends as soon as the structure is still, and each shock leaves its own record of the damage."""
+"""masonry_cd.mechanics.dynamics.pauses: a rest ends as soon as the structure is still, and each shock leaves its own record of the damage."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from loads.kinds.sequence import Pause, Shock
 from masonry_cd.app import run_loop
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_checks import restless
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.pauses import Pauses, fallen, standing_of
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.state import State
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.pauses import Pauses, fallen, standing_of
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.state import State
 from reports.damage.definitions import Thresholds
 from reports.damage.joint_damage import joint_damage, shock_rows
 from reports.damage.part_damage import Settings, part_damage

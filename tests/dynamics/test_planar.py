@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from models import box, gravity, ground, stepper, still, tower, turned, wall
 
-from masonry_cd.dynamics.planar import find_plane
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.state import State
+from masonry_cd.mechanics.dynamics.planar import find_plane
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.state import State
 
 
 def plane_of(blocks, velocity=None, start=None):

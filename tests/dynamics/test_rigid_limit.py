@@ -9,8 +9,8 @@ import pytest
 from models import GRAVITY, box, gravity, ground, stepper, still, tower
 
 from benchmarks.scenes import arch
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.model.elastic_blocks import ElasticBlocks
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 
 STEPS, TOLERANCE = 300, 1e-10
 STIFFER = (1e10, 1e11, 1e12, 1e15)  # Young's modulus [Pa]

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.dynamics.step_control import CALM, QUIET, REPEAT, StepControl
 from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.dynamics.step_control import CALM, QUIET, REPEAT, StepControl
 
 LONGEST = 32
 

@@ -8,14 +8,14 @@ from places import EXAMPLES
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_loop import run
 from masonry_cd.app.scene import read_scene
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics.moreau_jean import RunStopped, Stepper
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.joints import JointPeaks, measure_joints
-from masonry_cd.model.materials import JointLaw
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import JointPeaks, measure_joints
+from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 
 def advance(machine: Stepper, steps: int) -> list:

@@ -10,21 +10,21 @@ import pytest
 from models import BOX_FACES, GRAVITY, box, ground, stepper, still, tower, turned
 
 from loads.bars import Forces, PointLoad
-from masonry_cd.contact.detector import Detector
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.mean_stress import MeanStress, check_sums
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.dynamics.strain import unknowns_of_strain
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.elastic_blocks import ElasticBlocks
-from masonry_cd.model.materials import JointLaw
-from masonry_cd.model.state import State, body_maps, rotation_matrices
-from masonry_cd.model.warping import warp_shapes
-from masonry_cd.solvers import SOLVERS
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.mean_stress import MeanStress, check_sums
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
+from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.state import State, body_maps, rotation_matrices
+from masonry_cd.mechanics.model.warping import warp_shapes
+from masonry_cd.mechanics.solvers import SOLVERS
 
 YOUNG, DENSITY = 1e9, 2000.0
 BOTH = pytest.mark.parametrize("planar", [True, False])

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from models import stepper, wall
 
-from masonry_cd.dynamics import system
-from masonry_cd.friction.problem import natural_map_error
-from masonry_cd.linalg.threads import in_shares
+from masonry_cd.mechanics.dynamics import system
+from masonry_cd.mechanics.friction.problem import natural_map_error
+from masonry_cd.mechanics.linalg.threads import in_shares
 
 
 @pytest.mark.parametrize("threads", [2, 3])

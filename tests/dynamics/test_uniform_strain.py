@@ -10,12 +10,12 @@ import pytest
 from models import BOX_FACES, GRAVITY, box, gravity, ground, stepper, still, tower, turned, wall
 
 from loads.bars import Forces, PointLoad
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.elastic_blocks import ElasticBlocks
-from masonry_cd.model.state import State, body_maps
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
+from masonry_cd.mechanics.model.state import State, body_maps
 
 YOUNG, DENSITY = 1e9, 2000.0
 BOTH = pytest.mark.parametrize("planar", [True, False])

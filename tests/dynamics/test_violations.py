@@ -9,12 +9,12 @@ import pytest
 from models import GRAVITY, box, gravity, ground, still, tower
 
 from loads.bars import Forces, PointLoad
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.dynamics.violations import find_violations
-from masonry_cd.friction.problem import natural_map_error
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.materials import JointLaw
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.dynamics.violations import find_violations
+from masonry_cd.mechanics.friction.problem import natural_map_error
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.materials import JointLaw
 
 DT, FRICTION = 1e-3, 0.6
 

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from masonry_cd.friction.condensation import condense
-from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options, admm
-from masonry_cd.solvers.admm import NAMES, Tally
-from masonry_cd.solvers.admm_workspace import AdmmSettings
-from masonry_cd.solvers.condensed import KEPT, in_condensed_unknowns
+from masonry_cd.mechanics.friction.condensation import condense
+from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options, admm
+from masonry_cd.mechanics.solvers.admm import NAMES, Tally
+from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings
+from masonry_cd.mechanics.solvers.condensed import KEPT, in_condensed_unknowns
 
 NODES, HEAVY = 12, 1e4
 

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from masonry_cd.foundation.jit import entry
-from masonry_cd.friction.coulomb_law import local_impulse
+from masonry_cd.mechanics.friction.coulomb_law import local_impulse
 
 ROW = (0.1, 0.0, 0.0, 50.0, 0.0, 50.0)
 MU = 0.4

@@ -8,7 +8,7 @@ import scenes
 from cones import project
 from scipy import sparse
 
-from masonry_cd.friction.problem import FrictionProblem, LocalProblem, natural_map_error
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 
 
 def plain_error(problem: FrictionProblem | LocalProblem, impulse: np.ndarray, scaled: bool) -> float:

@@ -9,12 +9,12 @@ from models import box, gravity, ground, still
 
 from masonry_cd.app.run_loop import run
 from masonry_cd.app.run_report import RunReport
-from masonry_cd.contact.find_joints import find_joints
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
-from masonry_cd.friction.infeasibility import Closing, find_jam
 from masonry_cd.io.result_writer import ResultWriter
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.friction.infeasibility import Closing, find_jam
+from masonry_cd.mechanics.model.blocks import Assembly
 
 STEPS = 20
 

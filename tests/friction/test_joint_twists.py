@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import scenes
 
-from masonry_cd.friction.joint_twists import frames_of, size_of_twist
-from masonry_cd.friction.problem import FrictionProblem
-from masonry_cd.linalg.ordering import Pattern
-from masonry_cd.solvers.contact_partition import ContactPartition, partition_contacts
+from masonry_cd.mechanics.friction.joint_twists import frames_of, size_of_twist
+from masonry_cd.mechanics.friction.problem import FrictionProblem
+from masonry_cd.mechanics.linalg.ordering import Pattern
+from masonry_cd.mechanics.solvers.contact_partition import ContactPartition, partition_contacts
 
 
 def partition(problem: FrictionProblem) -> ContactPartition:

@@ -15,8 +15,8 @@ from scipy import sparse
 
 from masonry_cd.app.solve_file import solve_file
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.friction.files import read_problem, write_problem
-from masonry_cd.friction.problem import FrictionProblem, LocalProblem, natural_map_error
+from masonry_cd.mechanics.friction.files import read_problem, write_problem
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 
 COLLECTED = SHARED / "friction_problems"
 needs_collection = pytest.mark.skipif(not COLLECTED.is_dir(), reason="the collected friction problems are not here")

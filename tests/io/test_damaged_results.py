@@ -17,10 +17,10 @@ from places import ROOT
 from typer.testing import CliRunner
 
 from masonry_cd.cli.app import app
-from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.layout import FORMAT
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 LIMIT = 120  # seconds after which a process counts as hanging
 SCENE = ROOT / "benchmarks" / "bits" / "tower.toml"

@@ -15,11 +15,11 @@ from models import stepper, tower
 from places import ROOT
 
 from masonry_cd.app.run_loop import run
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import result_writer
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.contact.find_joints import find_joints
 
 
 def test_a_run_comes_back_as_it_was(tmp_path):
@@ -83,7 +83,7 @@ def test_what_a_killed_run_wrote_can_be_read(tmp_path):
         import sys, time
         sys.path.insert(0, sys.argv[2])
         from models import stepper, tower
-        from masonry_cd.contact.find_joints import find_joints
+        from masonry_cd.mechanics.contact.find_joints import find_joints
         from masonry_cd.io.result_writer import ResultWriter
         machine = stepper(tower(2), 1)
         with ResultWriter(sys.argv[1], machine.assembly, find_joints(machine.assembly)) as writer:

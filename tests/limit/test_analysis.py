@@ -16,7 +16,7 @@ from masonry_cd.limit.analysis import Options, analyse, certificate
 from masonry_cd.limit.interfaces import area_shares
 from masonry_cd.limit.mechanism import STATES
 from masonry_cd.limit.problem import Bars, Loads
-from masonry_cd.model.materials import JointLaw
+from masonry_cd.mechanics.model.materials import JointLaw
 
 QUIET = Options(starts=0)
 

@@ -14,7 +14,7 @@ from masonry_cd.limit.candidates import ASSOCIATED, SEARCH, UNTIED, Candidate, c
 from masonry_cd.limit.mechanism import mechanism
 from masonry_cd.limit.oscillator import Oscillator, oscillator
 from masonry_cd.limit.problem import Bars, limit_problem
-from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 
 X = np.array([1.0, 0.0, 0.0])
 

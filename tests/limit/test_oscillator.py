@@ -14,8 +14,8 @@ from masonry_cd.limit.candidates import Candidate, candidates
 from masonry_cd.limit.capacity import CurveOptions, capacity_curve
 from masonry_cd.limit.mechanism import STATES
 from masonry_cd.limit.oscillator import Oscillator, oscillator
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.joints import Joints
 from structures.geometry.prism import prism_xz
 
 X = np.array([1.0, 0.0, 0.0])

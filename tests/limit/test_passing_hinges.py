@@ -12,14 +12,14 @@ from models import GRAVITY, box
 
 import structures
 from masonry_cd.app.limit_dynamics import brackets
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.limit.analysis import Options
 from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.limit.conic import least_unborne_in_space
 from masonry_cd.limit.interfaces import interfaces
 from masonry_cd.limit.linear import least_unborne
 from masonry_cd.limit.problem import problem_at
-from masonry_cd.model.blocks import Assembly
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly
 
 ARCH = {"kind": "arch", "span": 4.0, "thickness": 0.4, "width": 1.0, "voussoirs": 27}
 

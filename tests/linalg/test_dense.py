@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from masonry_cd.foundation.jit import entry
-from masonry_cd.linalg.dense import gemm
+from masonry_cd.mechanics.linalg.dense import gemm
 
 
 @entry()

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from masonry_cd.linalg import ordering
-from masonry_cd.linalg.cholesky import factorise_cholesky
-from masonry_cd.linalg.elimination_tree import SUBTREE, partition_tree
-from masonry_cd.linalg.ldu import factorise_ldu
-from masonry_cd.linalg.ordering import Pattern
-from masonry_cd.linalg.supernodes import BlockMatrix, allocate_factors
-from masonry_cd.linalg.symbolic import analyse
-from masonry_cd.linalg.triangular import solve_cholesky, solve_ldu
+from masonry_cd.mechanics.linalg import ordering
+from masonry_cd.mechanics.linalg.cholesky import factorise_cholesky
+from masonry_cd.mechanics.linalg.elimination_tree import SUBTREE, partition_tree
+from masonry_cd.mechanics.linalg.ldu import factorise_ldu
+from masonry_cd.mechanics.linalg.ordering import Pattern
+from masonry_cd.mechanics.linalg.supernodes import BlockMatrix, allocate_factors
+from masonry_cd.mechanics.linalg.symbolic import analyse
+from masonry_cd.mechanics.linalg.triangular import solve_cholesky, solve_ldu
 
 
 def grid(columns: int, rows: int) -> tuple[int, np.ndarray, np.ndarray]:

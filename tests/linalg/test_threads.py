@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from masonry_cd.foundation.jit import entry
-from masonry_cd.linalg.threads import ThreadTeam, run_by_team, wait
+from masonry_cd.mechanics.linalg.threads import ThreadTeam, run_by_team, wait
 
 LONG = 20.0  # that a thread may wait for the others, were it not for the error: it would wait for ever [s]
 
@@ -59,7 +59,7 @@ def test_an_error_before_a_kernel_is_reached_ends_the_team() -> None:
 
 
 def test_a_thread_that_cannot_be_had_ends_the_team(monkeypatch: pytest.MonkeyPatch) -> None:
-    from masonry_cd.linalg import threads
+    from masonry_cd.mechanics.linalg import threads
 
     class OneThread:
         """A pool that has one thread only."""

@@ -8,7 +8,7 @@ from numba.core.errors import TypingError
 from numpy.testing import assert_allclose, assert_array_equal
 
 from masonry_cd.foundation.jit import entry
-from masonry_cd.linalg.vectors import (
+from masonry_cd.mechanics.linalg.vectors import (
     add_six_times,
     add_times,
     fill_eight,

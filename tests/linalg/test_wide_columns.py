@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from masonry_cd.linalg.cholesky import factorise_cholesky
-from masonry_cd.linalg.ldu import factorise_ldu
-from masonry_cd.linalg.ordering import Pattern
-from masonry_cd.linalg.small_blocks import size_of_blocks
-from masonry_cd.linalg.supernodes import BlockMatrix, allocate_factors
-from masonry_cd.linalg.triangular import solve_cholesky, solve_ldu
+from masonry_cd.mechanics.linalg.cholesky import factorise_cholesky
+from masonry_cd.mechanics.linalg.ldu import factorise_ldu
+from masonry_cd.mechanics.linalg.ordering import Pattern
+from masonry_cd.mechanics.linalg.small_blocks import size_of_blocks
+from masonry_cd.mechanics.linalg.supernodes import BlockMatrix, allocate_factors
+from masonry_cd.mechanics.linalg.triangular import solve_cholesky, solve_ldu
 
 N = 20
 

@@ -16,12 +16,12 @@ from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.place_on_block import require_on_block
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.place_on_block import require_on_block
 from structures.files import blockfile
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import box as box_part

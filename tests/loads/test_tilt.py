@@ -10,10 +10,10 @@ from models import box, ground
 
 import loads
 from loads.kinds.tilt import load_factors
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 
 G = (0.0, 0.0, -9.81)
 

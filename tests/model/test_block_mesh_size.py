@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model import block_mesh as meshing
-from masonry_cd.model.geometry import Polyhedron
+from masonry_cd.mechanics.model import block_mesh as meshing
+from masonry_cd.mechanics.model.geometry import Polyhedron
 from structures.geometry.prism import box
 
 CUBE = Polyhedron(*box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)))

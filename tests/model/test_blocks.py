@@ -5,10 +5,10 @@ import pytest
 from models import box, ground, tower
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.geometry import mass_properties
-from masonry_cd.model.polygon import clip, clip_loops
-from masonry_cd.model.state import rotation_matrices
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.geometry import mass_properties
+from masonry_cd.mechanics.model.polygon import clip, clip_loops
+from masonry_cd.mechanics.model.state import rotation_matrices
 
 
 def test_box_has_its_textbook_inertia_wherever_it_stands():

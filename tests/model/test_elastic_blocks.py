@@ -8,9 +8,9 @@ from models import tower
 from pydantic import ValidationError
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.deformation import hooke, principal_axes
-from masonry_cd.model.elastic_blocks import ElasticBlocks, Elasticity
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.deformation import hooke, principal_axes
+from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks, Elasticity
 
 GROUPS = ("base", "arch", "pier-east", "pier-west")
 

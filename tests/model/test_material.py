@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.materials import JointLaw, friction_table, joint_table
+from masonry_cd.mechanics.model.materials import JointLaw, friction_table, joint_table
 
 GROUPS = ("base", "arch", "pier")
 MU = np.full((3, 3), 0.5)

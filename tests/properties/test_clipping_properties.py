@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
-from masonry_cd.contact.contact_set import ContactSet
-from masonry_cd.contact.detector import Detector
-from masonry_cd.contact.manifold import SLIVER, SNAP
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.materials import JointLaw
-from masonry_cd.model.state import State, rotation_matrices
+from masonry_cd.mechanics.contact.contact_set import ContactSet
+from masonry_cd.mechanics.contact.detector import Detector
+from masonry_cd.mechanics.contact.manifold import SLIVER, SNAP
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.materials import JointLaw
+from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 HEIGHT = 0.5  # of both prisms [m]
 ELASTIC = JointLaw(normal_stiffness=1e9, tangential_stiffness=4e8)

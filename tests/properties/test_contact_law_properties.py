@@ -10,8 +10,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from masonry_cd.friction.problem import FrictionProblem, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 DIGITS = 1e-9  # of what is compared, times the condition number of W
 CONDITION = 1e4  # worst of W that is asked for

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from masonry_cd.linalg import ordering
-from masonry_cd.linalg.cholesky import factorise_cholesky
-from masonry_cd.linalg.elimination_tree import THIN
-from masonry_cd.linalg.ldu import factorise_ldu
-from masonry_cd.linalg.ordering import Pattern
-from masonry_cd.linalg.supernodes import BlockMatrix, allocate_factors
-from masonry_cd.linalg.triangular import solve_cholesky, solve_ldu
+from masonry_cd.mechanics.linalg import ordering
+from masonry_cd.mechanics.linalg.cholesky import factorise_cholesky
+from masonry_cd.mechanics.linalg.elimination_tree import THIN
+from masonry_cd.mechanics.linalg.ldu import factorise_ldu
+from masonry_cd.mechanics.linalg.ordering import Pattern
+from masonry_cd.mechanics.linalg.supernodes import BlockMatrix, allocate_factors
+from masonry_cd.mechanics.linalg.triangular import solve_cholesky, solve_ldu
 
 
 class Matrix(NamedTuple):

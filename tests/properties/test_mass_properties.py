@@ -10,8 +10,8 @@ from hypothesis.extra.numpy import arrays
 from models import box
 from scipy.spatial import ConvexHull
 
-from masonry_cd.model.geometry import Faces, MassProperties, mass_properties
-from masonry_cd.model.state import rotation_matrices
+from masonry_cd.mechanics.model.geometry import Faces, MassProperties, mass_properties
+from masonry_cd.mechanics.model.state import rotation_matrices
 
 LENGTH = st.floats(1e-3, 1e3)
 PLACE = arrays(float, 3, elements=st.floats(-100.0, 100.0))

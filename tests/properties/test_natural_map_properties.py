@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy import sparse
 
-from masonry_cd.friction.natural_map import project_to_cone
-from masonry_cd.friction.problem import LocalProblem, natural_map_error
+from masonry_cd.mechanics.friction.natural_map import project_to_cone
+from masonry_cd.mechanics.friction.problem import LocalProblem, natural_map_error
 
 VECTOR = arrays(float, 3, elements=st.floats(-10.0, 10.0).map(lambda x: x if abs(x) > 1e-9 else 0.0))
 FRICTION = st.one_of(st.sampled_from([0.0, 0.6, 1.0]), st.floats(0.0, 3.0).map(lambda mu: mu if mu > 1e-9 else 0.0))

@@ -15,7 +15,7 @@ from pictures import BASE, COLUMN, model_area, opening_scale, pixels, shares
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from reports.damage.definitions import Thresholds
 from reports.deformed import Pose, Solids
 from reports.drawing import render

@@ -12,8 +12,8 @@ from pictures import model_area, opening_scale, pixels, shares
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.polygon import loop_area
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.polygon import loop_area
 from reports.deformed import Pose, Solids
 from reports.drawing.render import Lines, Surface, view_named
 from reports.drawing.tie_lines import DrawnTies

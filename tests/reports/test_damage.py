@@ -11,7 +11,7 @@ from made_run import at_rest, box, shifted, turned, write_run
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from reports.damage import joint_damage
 from reports.damage.definitions import STATES, Thresholds, classify
 from reports.deformed import Pose, Solids

@@ -18,9 +18,9 @@ import masonry_cd as mc
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
-from masonry_cd.model.block_mesh import block_mesh
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Polyhedron
+from masonry_cd.mechanics.model.block_mesh import block_mesh
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Polyhedron
 from reports.deformed import Pose, Solids, solids_of
 from reports.maps.framing import MapStyle
 from reports.maps.meshed_solids import Facetted

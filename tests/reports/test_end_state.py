@@ -10,7 +10,7 @@ import pytest
 from made_run import at_rest, box, shifted, write_run
 
 from masonry_cd.io.results import Results
-from masonry_cd.model.state import State
+from masonry_cd.mechanics.model.state import State
 from reports.damage import joint_files, part_files
 from reports.damage.end_state import end_state
 from reports.outputs import damage_of

@@ -12,10 +12,10 @@ from typer.testing import CliRunner
 
 from masonry_cd.app.run_loop import run
 from masonry_cd.cli.app import app
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.contact.find_joints import find_joints
 from reports.extra import energy as picture
 from reports.extra.energy import GOES, WORKS, energies, energy_picture
 

@@ -10,7 +10,7 @@ from models import box, tower
 from refusals import refusal
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from reports.modal.measured_modes import fit_factor, mac, pair, read_measured
 from reports.modal.modes import Modes, modal
 

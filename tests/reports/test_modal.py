@@ -12,7 +12,7 @@ from models import box, tower
 from scipy.optimize import brentq
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from reports.modal.modes import Modes, modal
 
 YOUNG, DENSITY = 2e9, 2000.0

@@ -15,8 +15,8 @@ from typer.testing import CliRunner
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.state import rotation_matrices
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.state import rotation_matrices
 from reports.damage.definitions import Thresholds
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, solids_of

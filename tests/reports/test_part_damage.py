@@ -14,8 +14,8 @@ from places import ROOT
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.state import State
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.state import State
 from reports.damage import grades, part_damage, part_files
 from reports.damage.definitions import Thresholds
 from reports.damage.mechanism import Rules

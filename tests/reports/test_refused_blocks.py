@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from models import tower
 
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from reports.drawing.refused_blocks import FAULTY, problem_picture
 from structures.geometry.checks import Unsound, check
 

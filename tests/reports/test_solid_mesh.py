@@ -8,7 +8,7 @@ from models import box, tower, wall
 from scipy.spatial.transform import Rotation
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from reports.modal.shapes import QuadraticShapes, RigidShapes
 from reports.modal.solid_mesh import CLUSTER, solid_mesh
 

@@ -20,12 +20,12 @@ from masonry_cd.app.run_loop import run
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
 from masonry_cd.cli.app import app
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io import checkpoint
 from masonry_cd.io.layout import EDGE_STRESS, MEAN_NORMAL_FORCE, STRESS
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.contact.find_joints import find_joints
 from reports.maps.framing import MapStyle
 from reports.maps.stress_map import Pressed, StressScale
 from reports.page.stress import colours

@@ -11,12 +11,12 @@ from models import stepper
 from solids import build
 
 from masonry_cd.app.run_loop import run
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.state import State
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.state import State
 from reports.damage.definitions import Thresholds
 from reports.damage.macro_elements import DamageSnapshot
 from reports.deformed import Pose, Solids

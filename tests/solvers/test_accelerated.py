@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scenes
 
-from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options, accelerated
+from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options, accelerated
 
 solve = SOLVERS["accelerated"]
 GRAINS = scenes.packing(5, mu=0.3, speed=0.02)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import scenes
 
-from masonry_cd.friction.problem import Solution, natural_map_error
-from masonry_cd.linalg import ordering
-from masonry_cd.solvers import SOLVERS, Options
-from masonry_cd.solvers.admm import PROBE, Tally
+from masonry_cd.mechanics.friction.problem import Solution, natural_map_error
+from masonry_cd.mechanics.linalg import ordering
+from masonry_cd.mechanics.solvers import SOLVERS, Options
+from masonry_cd.mechanics.solvers.admm import PROBE, Tally
 
 solve = SOLVERS["admm"]
 

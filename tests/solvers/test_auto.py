@@ -14,8 +14,8 @@ from scenes import thrown
 
 from benchmarks import ours
 from benchmarks.scenes import arch
-from masonry_cd.friction.problem import Problem, Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options, admm, auto, newton
+from masonry_cd.mechanics.friction.problem import Problem, Solution, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options, admm, auto, newton
 
 solve = SOLVERS["auto"]
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 UNREACHABLE = 1e-300
 LONG = 60.0  # an end that does not come for so long is none: with its kernels compiled a solve takes milliseconds [s]

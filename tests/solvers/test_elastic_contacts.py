@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import scenes
 
-from masonry_cd.dynamics.impacts import solve_apart
-from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options, nlgs
+from masonry_cd.mechanics.dynamics.impacts import solve_apart
+from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options, nlgs
 
 STEP = 1e-3
 FALL = scenes.GRAVITY * STEP  # speed that gravity gives in a step [m/s]

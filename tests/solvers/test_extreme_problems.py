@@ -11,8 +11,8 @@ import pytest
 import scenes
 from scipy import sparse
 
-from masonry_cd.friction.problem import FrictionProblem, LocalProblem, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 TOLERANCE = 1e-8
 

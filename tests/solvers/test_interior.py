@@ -13,14 +13,14 @@ from scipy import sparse
 
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
-from masonry_cd.dynamics.moreau_jean import Stepper
 from masonry_cd.foundation.jit import entry
-from masonry_cd.friction.coulomb_law import SLIP, STICK
-from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
-from masonry_cd.solvers.central_path import Iterate, Linearisation, allows_step, change_contact, contact_step, linearise_contact
-from masonry_cd.solvers.interior import TURN
-from masonry_cd.solvers.proximal_kernels import first_change
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.friction.coulomb_law import SLIP, STICK
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Solution, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options
+from masonry_cd.mechanics.solvers.central_path import Iterate, Linearisation, allows_step, change_contact, contact_step, linearise_contact
+from masonry_cd.mechanics.solvers.interior import TURN
+from masonry_cd.mechanics.solvers.proximal_kernels import first_change
 
 solve = SOLVERS["interior"]
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import scenes
 
-from masonry_cd.friction.problem import FrictionProblem, natural_map_error
-from masonry_cd.linalg import ordering
-from masonry_cd.linalg.small_blocks import size_tuple
-from masonry_cd.solvers import SOLVERS, Options, admm
-from masonry_cd.solvers.linearised import Elimination, Settings, elimination_of
-from masonry_cd.solvers.linearised_bodies import INTERIOR, NEWTON, PATH, PROXIMAL, linearised_bodies
-from masonry_cd.solvers.shares import CHUNK
+from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_error
+from masonry_cd.mechanics.linalg import ordering
+from masonry_cd.mechanics.linalg.small_blocks import size_tuple
+from masonry_cd.mechanics.solvers import SOLVERS, Options, admm
+from masonry_cd.mechanics.solvers.linearised import Elimination, Settings, elimination_of
+from masonry_cd.mechanics.solvers.linearised_bodies import INTERIOR, NEWTON, PATH, PROXIMAL, linearised_bodies
+from masonry_cd.mechanics.solvers.shares import CHUNK
 
 STIFFNESS = {NEWTON: 1e3, INTERIOR: 1e4, PATH: 1e8, PROXIMAL: 1e4}
 LIMIT = {NEWTON: 15, INTERIOR: 15, PATH: 15, PROXIMAL: 60}  # iterations that lead from nothing into the thick of it

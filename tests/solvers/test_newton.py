@@ -11,9 +11,9 @@ import pytest
 import scenes
 from scenes import thrown
 
-from masonry_cd.friction.problem import FrictionProblem, LocalProblem, Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options, newton
-from masonry_cd.solvers.admm import FIRST_STIFFNESS
+from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Solution, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options, newton
+from masonry_cd.mechanics.solvers.admm import FIRST_STIFFNESS
 
 solve = SOLVERS["newton"]
 MOST = newton.stiffest(1e-7)

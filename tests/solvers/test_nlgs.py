@@ -10,9 +10,9 @@ import scenes
 from cones import project
 from scipy import sparse
 
-from masonry_cd.friction.problem import LocalProblem, Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options, nlgs
-from masonry_cd.solvers.nlgs_kernels import colour_joints
+from masonry_cd.mechanics.friction.problem import LocalProblem, Solution, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options, nlgs
+from masonry_cd.mechanics.solvers.nlgs_kernels import colour_joints
 
 solve = SOLVERS["nlgs"]
 

@@ -11,8 +11,8 @@ from places import EXAMPLES
 
 from benchmarks.ours import stepper, stepper_of_file
 from benchmarks.scenes import wall
-from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
-from masonry_cd.solvers import SOLVERS, Options
+from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
+from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 solve = SOLVERS["pivoting"]
 BLOCK = np.diag([1.0 / 2000.0, 1.0 / 2000.0, 1.0 / 300.0])  # M^-1 of a block [1/kg, 1/(kg m2)]

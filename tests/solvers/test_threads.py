@@ -2,7 +2,7 @@
 
 import pytest
 
-from masonry_cd.solvers import cores, options, threads_that_pay
+from masonry_cd.mechanics.solvers import cores, options, threads_that_pay
 
 
 def test_threads_grow_with_the_contacts_up_to_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:

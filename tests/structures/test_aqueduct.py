@@ -15,8 +15,8 @@ from statics3d import can_stand as can_stand_in_space
 
 import structures
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import mass_properties
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import mass_properties
 from structures.geometry import solid
 from structures.kinds import aqueduct
 from structures.layout.aqueduct_tier import outline

@@ -12,10 +12,10 @@ from solids import moved_at_rest
 from statics import can_stand, section
 
 import structures
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.geometry import mass_properties
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.geometry import mass_properties
 
 
 def build(**keys: object) -> list[Block]:

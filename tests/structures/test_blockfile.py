@@ -14,8 +14,8 @@ from places import SHARED
 
 import structures
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import mass_properties
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import mass_properties
 from structures.files import blockfile
 from structures.geometry.merge_coplanar import merge_coplanar
 from structures.geometry.prism import prism_xz, rectangle

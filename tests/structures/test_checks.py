@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces, Polyhedron
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces, Polyhedron
 from structures.geometry.checks import check
 from structures.geometry.prism import prism_xz, rectangle
 

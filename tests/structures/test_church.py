@@ -10,11 +10,11 @@ import pytest
 from solids import bonded_share, build, free_volume, moved_at_rest, outline, touching_area, volume_of_walls
 from statics3d import assembled, can_stand, in_one_piece
 
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.geometry import mass_properties
-from masonry_cd.model.polygon import polygon_area, polygon_centroid
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.geometry import mass_properties
+from masonry_cd.mechanics.model.polygon import polygon_area, polygon_centroid
 from structures.kinds import church, church_parts
 from structures.layout import wall_plan
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from models import ground
 
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly
-from masonry_cd.model.geometry import mass_properties
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.geometry import mass_properties
 from structures.geometry.checks import check
 from structures.geometry.compound_block import compound_block
 from structures.geometry.prism import box

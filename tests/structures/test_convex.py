@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from models import box
 
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import Faces, mass_properties, triangles
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import Faces, mass_properties, triangles
 from structures.geometry.checks import check
 from structures.geometry.convex import is_convex, split
 from structures.geometry.prism import prism_xz

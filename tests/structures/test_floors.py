@@ -15,8 +15,8 @@ import structures
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.limit.analysis import Options, analyse
 from masonry_cd.limit.problem import Bars
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import mass_properties
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import mass_properties
 from structures import site
 from structures.floors import with_floors
 from structures.ties import Bar

@@ -11,10 +11,10 @@ from models import box
 from solids import build, moved_at_rest
 
 import structures
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.geometry import triangles
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.geometry import triangles
 from structures.files import blockfile
 from structures.geometry.checks import check
 from structures.geometry.gaps import close_gaps

@@ -11,7 +11,7 @@ from models import stepper
 
 import structures
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 
 THIN = {"kind": "arch", "radius": 1.0, "thickness": 0.08, "voussoirs": 9}  # too thin to stand
 VAULT = {"kind": "vault", "form": "cross", "voussoirs": 7}

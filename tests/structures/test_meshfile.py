@@ -10,10 +10,10 @@ from models import box, tower
 from solids import build
 
 import structures
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.geometry import Polyhedron, mass_properties
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.geometry import Polyhedron, mass_properties
 from structures.files import meshfile
 from structures.geometry.prism import prism_xz
 

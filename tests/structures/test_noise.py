@@ -12,9 +12,9 @@ from typer.testing import CliRunner
 import structures
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.geometry import mass_properties
-from masonry_cd.model.middle_plane import middle_plane
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.geometry import mass_properties
+from masonry_cd.mechanics.model.middle_plane import middle_plane
 from structures.geometry.checks import Shells, check_convex, check_shells
 
 SIZE = 1e-6

@@ -10,7 +10,7 @@ from scipy.spatial.distance import pdist, squareform
 from solids import build
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 
 CASES: dict[str, dict[str, object]] = {
     "default": {},

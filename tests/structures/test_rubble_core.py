@@ -8,10 +8,10 @@ from models import gravity, still
 from scipy.optimize import nnls
 from solids import build
 
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 from structures.layout import rubble
 
 WALL: dict[str, object] = {"length": 1.6, "height": 1.0, "thickness": 0.6, "course_height": 0.25, "through": 2, "core_thickness": 0.2}

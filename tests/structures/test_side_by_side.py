@@ -16,8 +16,8 @@ from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import mass_properties
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import mass_properties
 from reports.damage.part_damage import part_damage
 from structures import site
 from structures.files import blockfile

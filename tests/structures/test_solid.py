@@ -9,10 +9,10 @@ import pytest
 from solids import bonded_share, exposed, free_volume, moved_at_rest
 
 import structures
-from masonry_cd.contact.find_joints import find_joints
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.gmsh_session import gmsh_session
-from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 
 HEAD = 'SetFactory("OpenCASCADE");\n'
 # a hollow square tower of 2.4 m, walls 0.4 m, with a door

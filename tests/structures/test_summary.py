@@ -11,7 +11,7 @@ from models import box, ground, tower, wall
 from solids import build
 
 import structures
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures.summary import lines, warnings
 
 

@@ -12,10 +12,10 @@ from models import box, ground
 
 import loads
 import structures
-from masonry_cd.dynamics.moreau_jean import Stepper
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
+from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly, Block
 from structures import Made, site
 from structures.files import blockfile
 from structures.geometry.prism import prism_xz

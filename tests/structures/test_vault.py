@@ -10,7 +10,7 @@ from solids import build, exposed, free_volume, moved_at_rest
 from statics3d import assembled, can_stand, in_one_piece
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.polygon import polygon_area, polygon_centroid
+from masonry_cd.mechanics.model.polygon import polygon_area, polygon_centroid
 
 
 def ring(count: int, inner: float, outer: float) -> list[np.ndarray]:

@@ -10,7 +10,7 @@ from solids import build, closings_of, exposed, free_volume, hole, moved_at_rest
 from statics3d import assembled, can_stand, in_one_piece
 
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.polygon import polygon_area
+from masonry_cd.mechanics.model.polygon import polygon_area
 from structures.kinds import wall
 from structures.layout import wall_plan
 

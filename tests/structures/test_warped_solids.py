@@ -11,8 +11,8 @@ import pytest
 
 import structures
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Block
-from masonry_cd.model.geometry import mass_properties
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.geometry import mass_properties
 from structures.geometry import convex
 from structures.geometry.checks import check, warp
 from structures.geometry.compound_block import compound_block

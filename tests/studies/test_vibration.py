@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from models import box, gravity, stepper, tower, wall
 
-from masonry_cd.dynamics.equilibrium import settle
-from masonry_cd.dynamics.settings import Run
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.model.blocks import Assembly, Block
-from masonry_cd.model.materials import JointLaw
+from masonry_cd.mechanics.dynamics.equilibrium import settle
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.materials import JointLaw
 from masonry_cd.studies.joints_at_rest import at_rest_lines, at_rest_summary, joints_at_rest
 from masonry_cd.studies.vibration import free_vibration, linear_modes, sweep, vibration_case
 

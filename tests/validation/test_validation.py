@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from models import GRAVITY, box, gravity, ground, stepper, still, tower, wall
 
-from masonry_cd.model.blocks import Block
+from masonry_cd.mechanics.model.blocks import Block
 from structures.geometry.prism import prism_xz
 
 pytestmark = pytest.mark.validation

@@ -19,7 +19,7 @@ from pydantic import Field
 from masonry_cd.app.scene_text import parse_toml, read_text
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import Count, Table
-from masonry_cd.solvers import cores
+from masonry_cd.mechanics.solvers import cores
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -11,7 +11,7 @@ import numpy as np
 
 from masonry_cd.app.scene import Scene
 from masonry_cd.io.results import Results
-from masonry_cd.model.joints import Joints
+from masonry_cd.mechanics.model.joints import Joints
 from reports.damage.definitions import Thresholds
 from reports.damage.grades import NAMES
 from reports.damage.joint_damage import displacements, fallen, joint_damage

@@ -25,7 +25,7 @@ from masonry_cd.app.scene_text import dump_toml, parse_toml, read_text
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import Count, Number, Table
 from masonry_cd.foundation.files import is_file
-from masonry_cd.solvers.options import LARGEST_SEED
+from masonry_cd.mechanics.solvers.options import LARGEST_SEED
 from masonry_cd.studies.study.record_tables import RecordsTable
 from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
 from reports.damage.grades import NAMES as GRADES

@@ -1,0 +1,1 @@
+"""The mechanics: model < linalg < contact | friction < solvers < dynamics. Nothing here reads a scene or writes a file."""

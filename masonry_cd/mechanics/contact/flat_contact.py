@@ -1,0 +1,144 @@
+r"""Contact of two polyhedra: the face or the edges that separate them, and the points, found anew as far as the pair has moved.
+
+**Fast pairs.** Blocks that pass each other edge by edge face nothing of one another now, and yet may meet before the next look. Where a
+pair has no points and may move by FAR of its width, they are those of its pose a step later, if both go on as they move.
+
+**Springs.** The parts of an elastic joint overlap by what it is shortened. Where a pair overlaps whose joint was not there before, its
+springs would be born with an energy that nobody put in: a stone at the toe of a rocking tower, squeezed by some centimetres, turns another
+face to its neighbour, and is shot out. Such springs begin without force. What they do not feel of the overlap is forgotten as far as the
+parts come out of each other.
+
+**Meshed blocks.** Where one of the faces has facets, the points are those between them (``facets.py``).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.foundation.jit import borrower
+from masonry_cd.mechanics.contact.facets import has_facets, split
+from masonry_cd.mechanics.contact.manifold import across_edges, contact_points, incident_face
+from masonry_cd.mechanics.contact.motion import distance_moved, pose_ahead
+from masonry_cd.mechanics.contact.pair_memory import APART, CLIPPED, REUSE, SEARCHED, store_points, update_gaps
+from masonry_cd.mechanics.contact.separation import EDGES, FACE_OF_A, FAR_APART, WHOLE, Placed, place_part, separate
+
+EDGE_BIAS = 1e-3  # an edge pair must be this much farther apart than the best face, as a share of the smaller width
+SAME = 0.9  # least cosine of the angle between the normals of a contact before and now; where it is less it is another one
+FAR = 0.05  # a pair that may move by more than this share of the smaller part's width in a step is looked at as it will be then, too
+
+
+@borrower()
+def look_again(memory, k, shapes, motion, margin, width, by_area, work, overlay, tally):
+    """Find the points of pair k and their gaps anew, as far as the pair has moved; ``margin`` and ``width`` [m].
+
+    ``overlay``: with the facets of meshed blocks; None, which is known when this is compiled, where none of the two has any.
+    """
+    solids, now, feature = shapes.solids, work.now, memory.feature[k]
+    a, b = memory.parts[k, 0], memory.parts[k, 1]
+    moved = distance_moved(now, memory.pose[k], shapes.radius[b])
+    if feature[0] == FAR_APART and memory.budget[k] - moved > margin:
+        tally[APART] += 1
+        return
+    own, other = (
+        Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
+        place_part(now, b, solids, motion.affine, work.vertices, work.normals),
+    )
+    if feature[0] == FAR_APART or not moved < REUSE * width or _edges_turned(memory, k, solids, own, other):
+        tally[SEARCHED] += 1
+        apart = separate(a, b, solids, own, other, EDGE_BIAS * width, by_area, feature)
+        _copy(now, memory.pose[k])
+        if apart > margin:
+            feature[0], memory.budget[k], memory.point_count[k] = FAR_APART, apart, 0
+            return
+    tally[CLIPPED] += 1
+    with_area = by_area and feature[0] != EDGES
+    facing = _facing(memory, k)
+    if overlay is None:
+        found = contact_points((a, b), feature, solids, own, other, width, with_area, memory.normal[k], work.manifold)
+    else:
+        found = _points_of_facets(memory, k, solids, own, other, now, width, with_area, work, overlay)
+    _copy(now, memory.built[k])
+    if with_area:
+        _forgive(memory, k, found, facing, EDGE_BIAS * width, work.manifold.height)
+    if found == 0 and margin > FAR * width and not with_area:
+        found = _look_ahead(memory, k, shapes, motion, margin, width, work, overlay)
+    store_points(memory, k, found, work.manifold, with_area, width, work.place)
+    update_gaps(memory, k, now, motion.affine)
+
+
+@borrower()
+def _edges_turned(memory, k, solids, own, other):
+    """Whether the normal across the edges of pair k has turned by more than they have: they were nearly parallel."""
+    feature, n = memory.feature[k], memory.normal[k]
+    if feature[0] != EDGES:
+        return False
+    x, y, z = across_edges(solids.edges[feature[1]], solids.edges[feature[2]], own, other)
+    return abs(x * n[0] + y * n[1] + z * n[2]) < SAME * np.sqrt(x * x + y * y + z * z)
+
+
+@borrower()
+def _facing(memory, k):
+    """The direction in which the springs of pair k act; three zeros where it has none."""
+    n, count = memory.normal[k], memory.point_count[k]
+    if count == 0 or memory.area[memory.slot[k] + count - 1] == 0.0:
+        return 0.0, 0.0, 0.0
+    return n[0], n[1], n[2]
+
+
+@borrower()
+def _forgive(memory, k, found, facing, allowed, height):
+    """Take what its springs do not feel of the overlap of pair k off the gaps ``height`` of its ``found`` points.
+
+    ``facing``: where its springs faced before, three numbers; a new joint has its springs feel an overlap up to ``allowed`` [m].
+    """
+    deepest, n = 0.0, memory.normal[k]
+    for i in range(found):
+        deepest = max(deepest, -height[i])
+    if n[0] * facing[0] + n[1] * facing[1] + n[2] * facing[2] < SAME:
+        memory.unfelt[k] = deepest if deepest > allowed else 0.0
+    else:
+        memory.unfelt[k] = min(memory.unfelt[k], deepest)
+    for i in range(found):
+        height[i] += memory.unfelt[k]
+
+
+@borrower()
+def _copy(pose, to):
+    """Copy a relative pose (12,)."""
+    for i in range(12):
+        to[i] = pose[i]
+
+
+@borrower()
+def _look_ahead(memory, k, shapes, motion, margin, width, work, overlay):
+    """Fill the manifold with the points of pair k in its pose a step later, which becomes the pose remembered; returns how many."""
+    solids, feature, pose = shapes.solids, memory.feature[k], memory.built[k]
+    a, b = memory.parts[k, 0], memory.parts[k, 1]
+    pose_ahead(motion, shapes.part_block[a], shapes.part_block[b], work.ahead_position, work.ahead_rotation, pose)
+    own, other = (
+        Placed(solids.vertices, solids.normals, WHOLE, WHOLE),
+        place_part(pose, b, solids, motion.affine, work.vertices, work.normals),
+    )
+    _copy(pose, memory.pose[k])
+    if separate(a, b, solids, own, other, EDGE_BIAS * width, False, feature) > margin:
+        return 0
+    if overlay is None:
+        return contact_points((a, b), feature, solids, own, other, width, False, memory.normal[k], work.manifold)
+    return _points_of_facets(memory, k, solids, own, other, pose, width, False, work, overlay)
+
+
+@borrower()
+def _points_of_facets(memory, k, solids, own, other, pose, width, with_area, work, overlay):
+    """Fill the manifold with the points of pair k, of which b has a pose (12,) in the frame of a; returns how many."""
+    parts, feature, faces = (memory.parts[k, 0], memory.parts[k, 1]), memory.feature[k], overlay.faces
+    cut = False
+    if feature[0] != EDGES:
+        if feature[0] == FACE_OF_A:
+            faces[0], faces[1] = feature[1], incident_face(parts[1], solids, other, own.normals[feature[1] - own.first_face])
+        else:
+            faces[0], faces[1] = incident_face(parts[0], solids, own, other.normals[feature[1] - other.first_face]), feature[1]
+        cut = has_facets(overlay.facets, faces)
+    found = contact_points(parts, feature, solids, own, other, width, with_area and not cut, memory.normal[k], work.manifold)
+    if not cut or found == 0:
+        return found
+    return split(overlay, pose, memory.normal[k], found, width, with_area, memory.slot[k + 1] - memory.slot[k], work.manifold)

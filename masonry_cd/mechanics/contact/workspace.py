@@ -1,0 +1,30 @@
+"""Scratch arrays of contact detection, made once."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.mechanics.contact.manifold import Manifold
+from masonry_cd.mechanics.model.blocks import Shapes
+
+
+class Workspace(NamedTuple):
+    """Scratch arrays for one pair after another."""
+
+    now: np.ndarray  # (12,) pose of b in the frame of a
+    vertices: np.ndarray  # (V, 3) of b in the frame of a [m]
+    normals: np.ndarray  # (F, 3)
+    manifold: Manifold
+    place: np.ndarray  # (N,) contacts of the last set that its points continue
+    ahead_position: np.ndarray  # (2, 3) of both bodies a step later [m]
+    ahead_rotation: np.ndarray  # (2, 3, 3)
+
+    @classmethod
+    def allocate(cls, shapes: Shapes, corners: int, more: int = 0) -> Workspace:
+        """Room for parts, by the largest number of corners of a face, and for more points between facets."""
+        manifold = Manifold.allocate(corners, more)
+        vertices, faces = (int(np.diff(start).max()) for start in (shapes.solids.vertex_start, shapes.solids.face_start))
+        place = np.empty(len(manifold.point), dtype=np.int64)
+        return cls(np.empty(12), np.empty((vertices, 3)), np.empty((faces, 3)), manifold, place, np.empty((2, 3)), np.empty((2, 3, 3)))

@@ -1,0 +1,104 @@
+"""Equilibrium: elastic joints and blocks that deform take up the weight, and the first tension of ties, before a run.
+
+Implicit steps (theta = 1), long for the swing of a block on its joint or on itself, with the supports held and the gravity of the first
+instant. Where the kinetic energy falls the motion has passed equilibrium: it is taken out, and the next swing begins from rest (kinetic
+damping, Barnes, Comput. Struct. 30, 1988). What is low comes to rest in a step or two; a tall tower would creep in steps that each began
+from rest. It has settled when a swing is short, or begins as fast as the last one did: that is rounding, or a slope without friction.
+
+Ties pull with their first tension however the structure gives way, as held by a jack, and are locked as long as they then are: so the run
+begins with that tension, and without a jolt. Their stiffness comes with the run, and so do point loads.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from masonry_cd.foundation import libm
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper
+
+RADIANS, STEPS = 30.0, 400  # step of settling, in radians of the swing of a block on its joint, and most steps
+LONGEST = 40  # steps of a swing: a slower one goes on from rest, and still comes closer by a hundredth if it takes eleven times as many
+SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last swing is this share of all of it; or its first step this, and these shrink no more
+SHARE, FINEST = 1e-2, 1e-12  # of the run's tolerance, to which steps of settling are solved, and the finest
+SUNK = 0.1  # share of the smallest width that no block sinks by while it settles
+
+
+def settle(stepper: Stepper) -> int:
+    """Bring a stepper to rest under its weight and ties, and return the steps that took. Where nothing is elastic there is nothing to do.
+
+    Raises:
+        InputError: the structure does not come to rest, or its motion is not finite.
+    """
+    assembly = stepper.assembly
+    if assembly.deformation is None and not assembly.laws.normal_stiffness.any():
+        return 0
+    trial = _trial(stepper)
+    begin, steps, sunk, first, still = trial.state.position.copy(), 0, 0.0, np.inf, False
+    while not still and steps < STEPS and sunk <= SUNK * stepper.width:
+        before, last = trial.state.position.copy(), first
+        taken, first = _swing(trial)
+        steps, sunk = steps + taken, _farthest(trial, begin)
+        still = _farthest(trial, before) <= SETTLED * sunk or (first <= ROUNDED * sunk and first > 0.99 * last)
+    if not still:
+        block = assembly.names[int(np.abs(trial.state.position - begin).max(axis=1).argmax())]
+        under = "its weight and the tension of ties" if trial.tensions.any() else "its weight"
+        raise InputError(f'run.settle: block "{block}" does not come to rest under {under}; settle = false starts the run without')
+    stepper.begin_from(trial, stepper.settings.dt / trial.settings.dt)
+    stepper.lock_ties()
+    return steps
+
+
+def _farthest(trial: Stepper, since: np.ndarray) -> float:
+    """How far a block is from where it was, positions (B, 3), along an axis at most [m]."""
+    return float(np.abs(trial.state.position - since).max())
+
+
+def _swing(trial: Stepper) -> tuple[int, float]:
+    """Steps from rest until the motion has passed its fastest, where it is taken out; how many, and how far the first moved a block [m]."""
+    begin, steps, first, fastest, faster = trial.state.position.copy(), 0, 0.0, 0.0, True
+    while faster and steps < LONGEST:
+        trial.lock_ties()
+        trial.load_step = 0  # the weight stays that of the first instant
+        try:
+            trial.step()
+        except RunStopped as broken:
+            raise InputError(f"run.settle: {broken}; settle = false starts the run without") from None
+        steps, faster, fastest = steps + 1, trial.energy["kinetic"] > fastest, trial.energy["kinetic"]
+        first = _farthest(trial, begin) if steps == 1 else first
+    trial.halt()
+    return steps, first
+
+
+def _trial(stepper: Stepper) -> Stepper:
+    """A stepper of the same blocks and plane that settles."""
+    a, settings = stepper.assembly, stepper.settings
+    tolerance = max(SHARE * settings.tolerance, FINEST)
+    own = {
+        "dt": _step(stepper),
+        "theta": 1.0,
+        "tolerance": tolerance,
+        "accept": tolerance,
+        "max_iterations": None,
+        "solver": "auto",
+        "planar": False,
+    }
+    held, pull = stepper.system.loads.at_rest()
+    laws = replace(a.laws, theta=np.ones_like(a.laws.theta), retardation=np.zeros_like(a.laws.retardation))  # dashpots would slow it
+    damped = replace(a, laws=laws, deformation=None if a.deformation is None else a.deformation.without_swing())
+    forces = stepper.system.loads.forces
+    ties = None if forces is None else forces.ties_alone()
+    return Stepper(damped, held, pull, settings.model_copy(update=own), stepper.state, ties, stepper.plane)
+
+
+def _step(stepper: Stepper) -> float:
+    """Step in which the heaviest block would swing by RADIANS on the softest joint, or on a block as soft as the softest [s]."""
+    a, free = stepper.assembly, ~stepper.assembly.fixed
+    size = libm.cbrt(a.volume)
+    soft = [float(a.laws.normal_stiffness[a.laws.normal_stiffness > 0.0].min(initial=np.inf))]
+    if a.deformation is not None:
+        own = a.deformation
+        soft.append(float((own.stiffness[:, 0, 0] / own.volume / size[own.block]).min()))
+    return RADIANS * float(np.sqrt((a.mass[free] / size[free] ** 2).max() / min(soft)))

@@ -1,0 +1,78 @@
+"""Springs and bonds of elastic and mortar joints over a run: into the friction problem of each step, and out of its solution again.
+
+The law is that of ``joint_law.py``. What a joint hands on from step to step is its elastic slip and whether it is still bonded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.mechanics.dynamics.contact_arrays import Velocities
+from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, Springs, bonded_area, load_springs, unload_springs
+from masonry_cd.mechanics.dynamics.step_problem import StepProblem
+from masonry_cd.mechanics.dynamics.system import Motion, System
+from masonry_cd.mechanics.friction.problem import FrictionProblem
+from masonry_cd.mechanics.model.joints import Joints
+
+CREEP = 1e-6  # slip and opening below this share of g h count as none when bonds are judged
+AT_START = 1e-6  # gaps up to this share of the smallest width are bonded in the first step, or those of the joints as built
+
+
+class SpringWork(NamedTuple):
+    """What the springs of a step did [J]."""
+
+    taken: float = 0.0  # by elastic contacts from the blocks
+    friction: float = 0.0  # of that used up by friction
+    after: float = 0.0  # energy of all springs after the step
+    before: float = 0.0  # and before it
+
+
+def with_springs(system: System, laws: JointLawArrays, last: Motion, rigid: StepProblem) -> StepProblem:
+    """Give contacts of elastic and bonded joints their law in a problem of rigid contacts."""
+    springs, loads, rows = Springs.none(rigid.problem), rigid.predicted.loads, rigid.rows
+    bonding = max(AT_START * system.width, system.inexact) if last.steps == 0 else -1.0
+    load_springs(
+        laws, rigid.found, rows, system.constants, rigid.predicted.rotation,
+        Velocities(last.v, loads.support_before), loads.support_after, last.joints, bonding, springs,
+    )  # fmt: skip
+    problem = replace(rigid.problem, compliance=springs.compliance, offset=springs.offset)
+    return rigid._replace(springs=springs, problem=problem)
+
+
+def carried_over(system: System, last: Motion, made: StepProblem, v: np.ndarray, impulse: np.ndarray) -> tuple[JointMemory, SpringWork]:
+    """Slips and bonds after a step, and what the springs did in it.
+
+    Args:
+        system: of the run.
+        last: motion before the step.
+        made: the problem of the step.
+        v: (F, n) velocities at its end.
+        impulse: (C, m) of it [N s].
+    """
+    if system.laws is None or made.springs is None:
+        return last.joints, SpringWork()
+    memory, loads = JointMemory.empty(len(made.found.gap)), made.predicted.loads
+    still = max(CREEP, system.settings.tolerance) * made.predicted.pull * system.constants.step
+    work = unload_springs(
+        system.laws, made.found, made.rows, system.constants, made.springs, made.predicted.rotation,
+        Velocities(v, loads.support_after), impulse, still, memory,
+    )  # fmt: skip
+    return memory, SpringWork(*work.tolist())
+
+
+def pretensioned(problem: FrictionProblem, bond: np.ndarray) -> FrictionProblem:
+    """The problem in the impulses p + h tau A n, whose cones begin at zero; ``bond`` (C,) is h tau A [N s]."""
+    pull = np.zeros_like(problem.offset)
+    pull[:, 0] = bond
+    return replace(problem, v_free=problem.body_velocity(-pull), offset=problem.offset - problem.compliance * pull)
+
+
+def bonded_shares(made: StepProblem, memory: JointMemory, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
+    """Share of the area of each joint that is bonded after a step, (J,); ``pair_joint`` names the joint of each pair or -1."""
+    whole = np.zeros(joints.count)
+    if made.springs is not None:
+        bonded_area(made.rows.active, made.found.pair, pair_joint, made.springs.area, memory.bonded, whole)
+    return np.minimum(1.0, whole / joints.area)

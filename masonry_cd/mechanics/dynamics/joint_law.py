@@ -1,0 +1,305 @@
+r"""Elastic and bonded joints: springs and dashpots that are implicit in the step, and bonds that break for good.
+
+**Springs.** A contact with a share A of its joint's area carries
+
+    p_n = h k_n A (-g_w)+,        p_t = -h k_t A s_w,        |p_t| <= mu p_n,
+
+with the gap g and the elastic slip s taken at the place of the generalised midpoint rule, theta in [1/2, 1]. With the states g^, s^ between
+two q_m,
+
+    g^1 = g^0 + h (theta u+ + (1 - theta) u),        g_w = theta g^1 + (1 - theta) g^0,
+
+and s^ alike, less the plastic slip theta h w_t (plasticity by this rule: Simo & Taylor, Int. J. Numer. Methods Eng. 22, 1986). Solved for
+the velocities u+ at the end of the step this is the contact law of the rigid joint about w = u + b + C p instead of u, with
+
+    C   = 1 / (theta^2 h^2 k A),
+    b_n = (g^0 + theta (1 - theta) h u_n) / (theta^2 h),
+    b_t = (s^0 + theta (1 - theta) h u_t) / (theta^2 h),
+
+so a stiffness limits no time step: for k -> infinity C vanishes. g^0 = g - (1 - theta) h u_n follows from the gap at q_m with its sign;
+s^0 is remembered, as a vector that turns with the antagonist. theta = 1/2 is of second order and keeps the energy; above, a mode of
+circular frequency omega is damped by (2 theta - 1) omega h / 2, and one too stiff for the step decays by (1 - theta) / theta per step.
+
+**Dashpots.** Beside the spring a dashpot of beta times its stiffness takes part in the force, which is that of the stretch plus beta times
+its rate, (g^1 - g^0) / h on the normal (a Kelvin-Voigt joint; all of them together are Rayleigh's stiffness-proportional damping, which
+takes pi f beta of critical from a mode of frequency f). With a = theta h + beta that is
+
+    C   = 1 / (theta h a k A),        b = (g^0 + (1 - theta) a u) / (theta a),
+
+and alike along the joint, where w_t is what slides and neither spring nor dashpot stretches. The force of both together is what does not
+pull, and what friction bounds.
+
+A spring that is only just closing, g^0 > 0, takes theta = 1 on the normal: the average of an open and a closed state would give it energy
+that nobody put in, and its dashpot waits for the next step. A stiff spring so lands without a bounce, like a rigid contact, and no spring
+bounces higher than it fell.
+
+**Bonds.** An intact contact of cohesion c carries
+
+    |p_t| <= mu p_n + h c A:
+
+Coulomb's cone about the impulse p + h tau A n, tau = c / mu, and a pretension -h tau A n among the free forces. An interface with a contact
+whose tension has passed the tensile strength, or that slipped or parted, is broken from the next step on, all of it: a crack in brittle
+mortar is not stopped by the smaller area that is left. So a joint bends up to the tensile strength at its edge, and is dry then. Bonds are
+made at the start of a run where blocks touch, and never again: a contact that appears later takes the bond and the slip of the nearest
+contact of its interface, and where there is none it is dry.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.foundation.jit import borrower, entry
+from masonry_cd.mechanics.contact.contact_set import ContactSet
+from masonry_cd.mechanics.dynamics.block_arrays import StepConstants
+from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities
+from masonry_cd.mechanics.dynamics.relative_velocity import of_bodies, of_both, of_supports
+from masonry_cd.mechanics.friction.problem import FrictionProblem
+from masonry_cd.mechanics.model.materials import JointLaws
+
+AT_LIMIT = 1e-6  # an impulse this close to the cone, as a share of it, is on it
+
+
+class JointLawArrays(NamedTuple):
+    """The joint laws between G groups, (G, G) each."""
+
+    normal_stiffness: np.ndarray  # k_n [N/m3]; 0: rigid
+    tangential_stiffness: np.ndarray  # k_t [N/m3]
+    apex: np.ndarray  # tau, tension at the tip of the cone [Pa]; 0: no bond
+    tension: np.ndarray  # tensile strength [Pa]
+    theta: np.ndarray  # of the spring over the step
+    retardation: np.ndarray  # beta, coefficient of the dashpot over the stiffness [s]
+
+
+class JointMemory(NamedTuple):
+    """What the joints hand from step to step, by contact of the last set; one entry at least."""
+
+    slip: np.ndarray  # (K, 3) elastic slip in the frame of the antagonist [m]
+    bonded: np.ndarray  # (K,) bool: intact
+
+    @classmethod
+    def empty(cls, contacts: int) -> JointMemory:
+        """Contacts that are dry and have not slipped."""
+        return cls(np.zeros((max(1, contacts), 3)), np.zeros(max(1, contacts), dtype=np.bool_))
+
+
+class Springs(NamedTuple):
+    """The contacts of a friction problem whose law goes by area; C contacts with m rows each."""
+
+    area: np.ndarray  # (C,) [m2], that of mirror images in a plane included
+    elastic: np.ndarray  # (C,) bool
+    bonded: np.ndarray  # (C,) bool: intact in this step
+    bond: np.ndarray  # (C,) h tau A of intact contacts, else 0 [N s]
+    slip: np.ndarray  # (C, m - 1) elastic slip s^0 in the contact frame [m]
+    before: np.ndarray  # (C, m) relative velocity u at the beginning of the step [m/s]
+    compliance: np.ndarray  # (C, m) diagonal of C; 0: rigid
+    offset: np.ndarray  # (C, m) b [m/s]
+
+    @classmethod
+    def none(cls, problem: FrictionProblem) -> Springs:
+        """Contacts that are all rigid and dry, to be filled."""
+        c, m = problem.contacts, problem.dimension
+        off = np.zeros(c, dtype=np.bool_)
+        return cls(
+            np.zeros(c), off, off.copy(), np.zeros(c), np.zeros((c, m - 1)), np.zeros((c, m)), np.zeros((c, m)),
+            problem.offset.copy(),
+        )  # fmt: skip
+
+    @property
+    def whole(self) -> np.ndarray:
+        """(C,) bool: the law holds for the impulse of the whole step, that of an impact included."""
+        return self.elastic | self.bonded
+
+
+def law_arrays(laws: JointLaws) -> JointLawArrays:
+    """The tables of the laws for the kernels."""
+    return JointLawArrays(laws.normal_stiffness, laws.tangential_stiffness, laws.apex, laws.tension, laws.theta, laws.retardation)
+
+
+@entry()
+def load_springs(
+    laws: JointLawArrays,
+    found: ContactSet,
+    rows: ContactRows,
+    constants: StepConstants,
+    rotation: np.ndarray,
+    before: Velocities,
+    support_after: np.ndarray,
+    memory: JointMemory,
+    bonding: float,
+    springs: Springs,
+) -> None:
+    """Fill ``springs`` for the contacts whose law goes by area, see the head of this file.
+
+    ``found``, ``rows``: ContactSet and ContactRows of the step; rotations (B, 3, 3) at q_m; ``before``: Velocities at the beginning of
+    the step; velocities of the supports (S, 3) at its end; ``memory``: JointMemory of the last set; ``bonding``: gaps up to which new
+    contacts are bonded [m], negative after the first step.
+    """
+    bodies, supports, jacobian, frame, groups = rows.bodies, rows.supports, rows.jacobian, rows.frame, rows.groups
+    h, m = constants.step, rows.jacobian.shape[2]
+    base = np.empty(m)
+    for c in range(rows.active.shape[0]):
+        k, first, second = rows.active[c], groups[c, 0], groups[c, 1]
+        if found.area[k] == 0.0:
+            continue
+        area = springs.area[c] = _whole_area(found.area, found.point, k, constants)
+        apex, k_n, k_t = laws.apex[first, second], laws.normal_stiffness[first, second], laws.tangential_stiffness[first, second]
+        old, gap = found.previous[k], found.gap[k]
+        if apex > 0.0:
+            springs.bonded[c] = memory.bonded[old] if old >= 0 else gap <= bonding
+        if springs.bonded[c]:
+            springs.bond[c] = h * apex * area
+        for i in range(m):
+            springs.before[c, i] = of_both(bodies, supports, jacobian, frame, c, i, before.free, before.support, 0.0)
+            base[i] = of_supports(supports, frame, c, i, support_after, 0.0)
+        if k_n == 0.0:
+            continue
+        springs.elastic[c] = True
+        theta, u = laws.theta[first, second], springs.before[c]
+        a = theta * h + laws.retardation[first, second]
+        start = gap - (1.0 - theta) * h * u[0]
+        if start > 0.0 and not springs.bonded[c]:
+            springs.compliance[c, 0] = 1.0 / (h * h * k_n * area)
+            springs.offset[c, 0] = base[0] + gap / h
+        else:
+            springs.compliance[c, 0] = 1.0 / (theta * h * a * k_n * area)
+            springs.offset[c, 0] = base[0] + (start + (1.0 - theta) * a * u[0]) / (theta * a)
+        for i in range(1, m):
+            slip = _remembered(memory.slip, old, rotation, rows.blocks[c, 1], frame, c, i) if old >= 0 else 0.0
+            springs.slip[c, i - 1] = slip
+            springs.compliance[c, i] = 1.0 / (theta * h * a * k_t * area)
+            springs.offset[c, i] = base[i] + (slip + (1.0 - theta) * a * u[i]) / (theta * a)
+
+
+@borrower()
+def _whole_area(share, point, k, constants):
+    """Area that contact k of those found stands for [m2]: in a plane also that of its mirror image, where it is not its own."""
+    axis = constants.plane_axis
+    mirrored = axis >= 0 and abs(point[k, axis] - constants.plane_at) > constants.closed
+    return 2.0 * share[k] if mirrored else share[k]
+
+
+@borrower()
+def _remembered(last_slip, old, rotation, antagonist, frame, c, i):
+    """Slip of contact ``old`` of the last set along row i of contact c [m]: its vector has turned with the antagonist."""
+    slip = 0.0
+    for d in range(3):
+        held = (
+            rotation[antagonist, d, 0] * last_slip[old, 0]
+            + rotation[antagonist, d, 1] * last_slip[old, 1]
+            + rotation[antagonist, d, 2] * last_slip[old, 2]
+        )
+        slip += frame[c, i, d] * held
+    return slip
+
+
+@entry()
+def unload_springs(
+    laws: JointLawArrays,
+    found: ContactSet,
+    rows: ContactRows,
+    constants: StepConstants,
+    springs: Springs,
+    rotation: np.ndarray,
+    after: Velocities,
+    impulse: np.ndarray,
+    still: float,
+    memory: JointMemory,
+) -> np.ndarray:
+    """Carry slips and bonds over the step: fill ``memory``, a JointMemory of all contacts found.
+
+    ``springs`` are those of the step, ``after`` the Velocities at its end, impulses (C, m) [N s]; ``still`` is the slip that counts as
+    none when bonds are judged [m/s].
+
+    Returns:
+        (4,) what elastic contacts took from the blocks, what of that friction used up, and the energy of all springs after and before the
+        step [J].
+    """
+    bodies, supports, jacobian, frame, groups = rows.bodies, rows.supports, rows.jacobian, rows.frame, rows.groups
+    contacts, m = rows.active.shape[0], rows.jacobian.shape[2]
+    u, w, slips, work = np.zeros((contacts, m)), np.zeros((contacts, m)), np.zeros(contacts, dtype=np.bool_), np.zeros(4)
+    for c in range(contacts):
+        if springs.area[c] > 0.0:
+            for i in range(m):
+                u[c, i] = of_both(bodies, supports, jacobian, frame, c, i, after.free, after.support, 0.0)
+                w[c, i] = of_bodies(bodies, jacobian, c, i, after.free, springs.offset[c, i] + springs.compliance[c, i] * impulse[c, i])
+            reach = rows.mu[c] * (impulse[c, 0] + springs.bond[c])
+            slips[c] = _size(w[c, 1:]) > still and _size(impulse[c, 1:]) >= (1.0 - AT_LIMIT) * reach
+    first = 0
+    while first < contacts:  # interface by interface, whose contacts follow each other: they break together
+        last, holds = first, True
+        while last < contacts and rows.pair[last] == rows.pair[first]:
+            if springs.bonded[last]:
+                strength = constants.step * laws.tension[groups[last, 0], groups[last, 1]] * springs.area[last]
+                holds = holds and not slips[last] and _holds(impulse[last, 0], springs.bond[last], strength, w[last, 0] > still)
+            last += 1
+        for c in range(first, last):
+            memory.bonded[rows.active[c]] = springs.bonded[c] and holds
+        first = last
+    slip = np.empty(m - 1)
+    for c in range(contacts):
+        if not springs.elastic[c]:
+            continue
+        k, area, theta = rows.active[c], springs.area[c], laws.theta[groups[c, 0], groups[c, 1]]
+        bonded, before, p = memory.bonded[k], springs.before[c], impulse[c]
+        k_n, k_t = laws.normal_stiffness[groups[c, 0], groups[c, 1]] * area, laws.tangential_stiffness[groups[c, 0], groups[c, 1]] * area
+        work[3] += _stored(k_n, found.gap[k] - (1.0 - theta) * constants.step * before[0], springs.bonded[c])
+        work[2] += _stored(k_n, found.gap[k] + theta * constants.step * u[c, 0], bonded)
+        work[0] -= 0.5 * p[0] * (before[0] + u[c, 0])
+        held, taken = _size(springs.slip[c]), 0.0
+        for i in range(1, m):
+            slip[i - 1] = springs.slip[c, i - 1] + constants.step * (theta * u[c, i] + (1.0 - theta) * before[i] - theta * w[c, i])
+            taken -= 0.5 * p[i] * (before[i] + u[c, i])
+        size, keeps = _size(slip), 1.0
+        if p[0] <= 0.0 and not bonded:
+            keeps = 0.0
+        elif slips[c] and size > 0.0:  # the state at the end of a slipping step is brought back to the cone
+            keeps = min(1.0, rows.mu[c] * (p[0] + springs.bond[c]) / (constants.step * k_t * size))
+        _remember(keeps, slip, rotation[rows.blocks[c, 1]], frame[c], memory.slip[k])
+        work[0] += taken
+        work[2] += 0.5 * k_t * (keeps * size) ** 2
+        work[3] += 0.5 * k_t * held**2
+        if slips[c]:
+            work[1] += taken - 0.5 * k_t * ((keeps * size) ** 2 - held**2)
+    return work
+
+
+@borrower()
+def _holds(impulse, bond, strength, opens):
+    """Whether a bonded contact neither parts nor passes its tensile strength [N s] under a normal impulse."""
+    parts = opens and impulse + bond <= AT_LIMIT * bond
+    return not (parts or -impulse > (1.0 + AT_LIMIT) * strength)
+
+
+@borrower()
+def _stored(stiffness, stretch, bonded):
+    """Energy [J] of a spring of a stiffness [N/m]: one that is not bonded has none when it is open, stretch > 0 [m]."""
+    return 0.5 * stiffness * stretch * stretch if stretch < 0.0 or bonded else 0.0
+
+
+@borrower()
+def _remember(keeps, slip, turn, frame, out):
+    """Add to out (3,), in the frame of the antagonist with rotation ``turn`` (3, 3), a share of a slip along rows 1 and on of ``frame``."""
+    for i in range(slip.shape[0]):
+        for d in range(3):
+            for e in range(3):
+                out[d] += turn[e, d] * keeps * slip[i] * frame[i + 1, e]
+
+
+@borrower()
+def _size(x):
+    """Length of a short vector."""
+    total = 0.0
+    for i in range(x.shape[0]):
+        total += x[i] * x[i]
+    return np.sqrt(total)
+
+
+@entry()
+def bonded_area(active, pair, pair_joint, area, bonded, total):
+    """Add the area of intact contacts to ``total`` (J,) of their joints [m2]; ``bonded`` by contact of the set."""
+    for c in range(active.shape[0]):
+        joint = pair_joint[pair[active[c]]]
+        if joint >= 0 and bonded[active[c]]:
+            total[joint] += area[c]

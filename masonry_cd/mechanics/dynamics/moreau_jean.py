@@ -1,0 +1,379 @@
+r"""The Moreau-Jean step.
+
+One step of length h from (q, v) to (q+, v+), theta in [1/2, 1] (Jean, Comput. Methods Appl. Mech. Engrg. 177, 1999):
+
+    predict    q_m    = q + h (1 - theta) v                             supports moved as prescribed             free_motion.py
+               v_free = v + h M^-1 f(q_m, v)                            gravity, point loads, ties
+    detect     contacts, their frames and gaps g at q_m                                                          contact/
+    assemble   u = H v + b                                              relative velocities of the contacts      contact_rows.py
+    solve      M v+ = M v_free + H^T p,   0 <= u_n + max(g, 0)/h  _|_  p_n >= 0,
+               |p_t| <= mu p_n, opposed to the slip                     impacts apart from forces                impacts.py, islands.py
+    update     q+     = q_m + h theta v+                                overlaps corrected at position level     new_state.py, overlaps.py
+    account    work and losses, and what the step leaves of the contact laws                                     energy.py, violations.py
+
+The gap enters the law over the step, so a block that lands stops where it lands, with perfectly plastic impact. Contacts of elastic joints
+are springs instead, see ``joint_law.py``: there an overlap is the shortening of the joint.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.foundation.arrays import Stored
+from masonry_cd.foundation.freed_memory import keep_freed_memory
+from masonry_cd.mechanics.contact.contact_set import ContactSet
+from masonry_cd.mechanics.contact.detector import Detector, TooManyPoints
+from masonry_cd.mechanics.dynamics import joint_forces
+from masonry_cd.mechanics.dynamics.block_forces import BlockForces
+from masonry_cd.mechanics.dynamics.contact_rows import assemble
+from masonry_cd.mechanics.dynamics.energy import ENERGIES, account, at_start
+from masonry_cd.mechanics.dynamics.error_scale import find_overload, on_scale
+from masonry_cd.mechanics.dynamics.free_motion import Prediction, angular_momenta, predict
+from masonry_cd.mechanics.dynamics.impacts import error_of, open_among, open_contacts, solve_apart
+from masonry_cd.mechanics.dynamics.islands import FORCES, Islands
+from masonry_cd.mechanics.dynamics.joint_history import bonded_shares, pretensioned
+from masonry_cd.mechanics.dynamics.new_state import RunStopped, update
+from masonry_cd.mechanics.dynamics.overlaps import Overlap, largest_shortening, still_closing
+from masonry_cd.mechanics.dynamics.planar import Plane
+from masonry_cd.mechanics.dynamics.settings import Run
+from masonry_cd.mechanics.dynamics.snapshot import check_motion, motion_arrays, part, prefixed, restored_motion
+from masonry_cd.mechanics.dynamics.start import motion_at_start
+from masonry_cd.mechanics.dynamics.step_problem import StepProblem
+from masonry_cd.mechanics.dynamics.system import Loads, Motion, System, plane_of
+from masonry_cd.mechanics.dynamics.violations import Violation, find_violations
+from masonry_cd.mechanics.friction.infeasibility import Closing
+from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
+from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.state import State, body_maps, rotation_matrices
+from masonry_cd.mechanics.solvers import SOLVERS, Options
+from masonry_cd.mechanics.solvers.condensed import in_condensed_unknowns
+
+__all__ = ["ENERGIES", "RunStopped", "StepReport", "Stepper"]
+
+ALIKE = "material.mesh_size: elements of one size on both sides would not"  # what to do about meshes that cross too often
+Watch = Callable[[int, str, FrictionProblem], None]  # the step, and a problem solved in it by name: "" where it is the only one
+
+
+class StepReport(NamedTuple):
+    """What one step cost and how well it was solved."""
+
+    iterations: int
+    error: float  # natural map error, measured outside the solver, on the scale of error_scale.py
+    seconds: float  # of the whole step
+    contacts: int
+    penetration: float  # largest overlap of rigid contacts at q_m [m]
+    reason: str  # why the solver stopped
+    apart: bool = False  # impacts were solved apart from forces
+    islands: int = 0  # see islands.py
+    sleeping: float = 0.0  # share of the blocks whose island was not solved
+    overlapping: tuple[int, int] = (-1, -1)  # the blocks of the largest overlap
+    closing: Closing | None = None  # what a step that missed its tolerance has left closing
+    accepted: bool = False  # the step missed its tolerance, by no more than the scene accepts
+    shortening: Overlap = Overlap()  # the largest one of springs
+    violation: Violation = Violation()  # of the contact laws
+
+
+class StepStart(NamedTuple):
+    """What a step changes, as it was before."""
+
+    motion: Motion
+    load_step: int
+    detector: Detector
+    last: StepProblem | None
+    solution: Solution
+
+
+class Solved(NamedTuple):
+    """The solution of the friction problem of a step."""
+
+    solution: Solution
+    error: float  # natural map error
+    carried_impulse: np.ndarray | None = None  # (F, n) for the next step; None: no impacts were solved apart
+    blow: np.ndarray | None = None  # (C, m) of the impulses, those of the impacts, likewise [N s]
+
+
+# --- the phases that are not in files of their own ---------------------------------------------------------------------------
+
+
+def detect(system: System, detector: Detector, predicted: Prediction, number: int) -> ContactSet:
+    """The contacts at q_m in step ``number``, counted from 1. What moves with the supports has not moved for the broad phase.
+
+    Raises:
+        RunStopped: the meshes of two faces cross too often.
+    """
+    h, support, state = system.constants.step, system.support, predicted.state
+    slack = 4.0 * h * h * predicted.pull + system.stretch + predicted.swelling
+    moved = state.position[support] - system.assembly.centre[support] if support >= 0 else np.zeros(3)
+    threads = system.threads_for(detector.contacts)
+    try:
+        return detector.detect(state.position, predicted.maps, state.velocity, h, slack, moved, threads)
+    except TooManyPoints as reason:
+        a, b = (system.assembly.names[block] for block in reason.blocks)
+        raise RunStopped(f'step {number}: the meshes of "{a}" and "{b}" cross in too many points; {ALIKE}') from None
+
+
+def solve(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None = None) -> Solved:
+    """Find the impulses of step ``number``, counted from 1. Bonded contacts are solved in impulses whose cones begin at zero."""
+    if made.springs is None or not made.springs.bond.any():
+        return _solve_cones(system, made, islands, number, watch)
+    bond = made.springs.bond
+    start = replace(made.start, impulse=_shifted(made.start.impulse, bond))
+    solved = _solve_cones(system, made._replace(problem=pretensioned(made.problem, bond), start=start), islands, number, watch)
+    blow = None if solved.blow is None else _shifted(solved.blow, -bond)
+    return solved._replace(solution=replace(solved.solution, impulse=_shifted(solved.solution.impulse, -bond)), blow=blow)
+
+
+def _shifted(impulse: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Impulses (C, m) with other ones (C,) added on the normals."""
+    out = impulse.copy()
+    out[:, 0] += normal
+    return out
+
+
+def _solve_cones(system: System, made: StepProblem, islands: Islands, number: int, watch: Watch | None) -> Solved:
+    """Find the impulses of contacts whose cones begin at zero, impacts apart from forces."""
+    s, problem, start = system.settings, made.problem, made.start
+    options = Options(s.tolerance, s.max_iterations, s.seed + number - 1, system.threads_for(problem.contacts), s.accepted)
+    impact = _impact(system, made)
+    overload = None if start.velocity is None else find_overload(system, start.velocity, made.predicted)
+    islands.link(problem, start.impulse, s.tolerance)
+    solve_part = on_scale(overload, options, islands.solve)
+    if impact is None:
+        solution = solve_part(problem, start, FORCES)
+        shown, solved = {"": problem}, Solved(solution, error_of(problem, solution))
+    else:
+        is_open, struck = impact
+        both = solve_apart(problem, is_open, ~struck, made.rows.gap, system.constants.step, start, solve_part)
+        shown = {"forces": both.forces, "impacts": both.impacts}
+        solved = Solved(both.solution, both.error, both.carried_impulse, both.blow)
+    if watch is not None:
+        for name, each in shown.items():
+            watch(number, name, each)
+    return solved
+
+
+def _impact(system: System, made: StepProblem) -> tuple[np.ndarray, np.ndarray] | None:
+    """The open and the struck contacts, see :func:`masonry_cd.mechanics.dynamics.impacts.open_contacts`; None: no impact.
+
+    Elastic and bonded contacts are never hit: their law spans the whole step.
+    """
+    rows, h, pull = made.rows, system.constants.step, made.predicted.pull
+    if made.springs is not None and made.springs.whole.any():
+        return open_among(np.flatnonzero(~made.springs.whole), made.problem, rows.gap, rows.pair, h, pull)
+    return open_contacts(made.problem, rows.gap, rows.pair, h, pull)
+
+
+# --- step after step -----------------------------------------------------------------------------------------------------------
+
+
+class Stepper:
+    """Advances a state step by step.
+
+    Args:
+        assembly: the blocks.
+        support_velocity: (N + 1, S, 3) velocity of support motion s at t_k, k ticks of length dt [m/s].
+        acceleration: (N + 1, 3) body acceleration at t_k, gravity included [m/s2].
+        settings: time step, or the shortest where it adapts, theta, solver, tolerance, seed.
+        start: where the run begins; None: at rest, as built.
+        forces: on single blocks; None for none.
+        plane: in which the scene moves, where that is known; None: looked for, if the settings want it.
+    """
+
+    def __init__(
+        self,
+        assembly: Assembly,
+        support_velocity: np.ndarray,
+        acceleration: np.ndarray,
+        settings: Run,
+        start: State | None = None,
+        forces: BlockForces | None = None,
+        plane: Plane | None = None,
+    ) -> None:
+        keep_freed_memory()
+        state = State.at_rest(assembly) if start is None else start.copy()
+        loads = Loads(support_velocity, acceleration, forces)
+        plane = plane_of(assembly, state, settings, loads) if plane is None else plane
+        self.assembly, self.settings, self.plane = assembly, settings, plane
+        self.system = System.of(assembly, settings, loads, plane)
+        self.motion = motion_at_start(self.system, state)
+        self.detector = Detector(assembly, facets=self.system.facets)
+        self.islands = Islands(in_condensed_unknowns(SOLVERS[settings.solver]), len(self.system.reach), settings.islands)
+        self.load_step = 0  # k of the loads; it may run ahead of the steps, see pauses.py
+        self.watch: Watch | None = None  # sees each problem that is solved
+        self.last: StepProblem | None = None  # of the last step
+        self.solution = Solution(np.zeros((0, self.system.rows)), None, 0)  # of the last step
+
+    def step(self, ticks: int = 1) -> StepReport:
+        """Advance by one time step, of some ticks of length dt.
+
+        Raises:
+            RunStopped: a velocity is not finite, or the meshes of two faces cross too often.
+        """
+        begin = clock.perf_counter()
+        self._set_length(ticks)
+        system, last = self.system, self.motion
+        predicted = predict(system, last, system.loads.of_step(self.load_step, ticks))
+        found = detect(system, self.detector, predicted, last.steps + 1)
+        made = assemble(system, last, predicted, found)
+        solved = solve(system, made, self.islands, last.steps + 1, self.watch)
+        new = update(system, last, made, solved.solution.impulse, solved.carried_impulse)
+        energy = account(system, last, made, solved.solution.impulse, new)
+        obeyed = solved.solution.impulse if solved.blow is None else solved.blow
+        violation, false_slip = find_violations(system, made, obeyed, new.motion.v, last.false_slip)
+        self.motion = new.motion._replace(energy=energy, false_slip=false_slip)
+        self.last, self.solution = made, solved.solution
+        self.load_step += ticks
+        return self._report(made, solved, new.deepest, begin)._replace(violation=violation)
+
+    def _set_length(self, ticks: int) -> None:
+        """Make steps of some ticks from here on; the impulses that the next one starts from grow with its length."""
+        if ticks != self.motion.span:
+            self.system = self.system.with_step(ticks * self.settings.dt)
+            share = ticks / self.motion.span
+            self.motion = self.motion._replace(impulse=share * self.motion.impulse, span=ticks)
+
+    def begin_of_step(self) -> StepStart:
+        """What a step changes, kept so that it can be undone by :meth:`undo`; what the solver learns in it stays."""
+        return StepStart(self.motion, self.load_step, self.detector.copied(), self.last, self.solution)
+
+    def undo(self, start: StepStart) -> None:
+        """Go back to the beginning of a step. The detector kept is used up: it serves once."""
+        self.motion, self.load_step, self.detector, self.last, self.solution = start
+        self.system = self.system.with_step(self.motion.span * self.settings.dt)
+
+    def friction_problem(self) -> StepProblem:
+        """The friction problem of the next step, were it as long as the last. Asking for it changes nothing."""
+        predicted = predict(self.system, self.motion, self.system.loads.of_step(self.load_step))
+        found = detect(self.system, deepcopy(self.detector), predicted, self.steps + 1)
+        return assemble(self.system, self.motion, predicted, found)
+
+    def _report(self, made: StepProblem, solved: Solved, deepest: Overlap, begin: float) -> StepReport:
+        """What the step cost that began at a reading of the clock."""
+        met = solved.error <= self.settings.tolerance
+        closing = None if met else still_closing(self.system, made, self.motion.v)
+        return StepReport(
+            solved.solution.iterations,
+            solved.error,
+            clock.perf_counter() - begin,
+            made.problem.contacts,
+            deepest.depth,
+            solved.solution.reason,
+            solved.carried_impulse is not None,
+            self.islands.count,
+            self.islands.sleeping,
+            deepest.blocks,
+            closing,
+            not met and solved.error <= self.settings.accepted,
+            largest_shortening(made),
+        )
+
+    @property
+    def state(self) -> State:
+        """Where the blocks are and how they move."""
+        return self.motion.state
+
+    @property
+    def steps(self) -> int:
+        """Steps done."""
+        return self.motion.steps
+
+    @property
+    def energy(self) -> dict[str, float]:
+        """The energies so far, by the names of ENERGIES [J]."""
+        return self.motion.energy.totals
+
+    @property
+    def tensions(self) -> np.ndarray:
+        """(T,) of the ties, as applied in the last step [N]."""
+        return self.motion.tensions
+
+    @property
+    def width(self) -> float:
+        """Smallest width of a free block [m]."""
+        return self.system.width
+
+    def kick(self, velocity: np.ndarray) -> None:
+        """Add velocities (B, 6) to those of the free blocks [m/s, rad/s], before a run."""
+        free, state, momentum = self.system.free, self.state.copy(), self.motion.angular_momentum.copy()
+        added = np.where(free[:, None], velocity, 0.0)
+        state.velocity += added
+        momentum += angular_momenta(self.system.blocks, rotation_matrices(state.orientation), added)
+        v = self.motion.v + self.system.unknowns_of(added)
+        self.motion = self.motion._replace(state=state, angular_momentum=momentum, v=v, energy=at_start(self.system, state, momentum))
+
+    def halt(self) -> None:
+        """Take all motion out, and begin again at the time zero."""
+        m = self.motion
+        state = replace(m.state, time=0.0, velocity=np.zeros_like(m.state.velocity))
+        self.motion = m._replace(
+            state=state, angular_momentum=np.zeros_like(m.angular_momentum), v=np.zeros_like(m.v), carried_impulse=None,
+            false_slip=np.zeros_like(m.false_slip), steps=0, ticks=0,
+        )  # fmt: skip
+        self.load_step = 0
+
+    def lock_ties(self) -> None:
+        """Have the ties pull with their first tension where the blocks now are."""
+        forces, m = self.system.loads.forces, self.motion
+        if forces is not None:
+            maps = body_maps(self.assembly, m.state.orientation, m.state.strain)
+            self.motion = m._replace(yielded=forces.stretches(m.state.position, maps))
+
+    def begin_from(self, other: Stepper, share: float) -> None:
+        """Begin in the state of another stepper of the same blocks and plane, with a share of the impulses of its last step.
+
+        The share is that of the step, or the shortest, over the other's.
+        """
+        m = other.motion
+        energy = at_start(self.system, m.state, m.angular_momentum)
+        self.motion = m._replace(
+            impulse=share * m.impulse, false_slip=np.zeros_like(m.false_slip), tensions=self.tensions, yielded=self.motion.yielded,
+            energy=energy,
+        )  # fmt: skip
+        self.detector, self.last = other.detector, other.last
+        self.solution = Solution(share * other.solution.impulse, None, 0)
+
+    def joint_forces(self, pair_joint: np.ndarray, joints: int) -> tuple[np.ndarray, np.ndarray]:
+        """Normal and shear force of each joint over the last step, (2, J) [N], and where it crosses the joint's plane, (J, 3) [m].
+
+        ``pair_joint`` names the joint of each pair of parts or -1; without a step there are no forces, and no places (NaN).
+        """
+        if self.last is None:
+            return np.zeros((2, joints)), np.full((joints, 3), np.nan)
+        return joint_forces.joint_forces(self.system, self.last, self.solution.impulse, pair_joint, joints)
+
+    def joint_bonds(self, pair_joint: np.ndarray, joints: Joints) -> np.ndarray:
+        """Share of the area of each joint that is bonded, (J,); ``pair_joint`` names the joint of each pair or -1."""
+        if self.last is None:
+            group = self.assembly.group_of
+            return (self.assembly.laws.apex[group[joints.block_a], group[joints.block_b]] > 0.0).astype(float)
+        return bonded_shares(self.last, self.motion.joints, pair_joint, joints)
+
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """All that the next step depends on, as arrays for a checkpoint."""
+        memories = prefixed("detector", self.detector.snapshot()) | prefixed("islands", self.islands.snapshot())
+        return motion_arrays(self.motion, self.load_step) | memories
+
+    def check(self, stored: Stored) -> None:
+        """Check what :meth:`restore` takes.
+
+        Raises:
+            InputError: an array that no run of this scene leaves.
+        """
+        contacts = int((stored.part("detector").whole("place", None, low=-1) >= 0).sum())
+        check_motion(stored, self.system, self.motion, contacts)
+        self.detector.check(stored.part("detector"), contacts)
+        self.islands.check(stored.part("islands"), self.system.unknowns)
+
+    def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """Go on from what :meth:`snapshot` gave, in a stepper of the same scene."""
+        self.motion, self.load_step = restored_motion(arrays, self.settings.dt, self.tensions)
+        self.system = self.system.with_step(self.motion.span * self.settings.dt)
+        self.detector.restore(part("detector", arrays))
+        self.islands.restore(part("islands", arrays))

@@ -1,0 +1,261 @@
+"""The operators of a friction problem over bodies: u = H v + b, M^-1, the scales d, the natural map; H^T p is in body_sides.py."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.foundation.jit import borrower, entry, kernel
+from masonry_cd.mechanics.friction.joint_twists import velocity_in
+from masonry_cd.mechanics.friction.natural_map import squared_residual
+from masonry_cd.mechanics.linalg.small_blocks import invert, is_wide
+
+
+class ProblemArrays(NamedTuple):
+    """A FrictionProblem as the kernels take it: contiguous arrays of C contacts with m rows each and B free bodies with n unknowns each."""
+
+    inverse_mass: np.ndarray  # (B, n, n)
+    v_free: np.ndarray  # (B, n)
+    bodies: np.ndarray  # (C, 2) candidate and antagonist body; -1: a support
+    jacobian: np.ndarray  # (C, 2, m, n)
+    offset: np.ndarray  # (C, m)
+    mu: np.ndarray  # (C,)
+    compliance: np.ndarray  # (C, m); (0, m) where all contacts are rigid
+    width: np.ndarray  # (B,) unknowns that a body of unit mass has, see condensation.py; (0,): each has n
+    m: tuple[int, ...]  # m zeros, see small_blocks.py
+    n: tuple[int, ...]  # n zeros, which may be an array
+
+
+class OrderedProblem(NamedTuple):
+    """A friction problem whose bodies are in order of elimination. The supports are one more body, the last, with velocity zero."""
+
+    inverse: np.ndarray  # (B, n, n) M^-1
+    mass: np.ndarray  # (B, n, n) M
+    free: np.ndarray  # (B, n) v_free
+    places: np.ndarray  # (C, 2) places of the bodies; B: a support
+    block: np.ndarray  # (C,) the block of M + H^T R H that couples them, below the diagonal; -1: none
+    jacobian: np.ndarray  # (C, 2, m, n)
+    frame: np.ndarray  # (C, 15) frames of contacts between rigid blocks in space, see joint_twists.py; (0, 15): they are not all such
+    offset: np.ndarray  # (C, m)
+    mu: np.ndarray  # (C,)
+    compliance: np.ndarray  # (C, m) or (0, m)
+    width: np.ndarray  # (B + 1,) unknowns of a body of unit mass at each place, none of the supports; (0,): each has n
+    d: np.ndarray  # (C,) trace(W_cc + C_cc) / m
+    m: tuple[int, ...]  # m zeros
+    n: tuple[int, ...]  # n zeros
+
+
+@kernel()
+def widths_in_order(width, order):
+    """Unknowns of the bodies (B + 1,), or (0,), at the places of an order (B,), the supports last."""
+    if len(width) == 0:
+        return width
+    out = np.zeros(len(order) + 1, dtype=np.int64)
+    for b in range(len(order)):
+        out[b] = width[order[b]]
+    return out
+
+
+@kernel()
+def put_in_order(given, order, first, end, inverse, mass, free):
+    """M^-1, M (N, n, n) and v_free (N, n) of the bodies at places first to end of an order; unit masses nobody reads."""
+    inverse_mass, v_free, n = given.inverse_mass, given.v_free, len(given.n)
+    work = np.empty((n, n))
+    for b in range(first, end):
+        for i in range(n):
+            free[b, i] = v_free[order[b], i]
+        if has_unit_masses(given):
+            continue
+        coupled = False
+        for i in range(n):
+            for j in range(n):
+                inverse[b, i, j] = inverse_mass[order[b], i, j]
+                mass[b, i, j] = 0.0
+                coupled = coupled or (i != j and inverse[b, i, j] != 0.0)
+        if coupled:
+            invert(inverse[b], mass[b], work, given.n)
+        else:  # as in a plane
+            for i in range(n):
+                mass[b, i, i] = 1.0 / inverse[b, i, i]
+
+
+@borrower(fastmath={"contract"})
+def measure_scales(problem, first, end):
+    """Fill d_c = trace(W_cc + C_cc) / m of the contacts first to end."""
+    compliance, m = problem.compliance, len(problem.m)
+    for c in range(first, end):
+        a, b = problem.places[c, 0], problem.places[c, 1]
+        trace = trace_of_contact(problem, problem.jacobian, c, a, b)
+        if len(compliance):
+            for i in range(m):
+                trace += compliance[c, i]
+        problem.d[c] = trace / m
+
+
+@kernel(fastmath={"contract"}, inline="always")
+def delassus_trace(inverse, jacobian, c, a, b, m, n):
+    """trace(W_cc) of contact c of the bodies at the places a and b of M^-1, those of supports after all."""
+    trace = 0.0
+    for side in range(2):
+        body = b if side else a
+        if body == len(inverse):
+            continue
+        for i in range(m):
+            for k in range(n):
+                total = 0.0
+                for l in range(n):  # noqa: E741
+                    total += inverse[body, k, l] * jacobian[c, side, i, l]
+                    if a == b:
+                        total += inverse[body, k, l] * jacobian[c, 1 - side, i, l]
+                trace += total * jacobian[c, side, i, k]
+    return trace
+
+
+@kernel(inline="always")
+def trace_of_contact(problem, jacobian, c, a, b):
+    """Trace of W_cc of the contact in row c of ``jacobian``, between the bodies at places a and b."""
+    if has_unit_masses(problem):
+        return unit_delassus_trace(problem, jacobian, c, a, b)
+    return delassus_trace(problem.inverse, jacobian, c, a, b, len(problem.m), len(problem.n))
+
+
+@borrower(fastmath={"contract"})
+def unit_delassus_trace(problem, jacobian, c, a, b):
+    """:func:`delassus_trace` for bodies of unit mass."""
+    trace = 0.0
+    for side in range(2):
+        body = b if side else a
+        for i in range(len(problem.m)):
+            for k in range(problem.width[body]):
+                other = jacobian[c, 1 - side, i, k] if a == b else 0.0
+                trace += jacobian[c, side, i, k] * (jacobian[c, side, i, k] + other)
+    return trace
+
+
+@kernel(inline="always")
+def has_unit_masses(problem):
+    """Whether bodies have unit masses, and ``width`` says how many unknowns; known to be false where blocks are not wide."""
+    return is_wide(problem.n) and len(problem.width) > 0
+
+
+@kernel(inline="always")
+def unknowns_at(problem, a, b):
+    """Unknowns that the bodies at two places have, the more of both."""
+    return max(problem.width[a], problem.width[b]) if has_unit_masses(problem) else len(problem.n)
+
+
+@kernel(inline="always")
+def has_frames(problem):
+    """Whether contacts have frames; known to be false where blocks are not those of rigid bodies in space."""
+    return len(problem.n) == 6 and len(problem.m) == 3 and len(problem.frame) > 0
+
+
+@kernel(inline="always", fastmath={"contract"})
+def velocity_of_contact(problem, v, c):
+    """H v of contact c for body velocities v (B + 1, n), that of supports zero: three numbers, the last zero in a plane."""
+    a, b = problem.places[c, 0], problem.places[c, 1]
+    if has_frames(problem):
+        return velocity_in(problem.frame[c], v, a, b)
+    jacobian, u0, u1, u2 = problem.jacobian, 0.0, 0.0, 0.0
+    for k in range(unknowns_at(problem, a, b)):
+        x, y = v[a, k], v[b, k]
+        u0 += jacobian[c, 0, 0, k] * x + jacobian[c, 1, 0, k] * y
+        u1 += jacobian[c, 0, 1, k] * x + jacobian[c, 1, 1, k] * y
+        if len(problem.m) == 3:
+            u2 += jacobian[c, 0, 2, k] * x + jacobian[c, 1, 2, k] * y
+    return u0, u1, u2
+
+
+@borrower()
+def relative_velocity_of(problem, v, first, end, u):
+    """u = H v + b for the contacts first to end."""
+    offset, m = problem.offset, len(problem.m)
+    for c in range(first, end):
+        u0, u1, u2 = velocity_of_contact(problem, v, c)
+        u[c, 0], u[c, 1] = u0 + offset[c, 0], u1 + offset[c, 1]
+        if m == 3:
+            u[c, 2] = u2 + offset[c, 2]
+
+
+@borrower()
+def law_velocity_of(problem, v, p, first, end, w):
+    """w = H v + b + C p for the contacts first to end."""
+    relative_velocity_of(problem, v, first, end, w)
+    compliance = problem.compliance
+    if len(compliance):
+        for c in range(first, end):
+            for i in range(len(problem.m)):
+                w[c, i] += compliance[c, i] * p[c, i]
+
+
+@borrower(fastmath={"contract"})
+def body_velocity_of(problem, momentum, first, end, v):
+    """v = v_free + M^-1 momentum of the bodies first to end."""
+    inverse, free, n = problem.inverse, problem.free, len(problem.n)
+    for b in range(first, end):
+        for i in range(n):
+            if has_unit_masses(problem):
+                v[b, i] = free[b, i] + momentum[b, i]
+                continue
+            total = free[b, i]
+            for k in range(n):
+                total += inverse[b, i, k] * momentum[b, k]
+            v[b, i] = total
+
+
+@borrower()
+def missing_momentum_of(problem, v, first, end, out):
+    """out = M (v_free - v) for the bodies first to end."""
+    mass, free, n = problem.mass, problem.free, len(problem.n)
+    for b in range(first, end):
+        for i in range(n):
+            if has_unit_masses(problem):
+                out[b, i] = free[b, i] - v[b, i]
+                continue
+            total = 0.0
+            for k in range(n):
+                total += mass[b, i, k] * (free[b, k] - v[b, k])
+            out[b, i] = total
+
+
+@borrower(fastmath={"contract"})
+def squared_map_norm_of(problem, p, v, first, end):
+    """Square of the norm of the natural map residual, of the contacts first to end."""
+    offset, compliance, m, mu, d = problem.offset, problem.compliance, len(problem.m), problem.mu, problem.d
+    total = 0.0
+    for c in range(first, end):
+        un, u1, u2 = velocity_of_contact(problem, v, c)
+        un, u1 = un + offset[c, 0], u1 + offset[c, 1]
+        if m == 3:
+            u2 += offset[c, 2]
+        p2 = p[c, 2] if m == 3 else 0.0
+        if len(compliance):
+            un += compliance[c, 0] * p[c, 0]
+            u1 += compliance[c, 1] * p[c, 1]
+            u2 += compliance[c, m - 1] * p2
+        total += squared_residual(p[c, 0], p[c, 1], p2, un, u1, u2, mu[c], d[c])
+    return total
+
+
+@entry()
+def new_velocity(problem: ProblemArrays, p: np.ndarray, v: np.ndarray) -> None:
+    """v = v_free + M^-1 H^T p (B, n) of impulses p (C, m) over ProblemArrays.
+
+    Additions are not fused, unlike those of :func:`body_velocity_of`, so a processor that cannot do so hands on the same bits.
+    """
+    bodies, jacobian, m, n = problem.bodies, problem.jacobian, len(problem.m), len(problem.n)
+    impulse = np.zeros(v.shape)
+    for c in range(len(p)):
+        for side in range(2):
+            b = bodies[c, side]
+            if b >= 0:
+                for i in range(m):
+                    for j in range(n):
+                        impulse[b, j] += jacobian[c, side, i, j] * p[c, i]
+    for b in range(len(v)):
+        for j in range(n):
+            value = problem.v_free[b, j]
+            for k in range(n):
+                value += problem.inverse_mass[b, j, k] * impulse[b, k]
+            v[b, j] = value

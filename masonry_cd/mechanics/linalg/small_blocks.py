@@ -1,0 +1,198 @@
+"""Small dense blocks, one per body or contact, and plain copies.
+
+``size_n`` (or ``size_m``) is a tuple of as many zeros as a block has rows, see :func:`size_tuple`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from masonry_cd.foundation.jit import borrower, entry, kernel
+from masonry_cd.mechanics.linalg.vectors import add_six_times, fill_six, load_six, store_six
+
+EPSILON = 2.2e-16  # relative rounding error of a float
+NARROW = 12  # unknowns of a rigid block, or of one of uniform strain, at the most: loops over so many are unrolled
+STEP = 4  # rows or columns of wider blocks that kernels take at a time
+FULL = np.zeros(0, dtype=np.int64)  # width of blocks that use all their rows
+
+
+def size_tuple(n: int) -> tuple[int, ...]:
+    """n zeros. The length of a tuple is part of its type, so the compiler knows how many rows a block has, and unrolls the loops over them.
+
+    Such tuples are fields of problems and factors.
+    """
+    return (0,) * n
+
+
+def size_of_blocks(n: int) -> Any:
+    """What has n for its length: a tuple as :func:`size_tuple` makes it, or an array where blocks are wide, with one kernel for all n."""
+    return np.zeros(n) if n > NARROW and n % STEP == 0 else size_tuple(n)
+
+
+def room_for(count: int) -> int:
+    """Rows of wide blocks that have room for so many: more than NARROW, in steps of STEP."""
+    return max(-(-count // STEP) * STEP, NARROW + STEP)
+
+
+@kernel(inline="always")
+def is_wide(size):
+    """Whether blocks have many rows: not all nodes need have all then, and loops go four at a time. Known when kernels are compiled."""
+    return len(size) > NARROW and len(size) % STEP == 0
+
+
+@borrower()
+def copy_flat(source, target):
+    """The first entries of target = source, both contiguous, of one shape but for the first length.
+
+    Assigned to a slice, arrays are asked for overlaps and lengths first, which takes longer to compile than many a kernel.
+    """
+    a, b = source.reshape(source.size), target.reshape(target.size)
+    for i in range(len(a)):
+        b[i] = a[i]
+
+
+@borrower()
+def cholesky_small(a: np.ndarray, factor: np.ndarray, n: int) -> None:
+    """Lower Cholesky factor of a symmetric (n, n) block, written into factor."""
+    for i in range(n):
+        for j in range(i + 1):
+            total = 0.5 * (a[i, j] + a[j, i])
+            for k in range(j):
+                total -= factor[i, k] * factor[j, k]
+            if i == j:
+                factor[i, i] = np.sqrt(max(total, 0.0))
+            else:
+                factor[i, j] = total / factor[j, j] if factor[j, j] > 0.0 else 0.0
+        for j in range(i + 1, n):
+            factor[i, j] = 0.0
+
+
+@borrower()
+def invert(a, out, work, size_n):
+    """Inverse of an (n, n) block by Gauss and Jordan in place, with row pivoting; the sign of its determinant, or 0 if it is singular or
+    not finite. ``work`` (2 or more, n) is scratch."""
+    n, sign, factors, pivots = len(size_n), 1.0, work[0], work[1]
+    for i in range(n):
+        for j in range(n):
+            out[i, j] = a[i, j]
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(out[i, k]) > abs(out[best, k]):
+                best = i
+        pivot = out[best, k]
+        if not (0.0 < abs(pivot) < np.inf):
+            return 0.0
+        if (pivot < 0.0) != (best != k):
+            sign = -sign
+        pivots[k] = best
+        if best != k:
+            for j in range(n):
+                out[k, j], out[best, j] = out[best, j], out[k, j]
+        for i in range(n):
+            factors[i], out[i, k] = out[i, k], 0.0
+        factors[k], out[k, k] = 0.0, 1.0
+        _take_off_row(out, k, 1.0 / pivot, factors, n)
+    for k in range(n - 1, -1, -1):
+        best = int(pivots[k])
+        if best != k:
+            for i in range(n):
+                out[i, k], out[i, best] = out[i, best], out[i, k]
+    return sign
+
+
+@kernel(inline="always")
+def _take_off_row(a, k, scale, factors, n):
+    """Scale row k of a block (n, n), and take it off all rows, so many times each. Half a dozen of its entries are held in registers."""
+    if n % 6 == 0:
+        for t in range(0, n, 6):
+            line = add_six_times(fill_six(0.0), scale, load_six(a, k, t))
+            store_six(a, k, t, line)
+            for i in range(n):
+                if factors[i] != 0.0:  # what is rigid does not couple with strains
+                    store_six(a, i, t, add_six_times(load_six(a, i, t), -factors[i], line))
+    else:
+        for j in range(n):
+            x = a[k, j] * scale
+            a[k, j] = x
+            for i in range(n):
+                a[i, j] -= factors[i] * x
+
+
+@borrower(fastmath={"contract", "reassoc"})
+def dot(x, y, length):
+    """x . y of so many entries."""
+    total = 0.0
+    for k in range(length):
+        total += x[k] * y[k]
+    return total
+
+
+@borrower(fastmath={"contract"})
+def multiply(a, b, transposed, out, size_n):
+    """out = a b, or a b^T. Of a b for n = 6 or 12 half a dozen entries of a row are held in registers."""
+    n = len(size_n)
+    if n % 6 == 0 and not transposed:
+        for p in range(n):
+            for t in range(0, n, 6):
+                total = fill_six(0.0)
+                for r in range(n):
+                    total = add_six_times(total, a[p, r], load_six(b, r, t))
+                store_six(out, p, t, total)
+        return
+    if n == 3 and not transposed:
+        b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
+        b10, b11, b12 = b[1, 0], b[1, 1], b[1, 2]
+        b20, b21, b22 = b[2, 0], b[2, 1], b[2, 2]
+        for p in range(3):
+            x, y, z = a[p, 0], a[p, 1], a[p, 2]
+            out[p, 0], out[p, 1], out[p, 2] = (
+                x * b00 + y * b10 + z * b20, x * b01 + y * b11 + z * b21, x * b02 + y * b12 + z * b22,
+            )  # fmt: skip
+        return
+    for p in range(n):
+        for q in range(n):
+            total = 0.0
+            for r in range(n):
+                total += a[p, r] * (b[q, r] if transposed else b[r, q])
+            out[p, q] = total
+
+
+@borrower(fastmath={"contract"})
+def add_outer_product(x, y, out, size_m, size_n):
+    """out (n, n) += x^T y of x and y (m, n). For n = 6 or 12 half a dozen entries of a row are held in registers."""
+    m, n = len(size_m), len(size_n)
+    for p in range(n):
+        if n % 6 == 0:
+            for t in range(0, n, 6):
+                six = load_six(out, p, t)
+                for i in range(m):
+                    six = add_six_times(six, x[i, p], load_six(y, i, t))
+                store_six(out, p, t, six)
+        else:
+            for q in range(n):
+                total = 0.0
+                for i in range(m):
+                    total += x[i, p] * y[i, q]
+                out[p, q] += total
+
+
+@entry()
+def inverses(blocks, size_n):
+    """Inverses of blocks (N, n, n) that are regular."""
+    out, work = np.empty(blocks.shape), np.empty(blocks.shape[1:])
+    for b in range(len(blocks)):
+        invert(blocks[b], out[b], work, size_n)
+    return out
+
+
+@kernel()
+def identities(count, size_m):
+    """Unit blocks (count, m, m)."""
+    out = np.zeros((count, len(size_m), len(size_m)))
+    for c in range(count):
+        for i in range(len(size_m)):
+            out[c, i, i] = 1.0
+    return out

@@ -1,0 +1,40 @@
+"""Whether a place that a scene names lies on its block: within it, or on its surface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.polygon import loop_planes
+from masonry_cd.mechanics.model.sphere import ball_centre
+
+OFF = 0.01  # share of a block's size by which a place may lie outside: coordinates are typed with two or three digits
+
+
+def require_on_block(block: Block, point: Sequence[float] | np.ndarray, key: str) -> None:
+    """Refuse a place (3,) [m] off a block.
+
+    Raises:
+        InputError: names the key, the place, the block and its extent.
+    """
+    place, low, high = np.asarray(point, dtype=float), block.vertices.min(axis=0), block.vertices.max(axis=0)
+    outside = _outside(block, place)
+    if outside <= OFF * math.hypot(*(high - low)):
+        return
+    at, extent = (
+        (", ".join(f"{x:.6g}" for x in place)),
+        (f"{axis} from {a:.4g} to {b:.4g}" for axis, a, b in zip("xyz", low, high, strict=True)),
+    )
+    raise InputError(f'{key}: ({at}) m lies {outside:.3g} m outside block "{block.name}", which has {", ".join(extent)} m')
+
+
+def _outside(block: Block, place: np.ndarray) -> float:
+    """How far a place lies beyond the faces of the nearest convex part of a block, or beyond a sphere [m]; negative inside."""
+    if block.radius:
+        return math.hypot(*(place - ball_centre(block.vertices))) - block.radius
+    planes = (loop_planes([part.vertices[list(face)] for face in part.faces]) for part in block.convex_parts)
+    return min(float((np.sum(normals * place, axis=1) - offsets).max()) for normals, offsets in planes)

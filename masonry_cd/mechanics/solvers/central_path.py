@@ -1,0 +1,335 @@
+"""What the interior point method and the path by its length share: the products of a contact, their linearisation, and steps in the
+cones."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.foundation.jit import borrower, kernel
+from masonry_cd.mechanics.friction.body_sides import add_impulse_of_sides
+from masonry_cd.mechanics.friction.coulomb_law import tangent_length
+from masonry_cd.mechanics.linalg.threads import take, wait
+from masonry_cd.mechanics.solvers.shared_operators import contact_change, contact_velocity, solve_by_first
+from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks, sum_of_chunks
+
+LONGEST = 2.0  # step: more than one is not made
+STIFFEST = 1e12  # K of interior and proximal points; stiff springs beside rigid contacts settle where K exceeds d / C
+
+
+class Cones(NamedTuple):
+    """The cones of the contacts."""
+
+    mu: np.ndarray  # (C,) friction, nowhere zero: a cone without width has no inside
+    m: tuple[int, ...]  # m zeros
+    k: tuple[int, ...]  # m + 1 zeros: as many products as a contact has
+
+
+class Iterate(NamedTuple):
+    """A point inside the cones, or a direction in which to move it."""
+
+    w: np.ndarray  # (C, m)
+    p: np.ndarray  # (C, m)
+    gamma: np.ndarray  # (C,) sliding speeds
+    v: np.ndarray  # (B + 1, n) body velocities; of no use where W alone is given
+
+
+class Linearisation(NamedTuple):
+    """The products of each contact at a point and their linearisation, see :func:`linearise_contact`."""
+
+    here: Iterate  # the point
+    product: np.ndarray  # (C, k) w_n p_n and (gamma, w_t) o (mu p_n, p_t)
+    wanted: np.ndarray  # (C, k) their changes
+    pivot: np.ndarray  # (C, k) reciprocals that solve for dp and dgamma
+    gain: np.ndarray  # (C, m, m) dp falls by so much of the change of H v
+    soft: np.ndarray  # (C, m) compliance of the spring in series, the contact's own and that of the damping
+    miss: np.ndarray  # (C, m) H v + b + C p - w, and on the path by its length less tau times that of the start
+    far: np.ndarray  # (C, m) that of the start, zero without such a path
+
+
+@kernel()
+def cones_of(mu, m, k):
+    """The :class:`Cones` of contacts with friction mu (C,)."""
+    return Cones(np.maximum(mu, 1e-6), m, k)
+
+
+@kernel()
+def allocate_iterate(room, shape, rows):
+    """An :class:`Iterate` of zeros for contacts (C, m) and velocities of a shape."""
+    return Iterate(take(room, shape), take(room, shape), take(room, shape[:1]), take(room, rows))
+
+
+@kernel()
+def allocate_linearisation(room, here):
+    """Room for a :class:`Linearisation` at a point of contacts (C, m); ``far`` is zero."""
+    shape = here.p.shape
+    contacts, m = shape
+    product, wanted, pivot = take(room, (contacts, m + 1)), take(room, (contacts, m + 1)), take(room, (contacts, m + 1))
+    gain = take(room, (contacts, m, m))
+    return Linearisation(here, product, wanted, pivot, gain, take(room, shape), take(room, shape), take(room, shape))
+
+
+@kernel(inline="always")
+def cone_det(x0: float, x1: float, x2: float) -> float:
+    """x_0^2 - |x_t|^2, positive inside the second-order cone; written so that it does not cancel."""
+    t = tangent_length(x1, x2)
+    return (x0 - t) * (x0 + t)
+
+
+@kernel(inline="always")
+def are_inside(w, p, gamma, mu, m):
+    """Whether w and p (m,) and the sliding speed of a contact are inside their cones."""
+    bound, w2, p2 = mu * p[0], w[2] if m == 3 else 0.0, p[2] if m == 3 else 0.0
+    slides, holds = w[1] * w[1] + w2 * w2 < gamma * gamma, p[1] * p[1] + p2 * p2 < bound * bound
+    return w[0] > 0.0 and p[0] > 0.0 and gamma > 0.0 and slides and holds
+
+
+@borrower()
+def max_step_to_cone(x0: float, x1: float, x2: float, d0: float, d1: float, d2: float) -> float:
+    """Largest step from x inside the second-order cone along d that stays inside, at most 1e10."""
+    best = -x0 / d0 if d0 < 0.0 else 1e10
+    a, b, c = d0 * d0 - d1 * d1 - d2 * d2, x0 * d0 - x1 * d1 - x2 * d2, max(cone_det(x0, x1, x2), 0.0)
+    root = b * b - a * c  # of a t^2 + 2 b t + c = 0
+    if root < 0.0:
+        return best
+    far = -(b + np.sqrt(root)) if b >= 0.0 else -(b - np.sqrt(root))
+    if far != 0.0 and c / far > 0.0:
+        best = min(best, c / far)
+    if a != 0.0 and far / a > 0.0:
+        best = min(best, far / a)
+    return best
+
+
+@kernel(inline="always")
+def complementarity(w, p, gamma, mu, m, out):
+    """The products of a contact that vanish in a solution: w_n p_n and (gamma, w_t) o (mu p_n, p_t)."""
+    out[0] = w[0] * p[0]
+    out[1] = gamma * mu * p[0]
+    for i in range(1, m):
+        out[1] += w[i] * p[i]
+        out[1 + i] = gamma * p[i] + mu * p[0] * w[i]
+
+
+@borrower()
+def central_start(p, u, mu, d, shift, w, inner, m):
+    """Centred w and impulses with products shift^2 / d for x = d p - u of a contact; returns its gamma.
+
+    On the path w_n = (root - x_n) / 2 and d p_n = (root + x_n) / 2, root = sqrt(x_n^2 + 4 shift^2); tangentially w_t = -x_t gamma / (gamma
+    + beta), d p_t = x_t beta / (gamma + beta), beta = mu d p_n, and gamma solves one cubic equation.
+    """
+    xn = d * p[0] - u[0]
+    root = np.sqrt(xn * xn + 4.0 * shift * shift)
+    far = 0.5 * (root + abs(xn))
+    near = shift * shift / far  # without cancellation
+    w[0], inner[0] = (near, far / d) if xn > 0.0 else (far, near / d)
+    bound, r2 = mu * inner[0] * d, 0.0
+    for i in range(1, m):
+        r2 += (d * p[i] - u[i]) ** 2
+    level = shift * shift / bound
+    gamma = np.sqrt(r2) + level
+    for _ in range(60):
+        total = gamma + bound
+        move = (gamma - r2 * gamma / (total * total) - level) / (1.0 - r2 * (bound - gamma) / (total * total * total))
+        gamma = max(gamma - move, 0.5 * gamma)
+        if abs(move) <= 1e-10 * gamma:
+            break
+    for i in range(1, m):
+        x = d * p[i] - u[i]
+        inner[i], w[i] = x * bound / (gamma + bound) / d, -x * gamma / (gamma + bound)
+    return gamma
+
+
+@borrower()
+def linearise_contact(w, p, gamma, mu, soft, pivot, gain, size_m):
+    """Fill pivot (m + 1,) and gain (m, m) of one contact, see :class:`Linearisation`; False if they do not exist.
+
+    The products change with x = (dp, dgamma), dw = soft dp + z, by rows that are an arrow,
+
+        a x_0 + p_0 z_0,     b x_0 + sum (e_i x_i + p_i z_i) + f x_m,     g_i x_0 + d_i x_i + h_i x_m + f z_i,     i = 1 .. m - 1,
+
+    where a and d_i are positive inside the cones: x_0 comes from the first row, x_i from its own, and x_m from the one that is left.
+    """
+    m, a, f = len(size_m), w[0] + p[0] * soft[0], mu * p[0]
+    left = f
+    pivot[0] = 1.0 / a
+    for i in range(1, m):
+        pivot[i] = 1.0 / (gamma + f * soft[i])
+        left -= (w[i] + p[i] * soft[i]) * pivot[i] * p[i]
+    pivot[m] = 1.0 / left
+    for j in range(m):
+        first = p[0] * pivot[0] if j == 0 else 0.0
+        turn = (p[j] if j > 0 else 0.0) - gamma * mu * first
+        for i in range(1, m):
+            gain[i, j] = (f if i == j else 0.0) - mu * w[i] * first
+            turn -= (w[i] + p[i] * soft[i]) * pivot[i] * gain[i, j]
+        turn *= pivot[m]
+        gain[0, j] = first
+        for i in range(1, m):
+            gain[i, j] = (gain[i, j] - p[i] * turn) * pivot[i]
+    return 0.0 < a < np.inf and 0.0 < abs(left) < np.inf
+
+
+@kernel(inline="always")
+def change_contact(linear, mu, c, way, m):
+    """dp and dgamma of contact c, and dw from z, which is in its place; see :func:`linearise_contact`."""
+    (w, p, gamma, _), wanted, pivot, soft, x, z = linear.here, linear.wanted, linear.pivot, linear.soft, way.p, way.w
+    f, first = mu * p[c, 0], (wanted[c, 0] - p[c, 0] * z[c, 0]) * pivot[c, 0]
+    turn = wanted[c, 1] - gamma[c] * mu * first
+    x[c, 0] = first
+    for i in range(1, m):
+        x[c, i] = wanted[c, 1 + i] - f * z[c, i] - mu * w[c, i] * first
+        turn -= p[c, i] * z[c, i] + (w[c, i] + p[c, i] * soft[c, i]) * pivot[c, i] * x[c, i]
+    turn *= pivot[c, m]
+    way.gamma[c] = turn
+    z[c, 0] += soft[c, 0] * first
+    for i in range(1, m):
+        x[c, i] = (x[c, i] - p[c, i] * turn) * pivot[c, i]
+        z[c, i] += soft[c, i] * x[c, i]
+
+
+@borrower()
+def linearise_products(shares, cones, linear):
+    """Fill the products of the contacts and their linearisation.
+
+    Returns how far the products are from zero, the gap tau, and what w misses in its units, both as means over the contacts; the gap is
+    not a number if a contact cannot be solved for its impulse.
+    """
+    m, contacts, turn, (first, end), here = len(cones.m), len(cones.mu), begin_sums(shares), shares.chunks, linear.here
+    for k in range(first, end):
+        gap, undone = 0.0, 0.0
+        begin, stop = chunk_of(k, contacts)
+        for c in range(begin, stop):
+            w, p, gamma, mu = here.w[c], here.p[c], here.gamma[c], cones.mu[c]
+            complementarity(w, p, gamma, mu, m, linear.product[c])
+            gap += 0.5 * (linear.product[c, 0] + linear.product[c, 1])
+            if not linearise_contact(w, p, gamma, mu, linear.soft[c], linear.pivot[c], linear.gain[c], cones.m):
+                gap = np.nan
+            for i in range(m):
+                undone += abs(linear.miss[c, i] * p[i])
+        shares.sums[turn, 0, k], shares.sums[turn, 1, k] = gap, undone
+    wait(shares.team)
+    return sum_of_chunks(shares, 0, contacts) / contacts, sum_of_chunks(shares, 1, contacts) / contacts
+
+
+@borrower()
+def soften(shares, problem, stiffness, linear):
+    """The springs in series with the products, C + d / K."""
+    compliance, d, soft, (first, end) = problem.compliance, problem.d, linear.soft, shares.contacts
+    for c in range(first, end):
+        for i in range(len(problem.m)):
+            soft[c, i] = (compliance[c, i] if len(compliance) else 0.0) + d[c] / stiffness
+
+
+@borrower()
+def missing_velocity(shares, problem, here, tau, linear):
+    """What w misses, H v + b + C p - w - tau far."""
+    compliance, miss, far, (first, end) = problem.compliance, linear.miss, linear.far, shares.contacts
+    contact_velocity(shares, problem, here.v, miss)
+    for c in range(first, end):
+        for i in range(len(problem.m)):
+            own = compliance[c, i] if len(compliance) else 0.0
+            miss[c, i] += own * here.p[c, i] - here.w[c, i] - tau * far[c, i]
+
+
+@kernel()
+def interior_direction(shares, problem, work, cones, linear, way):
+    """The direction that changes the products as wanted and takes all other residuals away.
+
+    The factors are those of M + H^T B H with B the gains; ``room`` has H^T p - M (v - v_free).
+    """
+    begin, stop = shares.rows
+    start_direction(shares, cones, linear, way)
+    copy_share(shares.rows, work.room, way.v)
+    wait(shares.team)
+    add_impulse_of_sides(problem, shares.sides, way.p, begin, stop, way.v)
+    solve_by_first(shares, work.factor, way.v)
+    contact_change(shares, problem, way.v, way.w)
+    finish_direction(shares, cones, linear, way)
+
+
+@borrower()
+def start_direction(shares, cones, linear, way):
+    """dp of a direction as long as the velocities do not change."""
+    first, end = shares.contacts
+    for c in range(first, end):
+        for i in range(len(cones.m)):
+            way.w[c, i] = linear.miss[c, i]
+        change_contact(linear, cones.mu[c], c, way, len(cones.m))
+
+
+@borrower()
+def finish_direction(shares, cones, linear, way):
+    """dp, dgamma and dw of a direction from the change of the velocities of the contacts, which is in the place of dw."""
+    first, end = shares.contacts
+    for c in range(first, end):
+        for i in range(len(cones.m)):
+            way.w[c, i] += linear.miss[c, i]
+        change_contact(linear, cones.mu[c], c, way, len(cones.m))
+
+
+@borrower()
+def contact_step(w, p, gamma, dw, dp, dgamma, mu, m):
+    """Largest step along a direction that keeps one contact inside its cones, at most 1e10; vectors (m,)."""
+    longest = -w[0] / dw[0] if dw[0] < 0.0 else 1e10
+    w2, p2, dw2, dp2 = (w[2], p[2], dw[2], dp[2]) if m == 3 else (0.0, 0.0, 0.0, 0.0)
+    longest = min(longest, max_step_to_cone(gamma, w[1], w2, dgamma, dw[1], dw2))
+    return min(longest, max_step_to_cone(mu * p[0], p[1], p2, mu * dp[0], dp[1], dp2))
+
+
+@borrower()
+def allows_step(w, p, gamma, dw, dp, dgamma, mu, step, m):
+    """Whether a step along a direction keeps one contact inside its cones; vectors (m,)."""
+    w2, p2 = (w[2] + step * dw[2], p[2] + step * dp[2]) if m == 3 else (0.0, 0.0)
+    moved_w, moved_p = (w[0] + step * dw[0], w[1] + step * dw[1], w2), (p[0] + step * dp[0], p[1] + step * dp[1], p2)
+    return are_inside(moved_w, moved_p, gamma + step * dgamma, mu, m)
+
+
+@borrower()
+def longest_step(shares, here, way, cones):
+    """Largest step along a direction that keeps every contact inside its cones, at most LONGEST.
+
+    Cones are convex: a contact that allows the longest so far need not be asked for its own, which costs roots and divisions.
+    """
+    (w, p, gamma, _), (dw, dp, dgamma, _), m, mu = here, way, len(cones.m), cones.mu
+    turn, (first, end) = begin_sums(shares), shares.chunks
+    for k in range(first, end):
+        longest = LONGEST
+        begin, stop = chunk_of(k, len(mu))
+        for c in range(begin, stop):
+            if not allows_step(w[c], p[c], gamma[c], dw[c], dp[c], dgamma[c], mu[c], longest, m):
+                longest = min(longest, contact_step(w[c], p[c], gamma[c], dw[c], dp[c], dgamma[c], mu[c], m))
+        shares.sums[turn, 0, k] = longest
+    wait(shares.team)
+    return least_of_chunks(shares, len(mu))[0]
+
+
+@borrower()
+def take_impulse(shares, p, friction, impulse):
+    """impulse = p (C, m), without a tangential part where there is no friction."""
+    first, end = shares.contacts
+    for c in range(first, end):
+        for i in range(p.shape[1]):
+            impulse[c, i] = p[c, i] if i == 0 or friction[c] > 0.0 else 0.0
+
+
+@borrower()
+def advance(shares, here, step, way):
+    """Go a share of a direction."""
+    add_share(shares.contacts, here.w, step, way.w, here.w)
+    add_share(shares.contacts, here.p, step, way.p, here.p)
+    add_share(shares.contacts, here.gamma, step, way.gamma, here.gamma)
+    add_share(shares.rows, here.v, step, way.v, here.v)
+
+
+@borrower()
+def begin_inside(shares, problem, answer, cones, distance, here, u):
+    """The start: w, p and gamma inside the cones, near the answer, and v its velocities; u (C, m) are those of the contacts.
+
+    Returns the distance from the walls as a speed, ``distance`` times the largest without impulses.
+    """
+    shift, impulse, m, (first, end) = distance * answer.speed, answer.impulse, len(cones.m), shares.contacts
+    copy_share(shares.rows, answer.velocity, here.v)
+    for c in range(first, end):
+        here.gamma[c] = central_start(impulse[c], u[c], cones.mu[c], problem.d[c], shift, here.w[c], here.p[c], m)
+    return shift

@@ -1,0 +1,67 @@
+r"""Proximal points by pivoting: the method for structures in a plane that slide or rock as a whole.
+
+**Proximal points** (Rockafellar, SIAM J. Control Optim. 14, 1976). Springs in series with the contacts, at rest in the impulses p of a
+centre, leave a problem in the velocities alone,
+
+    M (v - v_free) = H^T P(x),     x = p - K / d (H v + b + C P(x)),     P: p_n = max(0, x_n), p_t = x_t clipped to mu p_n,
+
+whose solution P(x) is the next centre. The stiffer the springs, the more of the error a centre takes away.
+
+**Pivoting.** In a plane P is piecewise linear: a contact is open, sticks, or slips to one side or the other, and the residual is linear in
+v as long as no contact changes its status. So the residual can be taken away exactly, in proportion, along a path that is straight in each
+piece (Katzenelson, Bell System Technical Journal 44, 1965; Lemke's method for linear complementarity problems is of this kind). Where a
+piece ends one contact changes its status, and the matrix M + H^T B H by one of rank one: the new direction takes a solution with the old
+factors and the formula of Sherman and Morrison, an eighth of a factorisation. There is no step length, no merit function, and nowhere to
+stall: a path leads to the solution, or to a fold. Ties, of contacts that would change at once, are broken by velocities of a thousandth of
+what the tolerance leaves.
+
+**Folds.** Friction makes B unsymmetric, and with stiff springs some pieces have a negative determinant, in which the path turns back. With
+springs soft enough no piece has one: there is one solution, and the path leads to it. So K grows by GROWTH from one centre to the next;
+where the path meets a fold, which the sign of the ratio of the determinants tells, K falls as much, and changes by the root of GROWTH
+from then on. Beyond a fold the path goes on, with its direction reversed, and ends at a solution; but that is a long way: of 60 steps
+of the demo it solved 31 within 240 factorisations, where softer springs solved all, with 22 in the mean.
+
+Over the demo (``python -m benchmarks.profile``) ``interior`` takes 61 factorisations a step, and this 17 with some 25 pivots on each.
+What it does not solve is left to the interior point method, as are problems in space, where the cone of friction is round, and those given
+by W alone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution
+from masonry_cd.mechanics.linalg.small_blocks import size_tuple
+from masonry_cd.mechanics.solvers import admm, interior
+from masonry_cd.mechanics.solvers.linearised import Settings, elimination_of
+from masonry_cd.mechanics.solvers.linearised_bodies import PIVOTING, linearised_bodies
+from masonry_cd.mechanics.solvers.options import Options
+
+LIMIT = 300  # factorisations
+STIFFNESS = 1e3  # K to begin with
+
+
+def applies(problem: Problem) -> bool:
+    """Whether a problem is one over bodies in a plane."""
+    return isinstance(problem, FrictionProblem) and problem.dimension == 2
+
+
+def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
+    """Follow paths with stiffer and stiffer springs until the natural map error is below the tolerance.
+
+    Args:
+        problem: over bodies in a plane; any other is left to ``interior``.
+        options: ``max_iterations`` counts factorisations, each for at most ``pivoting_kernels.UPDATES`` pivots.
+        start: its impulse (C, 2) is the first centre, its memory that of the step before.
+    """
+    if not (isinstance(problem, FrictionProblem) and applies(problem) and problem.contacts):
+        return interior.solve(problem, options, start)
+    arrays, (bodies, n) = problem.arrays(), problem.v_free.shape
+    memory, index, block = admm.recall(arrays, start)
+    elimination = elimination_of(arrays, memory.pattern, index, block)
+    impulse, velocity = np.zeros((problem.contacts, 2)) if start is None else start.impulse.copy(), np.empty((bodies, n))
+    limit = options.limit(LIMIT)
+    settings = Settings(0.0, STIFFNESS, 0.0, options.tolerance, limit, size_tuple(3), options.accept, options.enough)
+    iterations, error, *_ = linearised_bodies(PIVOTING, arrays, elimination, settings, impulse, velocity)
+    reason = "pivoting: converged" if error <= options.tolerance else f"pivoting: stopped at an error of {error:.1e}"
+    return Solution(impulse, velocity, iterations, reason, memory.arrays())

@@ -1,0 +1,249 @@
+"""Proximal points in a plane, each solved by pivoting along a piecewise linear path; see pivoting.py."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.foundation.jit import borrower, kernel
+from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK
+from masonry_cd.mechanics.friction.operators import velocity_of_contact
+from masonry_cd.mechanics.linalg.triangular import solve_ldu
+from masonry_cd.mechanics.solvers.linearised import keep_better
+from masonry_cd.mechanics.solvers.proximal_kernels import FREE, HELD, softness, spring_blocks
+from masonry_cd.mechanics.solvers.shares import copy_share
+
+UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
+GROWTH = 10.0  # of K from one problem with springs to the next
+SOFTEST = 1e-3  # K at which pivoting gives up
+TIES, TIGHT = 1e-3, 1e-8  # velocities by which ties are broken, relative to the largest: of the tolerance, or of this if it is looser
+GOLDEN = 0.6180339887498949
+FACTORISATIONS, MOST = 0, 1  # what is counted, and the most of it
+
+
+class Path(NamedTuple):
+    """Where the path is, and the pivots since the last factorisation.
+
+    Pivot k changes the matrix by H_c^T a b^T H_c for its contact c; with the matrix before, z_k solves for H_c^T a.
+    """
+
+    v: np.ndarray  # (B + 1, n) velocities
+    residual: np.ndarray  # (B + 1, n) M (v_free - v) + H^T p
+    rate: np.ndarray  # (B + 1, n) of v, along the path
+    z: np.ndarray  # (UPDATES, B + 1, n)
+    contact: np.ndarray  # (UPDATES,) c
+    a: np.ndarray  # (2,) of the last pivot
+    b: np.ndarray  # (UPDATES, 2)
+    ratio: np.ndarray  # (UPDATES,) of the determinants, after and before
+    product: np.ndarray  # (UPDATES, UPDATES) b_f^T H z_e of each pivot e with those after it, f > e
+    share: np.ndarray  # (UPDATES,) of the z before it in that of the last pivot
+    hard: np.ndarray  # (C, 2) stiffness of the springs along and across the normal
+
+
+@kernel()
+def allocate_path(shape, contacts):
+    """A :class:`Path` for velocities of a shape (B + 1, n) and so many contacts."""
+    z, contact, b, ratio = np.zeros((UPDATES, *shape)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
+    product, share = np.empty((UPDATES, UPDATES)), np.empty(UPDATES)
+    hard = np.empty((contacts, 2))
+    return Path(np.zeros(shape), np.empty(shape), np.empty(shape), z, contact, np.empty(2), b, ratio, product, share, hard)
+
+
+@borrower()
+def add_flat(x, step, change):
+    """x += step change, both contiguous and of one shape."""
+    x, change = x.reshape(x.size), change.reshape(change.size)
+    for i in range(len(x)):
+        x[i] += step * change[i]
+
+
+@borrower()
+def change_block(problem, springs, path, k, c, step, beyond):
+    """Let contact c, a ``step`` ahead, change its status: as pivot k the change a b^T of its B = -dp/du.
+
+    It changes between open and slip, or between stick and slip.
+    """
+    mu, sign = problem.mu[c], 1.0 if beyond == SLIP else -1.0
+    side = 1.0 if springs.x[c, 1] + step * springs.dx[c, 1] > 0.0 else -1.0
+    if springs.status[c] == OPEN or beyond == OPEN:
+        a_n, a_t, b_n, b_t = sign, sign * side * mu, path.hard[c, 0], 0.0
+    else:
+        a_n, a_t, b_n, b_t = 0.0, sign, side * mu * path.hard[c, 0], -path.hard[c, 1]
+    path.contact[k] = c
+    path.a[0], path.a[1], path.b[k, 0], path.b[k, 1] = a_n, a_t, b_n, b_t
+    springs.status[c] = beyond
+
+
+@borrower()
+def weigh(problem, path, k, v):
+    """b^T H_c v of pivot k."""
+    u_n, u_t, _ = velocity_of_contact(problem, v, path.contact[k])
+    return path.b[k, 0] * u_n + path.b[k, 1] * u_t
+
+
+@borrower()
+def apply_earlier(problem, path, k):
+    """Take z of pivot k from a solution with the old factors to one with the matrix before this pivot.
+
+    One pivot e after the other would subtract b_e^T H z / ratio_e times z_e, each from what the last one left. These shares follow from the
+    products of the b with the z alone, and all z_e are subtracted at once.
+    """
+    z, share = path.z, path.share
+    for e in range(k):
+        path.product[e, k] = weigh(problem, path, k, z[e])
+        share[e] = weigh(problem, path, e, z[k])
+    for e in range(k):
+        share[e] /= path.ratio[e]
+        own_share, product = share[e], path.product[e]
+        for f in range(e + 1, k):
+            share[f] -= own_share * product[f]
+    own, fours = z[k].reshape(z[k].size), k - k % 4
+    for e in range(0, fours, 4):
+        z0, z1, z2, z3 = z[e].reshape(own.size), z[e + 1].reshape(own.size), z[e + 2].reshape(own.size), z[e + 3].reshape(own.size)
+        s0, s1, s2, s3 = share[e], share[e + 1], share[e + 2], share[e + 3]
+        for i in range(len(own)):
+            own[i] -= s0 * z0[i] + s1 * z1[i] + s2 * z2[i] + s3 * z3[i]
+    for e in range(fours, k):
+        add_flat(z[k], -share[e], z[e])
+
+
+@kernel()
+def pivot(problem, work, path, k):
+    """Change the matrix by pivot k; returns the ratio of its determinants, after and before.
+
+    The rate of v follows, by the formula of Sherman and Morrison.
+    """
+    z, c, jacobian, index = path.z[k], path.contact[k], problem.jacobian, problem.places
+    z[:] = 0.0
+    for side in range(2):
+        for i in range(len(problem.n)):
+            z[index[c, side], i] += jacobian[c, side, 0, i] * path.a[0] + jacobian[c, side, 1, i] * path.a[1]
+    solve_ldu(work.factor, z)
+    z[-1] = 0.0
+    apply_earlier(problem, path, k)
+    path.ratio[k] = 1.0 + weigh(problem, path, k, z)
+    if path.ratio[k] != 0.0:
+        add_flat(path.rate, -weigh(problem, path, k, path.rate) / path.ratio[k], z)
+    return path.ratio[k]
+
+
+@borrower(fastmath={"contract"})
+def next_kink(problem, springs, path, taken):
+    """Go on by ``taken`` along the changes of the trial impulses, and renew these by the rate of v.
+
+    Returns the step to the first kink, the contact that changes its status there, and its new status.
+    """
+    x, dx, status = springs.x, springs.dx, springs.status
+    first, which, new = np.inf, -1, OPEN
+    for c in range(len(status)):
+        x_n, x_t = x[c, 0] + taken * dx[c, 0], x[c, 1] + taken * dx[c, 1]
+        u_n, u_t, _ = velocity_of_contact(problem, path.rate, c)
+        d_n, d_t = -path.hard[c, 0] * u_n, -path.hard[c, 1] * u_t
+        x[c, 0], x[c, 1], dx[c, 0], dx[c, 1] = x_n, x_t, d_n, d_t
+        if status[c] == OPEN:
+            if d_n > 0.0 and -x_n < first * d_n:
+                first, which, new = max(-x_n, 0.0) / d_n, c, SLIP
+            continue
+        if d_n < 0.0 and x_n < -first * d_n:
+            first, which, new = max(-x_n / d_n, 0.0), c, OPEN
+        if status[c] == SLIP:  # until |x_t| falls to mu x_n; never without friction, or rounding would have it stick and slip by turns
+            side = 1.0 if x_t > 0.0 else -1.0
+            beyond, fall = side * x_t - problem.mu[c] * x_n, problem.mu[c] * d_n - side * d_t
+            if problem.mu[c] > 0.0 and fall > 0.0 and beyond < first * fall:
+                first, which, new = max(beyond, 0.0) / fall, c, STICK
+            continue
+        for side in (-1.0, 1.0):  # until it rises to that
+            below, rise = problem.mu[c] * x_n - side * x_t, side * d_t - problem.mu[c] * d_n
+            if rise > 0.0 and below < first * rise:
+                first, which, new = max(below, 0.0) / rise, c, SLIP
+    return first, which, new
+
+
+@kernel()
+def set_out(kind, shares, moved, work, springs, stiffness, path, left, held):
+    """Factorise where the path is, and find its rate there; False if the matrix is singular."""
+    kind.spring_residual(shares, moved, springs, stiffness, path.v, held, path.residual)
+    spring_blocks(shares, moved, springs, stiffness)
+    if kind.factorise(shares, moved, work, springs.block) == 0.0:
+        return False
+    path.rate[:] = 0.0
+    add_flat(path.rate, 1.0 / left, path.residual)
+    solve_ldu(work.factor, path.rate)
+    path.rate[-1] = 0.0
+    return True
+
+
+@kernel()
+def follow(kind, shares, moved, work, springs, stiffness, path, counts):
+    """Follow the path from v until the residual vanishes; False where the path folds back, or ends in a ray.
+
+    ``counts`` are those of :func:`pivoting_points`.
+    """
+    for c in range(len(springs.x)):
+        soft_n, soft_t = softness(moved.compliance, moved.d[c] / stiffness, c, 2)
+        path.hard[c, 0], path.hard[c, 1] = 1.0 / soft_n, 1.0 / soft_t
+    left = 1.0  # share of the residual at the start
+    held: np.bool = FREE  # whether statuses are known, or follow the trial impulses
+    while counts[FACTORISATIONS] < counts[MOST]:
+        counts[FACTORISATIONS] += 1
+        if not set_out(kind, shares, moved, work, springs, stiffness, path, left, held):
+            return False
+        held, taken = HELD, 0.0
+        for k in range(UPDATES):
+            step, c, beyond = next_kink(moved, springs, path, taken)
+            if step >= left:
+                add_flat(path.v, left, path.rate)
+                kind.spring_residual(shares, moved, springs, stiffness, path.v, HELD, path.residual)
+                return True
+            taken, left = step, left - step
+            add_flat(path.v, step, path.rate)
+            change_block(moved, springs, path, k, c, step, beyond)
+            if not pivot(moved, work, path, k) > 0.0:
+                return False
+    return False
+
+
+@borrower()
+def break_ties(offset, size):
+    """Add up to ``size`` to each velocity (C, 2), so that no two contacts reach a kink at once, nor one the tip of its cone.
+
+    It is another multiple of the golden section for each of them, without its whole part.
+    """
+    flat = offset.reshape(offset.size)
+    for i in range(len(flat)):
+        multiple = GOLDEN * (i + 1)
+        flat[i] += size * (multiple - math.floor(multiple))
+
+
+@borrower()
+def _ended(error, counts, settings):
+    """Whether the tolerance or the limit is reached, or an error that will do after enough factorisations."""
+    spent = counts[FACTORISATIONS]
+    return error <= settings.tolerance or spent >= counts[MOST] or (error <= settings.accept and spent >= settings.enough)
+
+
+@kernel()
+def pivoting_points(kind, shares, problem, work, inside, answer, settings):
+    """Proximal points by pivoting, with the operators of a :class:`Kind`, from ``answer`` on, which gets better.
+
+    ``inside`` is a :class:`ProximalRoom`; there is one thread. Returns the number of factorisations.
+    """
+    springs, _, centre, own, free, offset = inside
+    path, moved, counts = allocate_path(own.shape, len(springs.x)), kind.movable(problem, free, offset), np.zeros(2, dtype=np.int64)
+    copy_share(shares.contacts, answer.impulse, springs.centre)
+    copy_share(shares.rows, answer.velocity, centre)
+    counts[MOST], stiffness, factor = settings.limit, settings.stiffness, GROWTH
+    while not _ended(answer.error[0], counts, settings) and stiffness > SOFTEST:
+        kind.begin_at(shares, problem, moved, centre, path.v)
+        break_ties(moved.offset, TIES * min(settings.tolerance, TIGHT) * answer.speed)
+        if not follow(kind, shares, moved, work, springs, stiffness, path, counts):
+            stiffness, factor = stiffness / factor, np.sqrt(GROWTH)
+            continue
+        error = kind.map_norm(shares, problem, springs.p, work.room, own) / answer.size
+        copy_share(shares.contacts, springs.p, springs.centre)
+        kind.move_centre(shares, centre, path.v)
+        stiffness = min(stiffness * factor, kind.stiffest(error))
+        keep_better(shares, answer, springs.p, own, error)
+    return counts[FACTORISATIONS]
