@@ -31,10 +31,10 @@ from benchmarks import dry_walls
 from benchmarks.held_push import GRAVITY, Bracket, Trial, bracket
 from benchmarks.limit_structures import NAMES, USUAL, church, made, of_table
 from benchmarks.sitting import head
+from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
+from masonry_cd.analysis.limit.mechanism import STATES
+from masonry_cd.analysis.limit.problem import Bars, Loads
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.analysis import Analysis, Options, analyse
-from masonry_cd.limit.mechanism import STATES
-from masonry_cd.limit.problem import Bars, Loads
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 

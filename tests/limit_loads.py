@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from benchmarks.limit import push as push_loads
-from masonry_cd.limit.analysis import Analysis, Options, analyse
+from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.limit.analysis import STANDS, at_rest
-from masonry_cd.limit.problem import Bars, Loads
+from masonry_cd.analysis.limit.analysis import STANDS, at_rest
+from masonry_cd.analysis.limit.problem import Bars, Loads
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints

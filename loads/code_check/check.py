@@ -8,7 +8,7 @@ from loads.code_check import ec8, ntc2008, ntc2018
 from loads.code_check.ground import ground_of
 from loads.code_check.steps import Basis, CodeCheck
 from loads.code_check.table import CheckTable
-from masonry_cd.limit.oscillator import Oscillator
+from masonry_cd.analysis.limit.oscillator import Oscillator
 
 CODES = {"NTC2018": ntc2018.check, "NTC2008": ntc2008.check, "EC8": ec8.check}
 

@@ -9,7 +9,7 @@ from loads.code_check.floors import part_acceleration
 from loads.code_check.ground import Ground
 from loads.code_check.steps import Clauses, CodeCheck, Step, Verdict, capacity
 from loads.code_check.table import CheckTable
-from masonry_cd.limit.oscillator import Oscillator
+from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "EN 1998-1:2004, 4.3.5.2, with EN 1998-3:2005"
 BY_ITALY = "Circolare 7/2019"

@@ -7,7 +7,7 @@ import math
 from loads.code_check.ground import Ground
 from loads.code_check.steps import Clauses, CodeCheck, Step, Verdict, capacity, no_end
 from loads.code_check.table import CheckTable
-from masonry_cd.limit.oscillator import Oscillator
+from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "NTC 2008 with Circolare 617/2009"
 CLAUSE = "C8A.4"

@@ -8,7 +8,7 @@ from loads.code_check.floors import Floor
 from loads.code_check.ground import Ground
 from loads.code_check.steps import Clauses, CodeCheck, Step, Verdict, capacity, no_end
 from loads.code_check.table import CheckTable
-from masonry_cd.limit.oscillator import Oscillator
+from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "NTC 2018 with Circolare 7/2019"
 AT = Clauses("[C8.7.1.1]", "[C8.7.1.5]", "C8.7.1.2.1.3", "[C8.7.1.3]", "[C8.7.1.4]")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.foundation.quantities import counted
-from masonry_cd.limit.oscillator import Oscillator
 
 HOLDS = 1e-9  # share by which a demand may exceed a capacity and be met
 MARGIN = 0.05  # share of a capacity that is kept: held pushes have moved structures up to so far below the least factor that a search found

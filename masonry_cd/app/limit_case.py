@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.limit.analysis import Analysis, Collapse, Options, analyse
+from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.app.doubts import doubts
 from masonry_cd.app.limit_check import check_mechanism, suits
 from masonry_cd.app.limit_curve import CURVE_OUTPUTS, FollowedCurve, curve_lines, draw_curve, follow, write_curve
@@ -19,15 +21,13 @@ from masonry_cd.app.limit_search import search_words, ways
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import counted, force, in_words
-from masonry_cd.limit.analysis import Analysis, Collapse, Options, analyse
-from masonry_cd.limit.mechanism import STATES
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints, loose_contacts
 from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
     from loads.code_check.steps import CodeCheck
-    from loads.statics import StaticLoads
+    from masonry_cd.analysis.limit.static_loads import StaticLoads
     from reports.limit.ties import LimitTie
 
 OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "ties.csv", "check.json", "check.csv", "mechanism.png", "thrust.png", "limit.html")
@@ -87,7 +87,7 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
     Raises:
         InputError: anything wrong with the scene, or a limit analysis without an answer.
     """
-    from loads.statics import CurveTable, limit_table, static_loads
+    from masonry_cd.analysis.limit.static_loads import CurveTable, limit_table, static_loads
     from masonry_cd.app.case import make_structures
 
     begin = time.perf_counter()

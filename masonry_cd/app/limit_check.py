@@ -10,19 +10,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from masonry_cd.analysis.limit.analysis import Analysis
+from masonry_cd.analysis.limit.candidates import UNTIED, Candidate, candidates
+from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
+from masonry_cd.analysis.limit.oscillator import ANOTHER, Oscillator, oscillator
 from masonry_cd.app.limit_search import Ways, doubt, search_words
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.analysis import Analysis
-from masonry_cd.limit.candidates import UNTIED, Candidate, candidates
-from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
-from masonry_cd.limit.oscillator import ANOTHER, Oscillator, oscillator
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
     from loads.code_check.steps import CodeCheck, Looked
     from loads.code_check.table import CheckTable
-    from loads.statics import StaticLoads
+    from masonry_cd.analysis.limit.static_loads import StaticLoads
 
 LEVEL = 1e-9
 

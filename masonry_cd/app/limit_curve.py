@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.limit.analysis import Options
+from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import in_words, length
-from masonry_cd.limit.analysis import Options
-from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
-    from loads.statics import CurveTable, StaticLoads
+    from masonry_cd.analysis.limit.static_loads import CurveTable, StaticLoads
     from masonry_cd.app.limit_dynamics import Bracket
 
 CURVE_OUTPUTS = ("capacity.csv", "capacity.json", "capacity.png")

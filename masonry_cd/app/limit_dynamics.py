@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.limit.capacity import CapacityCurve
+from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 

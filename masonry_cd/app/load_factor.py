@@ -94,9 +94,9 @@ def _work_of_one(case: Case, pull: np.ndarray, moment: np.ndarray) -> np.ndarray
 def limit_bracket(case: Case) -> dict[str, float | None] | None:
     """The least factor found, None where no start comes to an end, and the associated one, by limit analysis, where that takes seconds: of
     few blocks in a plane, under one push or tilt that limit analysis takes as it is; None elsewhere."""
-    from loads.statics import limit_table, static_loads
-    from masonry_cd.limit.analysis import Options, analyse
-    from masonry_cd.limit.problem import plane_of
+    from masonry_cd.analysis.limit.analysis import Options, analyse
+    from masonry_cd.analysis.limit.problem import plane_of
+    from masonry_cd.analysis.limit.static_loads import limit_table, static_loads
 
     scene, assembly, forces = case.scene, case.assembly, case.loading.forces
     own = sum(table.get("kind") == "tie" for table in scene.loads)

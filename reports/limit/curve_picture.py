@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.limit.capacity import CapacityCurve
-from masonry_cd.limit.mechanism import STATES
-from masonry_cd.limit.stage import Stage
+from masonry_cd.analysis.limit.capacity import CapacityCurve
+from masonry_cd.analysis.limit.mechanism import STATES
+from masonry_cd.analysis.limit.stage import Stage
 from reports.deformed import Solids
 from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
 from reports.drawing.render import Layer, Lines, View, Window, render

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.limit.analysis import Collapse
+from masonry_cd.analysis.limit.mechanism import STATES, STILL, Mechanism
 from masonry_cd.foundation.quantities import counted, force
-from masonry_cd.limit.analysis import Collapse
-from masonry_cd.limit.mechanism import STATES, STILL, Mechanism
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.joints import Joints
 from reports.deformed import Solids

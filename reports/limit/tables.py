@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.limit.analysis import Collapse
+from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.foundation.csv_files import write_csv
-from masonry_cd.limit.analysis import Collapse
-from masonry_cd.limit.mechanism import STATES
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.limit.problem import Bars
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.quantities import force
-from masonry_cd.limit.problem import Bars
 from reports.drawing.tie_lines import DrawnTies
 
 CSV = "ties.csv"

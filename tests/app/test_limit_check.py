@@ -11,10 +11,10 @@ from models import GRAVITY, box, ground
 from test_limit_case import TIE, pillar, scene
 from typer.testing import CliRunner
 
+from masonry_cd.analysis.limit import nonassociated
 from masonry_cd.app import limit_search
 from masonry_cd.app.limit_case import LimitCase, limit_case, lines, summary, write
 from masonry_cd.cli.app import app
-from masonry_cd.limit import nonassociated
 from masonry_cd.mechanics.model.blocks import Block
 
 BORNE = GRAVITY / 6.0 / 1.35  # a0* of the slab of 0.5 by 3 m

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from models import box, ground
 
+from masonry_cd.analysis.limit import nonassociated
 from masonry_cd.app.carried import largest_carried
 from masonry_cd.app.case import prepare
 from masonry_cd.app.load_factor import NOT_THE_LEAST, limit_bracket, outcome_lines
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
-from masonry_cd.limit import nonassociated
 from masonry_cd.mechanics.model.blocks import Block
 from structures.files import blockfile
 

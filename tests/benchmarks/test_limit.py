@@ -7,7 +7,7 @@ from models import box, ground
 
 from benchmarks import limit
 from benchmarks.held_push import bracket
-from masonry_cd.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.analysis import Options, analyse
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 

@@ -19,7 +19,7 @@ from loads.kinds.sequence import SequenceTable
 from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.sinusoidal import SinusoidalTable
 from loads.kinds.tilt import PushTable, TiltTable
-from loads.statics import CurveTable
+from masonry_cd.analysis.limit.static_loads import CurveTable
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
 from masonry_cd.mechanics.dynamics.settings import Run

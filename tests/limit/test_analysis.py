@@ -11,11 +11,11 @@ from limit_loads import joined, push_loads, pushed
 from models import GRAVITY, box, ground
 
 from benchmarks.dry_walls import FRICTION, dry_wall
+from masonry_cd.analysis.limit.analysis import Options, analyse, certificate
+from masonry_cd.analysis.limit.interfaces import area_shares
+from masonry_cd.analysis.limit.mechanism import STATES
+from masonry_cd.analysis.limit.problem import Bars, Loads
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.analysis import Options, analyse, certificate
-from masonry_cd.limit.interfaces import area_shares
-from masonry_cd.limit.mechanism import STATES
-from masonry_cd.limit.problem import Bars, Loads
 from masonry_cd.mechanics.model.materials import JointLaw
 
 QUIET = Options(starts=0)

@@ -9,11 +9,11 @@ import pytest
 from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
-from masonry_cd.limit.analysis import Analysis, Options, analyse
-from masonry_cd.limit.candidates import ASSOCIATED, SEARCH, UNTIED, Candidate, candidates, tied_factor
-from masonry_cd.limit.mechanism import mechanism
-from masonry_cd.limit.oscillator import Oscillator, oscillator
-from masonry_cd.limit.problem import Bars, limit_problem
+from masonry_cd.analysis.limit.analysis import Analysis, Options, analyse
+from masonry_cd.analysis.limit.candidates import ASSOCIATED, SEARCH, UNTIED, Candidate, candidates, tied_factor
+from masonry_cd.analysis.limit.mechanism import mechanism
+from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
+from masonry_cd.analysis.limit.problem import Bars, limit_problem
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 
 X = np.array([1.0, 0.0, 0.0])

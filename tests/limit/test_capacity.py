@@ -10,12 +10,12 @@ from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
 from benchmarks.dry_walls import FRICTION, dry_wall
+from masonry_cd.analysis.limit.analysis import Options
+from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
+from masonry_cd.analysis.limit.moved import Placement
+from masonry_cd.analysis.limit.problem import Arms, Bars, Loads
 from masonry_cd.app.limit_dynamics import brackets
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.analysis import Options
-from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
-from masonry_cd.limit.moved import Placement
-from masonry_cd.limit.problem import Arms, Bars, Loads
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 

@@ -9,11 +9,11 @@ import pytest
 from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
-from masonry_cd.limit.analysis import Options, analyse
-from masonry_cd.limit.candidates import Candidate, candidates
-from masonry_cd.limit.capacity import CurveOptions, capacity_curve
-from masonry_cd.limit.mechanism import STATES
-from masonry_cd.limit.oscillator import Oscillator, oscillator
+from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.candidates import Candidate, candidates
+from masonry_cd.analysis.limit.capacity import CurveOptions, capacity_curve
+from masonry_cd.analysis.limit.mechanism import STATES
+from masonry_cd.analysis.limit.oscillator import Oscillator, oscillator
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
 from structures.geometry.prism import prism_xz

@@ -11,13 +11,13 @@ from limit_loads import joined, push_loads
 from models import GRAVITY, box
 
 import structures
+from masonry_cd.analysis.limit.analysis import Options
+from masonry_cd.analysis.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
+from masonry_cd.analysis.limit.conic import least_unborne_in_space
+from masonry_cd.analysis.limit.interfaces import interfaces
+from masonry_cd.analysis.limit.linear import least_unborne
+from masonry_cd.analysis.limit.problem import problem_at
 from masonry_cd.app.limit_dynamics import brackets
-from masonry_cd.limit.analysis import Options
-from masonry_cd.limit.capacity import CapacityCurve, CurveOptions, capacity_curve
-from masonry_cd.limit.conic import least_unborne_in_space
-from masonry_cd.limit.interfaces import interfaces
-from masonry_cd.limit.linear import least_unborne
-from masonry_cd.limit.problem import problem_at
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 

@@ -12,8 +12,8 @@ from scipy.linalg import null_space
 from scipy.optimize import brentq
 
 from benchmarks.dry_walls import ASSOCIATED, FRICTION, LEAST, dry_wall
-from masonry_cd.limit.analysis import STANDS, Analysis, Options, at_rest
-from masonry_cd.limit.problem import LimitProblem, limit_problem
+from masonry_cd.analysis.limit.analysis import STANDS, Analysis, Options, at_rest
+from masonry_cd.analysis.limit.problem import LimitProblem, limit_problem
 from masonry_cd.mechanics.model.blocks import Block
 from structures.geometry.prism import prism_xz
 

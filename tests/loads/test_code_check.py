@@ -13,8 +13,8 @@ from loads.code_check.steps import Basis, Verdict
 from loads.code_check.table import CheckTable
 from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum
+from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.limit.oscillator import Oscillator
 
 G = 9.81
 ALPHA, REACH = 0.125, 0.5 * 4.0 * 0.125 / (1.0 + 0.125**2)  # of the wall: factor, d0* of its centre

@@ -12,9 +12,9 @@ from limit_loads import joined, push_loads
 from models import GRAVITY, box, ground
 
 import structures
+from masonry_cd.analysis.limit.analysis import Options, analyse
+from masonry_cd.analysis.limit.problem import Bars
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.analysis import Options, analyse
-from masonry_cd.limit.problem import Bars
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import mass_properties
 from structures import site

@@ -26,8 +26,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, hstack, identity, vstack
 
-from masonry_cd.limit.problem import LimitProblem, regular
-from masonry_cd.limit.solution import Optimum, Unbounded
+from masonry_cd.analysis.limit.problem import LimitProblem, regular
+from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 
 TOLERANCE = 1e-8  # of residuals and gap over their scale
 MOST = 75  # iterations: churches of 5,000 blocks end there with a factor that holds to four digits; the certificate has what is reached
@@ -120,7 +120,8 @@ def priced(problem: LimitProblem, programme: ConeProgramme, prices: np.ndarray) 
 
 
 def least_unborne_in_space(problem: LimitProblem, sides: int = 0) -> Optimum:
-    """As :func:`masonry_cd.limit.linear.least_unborne`, with cones or pyramids: max w_0 . v with w_1 . v = 0, no component of v above one.
+    """As :func:`masonry_cd.analysis.limit.linear.least_unborne`, with cones or pyramids: max w_0 . v with w_1 . v = 0, no component of v
+    above one.
 
     Raises:
         Unbounded: no answer.

@@ -4,7 +4,7 @@ Blocks that the mechanism moves alike are one body. A step takes each body along
 the others has changed meanwhile, by Newton steps of least norm: points that neither open nor slide stay together, points that slide stay on
 the surface on which they slide (the dilation of an associated mechanism is not followed), and ties that neither yield nor go slack keep
 their length. With one degree of freedom this is exact, however long the step. Where it would lock the mechanism, or cannot be met, or lets
-blocks overlap, contacts give way (:mod:`masonry_cd.limit.least_work`).
+blocks overlap, contacts give way (:mod:`masonry_cd.analysis.limit.least_work`).
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from scipy.sparse import coo_matrix, csr_matrix, identity, vstack
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from masonry_cd.limit.least_work import FAR, Resistance, least_work
-from masonry_cd.limit.mechanism import STILL
-from masonry_cd.limit.moved import Placement
-from masonry_cd.limit.problem import Bars, LimitProblem
-from masonry_cd.limit.solution import Optimum
+from masonry_cd.analysis.limit.least_work import FAR, Resistance, least_work
+from masonry_cd.analysis.limit.mechanism import STILL
+from masonry_cd.analysis.limit.moved import Placement
+from masonry_cd.analysis.limit.problem import Bars, LimitProblem
+from masonry_cd.analysis.limit.solution import Optimum
 from masonry_cd.mechanics.model.blocks import Assembly
 
 MANY = 100  # unknowns from which sparse least squares are faster

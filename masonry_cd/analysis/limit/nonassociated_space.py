@@ -1,7 +1,7 @@
 r"""Coulomb friction that does not dilate, in space: a factor that belongs to it.
 
-The sequence of :mod:`masonry_cd.limit.nonassociated` with circles for strips, |r_t| <= mu N_k (Portioli, Casapulla, Gilbert & Cascini,
-Computers & Structures 142, 2014), and its descent: for the mechanism found, the forces of least lambda + M g,
+The sequence of :mod:`masonry_cd.analysis.limit.nonassociated` with circles for strips, |r_t| <= mu N_k (Portioli, Casapulla, Gilbert &
+Cascini, Computers & Structures 142, 2014), and its descent: for the mechanism found, the forces of least lambda + M g,
 
     g(r, v) = sum over the points of  u_n (r_n + f) + mu r'_n |u_t| + r_t . u_t,
 
@@ -15,10 +15,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from masonry_cd.limit.conic import cone_programme, priced, solve_conic, solve_programme
-from masonry_cd.limit.nonassociated import LeastFound, Pair, least_of_starts
-from masonry_cd.limit.problem import LimitProblem
-from masonry_cd.limit.solution import Optimum, Unbounded
+from masonry_cd.analysis.limit.conic import cone_programme, priced, solve_conic, solve_programme
+from masonry_cd.analysis.limit.nonassociated import LeastFound, Pair, least_of_starts
+from masonry_cd.analysis.limit.problem import LimitProblem
+from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 
 STEPS = 20  # of the sequence at most
 SETTLED = 2e-4  # change of the factor, as a share of it, at which the sequence ends

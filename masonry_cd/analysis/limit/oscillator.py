@@ -20,9 +20,9 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.limit.candidates import Candidate
-from masonry_cd.limit.capacity import CapacityCurve
-from masonry_cd.limit.mechanism import STATES, Mechanism
+from masonry_cd.analysis.limit.candidates import Candidate
+from masonry_cd.analysis.limit.capacity import CapacityCurve
+from masonry_cd.analysis.limit.mechanism import STATES, Mechanism
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 

@@ -1,13 +1,14 @@
 r"""Capacity curves: a mechanism followed at finite displacements, and the load factor that the moved structure still bears.
 
-At each step the blocks are where the last mechanism has brought them, their joints are found anew (:mod:`masonry_cd.limit.moved`), and a
-limit analysis of this geometry gives the factor and the mechanism that goes on (:mod:`masonry_cd.limit.following`), which may be another.
-Where no factor is borne, hinges pass to other joints (:mod:`masonry_cd.limit.passing`). The factor is drawn over the displacement of a
-control block along the load, until it vanishes.
+At each step the blocks are where the last mechanism has brought them, their joints are found anew (:mod:`masonry_cd.analysis.limit.moved`),
+and a limit analysis of this geometry gives the factor and the mechanism that goes on (:mod:`masonry_cd.analysis.limit.following`), which
+may be another. Where no factor is borne, hinges pass to other joints (:mod:`masonry_cd.analysis.limit.passing`). The factor is drawn over
+the displacement of a control block along the load, until it vanishes.
 
 **Flow.** Where joints slide, the factor and the mechanism are those of sliding without dilation (the sequence of
-:mod:`masonry_cd.limit.nonassociated` from the forces of the associated problem), when ``starts`` asks for it; otherwise the factor is the
-associated one, an upper value, and the mechanism is followed without the dilation that its flow rule adds: blocks slide and do not climb.
+:mod:`masonry_cd.analysis.limit.nonassociated` from the forces of the associated problem), when ``starts`` asks for it; otherwise the factor
+is the associated one, an upper value, and the mechanism is followed without the dilation that its flow rule adds: blocks slide and do not
+climb.
 
 **Bond** is lost in joints that have hinged, slid or opened. **Ties** pull as they are then directed, those that yielded are longer for
 good, and those that have become shorter pull nothing until they are as long again.
@@ -20,15 +21,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from masonry_cd.analysis.limit.analysis import STANDS, Options, at_rest
+from masonry_cd.analysis.limit.following import Motion
+from masonry_cd.analysis.limit.mechanism import STILL
+from masonry_cd.analysis.limit.passing import borne, edge, passed
+from masonry_cd.analysis.limit.problem import Loads
+from masonry_cd.analysis.limit.solution import Unbounded
+from masonry_cd.analysis.limit.stage import FIRST, LONGEST, SHORTEST, Stage, Stages
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import length
-from masonry_cd.limit.analysis import STANDS, Options, at_rest
-from masonry_cd.limit.following import Motion
-from masonry_cd.limit.mechanism import STILL
-from masonry_cd.limit.passing import borne, edge, passed
-from masonry_cd.limit.problem import Loads
-from masonry_cd.limit.solution import Unbounded
-from masonry_cd.limit.stage import FIRST, LONGEST, SHORTEST, Stage, Stages
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
@@ -120,7 +121,7 @@ def capacity_curve(assembly: Assembly, joints: Joints, loads: Loads, options: Cu
         options: how.
 
     Raises:
-        InputError: as of :func:`masonry_cd.limit.analysis.analyse`; a structure that does not stand; supports that move.
+        InputError: as of :func:`masonry_cd.analysis.limit.analysis.analyse`; a structure that does not stand; supports that move.
     """
     options = options or CurveOptions()
     if loads.support_velocity is not None:

@@ -7,17 +7,17 @@ under any factor, and by Farkas' lemma there is a motion of the blocks with
 
 the dead loads do work, the load does none. The blocks go that way by themselves while the load is held where it is, by a jack that keeps
 its displacement: the joint opens that the thrust has left, and a hinge beside it closes. They come to rest where the hinge has closed, and
-forces balance again: the hinge has passed. The motion is that of :func:`masonry_cd.limit.linear.least_unborne`, found anew after each step,
-and a step ends where blocks meet. What they gain in speed on the way is taken for lost.
+forces balance again: the hinge has passed. The motion is that of :func:`masonry_cd.analysis.limit.linear.least_unborne`, found anew after
+each step, and a step ends where blocks meet. What they gain in speed on the way is taken for lost.
 
 Where they find no rest, a part of the structure falls, however the load is held.
 """
 
 from __future__ import annotations
 
-from masonry_cd.limit.following import Motion
-from masonry_cd.limit.solution import Unbounded
-from masonry_cd.limit.stage import FIRST, LONGEST, SHORTEST, Moved, Stage, Stages
+from masonry_cd.analysis.limit.following import Motion
+from masonry_cd.analysis.limit.solution import Unbounded
+from masonry_cd.analysis.limit.stage import FIRST, LONGEST, SHORTEST, Moved, Stage, Stages
 
 FALLEN = 4.0  # displacement, as a share of the smallest width, after which blocks that have found no rest fall
 MOST = 60  # steps

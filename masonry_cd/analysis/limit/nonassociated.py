@@ -30,8 +30,8 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import csr_matrix, diags, hstack, identity, vstack
 
-from masonry_cd.limit.problem import LimitProblem
-from masonry_cd.limit.solution import Optimum
+from masonry_cd.analysis.limit.problem import LimitProblem
+from masonry_cd.analysis.limit.solution import Optimum
 
 STEPS = 40  # of the sequence at most
 SETTLED = 1e-5  # change of the factor, as a share of it, at which the sequence ends

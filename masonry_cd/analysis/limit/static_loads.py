@@ -27,9 +27,9 @@ from loads.kinds.forces import PointLoad, PointTable, Tie, TieTable, bar
 from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.tilt import PushTable, TiltTable
 from loads.motion import Direction, DirectionKey, LoadTable, RunGrid, parse_direction
+from masonry_cd.analysis.limit.problem import Arms, Bars, Loads
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import Count, Table
-from masonry_cd.limit.problem import Arms, Bars, Loads
 from masonry_cd.mechanics.model.blocks import Assembly
 
 NO_STEP = 1e-12  # of a grid that has none [s]: no tie is too stiff for it

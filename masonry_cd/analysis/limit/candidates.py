@@ -22,12 +22,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from masonry_cd.analysis.limit.analysis import Analysis, Options, largest_factor, searched
+from masonry_cd.analysis.limit.mechanism import STILL, Mechanism, mechanism
+from masonry_cd.analysis.limit.nonassociated import ALIKE, LeastFound
+from masonry_cd.analysis.limit.problem import LimitProblem
+from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.analysis import Analysis, Options, largest_factor, searched
-from masonry_cd.limit.mechanism import STILL, Mechanism, mechanism
-from masonry_cd.limit.nonassociated import ALIKE, LeastFound
-from masonry_cd.limit.problem import LimitProblem
-from masonry_cd.limit.solution import Optimum, Unbounded
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 

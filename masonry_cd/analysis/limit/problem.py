@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, hstack
 
-from masonry_cd.limit.interfaces import Interfaces, interfaces
+from masonry_cd.analysis.limit.interfaces import Interfaces, interfaces
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.middle_plane import middle_plane

@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from masonry_cd.analysis.limit.conic import solve_conic
+from masonry_cd.analysis.limit.linear import solve_linear
+from masonry_cd.analysis.limit.mechanism import Mechanism, mechanism
+from masonry_cd.analysis.limit.nonassociated import LeastFound, least_factor
+from masonry_cd.analysis.limit.nonassociated_space import least_factor_in_space
+from masonry_cd.analysis.limit.problem import LimitProblem, Loads, limit_problem
+from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.limit.conic import solve_conic
-from masonry_cd.limit.linear import solve_linear
-from masonry_cd.limit.mechanism import Mechanism, mechanism
-from masonry_cd.limit.nonassociated import LeastFound, least_factor
-from masonry_cd.limit.nonassociated_space import least_factor_in_space
-from masonry_cd.limit.problem import LimitProblem, Loads, limit_problem
-from masonry_cd.limit.solution import Optimum, Unbounded
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 

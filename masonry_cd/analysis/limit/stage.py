@@ -8,17 +8,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from masonry_cd.limit.analysis import Collapse, Options, collapse_of, largest_factor
-from masonry_cd.limit.conic import least_unborne_in_space
-from masonry_cd.limit.following import LOCKED, Motion, motion
-from masonry_cd.limit.interfaces import interfaces
-from masonry_cd.limit.linear import least_unborne
-from masonry_cd.limit.mechanism import STATES, STILL, Mechanism, mechanism
-from masonry_cd.limit.moved import moved_joints, touching_gap
-from masonry_cd.limit.nonassociated import least_factor
-from masonry_cd.limit.nonassociated_space import least_factor_in_space
-from masonry_cd.limit.problem import Bars, LimitProblem, Loads, plane_of, problem_at
-from masonry_cd.limit.solution import Optimum, Unbounded
+from masonry_cd.analysis.limit.analysis import Collapse, Options, collapse_of, largest_factor
+from masonry_cd.analysis.limit.conic import least_unborne_in_space
+from masonry_cd.analysis.limit.following import LOCKED, Motion, motion
+from masonry_cd.analysis.limit.interfaces import interfaces
+from masonry_cd.analysis.limit.linear import least_unborne
+from masonry_cd.analysis.limit.mechanism import STATES, STILL, Mechanism, mechanism
+from masonry_cd.analysis.limit.moved import moved_joints, touching_gap
+from masonry_cd.analysis.limit.nonassociated import least_factor
+from masonry_cd.analysis.limit.nonassociated_space import least_factor_in_space
+from masonry_cd.analysis.limit.problem import Bars, LimitProblem, Loads, plane_of, problem_at
+from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.limit.problem import LimitProblem
+from masonry_cd.analysis.limit.problem import LimitProblem
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import block_diag, csr_matrix, hstack, identity
 
-from masonry_cd.limit.problem import LimitProblem
-from masonry_cd.limit.solution import Optimum, Unbounded
+from masonry_cd.analysis.limit.problem import LimitProblem
+from masonry_cd.analysis.limit.solution import Optimum, Unbounded
 
 MANY = 20_000  # unknowns from which HiGHS' interior point method is faster than its simplex
 

@@ -1,0 +1,1 @@
+"""What is asked of a model or of the results of a run: damage, limit load, modes, stress, checks by a code, fragilities."""
