@@ -26,7 +26,7 @@ from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
-    from loads.code_check.steps import CodeCheck
+    from masonry_cd.analysis.code_check.steps import CodeCheck
     from masonry_cd.analysis.limit.static_loads import StaticLoads
     from reports.limit.ties import LimitTie
 

@@ -20,8 +20,8 @@ from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
-    from loads.code_check.steps import CodeCheck, Looked
-    from loads.code_check.table import CheckTable
+    from masonry_cd.analysis.code_check.steps import CodeCheck, Looked
+    from masonry_cd.analysis.code_check.table import CheckTable
     from masonry_cd.analysis.limit.static_loads import StaticLoads
 
 LEVEL = 1e-9
@@ -59,8 +59,8 @@ def check_mechanism(
     Raises:
         InputError: a record that cannot be read.
     """
-    from loads.code_check.check import code_check
-    from loads.code_check.steps import Basis
+    from masonry_cd.analysis.code_check.check import code_check
+    from masonry_cd.analysis.code_check.steps import Basis
 
     push = math.hypot(*gravity) * np.asarray(loads.direction)
     found = candidates(analysis, *structure, how.analysis)
@@ -88,7 +88,7 @@ def _untied(found: Sequence[Candidate], loads: StaticLoads) -> bool:
 
 def _looked(found: Candidate, made: Oscillator, confidence: float) -> Looked:
     """A mechanism and its oscillator as a check tells of them."""
-    from loads.code_check.steps import Looked
+    from masonry_cd.analysis.code_check.steps import Looked
 
     moving = int(found.mechanism.moving.sum())
     return Looked(found.source, moving, found.factor, made.fraction, made.acceleration() / confidence, made.doubt)

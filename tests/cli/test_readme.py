@@ -10,7 +10,6 @@ from doc_pages import fences
 from places import ROOT
 from pydantic import BaseModel
 
-from loads.code_check.table import CheckTable
 from loads.kinds.artificial import ArtificialTable
 from loads.kinds.forces import PointTable, TieTable
 from loads.kinds.gravity import GravityTable
@@ -19,6 +18,7 @@ from loads.kinds.sequence import SequenceTable
 from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.sinusoidal import SinusoidalTable
 from loads.kinds.tilt import PushTable, TiltTable
+from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.limit.static_loads import CurveTable
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene

@@ -1,4 +1,4 @@
-"""loads.code_check: every value of a check against formulas written out here, for a wall of 0.5 x 4 m and other oscillators."""
+"""masonry_cd.analysis.code_check: every value of a check against formulas written out here, for a wall of 0.5 x 4 m and other oscillators."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from loads.code_check.check import code_check
-from loads.code_check.steps import Basis, Verdict
-from loads.code_check.table import CheckTable
 from loads.signal.code_spectrum import ec8, ntc
 from loads.signal.response import response_spectrum
+from masonry_cd.analysis.code_check.check import code_check
+from masonry_cd.analysis.code_check.steps import Basis, Verdict
+from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.limit.oscillator import Oscillator
 from masonry_cd.foundation.errors import InputError, parse_table
 

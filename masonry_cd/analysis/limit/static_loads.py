@@ -22,11 +22,11 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 import loads
-from loads.code_check.table import CheckTable
 from loads.kinds.forces import PointLoad, PointTable, Tie, TieTable, bar
 from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.tilt import PushTable, TiltTable
 from loads.motion import Direction, DirectionKey, LoadTable, RunGrid, parse_direction
+from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.limit.problem import Arms, Bars, Loads
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import Count, Table

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from loads.code_check.floors import Floor
-from loads.code_check.ground import Ground
-from loads.code_check.steps import Clauses, CodeCheck, Step, Verdict, capacity, no_end
-from loads.code_check.table import CheckTable
+from masonry_cd.analysis.code_check.floors import Floor
+from masonry_cd.analysis.code_check.ground import Ground
+from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, Verdict, capacity, no_end
+from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "NTC 2018 with Circolare 7/2019"

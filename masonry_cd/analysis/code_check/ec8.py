@@ -5,10 +5,10 @@ EN 1998-3:2005 has no method for mechanisms of rigid bodies; how a mechanism bec
 
 from __future__ import annotations
 
-from loads.code_check.floors import part_acceleration
-from loads.code_check.ground import Ground
-from loads.code_check.steps import Clauses, CodeCheck, Step, Verdict, capacity
-from loads.code_check.table import CheckTable
+from masonry_cd.analysis.code_check.floors import part_acceleration
+from masonry_cd.analysis.code_check.ground import Ground
+from masonry_cd.analysis.code_check.steps import Clauses, CodeCheck, Step, Verdict, capacity
+from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 EDITION = "EN 1998-1:2004, 4.3.5.2, with EN 1998-3:2005"

@@ -8,10 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
-from loads.code_check.table import CheckTable
 from loads.signal.accelerogram import process, size_factor
 from loads.signal.code_spectrum import CodeSpectrum
 from loads.signal.response import response_spectrum
+from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from loads.code_check import ec8, ntc2008, ntc2018
-from loads.code_check.ground import ground_of
-from loads.code_check.steps import Basis, CodeCheck
-from loads.code_check.table import CheckTable
+from masonry_cd.analysis.code_check import ec8, ntc2008, ntc2018
+from masonry_cd.analysis.code_check.ground import ground_of
+from masonry_cd.analysis.code_check.steps import Basis, CodeCheck
+from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.limit.oscillator import Oscillator
 
 CODES = {"NTC2018": ntc2018.check, "NTC2008": ntc2008.check, "EC8": ec8.check}

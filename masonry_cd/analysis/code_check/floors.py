@@ -17,9 +17,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from loads.code_check.ground import Ground
-from loads.code_check.table import CheckTable
 from loads.signal.code_spectrum import damping_factor
+from masonry_cd.analysis.code_check.ground import Ground
+from masonry_cd.analysis.code_check.table import CheckTable
 
 RISE, FALL = 0.8, 1.1  # a and b: over T1, where the largest amplification begins and ends
 BEFORE, AFTER = 1.6, 1.2  # powers of its flanks
