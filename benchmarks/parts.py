@@ -23,6 +23,7 @@ from typing import Any
 from benchmarks.ours import stepper, warm_up
 from benchmarks.scenes import BenchScene, scene
 from benchmarks.sitting import head, numbers_of
+from masonry_cd.analysis.damage.step_peaks import StepPeaks
 from masonry_cd.app import recorder, run_loop
 from masonry_cd.io import checkpoint
 from masonry_cd.io.result_writer import ResultWriter
@@ -34,7 +35,6 @@ from masonry_cd.mechanics.friction import problem
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.model.joints import JointPeaks
 from masonry_cd.mechanics.solvers import accelerated, admm, interior, newton, nlgs
-from reports.damage.step_peaks import StepPeaks
 
 PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: owner and attribute
     "broad phase": ((detector.Detector, "_rebuild"),),

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.grades import read_grades
+from masonry_cd.analysis.damage.part_damage import PartDamage, Settings, part_damage
+from masonry_cd.analysis.deformed import Solids
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
-from reports.damage.grades import read_grades
 from reports.damage.joint_files import thresholds_of
-from reports.damage.part_damage import PartDamage, Settings, part_damage
 from reports.damage.part_files import BY_SHOCK, NAMES_OF_FILES, in_short, write_part_damage
-from reports.deformed import Solids
 from reports.extra import EXTRA
 from reports.maps.crack_map import sheet_of
 from reports.maps.framing import MapStyle, framing, view_and_cut

@@ -29,6 +29,9 @@ from typing import Any, Literal
 import h5py
 import numpy as np
 
+from masonry_cd.analysis.damage.definitions import Thresholds, classify
+from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
+from masonry_cd.analysis.deformed import Pose, base_shift, joint_corners, moved_nodes, solids_of
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
@@ -37,9 +40,6 @@ from masonry_cd.io.layout import EDGE_STRESS, JOINT_HISTORIES
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import rotation_matrices
-from reports.damage.definitions import Thresholds, classify
-from reports.damage.macro_elements import DamageSnapshot
-from reports.deformed import Pose, base_shift, joint_corners, moved_nodes, solids_of
 from reports.stress.peaks import principal, strengths
 
 Format = Literal["vtkhdf", "pvd"]

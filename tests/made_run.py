@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from masonry_cd.analysis.damage.step_peaks import StepPeaks
 from masonry_cd.io.layout import JOINT_PEAKS
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import JointPeaks, measure_joints
 from masonry_cd.mechanics.model.state import State
-from reports.damage.step_peaks import StepPeaks
 
 BOX_FACES = ((3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 

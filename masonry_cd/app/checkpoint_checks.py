@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.step_peaks import UNKNOWN, shapes
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.errors import InputError
@@ -15,7 +16,6 @@ from masonry_cd.mechanics.dynamics.adaptive import AdaptiveSteps
 from masonry_cd.mechanics.dynamics.element_stress import elements_of
 from masonry_cd.mechanics.dynamics.mean_stress import check_sums
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
-from reports.damage.step_peaks import UNKNOWN, shapes
 
 NUMBERS = {"frames": int, "quiet": int, "mark": str, "rows": dict, "report": dict, "format": int}
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.step_peaks import StepPeaks
 from masonry_cd.io.layout import (
     BONDED,
     CLOSING,
@@ -27,7 +28,6 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.mechanics.dynamics.pauses import ALIKE, Aftermath
 from masonry_cd.mechanics.model.edge_stress import edge_stresses
 from masonry_cd.mechanics.model.joints import JointMeasures, JointPeaks, Joints, measure_joints
-from reports.damage.step_peaks import StepPeaks
 
 ROWS_AT_ONCE = 256  # steps whose numbers are handed to the writer together
 STEP_FIELDS = (

@@ -167,7 +167,7 @@ def _write_asked(case: Case, folder: Path, summary: dict[str, Any], since: float
 
 def _closing(case: Case, writer: ResultWriter, summary: dict[str, Any], since: float) -> dict[str, Any]:
     """Complete the summary but for the damage, and write it into the results, from which ``report`` can write it if a kill comes."""
-    from reports.damage.joint_damage import displacement_max
+    from masonry_cd.analysis.damage.joint_damage import displacement_max
 
     settings = case.scene.run
     with Results.open(writer.path, sums=False) as results:

@@ -10,11 +10,11 @@ import ast
 import importlib.util
 from pathlib import Path
 
+from masonry_cd.analysis.damage.grades import Grades
 from masonry_cd.app.scene import SceneTables
 from masonry_cd.foundation.table_schema import DRAFT, Schema, as_text, table_schema
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
-from reports.damage.grades import Grades
 from reports.settings import Report
 
 TITLE = "Scene of masonry_cd"

@@ -227,7 +227,7 @@ def run_warnings(summary: dict[str, Any]) -> list[str]:
 
 def _false_motion(summary: dict[str, Any]) -> list[str]:
     """That violations of the contact laws are no longer small beside the motion, where they are not."""
-    from reports.damage.verdict import FALSE_SHARE
+    from masonry_cd.analysis.damage.verdict import FALSE_SHARE
 
     solver, moved = summary["solver"], summary.get("displacement_max", 0.0)
     slip, opening = solver["false_slip_max"], solver["false_opening_max"]

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Pose, base_shift, moved_nodes, solids_of
 from masonry_cd.interface.tables import columns_of, frame_of
 from masonry_cd.io.results import Results
-from reports.deformed import Pose, base_shift, moved_nodes, solids_of
 from reports.stress.elements import centres, element_columns, element_peaks, require_meshes
 from reports.stress.peaks import principal
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from PIL.Image import Image
 
-    from reports.damage.part_damage import PartDamage
+    from masonry_cd.analysis.damage.part_damage import PartDamage
 
 HEIGHT = 900  # of a page in a notebook [pixels]
 

@@ -12,6 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.end_state import end_state
+from masonry_cd.analysis.damage.joint_damage import joint_damage
+from masonry_cd.analysis.damage.part_damage import PartDamage
+from masonry_cd.analysis.deformed import solids_of
 from masonry_cd.app.summary import closing_lines, damage_line
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.mesh_tables import STRESSES, element_peak_table, element_table, node_table
@@ -22,11 +26,7 @@ from masonry_cd.interface.tables import columns_of, frame_of, frame_of_rows
 from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
-from reports.damage.end_state import end_state
-from reports.damage.joint_damage import joint_damage
 from reports.damage.joint_files import damage_numbers, thresholds_of
-from reports.damage.part_damage import PartDamage
-from reports.deformed import solids_of
 from reports.outputs import damage_of, frame_at
 from reports.page.motion import read_motion, rotation_vectors
 from reports.settings import Report, report_of

@@ -27,13 +27,13 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import base_shift, solids_of
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.app.solve_file import load_kernels
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options, pivoting
-from reports.deformed import base_shift, solids_of
 
 PROBLEM_TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 SCENE_TOLERANCES = (1e-2, 1e-4, 1e-6)

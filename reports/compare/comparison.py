@@ -3,7 +3,7 @@
 The columns of the table are the runs, its rows:
 
 - the keys of the scenes that are not equal in all runs (``loads[0].amplitude``, ``material.friction``, ``run.seed`` ...),
-- the damage of the structure, and the grade of each part that is damaged in any run (:mod:`reports.damage.part_damage`),
+- the damage of the structure, and the grade of each part that is damaged in any run (:mod:`masonry_cd.analysis.damage.part_damage`),
 - the response: largest displacement and drift, and at the highest free block,
 - how exact and how much it cost.
 
@@ -20,14 +20,14 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.joint_damage import displacement_max
+from masonry_cd.analysis.damage.macro_elements import WHOLE
+from masonry_cd.analysis.damage.part_damage import PartDamage
+from masonry_cd.analysis.damage.verdict import NOT_GRADED
+from masonry_cd.analysis.deformed import base_shift, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
-from reports.damage.joint_damage import displacement_max
-from reports.damage.macro_elements import WHOLE
-from reports.damage.part_damage import PartDamage
-from reports.damage.verdict import NOT_GRADED
-from reports.deformed import base_shift, solids_of
 from reports.outputs import damage_of
 from reports.settings import Report, report_of
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.grades import NAMES
+from masonry_cd.analysis.damage.verdict import NOT_GRADED
 from reports.compare.comparison import Comparison, Run
-from reports.damage.grades import NAMES
-from reports.damage.verdict import NOT_GRADED
 from reports.drawing.figure import COLOURS, FAINT, INK, save
 
 STROKES = ("-", "--", ":", "-.")

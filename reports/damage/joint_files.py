@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.damage import joint_damage
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.end_state import EndState, end_state
+from masonry_cd.analysis.damage.joint_damage import JointDamage
+from masonry_cd.analysis.damage.verdict import verdict_on
 from masonry_cd.io.results import Results
-from reports.damage import joint_damage
-from reports.damage.definitions import Thresholds
-from reports.damage.end_state import EndState, end_state
-from reports.damage.joint_damage import JointDamage
-from reports.damage.verdict import verdict_on
 from reports.settings import Report
 from reports.ties import write_ties
 

@@ -19,11 +19,11 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.grades import NAMES
+from masonry_cd.analysis.damage.part_damage import PartDamage, Row
+from masonry_cd.analysis.damage.verdict import NOT_GRADED
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
-from reports.damage.grades import NAMES
-from reports.damage.part_damage import PartDamage, Row
-from reports.damage.verdict import NOT_GRADED
 
 NAMES_OF_FILES = ("damage.csv", "damage_history.csv", "hinges.csv", "drift.csv", "damage.json")
 BY_SHOCK = "damage_shocks.csv"

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Solids, base_shift, solids_of
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.io.results import Results
-from reports.deformed import Solids, base_shift, solids_of
 from reports.drawing.figure import COLOURS, INK, plain_axes
 
 AXES = "xyz"

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Solids
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
 from masonry_cd.mechanics.model.polygon import next_in_loop
-from reports.deformed import Solids
 from reports.drawing.figure import INK, Sheet, layout
 from reports.drawing.render import Layer, Lines, Surface, View, Window, render, view_named
 from reports.drawing.structure_picture import EDGE, around, auto_view, box_swatch, no_swatch, rgb

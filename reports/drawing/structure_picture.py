@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Solids
 from masonry_cd.mechanics.model.blocks import Block
-from reports.deformed import Solids
 from reports.drawing.figure import TRIAD, Box, Paint, Sheet, in_metres, layout
 from reports.drawing.render import Lines, Surface, View, Window, render, view_named
 from reports.drawing.tie_lines import PULLING, ties_as_built

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.foundation.quantities import force
 from masonry_cd.io.results import Results
-from reports.deformed import Pose, Solids
 from reports.drawing.render import Lines, View, Window
 from reports.ties import histories
 

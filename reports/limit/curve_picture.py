@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.limit.capacity import CapacityCurve
 from masonry_cd.analysis.limit.mechanism import STATES
 from masonry_cd.analysis.limit.stage import Stage
-from reports.deformed import Solids
 from reports.drawing.figure import COLOURS, FAINT, INK, plain_axes, save
 from reports.drawing.render import Layer, Lines, View, Window, render
 from reports.drawing.structure_picture import SUPPORT, around, block_layers, rgb, structure_window, within_sight

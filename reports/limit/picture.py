@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Solids
 from masonry_cd.analysis.limit.analysis import Collapse
 from masonry_cd.analysis.limit.mechanism import STATES, STILL, Mechanism
 from masonry_cd.foundation.quantities import counted, force
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.joints import Joints
-from reports.deformed import Solids
 from reports.drawing.figure import INK, Box, Paint, Sheet, layout
 from reports.drawing.render import Layer, Lines, Surface, View, Window, render, view_named
 from reports.drawing.structure_picture import (

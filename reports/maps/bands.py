@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Pose, Solids, joint_corners
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import next_in_loop
-from reports.deformed import Pose, Solids, joint_corners
 from reports.drawing.render import Surface
 
 PROUD = 0.5  # how far a band stands out, in line widths

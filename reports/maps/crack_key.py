@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.foundation.quantities import force
-from reports.damage.macro_elements import DamageSnapshot
 from reports.drawing.figure import FAINT, INK, TRIAD, Box, Paint, Sheet, classes
 from reports.drawing.render import View
 from reports.drawing.structure_picture import box_swatch, no_swatch, rgb, tie_swatch
@@ -28,7 +28,7 @@ class Marks:
     opening: np.ndarray  # (J,) [m]
     sliding: np.ndarray  # (J,) [m]
     separated: np.ndarray  # (J,)
-    opened: np.ndarray  # (J,) open, see reports.damage.definitions; not separated, neither of its blocks has fallen
+    opened: np.ndarray  # (J,) open, see masonry_cd.analysis.damage.definitions; not separated, neither of its blocks has fallen
     slid: np.ndarray  # (J,) likewise
 
     @property

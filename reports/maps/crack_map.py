@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.end_state import end_state
+from masonry_cd.analysis.damage.joint_damage import displacement_max, in_words, joint_damage
+from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
+from masonry_cd.analysis.deformed import frame_index, solids_of
 from masonry_cd.io.results import Results
-from reports.damage.definitions import Thresholds
-from reports.damage.end_state import end_state
-from reports.damage.joint_damage import displacement_max, in_words, joint_damage
-from reports.damage.macro_elements import DamageSnapshot
-from reports.deformed import frame_index, solids_of
 from reports.drawing.figure import Sheet, in_metres
 from reports.drawing.render import SAMPLES, Canvas, Surface
 from reports.drawing.structure_picture import within_sight

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Solids
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import clip_loops, next_in_loop
-from reports.deformed import Solids
 from reports.drawing.render import Lines, Surface, View
 from reports.drawing.tie_lines import DrawnTies
 from reports.maps.bands import Bands

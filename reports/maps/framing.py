@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.joint_damage import fallen
+from masonry_cd.analysis.deformed import Pose, Solids, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from reports.damage.definitions import Thresholds
-from reports.damage.joint_damage import fallen
-from reports.deformed import Pose, Solids, solids_of
 from reports.drawing.figure import Layout, layout, nice
 from reports.drawing.render import View, Window, view_named
 from reports.drawing.structure_picture import auto_view, structure_window

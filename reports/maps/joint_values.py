@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
+from masonry_cd.analysis.deformed import solids_of
 from masonry_cd.io.results import Results
-from reports.damage.macro_elements import DamageSnapshot
-from reports.deformed import solids_of
 from reports.drawing.figure import Sheet, layout
 from reports.drawing.render import Canvas
 from reports.drawing.structure_picture import no_swatch, structure_window, within_sight

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
+from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.mechanics.model.joints import Joints
-from reports.damage.macro_elements import DamageSnapshot
-from reports.deformed import Pose, Solids
 from reports.drawing.render import Layer, Lines, Surface
 from reports.drawing.structure_picture import EDGE, SUPPORT, face_layers, rgb, stone_colours
 from reports.maps.bands import Bands, band_corners, dashed, face_plates, joint_bands

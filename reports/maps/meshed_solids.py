@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Pose, Solids, moved_nodes
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.block_mesh import SIMPLEX
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from reports.deformed import Pose, Solids, moved_nodes
 
 WHOLE = -1  # element of a face of a block that has no mesh
 

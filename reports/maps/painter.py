@@ -11,7 +11,7 @@ import heapq
 
 import numpy as np
 
-from reports.deformed import Solids
+from masonry_cd.analysis.deformed import Solids
 from reports.drawing.render import View
 
 EDGE_ON = 1e-3  # a plane whose normal is nearer to perpendicular to the view than this puts neither block before the other

@@ -17,10 +17,10 @@ from pathlib import Path
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import frame_index
 from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.layout import EDGE_STRESS
 from masonry_cd.io.results import Results
-from reports.deformed import frame_index
 from reports.drawing.figure import Paint, Sheet, in_metres
 from reports.drawing.render import SAMPLES, Canvas
 from reports.drawing.structure_picture import SUPPORT, box_swatch, no_swatch, rgb, tie_swatch, within_sight

@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
+from masonry_cd.analysis.deformed import Pose, Solids, base_shift, joint_frame
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from reports.damage.macro_elements import DamageSnapshot
-from reports.deformed import Pose, Solids, base_shift, joint_frame
 from reports.drawing.render import Surface, View
 
 COLOUR = (90, 20, 110)

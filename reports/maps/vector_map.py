@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import frame_index
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.geometry import area_vectors
 from masonry_cd.mechanics.model.polygon import next_in_loop
-from reports.deformed import frame_index
 from reports.drawing.figure import Sheet
 from reports.drawing.render import AMBIENT, LIGHTS, Surface, View
 from reports.drawing.structure_picture import EDGE, rgb

@@ -13,15 +13,15 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage import joint_damage
+from masonry_cd.analysis.damage.definitions import STATES, Thresholds
+from masonry_cd.analysis.damage.end_state import end_state
+from masonry_cd.analysis.damage.joint_damage import JointDamage
+from masonry_cd.analysis.damage.part_damage import PartDamage
+from masonry_cd.analysis.damage.verdict import verdict_of
+from masonry_cd.analysis.deformed import Solids, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from reports.damage import joint_damage
-from reports.damage.definitions import STATES, Thresholds
-from reports.damage.end_state import end_state
-from reports.damage.joint_damage import JointDamage
-from reports.damage.part_damage import PartDamage
-from reports.damage.verdict import verdict_of
-from reports.deformed import Solids, solids_of
 from reports.drawing.figure import nice
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of, within_sight
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from masonry_cd.analysis.damage.verdict import NOT_GRADED, Verdict
 from masonry_cd.foundation.quantities import force
-from reports.damage.verdict import NOT_GRADED, Verdict
 from reports.drawing.figure import in_metres
 from reports.page.words import PageContext, escaped, number, sensible
 

@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from masonry_cd.analysis.damage.grades import DESCRIPTIONS, LABELS, NAMES, REFERENCE, Grades, percent
 from masonry_cd.foundation.quantities import counted
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.materials import JointLaw, Material
-from reports.damage.grades import DESCRIPTIONS, LABELS, NAMES, REFERENCE, Grades, percent
 from reports.drawing.figure import in_metres
 from reports.page.findings import section, table
 from reports.page.loads import point_loads

@@ -16,9 +16,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from masonry_cd.analysis.damage.definitions import Thresholds, fallen_in, parted
+from masonry_cd.analysis.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap
 from masonry_cd.io.results import Results
-from reports.damage.definitions import Thresholds, fallen_in, parted
-from reports.deformed import Pose, Solids, base_shift, joint_frame, smallest_gap
 
 LARGEST = 8191  # whole number of a block's largest component
 BELOW = 64.0  # lowest value sent, as a share of the threshold

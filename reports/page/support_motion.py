@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Solids
 from masonry_cd.io.results import SAME, SUPPORT_FRAMES, Results
-from reports.deformed import Solids
 
 CHUNK_BYTES = 1 << 24  # frames are read in chunks of this size
 NAMED = 4  # supports of a motion that are named

@@ -1,6 +1,6 @@
 """How far the numbers can be trusted: what the run checked of itself, in words for an engineer, and what to do where a check is not met.
 
-Every check has a number, a verdict and a sentence on what it means; the verdicts are those of :mod:`reports.damage.verdict`.
+Every check has a number, a verdict and a sentence on what it means; the verdicts are those of :mod:`masonry_cd.analysis.damage.verdict`.
 """
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from masonry_cd.analysis.damage.verdict import DOUBTFUL, ENERGY, FALSE_MOTION, FORCES, GOOD, LIFT, LOOK, OVERLAP, TIME_STEP
+from masonry_cd.analysis.damage.verdict import END as END_OF_RUN
 from masonry_cd.foundation.quantities import length
-from reports.damage.verdict import DOUBTFUL, ENERGY, FALSE_MOTION, FORCES, GOOD, LIFT, LOOK, OVERLAP, TIME_STEP
-from reports.damage.verdict import END as END_OF_RUN
 from reports.drawing.figure import in_metres
 from reports.page.findings import section, table
 from reports.page.words import PageContext, escaped, number

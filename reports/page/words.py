@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.joint_damage import JointDamage
+from masonry_cd.analysis.damage.part_damage import PartDamage
+from masonry_cd.analysis.damage.verdict import GOOD, NOT_GRADED, UNKNOWN, Verdict
+from masonry_cd.analysis.deformed import Solids
 from masonry_cd.io.results import Results
-from reports.damage.definitions import Thresholds
-from reports.damage.joint_damage import JointDamage
-from reports.damage.part_damage import PartDamage
-from reports.damage.verdict import GOOD, NOT_GRADED, UNKNOWN, Verdict
-from reports.deformed import Solids
 from reports.drawing.figure import in_metres
 from reports.page.support_motion import SupportMotion, support_motions
 

@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
+from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.friction.stored_arrays import npz_arrays
-from reports.damage.definitions import Thresholds
 from reports.damage.joint_files import thresholds_of
 from reports.maps.crack_key import OPENING_COLOURS, ColourClasses, Scale
 from reports.maps.framing import MapStyle

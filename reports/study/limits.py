@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.grades import NAMES
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import is_number
-from reports.damage.grades import NAMES
 
 WHOLE_NUMBERS = ("collapsed_blocks", "steps_missed", "steps")  # counts: they have no logarithm worth a regression
 

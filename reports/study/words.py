@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.damage.verdict import NOT_GRADED
+from masonry_cd.analysis.damage.verdict import NOT_GRADED
 from reports.study.bootstrap import LEVEL
 from reports.study.fits import Fit
 from reports.study.folder import Study

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from reports.deformed import Pose, solids_of
 
 SOFT = 'friction = 0.5\ndeformable.block = "uniform"\nyoung = 1e7\npoisson = 0.0\ndamping = 0.2\ndamping_frequency = 50.0'
 MESHED = SOFT.replace('"uniform"', '"tetrahedra"') + "\nmesh_size = 1.0"

@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 import loads
 import structures
 from loads import KINDS as LOADS
+from masonry_cd.analysis.damage.grades import read_grades
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.scene_schema import FILE, scene_schema, schema_text
 from masonry_cd.app.scene_text import dump_toml
@@ -24,7 +25,6 @@ from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly
-from reports.damage.grades import read_grades
 from reports.settings import Report
 from structures import KINDS as STRUCTURES
 from structures.tables import table_of

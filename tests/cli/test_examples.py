@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 from places import EXAMPLES
 
+from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
 from masonry_cd.studies.study.study_case import plan_of
 from masonry_cd.studies.study.task import Task, run_task
-from reports.deformed import Pose, solids_of
 
 GRAVITY = 9.81
 

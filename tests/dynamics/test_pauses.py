@@ -10,6 +10,9 @@ from datasets import contents
 from models import GRAVITY, box, gravity, ground, still
 
 from loads.kinds.sequence import Pause, Shock
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.joint_damage import joint_damage, shock_rows
+from masonry_cd.analysis.damage.part_damage import Settings, part_damage
 from masonry_cd.app import run_loop
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_checks import restless
@@ -22,9 +25,6 @@ from masonry_cd.mechanics.dynamics.pauses import Pauses, fallen, standing_of
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.state import State
-from reports.damage.definitions import Thresholds
-from reports.damage.joint_damage import joint_damage, shock_rows
-from reports.damage.part_damage import Settings, part_damage
 
 DT, MU, STEPS = 2e-3, 0.3, 500
 SHOCKS = (Shock("first", 0, 50), Shock("second", 250, 300))

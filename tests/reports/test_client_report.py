@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, write_run
 
+from masonry_cd.analysis.damage.part_damage import PartDamage, part_damage
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
-from reports.damage.part_damage import PartDamage, part_damage
 from reports.damage.part_files import write_part_damage
 from reports.page import write_page
 from reports.page.limits import largest_pressure, moving_axes

@@ -13,11 +13,11 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 from pictures import BASE, COLUMN, model_area, opening_scale, pixels, shares
 
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
-from reports.damage.definitions import Thresholds
-from reports.deformed import Pose, Solids
 from reports.drawing import render
 from reports.drawing.figure import in_metres, nice
 from reports.drawing.structure_picture import auto_view, families_of, rgb, structure_picture, within_sight
@@ -211,7 +211,7 @@ def test_without_opengl_the_packages_are_named() -> None:
 
 
 def test_reports_load_neither_vtk_nor_matplotlib() -> None:
-    code = "import sys; import reports.damage.joint_damage, reports.maps.crack_map, reports.drawing.structure_picture\n"
+    code = "import sys; import masonry_cd.analysis.damage.joint_damage, reports.maps.crack_map, reports.drawing.structure_picture\n"
     code += "print([m for m in sys.modules if m in HEAVY])"
     code = code.replace("HEAVY", repr({"vtk", "vtkmodules", "pyvista", "matplotlib", "pandas"}))
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"

@@ -10,11 +10,11 @@ import pytest
 from made_run import at_rest, box, turned, write_run
 from pictures import model_area, opening_scale, pixels, shares
 
+from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.polygon import loop_area
-from reports.deformed import Pose, Solids
 from reports.drawing.render import Lines, Surface, view_named
 from reports.drawing.tie_lines import DrawnTies
 from reports.maps.bands import band_corners

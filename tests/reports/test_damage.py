@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 
+from masonry_cd.analysis.damage import joint_damage
+from masonry_cd.analysis.damage.definitions import STATES, Thresholds, classify
+from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
-from reports.damage import joint_damage
-from reports.damage.definitions import STATES, Thresholds, classify
-from reports.deformed import Pose, Solids
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, box("lower", (-0.5, -0.5, 0), (0.5, 0.5, 1)), box("upper", (-0.5, -0.5, 1), (0.5, 0.5, 2))]

@@ -15,13 +15,13 @@ import pytest
 from block_files import cuboid
 
 import masonry_cd as mc
+from masonry_cd.analysis.deformed import Pose, Solids, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.block_mesh import block_mesh
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import Polyhedron
-from reports.deformed import Pose, Solids, solids_of
 from reports.maps.framing import MapStyle
 from reports.maps.meshed_solids import Facetted
 from reports.maps.stress_map import Pressed, stress_sheet, vector_stress_maps

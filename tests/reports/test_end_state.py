@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from made_run import at_rest, box, shifted, write_run
 
+from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import State
 from reports.damage import joint_files, part_files
-from reports.damage.end_state import end_state
 from reports.outputs import damage_of
 from reports.page.build import write_page
 from reports.settings import Report

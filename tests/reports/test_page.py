@@ -12,14 +12,14 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 from typer.testing import CliRunner
 
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
+from masonry_cd.analysis.deformed import Pose, solids_of
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.state import rotation_matrices
-from reports.damage.definitions import Thresholds
-from reports.damage.macro_elements import DamageSnapshot
-from reports.deformed import Pose, solids_of
 from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Marks, Scale
 from reports.page import motion, series, write_page
 from reports.page.pack import packed, packed_length

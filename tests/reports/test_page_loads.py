@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from made_run import at_rest, box, shifted, write_run
 
+from masonry_cd.analysis.deformed import solids_of
 from masonry_cd.io.results import Results
-from reports.deformed import solids_of
 from reports.page import write_page
 from reports.page.support_motion import support_motions
 

@@ -12,13 +12,14 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 from places import ROOT
 
+from masonry_cd.analysis.damage import grades, part_damage
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.mechanism import Rules
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.state import State
-from reports.damage import grades, part_damage, part_files
-from reports.damage.definitions import Thresholds
-from reports.damage.mechanism import Rules
+from reports.damage import part_files
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [

@@ -11,13 +11,14 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 from places import ROOT
 
+from masonry_cd.analysis.damage import part_damage
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.joint_damage import displacement_max, displacements
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
 from masonry_cd.io.results import Results
-from reports.damage import part_damage, part_files
-from reports.damage.definitions import Thresholds
-from reports.damage.joint_damage import displacement_max, displacements
+from reports.damage import part_files
 from reports.drawing.figure import in_metres
 from reports.maps.framing import MapStyle
 from reports.maps.vector_map import vector_maps

@@ -10,6 +10,9 @@ from made_run import at_rest, box, shifted, turned, write_run
 from models import stepper
 from solids import build
 
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
+from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.app.run_loop import run
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.result_writer import ResultWriter
@@ -17,9 +20,6 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.state import State
-from reports.damage.definitions import Thresholds
-from reports.damage.macro_elements import DamageSnapshot
-from reports.deformed import Pose, Solids
 from reports.drawing.render import Surface, view_named
 from reports.maps.crack_map import sheet_of
 from reports.maps.framing import MapStyle, framing

@@ -9,9 +9,9 @@ import pytest
 from made_run import at_rest, box, shifted, turned, write_run
 from typer.testing import CliRunner
 
+from masonry_cd.analysis.deformed import Solids
 from masonry_cd.cli.app import app
 from masonry_cd.io.results import Results
-from reports.deformed import Solids
 from reports.drawing.render import view_named
 from reports.drawing.structure_picture import MOTTLE
 from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Scale

@@ -10,6 +10,7 @@ import pytest
 from models import stepper
 
 import structures
+from masonry_cd.analysis.damage.part_damage import part_damage
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
@@ -18,7 +19,6 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import mass_properties
-from reports.damage.part_damage import part_damage
 from structures import site
 from structures.files import blockfile
 

@@ -1,8 +1,8 @@
 r"""The damage of one step that peaks are kept of: which blocks have fallen, which joints are hinges, how far each part drifts.
 
-What the words mean, say :mod:`reports.damage.definitions` and :mod:`reports.damage.macro_elements`; :mod:`reports.damage.step_peaks` fills
-the tables here. A part is cut into levels by the height of its blocks at rest. With volumes V, displacements w relative to a support, and
-heights z at rest of the part's standing blocks at level k,
+What the words mean, say :mod:`masonry_cd.analysis.damage.definitions` and :mod:`masonry_cd.analysis.damage.macro_elements`;
+:mod:`masonry_cd.analysis.damage.step_peaks` fills the tables here. A part is cut into levels by the height of its blocks at rest. With
+volumes V, displacements w relative to a support, and heights z at rest of the part's standing blocks at level k,
 
     u_k = sum V w / sum V,  z_k = sum V z / sum V          in plan [m]; level 0 is the foot of a part that stands on supports
     drift of a level    | u_k - u_j | / (z_k - z_j),       j the next level below by ``least`` or more

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.grades import NAMES
+from masonry_cd.analysis.damage.joint_damage import displacements, fallen, joint_damage
+from masonry_cd.analysis.damage.verdict import NOT_GRADED
 from masonry_cd.app.scene import Scene
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import Joints
-from reports.damage.definitions import Thresholds
-from reports.damage.grades import NAMES
-from reports.damage.joint_damage import displacements, fallen, joint_damage
 from reports.damage.joint_files import thresholds_of
-from reports.damage.verdict import NOT_GRADED
 from reports.outputs import damage_of
 
 FARTHEST, EVENLY = 20, 20  # frames at which drifts are looked at: all of them would take a fifth of the time of a run of 30 blocks

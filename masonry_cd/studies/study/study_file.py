@@ -20,6 +20,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator, model_validator
 
 from loads.signal.directions import RULES
+from masonry_cd.analysis.damage.grades import NAMES as GRADES
 from masonry_cd.app.scene import Origin, Scene, read_scene, scene_of
 from masonry_cd.app.scene_text import dump_toml, parse_toml, read_text
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
@@ -28,7 +29,6 @@ from masonry_cd.foundation.files import is_file
 from masonry_cd.mechanics.solvers.options import LARGEST_SEED
 from masonry_cd.studies.study.record_tables import RecordsTable
 from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
-from reports.damage.grades import NAMES as GRADES
 
 FORMAT = 1
 QUANTITIES = (

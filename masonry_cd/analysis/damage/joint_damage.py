@@ -4,7 +4,7 @@ The measures are those of :mod:`masonry_cd.mechanics.model.joints`: opening (the
 relative rotation, contact area. ``max_*`` is the largest value over all time steps, ``residual_*`` that of the last frame. The time of the
 first opening is that of a step where the threshold is the run's own (0.1 mm), else that of a frame.
 
-What the words of its states mean, and where damage begins, say :mod:`reports.damage.definitions`.
+What the words of its states mean, and where damage begins, say :mod:`masonry_cd.analysis.damage.definitions`.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.definitions import STATES, Thresholds, classify, fallen_in, is_open, is_slid, parted
+from masonry_cd.analysis.deformed import Pose, base_shift, joint_frame, smallest_gap, solids_of
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.io.layout import BONDED
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import OPENED as OPENING_IN_RUN
-from reports.damage.definitions import STATES, Thresholds, classify, fallen_in, is_open, is_slid, parted
-from reports.deformed import Pose, base_shift, joint_frame, smallest_gap, solids_of
 
 BROKEN = 0.98  # a joint is broken when less than this share of what was bonded is left; a corner holds 4 % or more
 CHUNK_BYTES = 1 << 24  # frames are read in chunks of this size, so that a long run needs no memory
@@ -103,7 +103,7 @@ def separated_joints(results: Results, frame: int = -1, thresholds: Thresholds |
 
 
 def collapsed_blocks(results: Results, thresholds: Thresholds | None = None, frame: int = -1) -> tuple[str, ...]:
-    """Names of the blocks that have fallen, see :mod:`reports.damage.definitions`."""
+    """Names of the blocks that have fallen, see :mod:`masonry_cd.analysis.damage.definitions`."""
     return tuple(results.blocks[i].name for i in np.flatnonzero(fallen(results, thresholds, frame)))
 
 

@@ -2,7 +2,7 @@ r"""How a part gave way: words for its mechanism, from the geometry of a frame a
 
 By the first rule that holds; ``others`` lists those that hold as well:
 
-1. *falling blocks*: at least one block of the part has fallen (:mod:`reports.damage.joint_damage`).
+1. *falling blocks*: at least one block of the part has fallen (:mod:`masonry_cd.analysis.damage.joint_damage`).
 2. *out-of-plane overturning*: a piece of the part that is a wall (``thin`` or thinner in plan, and higher than it is thick) has turned
    about the direction of its length. A *piece* is a set of blocks joined inside the part: the two walls of a nave are two pieces.
    It has turned when the blocks of its upper half, of volumes V and rotation vectors w, turn enough about the axis a, and mostly in
@@ -32,10 +32,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.transform import Rotation
 
+from masonry_cd.analysis.damage.macro_elements import DamageSnapshot, MacroElements
+from masonry_cd.analysis.deformed import Solids
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.joints import Joints
-from reports.damage.macro_elements import DamageSnapshot, MacroElements
-from reports.deformed import Solids
 
 NONE, HINGING, SLIDING, PARTING = "none", "hinging", "sliding", "parting"
 FALLING, OUT_OF_PLANE, OVERTURNING = "falling blocks", "out-of-plane overturning", "overturning"

@@ -23,13 +23,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from masonry_cd.analysis.damage.definitions import Thresholds, fallen_in, is_open, is_slid, parted
+from masonry_cd.analysis.deformed import Pose, Solids, corner_gaps, frame_index, joint_frame, solids_of
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import mass_properties
 from masonry_cd.mechanics.model.joints import TOUCHING_SHARE, Joints
-from reports.damage.definitions import Thresholds, fallen_in, is_open, is_slid, parted
-from reports.deformed import Pose, Solids, corner_gaps, frame_index, joint_frame, solids_of
 
 WHOLE = "structure"  # name of the row of the structure as a whole
 LEVELS = 10

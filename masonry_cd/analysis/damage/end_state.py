@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.joint_damage import fallen
+from masonry_cd.analysis.deformed import Solids, frame_index, solids_of
 from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.dynamics.pauses import STILL
-from reports.damage.definitions import Thresholds
-from reports.damage.joint_damage import fallen
-from reports.deformed import Solids, frame_index, solids_of
 
 CUT_OFF = "the run was cut off"
 

@@ -1,7 +1,8 @@
 """The largest drifts, displacements and hinges of a run, from all of its steps: what frames alone would miss between them.
 
-A run takes in each of its steps, by the definitions of :mod:`reports.damage.definitions`, with their default thresholds of fall, and of
-:mod:`reports.damage.macro_elements`. A hinge is kept whatever its opening, so that reports may count those from another opening on.
+A run takes in each of its steps, by the definitions of :mod:`masonry_cd.analysis.damage.definitions`, with their default thresholds of
+fall, and of :mod:`masonry_cd.analysis.damage.macro_elements`. A hinge is kept whatever its opening, so that reports may count those from
+another opening on.
 """
 
 from __future__ import annotations
@@ -11,14 +12,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.macro_elements import HINGED, LEVELS, Levels, MacroElements, macro_elements_of, part_names
+from masonry_cd.analysis.deformed import Solids, solids_of
 from masonry_cd.io.layout import STEP_PEAKS
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.damage_peaks import FallTables, PartTables, Peaks, StepMeasures, take_step
 from masonry_cd.mechanics.model.joints import JointMeasures, Joints, touching_places
 from masonry_cd.mechanics.model.state import State
-from reports.damage.definitions import Thresholds
-from reports.damage.macro_elements import HINGED, LEVELS, Levels, MacroElements, macro_elements_of, part_names
-from reports.deformed import Solids, solids_of
 
 UNKNOWN = ("hinge_time", "hinge_place")  # NaN where there was no hinge
 

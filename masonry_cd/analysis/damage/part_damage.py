@@ -1,7 +1,8 @@
 """The damage of a run by part: at the end, and frame by frame.
 
-What a part is and which joints it owns says :mod:`reports.damage.macro_elements`, the mechanisms :mod:`reports.damage.mechanism`, the
-grades :mod:`reports.damage.grades`. Two kinds of numbers stand side by side and must not be mixed up:
+What a part is and which joints it owns says :mod:`masonry_cd.analysis.damage.macro_elements`, the mechanisms
+:mod:`masonry_cd.analysis.damage.mechanism`, the grades :mod:`masonry_cd.analysis.damage.grades`. Two kinds of numbers stand side by side
+and must not be mixed up:
 
 - ``opened``, ``slid``, ``separated`` count each joint once by the word of joints.csv, which is what it suffered at any time;
 - ``open``, ``slipped``, ``apart``, ``hinges`` and the crack widths say what is the case at the frame: at the end, what has remained. They
@@ -21,13 +22,11 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.io.results import Results
-from masonry_cd.mechanics.model.joints import Joints
-from reports.damage.definitions import Thresholds
-from reports.damage.end_state import end_state
-from reports.damage.grades import Grades, grade_of
-from reports.damage.joint_damage import JointDamage, joint_damage
-from reports.damage.macro_elements import (
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.end_state import end_state
+from masonry_cd.analysis.damage.grades import Grades, grade_of
+from masonry_cd.analysis.damage.joint_damage import JointDamage, joint_damage
+from masonry_cd.analysis.damage.macro_elements import (
     DamageSnapshot,
     Levels,
     MacroElements,
@@ -37,10 +36,12 @@ from reports.damage.macro_elements import (
     require_names,
     side_names,
 )
-from reports.damage.mechanism import Mechanism, Rules, mechanisms, pieces_of
-from reports.damage.step_peaks import falls_as_in_runs
-from reports.damage.verdict import verdict_on
-from reports.deformed import Solids, solids_of
+from masonry_cd.analysis.damage.mechanism import Mechanism, Rules, mechanisms, pieces_of
+from masonry_cd.analysis.damage.step_peaks import falls_as_in_runs
+from masonry_cd.analysis.damage.verdict import verdict_on
+from masonry_cd.analysis.deformed import Solids, solids_of
+from masonry_cd.io.results import Results
+from masonry_cd.mechanics.model.joints import Joints
 from reports.drawing.figure import classes
 
 Row = dict[str, Any]

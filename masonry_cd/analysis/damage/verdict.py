@@ -11,11 +11,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.damage.end_state import EndState
+from masonry_cd.analysis.damage.joint_damage import collapsed_blocks, displacement_max
 from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results
-from reports.damage.definitions import Thresholds
-from reports.damage.end_state import EndState
-from reports.damage.joint_damage import collapsed_blocks, displacement_max
 
 GOOD, LOOK, DOUBTFUL = "good", "look", "doubtful"
 UNKNOWN = "unknown"  # of a run that has left no numbers of its own

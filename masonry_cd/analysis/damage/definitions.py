@@ -25,10 +25,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.pauses import DROP, TILT, outside
 from masonry_cd.mechanics.model.joints import Joints
-from reports.deformed import Pose, Solids
 
 STATES = ("intact", "opened", "slid", "separated")
 INTACT, OPENED, SLID, SEPARATED = range(4)

@@ -1,0 +1,1 @@
+"""Damage of joints, of parts and of the whole: measures, grades, mechanisms."""
