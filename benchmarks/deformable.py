@@ -25,12 +25,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.sitting import HERE, head, sitting
+from masonry_cd.analysis.modal.elastic_joints import joint_stiffness
 from masonry_cd.app.case import prepare, structure_of
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.io.results import Results
 from masonry_cd.studies.study.numbers import of_run
-from reports.modal.elastic_joints import joint_stiffness
 
 POISSON = 0.2
 DAMPED = ("damping=0.05", "damping_frequency=10.0")  # of what is elastic

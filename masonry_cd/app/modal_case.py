@@ -18,11 +18,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from masonry_cd.analysis.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
+from masonry_cd.analysis.modal.modes import METHODS, Modes, modal
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
-from reports.modal.measured_modes import MeasuredMode, Pair, fit_factor, mac, pair, read_measured
-from reports.modal.modes import METHODS, Modes, modal
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 START = 1e9  # modulus from which a fit starts where none is given [Pa]

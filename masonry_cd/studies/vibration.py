@@ -22,6 +22,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from masonry_cd.analysis.modal.elastic_joints import joint_modes
+from masonry_cd.analysis.modal.shapes import RigidShapes
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
@@ -31,8 +33,6 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
 from masonry_cd.studies.joints_at_rest import at_rest_lines, at_rest_summary, joints_at_rest
-from reports.modal.elastic_joints import joint_modes
-from reports.modal.shapes import RigidShapes
 
 STEPS = 40  # of the highest mode's period, at least: the scheme lengthens a period by (2 pi / 40)^2 / 12 = 0.2 %
 PERIODS = 20  # of the lowest mode, in free vibration

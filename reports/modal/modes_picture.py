@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.modal.modes import Modes
+from masonry_cd.analysis.modal.shapes import RigidShapes, Skin
 from masonry_cd.mechanics.model.blocks import Block
 from reports.drawing.figure import FAINT, INK, MARGIN, TITLE, WIDTH, Layout, Sheet
 from reports.drawing.render import Layer, Lines, Surface, View, Window, render, view_named
 from reports.drawing.structure_picture import SUPPORT, around, drawn_in, rgb
-from reports.modal.modes import Modes
-from reports.modal.shapes import RigidShapes, Skin
 
 AMPLITUDE = 0.08  # largest drawn displacement, as a share of the size of the structure
 COLUMNS = 3

@@ -9,10 +9,10 @@ import pytest
 from models import box, tower
 from refusals import refusal
 
+from masonry_cd.analysis.modal.measured_modes import fit_factor, mac, pair, read_measured
+from masonry_cd.analysis.modal.modes import Modes, modal
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
-from reports.modal.measured_modes import fit_factor, mac, pair, read_measured
-from reports.modal.modes import Modes, modal
 
 SHAPED = """\
 # ambient vibration test

@@ -11,9 +11,9 @@ from beams import CLAMPED, FREE, HINGED, Beam, chain
 from models import box, tower
 from scipy.optimize import brentq
 
+from masonry_cd.analysis.modal.modes import Modes, modal
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
-from reports.modal.modes import Modes, modal
 
 YOUNG, DENSITY = 2e9, 2000.0
 
@@ -230,8 +230,8 @@ def test_wrong_values_are_reported_in_one_line(options: dict[str, object], messa
 
 
 def test_importing_the_rooms_loads_no_heavy_package() -> None:
-    code = "import sys, reports.modal.modes, masonry_cd.app.modal_case, reports.modal.continuum\n"
-    code += "import reports.modal.elastic_joints, reports.modal.modes_picture as _\n"
+    code = "import sys, masonry_cd.analysis.modal.modes, masonry_cd.app.modal_case, masonry_cd.analysis.modal.continuum\n"
+    code += "import masonry_cd.analysis.modal.elastic_joints, reports.modal.modes_picture as _\n"
     code += "print([m for m in ('gmsh', 'skfem', 'matplotlib', 'pyvista', 'vtk', 'pandas') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

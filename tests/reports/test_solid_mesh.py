@@ -7,10 +7,10 @@ import pytest
 from models import box, tower, wall
 from scipy.spatial.transform import Rotation
 
+from masonry_cd.analysis.modal.shapes import QuadraticShapes, RigidShapes
+from masonry_cd.analysis.modal.solid_mesh import CLUSTER, solid_mesh
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
-from reports.modal.shapes import QuadraticShapes, RigidShapes
-from reports.modal.solid_mesh import CLUSTER, solid_mesh
 
 
 def moved(block: Block, turn: Rotation) -> Block:

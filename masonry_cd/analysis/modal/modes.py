@@ -2,8 +2,8 @@ r"""Elastic modes of a block structure: frequencies, participating masses and sh
 
 Rigid blocks in unilateral contact have no elastic frequency. Two companions on the same geometry have one:
 
-    continuum   the blocks bonded to one elastic solid, in second-order tetrahedra        (:mod:`reports.modal.continuum`)
-    joints      rigid blocks on elastic joints of stiffness E / block length per area     (:mod:`reports.modal.elastic_joints`)
+    continuum   the blocks bonded to one elastic solid, in second-order tetrahedra        (:mod:`masonry_cd.analysis.modal.continuum`)
+    joints      rigid blocks on elastic joints of stiffness E / block length per area     (:mod:`masonry_cd.analysis.modal.elastic_joints`)
 
 Both are linear: no joint opens, and the weight does not matter. Frequencies go with the square root of the modulus, so that one measured
 frequency fixes it: E = E_0 (f_measured / f_computed)^2.
@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.modal.shapes import Shapes
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.geometry import mass_properties
-from reports.modal.shapes import Shapes
 
 MOST_MODES = 10_000
 METHODS = ("continuum", "joints")
@@ -96,13 +96,13 @@ def modal(
         raise InputError("modal: no free block, nothing can vibrate")
     moduli, held = young_of(blocks, young), _held(blocks, restraint or {})
     if method == "continuum":
-        from reports.modal.continuum import continuum_modes
+        from masonry_cd.analysis.modal.continuum import continuum_modes
 
         if size is not None and not 0.0 < size < np.inf:
             raise InputError(f"modal.mesh_size: must be above 0 m, got {size:g}")
         found = continuum_modes(blocks, moduli, poisson, modes, size=size, order=order, held=held)
     else:
-        from reports.modal.elastic_joints import joint_modes
+        from masonry_cd.analysis.modal.elastic_joints import joint_modes
 
         if stiffness and not all(0.0 < value < np.inf for value in stiffness):
             raise InputError(f"modal: stiffnesses of joints must be above 0 Pa/m, got {stiffness[0]:g} and {stiffness[1]:g}")

@@ -20,12 +20,12 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from masonry_cd.analysis.modal.eigen import lowest_modes, participation
+from masonry_cd.analysis.modal.shapes import RigidShapes
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
-from reports.modal.eigen import lowest_modes, participation
-from reports.modal.shapes import RigidShapes
 
 Stiffness = tuple[np.ndarray, np.ndarray]
 
@@ -50,7 +50,7 @@ def joint_modes(
         held: by group of supports, which of x, y and z they hold, (3,) bool; all three when not given.
 
     Returns:
-        ``frequencies`` (n,) [Hz], ``participation`` (n, 3), ``field`` and ``facts`` of :class:`reports.modal.modes.Modes`.
+        ``frequencies`` (n,) [Hz], ``participation`` (n, 3), ``field`` and ``facts`` of :class:`masonry_cd.analysis.modal.modes.Modes`.
 
     Raises:
         InputError: a block that no joint ties to a support.

@@ -18,11 +18,11 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from masonry_cd.analysis.modal.eigen import lowest_modes, participation
+from masonry_cd.analysis.modal.shapes import QuadraticShapes
+from masonry_cd.analysis.modal.solid_mesh import SolidMesh, solid_mesh
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block
-from reports.modal.eigen import lowest_modes, participation
-from reports.modal.shapes import QuadraticShapes
-from reports.modal.solid_mesh import SolidMesh, solid_mesh
 
 CHUNK = 4000  # elements whose matrices are held at a time
 
@@ -49,7 +49,7 @@ def continuum_modes(
         held: by group of supports, which of x, y and z they hold, (3,) bool; all three when not given.
 
     Returns:
-        ``frequencies`` (n,) [Hz], ``participation`` (n, 3), ``field`` and ``facts`` of :class:`reports.modal.modes.Modes`.
+        ``frequencies`` (n,) [Hz], ``participation`` (n, 3), ``field`` and ``facts`` of :class:`masonry_cd.analysis.modal.modes.Modes`.
 
     Raises:
         InputError: the solid cannot be meshed, or a piece of it has no support.

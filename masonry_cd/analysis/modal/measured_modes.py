@@ -26,10 +26,10 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from masonry_cd.analysis.modal.modes import Modes
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import finite_number
 from masonry_cd.foundation.files import read_text
-from reports.modal.modes import Modes
 
 LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 PLACES = {f"{axis}_{unit}": (axis, factor) for axis in "xyz" for unit, factor in LENGTHS.items()}

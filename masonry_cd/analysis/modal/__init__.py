@@ -1,0 +1,1 @@
+"""Elastic modes of companions built on the same blocks."""
