@@ -129,8 +129,8 @@ def write_stress(
     Raises:
         InputError: the run kept no stress.
     """
+    from masonry_cd.analysis.stress.peaks import stress_peaks
     from reports.stress.files import stress_summary, write_stress
-    from reports.stress.peaks import stress_peaks
 
     peaks = stress_peaks(results)
     written = write_stress(results, peaks, folder)

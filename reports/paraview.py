@@ -32,6 +32,7 @@ import numpy as np
 from masonry_cd.analysis.damage.definitions import Thresholds, classify
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import Pose, base_shift, joint_corners, moved_nodes, solids_of
+from masonry_cd.analysis.stress.peaks import principal, strengths
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
@@ -40,7 +41,6 @@ from masonry_cd.io.layout import EDGE_STRESS, JOINT_HISTORIES
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.state import rotation_matrices
-from reports.stress.peaks import principal, strengths
 
 Format = Literal["vtkhdf", "pvd"]
 Arrays = dict[str, np.ndarray]

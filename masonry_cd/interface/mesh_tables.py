@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd.analysis.deformed import Pose, base_shift, moved_nodes, solids_of
+from masonry_cd.analysis.stress.elements import centres, element_columns, element_peaks, require_meshes
+from masonry_cd.analysis.stress.peaks import principal
 from masonry_cd.interface.tables import columns_of, frame_of
 from masonry_cd.io.results import Results
-from reports.stress.elements import centres, element_columns, element_peaks, require_meshes
-from reports.stress.peaks import principal
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -16,6 +16,7 @@ from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import joint_damage
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.analysis.deformed import solids_of
+from masonry_cd.analysis.stress.peaks import principal, require_stress, stress_peaks
 from masonry_cd.app.summary import closing_lines, damage_line
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.mesh_tables import STRESSES, element_peak_table, element_table, node_table
@@ -31,7 +32,6 @@ from reports.outputs import damage_of, frame_at
 from reports.page.motion import read_motion, rotation_vectors
 from reports.settings import Report, report_of
 from reports.stress.files import block_columns, joint_columns
-from reports.stress.peaks import principal, require_stress, stress_peaks
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -18,6 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.analysis.deformed import frame_index
+from masonry_cd.analysis.stress.elements import ElementPeaks, element_peaks
+from masonry_cd.analysis.stress.peaks import StressPeaks, above_limit, principal, stress_peaks
 from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.layout import EDGE_STRESS
 from masonry_cd.io.results import Results
@@ -31,8 +33,6 @@ from reports.maps.framing import Framing, MapStyle, framing
 from reports.maps.layers import STRONG, Subject, block_layers_of, joint_layers, shadow
 from reports.maps.meshed_solids import Facetted
 from reports.settings import report_of
-from reports.stress.elements import ElementPeaks, element_peaks
-from reports.stress.peaks import StressPeaks, above_limit, principal, stress_peaks
 
 FILE = "stress_map.png"
 VECTOR = ("stress_map.svg", "stress_map.pdf")

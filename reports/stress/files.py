@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.stress.elements import element_peaks, element_summary, write_elements
+from masonry_cd.analysis.stress.peaks import StressPeaks
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.layout import EDGE_STRESS
 from masonry_cd.io.results import Results
-from reports.stress.elements import element_peaks, element_summary, write_elements
-from reports.stress.peaks import StressPeaks
 
 BLOCKS, JOINTS = "stress.csv", "joint_stress.csv"
 BLOCK_COLUMNS = (

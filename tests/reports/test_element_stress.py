@@ -16,6 +16,7 @@ from block_files import cuboid
 
 import masonry_cd as mc
 from masonry_cd.analysis.deformed import Pose, Solids, solids_of
+from masonry_cd.analysis.stress.elements import centres, volumes
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
@@ -26,7 +27,6 @@ from reports.maps.framing import MapStyle
 from reports.maps.meshed_solids import Facetted
 from reports.maps.stress_map import Pressed, stress_sheet, vector_stress_maps
 from reports.paraview import export
-from reports.stress.elements import centres, volumes
 
 DENSITY, WIDTH, HEIGHT, YOUNG = 2000.0, 0.5, 0.25, 1e9
 WEIGHT = DENSITY * 9.81 * HEIGHT  # of a block over its foot [Pa]

@@ -14,6 +14,7 @@ from made_run import at_rest, write_run
 from models import stepper, still, wall
 from typer.testing import CliRunner
 
+from masonry_cd.analysis.stress.peaks import principal, stress_peaks, tensors
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.run_loop import run
@@ -31,7 +32,6 @@ from reports.maps.stress_map import Pressed, StressScale
 from reports.page.stress import colours
 from reports.paraview import export
 from reports.stress.files import stress_lines, stress_summary
-from reports.stress.peaks import principal, stress_peaks, tensors
 
 GRAVITY, DENSITY, SIDE, HEIGHT, COUNT = 9.81, 2000.0, 0.5, 0.5, 4
 SCENE = f"""

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.stress.peaks import AT_ONCE, NOTHING, Largest, principal, require_stress, strengths
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
-from reports.stress.peaks import AT_ONCE, NOTHING, Largest, principal, require_stress, strengths
 
 FILE = "element_stress.csv"
 COLUMNS = (

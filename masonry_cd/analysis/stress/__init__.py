@@ -1,0 +1,1 @@
+"""The stress of blocks and joints: largest values, compared with a strength."""
