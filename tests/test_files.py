@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from loads.readers import Source
+from masonry_cd.analysis.fragility import folder as study_folder
 from masonry_cd.analysis.modal.measured_modes import read_measured
 from masonry_cd.app.inputs import file_digests
 from masonry_cd.app.scene import read_scene
@@ -24,7 +25,6 @@ from masonry_cd.io.summary_file import read_summary
 from masonry_cd.mechanics.friction.files import read_problem
 from masonry_cd.studies.accuracy_case import accuracy_case
 from masonry_cd.studies.study.study_file import read_study
-from reports.study import folder as study_folder
 from structures.kinds import file as block_file
 from structures.kinds import solid
 

@@ -15,6 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from masonry_cd.analysis.fragility.fits import Fits, fit_study
+from masonry_cd.analysis.fragility.folder import read_study
+from masonry_cd.analysis.fragility.measures import unit
+from masonry_cd.analysis.fragility.sensitivity import COLUMNS, Correlation, correlations
 from masonry_cd.app.progress import Interrupted
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.results import RESULTS, Run
@@ -23,11 +27,7 @@ from masonry_cd.interface.study_plots import StudyPlots
 from masonry_cd.interface.tables import frame_of
 from masonry_cd.interface.temporary import TemporaryFolder
 from reports.study import words
-from reports.study.fits import Fits, fit_study
-from reports.study.folder import read_study
 from reports.study.joint_maps import JointStudy, joint_study
-from reports.study.measures import unit
-from reports.study.sensitivity import COLUMNS, Correlation, correlations
 from reports.study.tables import COLUMNS_OF_FITS, row_of
 
 if TYPE_CHECKING:

@@ -7,12 +7,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from masonry_cd.analysis.fragility.fits import Fits
+from masonry_cd.analysis.fragility.folder import Study
+from masonry_cd.analysis.fragility.sensitivity import Correlation
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.interface.plots import Page
-from reports.study.fits import Fits
-from reports.study.folder import Study
 from reports.study.joint_maps import JointStudy
-from reports.study.sensitivity import Correlation
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.fragility.bootstrap import bands
+from masonry_cd.analysis.fragility.fits import Fit
+from masonry_cd.analysis.fragility.fragility import by_level
+from masonry_cd.analysis.fragility.measures import label, with_unit
 from reports.drawing.figure import FAINT
-from reports.study.bootstrap import bands
-from reports.study.fits import Fit
-from reports.study.fragility import by_level
-from reports.study.measures import label, with_unit
 from reports.study.plots import MARKERS, colour, halo, legend, name_axes, save, sheet
 
 ORDER = ("mle", "ida", "cloud", "probit")  # the first of these that a limit state has is drawn with its band

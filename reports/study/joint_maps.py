@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.analysis.damage.definitions import Thresholds
+from masonry_cd.analysis.fragility.folder import Study
+from masonry_cd.analysis.fragility.measures import with_unit
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.quantities import length
@@ -24,8 +26,6 @@ from reports.maps.crack_key import OPENING_COLOURS, ColourClasses, Scale
 from reports.maps.framing import MapStyle
 from reports.maps.joint_values import JointValues, draw_joint_values
 from reports.settings import report_of
-from reports.study.folder import Study
-from reports.study.measures import with_unit
 
 SHARES = (0.005, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9)  # lower bounds of the classes of a probability
 SHARE_COLOURS = ("YlOrRd", 0.18, 1.0)

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree as Xml
 
+from masonry_cd.analysis.fragility.measures import Imt
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import one_line
-from reports.study.measures import Imt
 
 SPACE = "http://openquake.org/xmlns/nrml/0.5"
 

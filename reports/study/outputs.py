@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.fragility.fits import Fit, Fits, fit_study
+from masonry_cd.analysis.fragility.folder import Study, read_study
+from masonry_cd.analysis.fragility.sensitivity import Correlation, correlations
 from masonry_cd.foundation.errors import InputError
-from reports.study.fits import Fit, Fits, fit_study
-from reports.study.folder import Study, read_study
 from reports.study.fragility_picture import fragility_picture
 from reports.study.joint_maps import TABLE, draw_joint_maps
 from reports.study.page import PAGE, write_page
 from reports.study.run_pictures import cloud_picture, ida_picture, quantities_of, spread_picture, stripes_picture
-from reports.study.sensitivity import Correlation, correlations
 from reports.study.tables import (
     first_fits,
     row_of,

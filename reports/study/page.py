@@ -11,14 +11,14 @@ from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 
+from masonry_cd.analysis.fragility.fits import Fit
+from masonry_cd.analysis.fragility.folder import FIRST, Study
+from masonry_cd.analysis.fragility.measures import unit
 from reports.page.document import filled, header, plain_style, write_document
 from reports.page.document import pictures as in_page
 from reports.page.words import escaped
 from reports.study import words
-from reports.study.fits import Fit
-from reports.study.folder import FIRST, Study
 from reports.study.fragility_picture import METHODS
-from reports.study.measures import unit
 
 PAGE = "study.html"
 ROWS = 3000  # of the table of runs; all are in runs.csv

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.fragility.limits import LimitState
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
 from reports.drawing.figure import COLOURS, FAINT, INK
-from reports.study.limits import LimitState
 
 DPI = 150
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.fragility.bootstrap import bands
+from masonry_cd.analysis.fragility.fits import CloudFit
+from masonry_cd.analysis.fragility.folder import Study
+from masonry_cd.analysis.fragility.ida import QUANTILES, Curve, demand_quantiles, quantiles
+from masonry_cd.analysis.fragility.limits import LimitState
+from masonry_cd.analysis.fragility.measures import label
 from reports.drawing.figure import FAINT, INK
-from reports.study.bootstrap import bands
-from reports.study.fits import CloudFit
-from reports.study.folder import Study
-from reports.study.ida import QUANTILES, Curve, demand_quantiles, quantiles
-from reports.study.limits import LimitState
-from reports.study.measures import label
 from reports.study.plots import (
     MARKERS,
     PALE,

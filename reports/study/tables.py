@@ -11,13 +11,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.fragility.fits import Fit, Fits
+from masonry_cd.analysis.fragility.measures import openquake, unit
+from masonry_cd.analysis.fragility.sensitivity import COLUMNS, Correlation
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
-from reports.study.fits import Fit, Fits
 from reports.study.fragility_picture import ORDER
-from reports.study.measures import openquake, unit
 from reports.study.nrml import Curve, mean_and_stddev, write_nrml
-from reports.study.sensitivity import COLUMNS, Correlation
 
 COLUMNS_OF_FITS = (
     "limit_state", "measure", "method", "theta", "beta", "theta_low", "theta_high", "beta_low", "beta_high", "runs", "exceeded",

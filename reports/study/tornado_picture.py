@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.fragility.sensitivity import Correlation
 from reports.drawing.figure import FAINT, INK
 from reports.study.plots import PANELS, legend, name_axes, quantity, save, sheet
-from reports.study.sensitivity import Correlation
 
 BARS = 14  # per panel at most
 HUES = {"varied": "#d55e00", "intensity": "#7fb2d6"}

@@ -7,15 +7,15 @@ import pytest
 from scipy.special import ndtr
 from scipy.stats import binom, norm
 
-from reports.study import betas
-from reports.study.bootstrap import band, replicates
-from reports.study.censored import Weights, regression
-from reports.study.cloud import cloud_of, fit_line
-from reports.study.fragility import ALL, FALLING, FITTED, NONE, SEPARATED, by_level, falls, fit_counts
-from reports.study.ida import Capacities, capacities, capacity_quantiles, curves_of, demand_quantiles, fit_capacities
-from reports.study.limits import LimitState
+from masonry_cd.analysis.fragility import betas
+from masonry_cd.analysis.fragility.bootstrap import band, replicates
+from masonry_cd.analysis.fragility.censored import Weights, regression
+from masonry_cd.analysis.fragility.cloud import cloud_of, fit_line
+from masonry_cd.analysis.fragility.fragility import ALL, FALLING, FITTED, NONE, SEPARATED, by_level, falls, fit_counts
+from masonry_cd.analysis.fragility.ida import Capacities, capacities, capacity_quantiles, curves_of, demand_quantiles, fit_capacities
+from masonry_cd.analysis.fragility.limits import LimitState
+from masonry_cd.analysis.fragility.sensitivity import p_value
 from reports.study.nrml import mean_and_stddev
-from reports.study.sensitivity import p_value
 
 LEVELS = np.array([0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0])
 COLLAPSES = np.array([[0, 0, 0, 4, 6, 13, 12, 16]])

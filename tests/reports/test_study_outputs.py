@@ -14,8 +14,8 @@ import pytest
 from made_study import COLLAPSE, CRACKED, Made, rows_of, write_study_folder
 from pictures import pixels
 
+from masonry_cd.analysis.fragility.folder import read_study
 from masonry_cd.foundation.errors import InputError
-from reports.study.folder import read_study
 from reports.study.joint_maps import SHARE_COLOURS, SHARES
 from reports.study.outputs import write_study
 

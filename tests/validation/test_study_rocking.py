@@ -12,9 +12,9 @@ import pytest
 from places import SHARED
 from rocking_block import rock
 
+from masonry_cd.analysis.fragility.fragility import fit_counts
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
-from reports.study.fragility import fit_counts
 
 RECORDS = SHARED / "records" / "suite"
 WIDTH, HEIGHT = 0.4, 1.6  # [m]

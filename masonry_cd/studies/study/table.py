@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from masonry_cd.analysis.fragility.folder import FIRST
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.studies.study.numbers import QUANTITIES
 from masonry_cd.studies.study.plan import Maker, Planned
-from reports.study.folder import FIRST
 
 CSV, PARQUET = "runs.csv", "runs.parquet"
 OF_PART = ("grade_number", "drift")

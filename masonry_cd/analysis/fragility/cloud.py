@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reports.study.censored import Weights, regression
-from reports.study.fragility import FALLING, FITTED, Lognormal
+from masonry_cd.analysis.fragility.censored import Weights, regression
+from masonry_cd.analysis.fragility.fragility import FALLING, FITTED, Lognormal
 
 NOTHING = 1e-3  # of the smallest limit: less than this of a quantity is none
 LEAST = 5  # runs seen exactly, for a line

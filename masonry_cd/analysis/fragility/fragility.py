@@ -4,8 +4,8 @@ r"""Lognormal fragilities by maximum likelihood on counts of runs that exceed a 
     log L = sum_j  k_j log P(IM_j) + (n_j - k_j) log(1 - P(IM_j))
 
 Baker (Earthquake Spectra 31(1), 2015), equations 7 to 11. With a = -ln(theta) / beta and b = 1 / beta it is probit regression on ln IM,
-whose likelihood is concave (:mod:`reports.study.censored`): one maximum, found from anywhere. On stripes the counts are by level (method
-``mle``); where runs have intensities of their own each is a level by itself (``probit``).
+whose likelihood is concave (:mod:`masonry_cd.analysis.fragility.censored`): one maximum, found from anywhere. On stripes the counts are by
+level (method ``mle``); where runs have intensities of their own each is a level by itself (``probit``).
 
 Data that separate, all runs up to one intensity below the limit state and all from another above it, put theta between the two and leave
 beta free: its estimate falls to 0.
@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from reports.study.censored import Weights, maximise
+from masonry_cd.analysis.fragility.censored import Weights, maximise
 
 FITTED, NONE, ALL, SEPARATED, FALLING = "fitted", "none", "all", "separated", "falling"
 

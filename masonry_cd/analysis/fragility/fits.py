@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reports.study import betas, fragility
-from reports.study.betas import Betas
-from reports.study.bootstrap import FEW, band, replicates
-from reports.study.cloud import Cloud, Line, cloud_of, fit_line
-from reports.study.folder import Study
-from reports.study.fragility import Lognormal, by_level, fit_counts
-from reports.study.ida import Capacities, Curve, capacities, capacity_quantiles, curves_of, fit_capacities
-from reports.study.limits import LimitState
-from reports.study.measures import with_unit
+from masonry_cd.analysis.fragility import betas, fragility
+from masonry_cd.analysis.fragility.betas import Betas
+from masonry_cd.analysis.fragility.bootstrap import FEW, band, replicates
+from masonry_cd.analysis.fragility.cloud import Cloud, Line, cloud_of, fit_line
+from masonry_cd.analysis.fragility.folder import Study
+from masonry_cd.analysis.fragility.fragility import Lognormal, by_level, fit_counts
+from masonry_cd.analysis.fragility.ida import Capacities, Curve, capacities, capacity_quantiles, curves_of, fit_capacities
+from masonry_cd.analysis.fragility.limits import LimitState
+from masonry_cd.analysis.fragility.measures import with_unit
 
 NEAR = 0.02  # a level is the run's own intensity where the two differ by less than this
 SAME = 1e-6

@@ -3,7 +3,8 @@ r"""Incremental dynamic analysis: a curve per record, its capacities, and their 
 The method is that of Vamvatsikos & Cornell (Earthq. Eng. Struct. Dyn. 31(3), 2002). The capacity of a record for a limit state is the
 intensity at which its curve first exceeds it. Between the last run below and the first run above it is found on the straight line through
 the logarithms of the two, where the quantity has one, and else as their geometric mean. A record that never exceeds the limit state has a
-capacity above its highest run; one that always does, below its lowest. Both enter the likelihood as such (:mod:`reports.study.censored`):
+capacity above its highest run; one that always does, below its lowest. Both enter the likelihood as such
+(:mod:`masonry_cd.analysis.fragility.censored`):
 
     theta = exp(mean ln IM_c),      beta = standard deviation of ln IM_c, with n - 1  (Baker 2015, equations 3 and 4)
 
@@ -17,9 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reports.study.censored import Weights, regression
-from reports.study.fragility import ALL, FITTED, NONE, SEPARATED, Lognormal
-from reports.study.limits import LimitState
+from masonry_cd.analysis.fragility.censored import Weights, regression
+from masonry_cd.analysis.fragility.fragility import ALL, FITTED, NONE, SEPARATED, Lognormal
+from masonry_cd.analysis.fragility.limits import LimitState
 
 QUANTILES = (0.16, 0.50, 0.84)
 GRID = 60  # intensities at which the quantiles of the demand are taken

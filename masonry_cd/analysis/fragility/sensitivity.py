@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import rankdata, t
 
-from reports.study.bootstrap import band, replicates
-from reports.study.folder import Study
+from masonry_cd.analysis.fragility.bootstrap import band, replicates
+from masonry_cd.analysis.fragility.folder import Study
 
 LEAST = 8  # runs, for a correlation
 SIGNIFICANT = 0.01  # p-values below

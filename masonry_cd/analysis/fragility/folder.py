@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from masonry_cd.analysis.fragility.limits import LimitState, read_limit_states
 from masonry_cd.foundation.csv_files import unguarded
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.files import read_bytes, read_text
-from reports.study.limits import LimitState, read_limit_states
 
 FIRST = ("run", "motion", "level", "seed", "status", "reason", "seconds")  # columns before what varied
 RESULTS = "max_opening"  # the column with which the results begin; between what varied and it lie the intensity measures

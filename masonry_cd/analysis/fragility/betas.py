@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from reports.study.censored import Weights, maximise, regression
-from reports.study.cloud import Cloud
-from reports.study.ida import Capacities
+from masonry_cd.analysis.fragility.censored import Weights, maximise, regression
+from masonry_cd.analysis.fragility.cloud import Cloud
+from masonry_cd.analysis.fragility.ida import Capacities
 
 PER_COEFFICIENT = 10  # runs wanted for each coefficient
 

@@ -1,0 +1,1 @@
+"""What the runs of a study say together: intensity measures, limit states, fragilities and their bands."""
