@@ -132,7 +132,7 @@ def write_stress(
     from masonry_cd.analysis.stress.peaks import stress_peaks
     from reports.stress.files import stress_summary, write_stress
 
-    peaks = stress_peaks(results)
+    peaks = stress_peaks(results, settings.opened)
     written = write_stress(results, peaks, folder)
     found = stress_summary(results, peaks)
     if drawn and found:

@@ -156,7 +156,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
         InputError: anything wrong with the structure, the material or the loads.
     """
     import loads
-    from masonry_cd.analysis.limit.static_loads import limit_table
+    from masonry_cd.app.static_loads import limit_table
 
     begin = time.perf_counter()
     structure = structure or structure_of(scene)

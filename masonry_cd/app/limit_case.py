@@ -27,7 +27,7 @@ from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
     from masonry_cd.analysis.code_check.steps import CodeCheck
-    from masonry_cd.analysis.limit.static_loads import StaticLoads
+    from masonry_cd.app.static_loads import StaticLoads
     from reports.limit.ties import LimitTie
 
 OUTPUTS = ("limit.json", "blocks.csv", "joints.csv", "ties.csv", "check.json", "check.csv", "mechanism.png", "thrust.png", "limit.html")
@@ -87,8 +87,8 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
     Raises:
         InputError: anything wrong with the scene, or a limit analysis without an answer.
     """
-    from masonry_cd.analysis.limit.static_loads import CurveTable, limit_table, static_loads
     from masonry_cd.app.case import make_structures
+    from masonry_cd.app.static_loads import CurveTable, limit_table, static_loads
 
     begin = time.perf_counter()
     blocks, notes, bars = make_structures(scene)

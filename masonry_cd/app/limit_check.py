@@ -22,7 +22,7 @@ from masonry_cd.mechanics.model.joints import Joints
 if TYPE_CHECKING:
     from masonry_cd.analysis.code_check.steps import CodeCheck, Looked
     from masonry_cd.analysis.code_check.table import CheckTable
-    from masonry_cd.analysis.limit.static_loads import StaticLoads
+    from masonry_cd.app.static_loads import StaticLoads
 
 LEVEL = 1e-9
 

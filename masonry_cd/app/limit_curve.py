@@ -18,8 +18,8 @@ from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
-    from masonry_cd.analysis.limit.static_loads import CurveTable, StaticLoads
     from masonry_cd.app.limit_dynamics import Bracket
+    from masonry_cd.app.static_loads import CurveTable, StaticLoads
 
 CURVE_OUTPUTS = ("capacity.csv", "capacity.json", "capacity.png")
 COLUMNS = ("point", "displacement_m", "factor", "associated_factor", "moving_blocks", "hinges", "slides", "changed")

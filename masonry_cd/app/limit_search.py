@@ -13,7 +13,7 @@ from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 
 if TYPE_CHECKING:
-    from masonry_cd.analysis.limit.static_loads import LimitTable, StaticLoads
+    from masonry_cd.app.static_loads import LimitTable, StaticLoads
 
 STARTS = 4  # of the search in a plane, and for a check in space: two from each end of what normal forces may be
 SEARCHED = 10_000  # contact points in space up to which a check searches unasked: two starts take 50 s of processor time at 7,500 and 250 s

@@ -96,7 +96,7 @@ def limit_bracket(case: Case) -> dict[str, float | None] | None:
     few blocks in a plane, under one push or tilt that limit analysis takes as it is; None elsewhere."""
     from masonry_cd.analysis.limit.analysis import Options, analyse
     from masonry_cd.analysis.limit.problem import plane_of
-    from masonry_cd.analysis.limit.static_loads import limit_table, static_loads
+    from masonry_cd.app.static_loads import limit_table, static_loads
 
     scene, assembly, forces = case.scene, case.assembly, case.loading.forces
     own = sum(table.get("kind") == "tie" for table in scene.loads)

@@ -56,7 +56,7 @@ def report_schema() -> Schema:
 
 def limit_schema() -> Schema:
     """The schema of ``[limit]``."""
-    from masonry_cd.analysis.limit.static_loads import LimitTable
+    from masonry_cd.app.static_loads import LimitTable
 
     return table_schema(LimitTable)
 

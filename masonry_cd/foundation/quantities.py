@@ -46,3 +46,24 @@ def in_words(seconds: float) -> str:
         return f"{seconds:.1f} s"
     minutes, rest = divmod(round(seconds), 60)
     return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+def nice(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that does not exceed a value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return float(max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-9)) * power)
+
+
+def next_step(value: float) -> float:
+    """The next of 1, 2, 5 times a power of ten after a value."""
+    base = nice(value)
+    first = round(base / 10.0 ** math.floor(math.log10(base) + 1e-9))
+    return base * {1: 2.0, 2: 2.5, 5: 2.0}[first]
+
+
+def classes(smallest: float, largest: float) -> list[float]:
+    """Lower bounds of classes in steps of 1-2-5, from a smallest value to where the last, open class begins."""
+    bounds = [smallest]
+    while bounds[-1] < largest * (1 - 1e-9):
+        bounds.append(next_step(bounds[-1]))
+    return bounds

@@ -331,7 +331,7 @@ class Run:
             InputError: the run kept no stress.
         """
         with self.results() as found:
-            columns = block_columns(found, stress_peaks(found))
+            columns = block_columns(found, stress_peaks(found, report_of(found.scene).opened))
         return frame_of(columns, columns.pop("block"), "block")
 
     @cached_property
@@ -342,7 +342,7 @@ class Run:
             InputError: the run kept no stress.
         """
         with self.results() as found:
-            columns = joint_columns(found, stress_peaks(found))
+            columns = joint_columns(found, stress_peaks(found, report_of(found.scene).opened))
         return frame_of(columns, columns.pop("joint"), "joint")
 
     @property

@@ -17,6 +17,7 @@ import numpy as np
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.quantities import nice
 from reports.drawing.render import View
 
 WIDTH = 1800  # of the sheet
@@ -75,27 +76,6 @@ def layout(aspect: float) -> Layout:
         return Layout((WIDTH, TITLE + height + STRIP), (MARGIN, STRIP, width, height), beside=False)
     width, height = WIDTH - 2 * MARGIN - COLUMN, 1180
     return Layout((WIDTH, TITLE + height + MARGIN), (MARGIN, MARGIN, width, height), beside=True)
-
-
-def nice(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that does not exceed a value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-9)) * power)
-
-
-def next_step(value: float) -> float:
-    """The next of 1, 2, 5 times a power of ten after a value."""
-    base = nice(value)
-    first = round(base / 10.0 ** np.floor(np.log10(base) + 1e-9))
-    return base * {1: 2.0, 2: 2.5, 5: 2.0}[first]
-
-
-def classes(smallest: float, largest: float) -> list[float]:
-    """Lower bounds of classes in steps of 1-2-5, from a smallest value to where the last, open class begins."""
-    bounds = [smallest]
-    while bounds[-1] < largest * (1 - 1e-9):
-        bounds.append(next_step(bounds[-1]))
-    return bounds
 
 
 def in_metres(value: float) -> str:

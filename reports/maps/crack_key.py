@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
-from masonry_cd.foundation.quantities import force
-from reports.drawing.figure import FAINT, INK, TRIAD, Box, Paint, Sheet, classes
+from masonry_cd.foundation.quantities import classes, force
+from reports.drawing.figure import FAINT, INK, TRIAD, Box, Paint, Sheet
 from reports.drawing.render import View
 from reports.drawing.structure_picture import box_swatch, no_swatch, rgb, tie_swatch
 from reports.drawing.tie_lines import LABELLED

@@ -11,8 +11,9 @@ from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.joint_damage import fallen
 from masonry_cd.analysis.deformed import Pose, Solids, solids_of
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.quantities import nice
 from masonry_cd.io.results import Results
-from reports.drawing.figure import Layout, layout, nice
+from reports.drawing.figure import Layout, layout
 from reports.drawing.render import View, Window, view_named
 from reports.drawing.structure_picture import auto_view, structure_window
 from reports.maps.crack_key import OPENING_COLOURS, SLIDING_COLOURS, Scale

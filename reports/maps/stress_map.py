@@ -70,7 +70,7 @@ class Pressed:
         Raises:
             InputError: the run kept no stress.
         """
-        peaks, elements = stress_peaks(results), element_peaks(results)
+        peaks, elements = stress_peaks(results, report_of(results.scene).opened), element_peaks(results)
         if frame is None:
             of_elements = None if elements is None else elements.compression
             return cls(peaks.compression, peaks.open_above, peaks.closed_above, True, peaks, of_elements, elements)

@@ -21,8 +21,8 @@ from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.analysis.damage.verdict import verdict_of
 from masonry_cd.analysis.deformed import Solids, solids_of
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.quantities import nice
 from masonry_cd.io.results import Results
-from reports.drawing.figure import nice
 from reports.drawing.structure_picture import EDGE, SUPPORT, auto_view, families_of, within_sight
 from reports.maps.crack_key import FALLEN, OPENING_COLOURS, PARTED, SLIDING_COLOURS, STONE, Scale
 from reports.maps.framing import COLLAPSE, MOST, SEEN

@@ -13,6 +13,7 @@ from masonry_cd.io.results import Results
 from reports.maps.stress_map import StressScale
 from reports.page.findings import section, table
 from reports.page.words import PageContext, escaped, number
+from reports.settings import report_of
 from reports.stress.files import share_in_words, stress_lines, stress_summary
 
 ROWS = 8  # of a table at most
@@ -25,7 +26,7 @@ def colours(results: Results, frames: np.ndarray) -> tuple[dict[str, Any], dict[
     """
     if not results.has_stress:
         return {}, {}
-    peaks = stress_peaks(results)
+    peaks = stress_peaks(results, report_of(results.scene).opened)
     scale = StressScale(float(np.nan_to_num(peaks.compression).max(initial=0.0)))
 
     def classes(compression: np.ndarray) -> np.ndarray:
@@ -46,7 +47,7 @@ def stress(context: PageContext) -> str:
     results = context.results
     if not results.has_stress:
         return ""
-    peaks = stress_peaks(results)
+    peaks = stress_peaks(results, report_of(results.scene).opened)
     found = stress_summary(results, peaks)
     if not found:
         return ""

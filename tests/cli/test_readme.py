@@ -19,9 +19,9 @@ from loads.kinds.settlement import SettlementTable, SpreadingTable
 from loads.kinds.sinusoidal import SinusoidalTable
 from loads.kinds.tilt import PushTable, TiltTable
 from masonry_cd.analysis.code_check.table import CheckTable
-from masonry_cd.analysis.limit.static_loads import CurveTable
 from masonry_cd.app.case import prepare
 from masonry_cd.app.scene import read_scene
+from masonry_cd.app.static_loads import CurveTable
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
 from reports.settings import Report

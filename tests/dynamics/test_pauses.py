@@ -1,4 +1,4 @@
-"""masonry_cd.mechanics.dynamics.pauses: a rest ends as soon as the structure is still, and each shock leaves its own record of the damage."""
+"""dynamics/pauses.py: a rest ends as soon as the structure is still, and each shock leaves its own record of the damage."""
 
 from __future__ import annotations
 

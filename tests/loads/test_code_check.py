@@ -1,4 +1,4 @@
-"""masonry_cd.analysis.code_check: every value of a check against formulas written out here, for a wall of 0.5 x 4 m and other oscillators."""
+"""analysis/code_check: every value of a check against formulas written out here, for a wall of 0.5 x 4 m and other oscillators."""
 
 from __future__ import annotations
 

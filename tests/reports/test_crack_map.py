@@ -16,10 +16,11 @@ from pictures import BASE, COLUMN, model_area, opening_scale, pixels, shares
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.quantities import nice
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
 from reports.drawing import render
-from reports.drawing.figure import in_metres, nice
+from reports.drawing.figure import in_metres
 from reports.drawing.structure_picture import auto_view, families_of, rgb, structure_picture, within_sight
 from reports.maps import crack_key, crack_map, framing
 

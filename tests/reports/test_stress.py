@@ -113,7 +113,7 @@ def test_a_strength_asks_for_the_report_and_names_what_lies_above_it(tmp_path):
     assert found["blocks_above_names"] == ["b0"] and found["blocks_compared"] == 2
     assert found["ratio_max"] == pytest.approx(weight_above(0.5) / 3.0e4, rel=1e-6)
     with Results.open(tmp_path / "out" / "result.h5") as results:
-        peaks, joints = stress_peaks(results), results.joints
+        peaks, joints = stress_peaks(results, 1e-4), results.joints
         names = [{results.blocks[a].name, results.blocks[b].name} for a, b in zip(joints.block_a, joints.block_b, strict=True)]
     lower = dict(zip(map(frozenset, names), peaks.joint_strength.tolist(), strict=True))
     assert lower[frozenset({"base", "b0"})] == 3.0e4 and lower[frozenset({"b0", "b1"})] == 2.8e4  # the lower of both
@@ -131,7 +131,7 @@ def test_nothing_is_kept_that_is_not_asked_for(tmp_path):
     with Results.open(tmp_path / "out" / "result.h5") as results:
         assert not results.has_stress and f"joints/{EDGE_STRESS}" not in results.file
         with pytest.raises(InputError, match=r"kept no stress; report\.stress = true"):
-            stress_peaks(results)
+            stress_peaks(results, 1e-4)
     done = CliRunner().invoke(app, ["report", str(tmp_path / "out"), "--stress-map", "--no-crack-map"])
     assert done.exit_code == 2 and "kept no stress" in done.output
 
@@ -217,7 +217,7 @@ def test_principal_stresses_are_those_of_the_tensor():
 
 def test_peaks_are_over_all_frames_each_with_its_time(by_hand):
     with Results.open(by_hand) as results:
-        peaks = stress_peaks(results)
+        peaks = stress_peaks(results, 1e-4)
         found = stress_summary(results, peaks)
     middle, radius = (-3e3 - 2e5) / 2, np.hypot((-3e3 + 2e5) / 2, 4e4)
     assert peaks.compression[1:] == pytest.approx([radius - middle, 1e5])

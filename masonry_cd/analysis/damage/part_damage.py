@@ -40,9 +40,9 @@ from masonry_cd.analysis.damage.mechanism import Mechanism, Rules, mechanisms, p
 from masonry_cd.analysis.damage.step_peaks import falls_as_in_runs
 from masonry_cd.analysis.damage.verdict import verdict_on
 from masonry_cd.analysis.deformed import Solids, solids_of
+from masonry_cd.foundation.quantities import classes
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import Joints
-from reports.drawing.figure import classes
 
 Row = dict[str, Any]
 

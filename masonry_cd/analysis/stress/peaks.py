@@ -27,7 +27,6 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.layout import EDGE_STRESS, MEAN_NORMAL_FORCE
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.strength import strength_by_group
-from reports.settings import report_of
 
 NOTHING = 1e-6  # share of the largest compression below which a tension is rounding
 AT_ONCE = 256  # frames that are read together
@@ -133,8 +132,8 @@ def strengths(results: Results) -> tuple[np.ndarray, np.ndarray]:
     return of_block, np.fmin(of_block[joints.block_a], of_block[joints.block_b])
 
 
-def stress_peaks(results: Results) -> StressPeaks:
-    """The largest stresses of a run.
+def stress_peaks(results: Results, opened: float) -> StressPeaks:
+    """The largest stresses of a run; a joint counts as open beyond a width ``opened`` [m].
 
     Raises:
         InputError: the run kept none.
@@ -144,7 +143,6 @@ def stress_peaks(results: Results) -> StressPeaks:
     largest = {name: Largest(n) for name, n in (("compression", blocks), ("tension", blocks), ("edge", joints), ("force", joints))}
     finite, above = Largest(joints), np.zeros((3, joints), dtype=bool)  # at all, while open; at an edge while open
     of_block, of_joint = strengths(results)
-    opened = report_of(results.scene).opened
     for first in range(1, results.frames, AT_ONCE):  # the first frame is before any step
         last = min(first + AT_ONCE, results.frames)
         values = principal(np.asarray(results.stress[first:last], dtype=float))
