@@ -18,9 +18,9 @@ from masonry_cd.analysis.fragility.folder import Study
 from masonry_cd.analysis.fragility.measures import with_unit
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.files import size_of_regular
 from masonry_cd.foundation.quantities import length
 from masonry_cd.io.results import Results
-from masonry_cd.mechanics.friction.stored_arrays import npz_arrays
 from reports.damage.joint_files import thresholds_of
 from reports.maps.crack_key import OPENING_COLOURS, ColourClasses, Scale
 from reports.maps.framing import MapStyle
@@ -89,10 +89,13 @@ def read_joint_runs(study: Study, count: int, thresholds: Thresholds) -> JointRu
 
 def _read(path: Path) -> dict[str, np.ndarray]:
     """One of them."""
-    found = npz_arrays(path)
-    missing = next((key for key in KEYS if key not in found), None)
-    if missing:
-        raise InputError(f'{path}: no array "{missing}" in it')
+    try:
+        if not size_of_regular(path):
+            raise EOFError("the file is empty")
+        with np.load(path) as file:
+            found = {key: file[key] for key in KEYS}
+    except Exception as failure:  # damaged bytes make the readers of zip files and arrays raise whatever they like
+        raise InputError(f"{path}: cannot be read: {failure}") from None
     if not found["opening"].shape == found["sliding"].shape == found["lost"].shape or found["opening"].ndim != 1:
         raise InputError(f"{path}: opening, sliding and lost differ in their number of joints")
     return found

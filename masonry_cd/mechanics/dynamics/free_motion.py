@@ -21,9 +21,9 @@ import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays
-from masonry_cd.mechanics.dynamics.block_forces import Acting
 from masonry_cd.mechanics.dynamics.strain import Strains
 from masonry_cd.mechanics.dynamics.system import Motion, StepLoads, System
+from masonry_cd.mechanics.model.block_forces import Acting
 from masonry_cd.mechanics.model.state import State, fill_rotations
 
 

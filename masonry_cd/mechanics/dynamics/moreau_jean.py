@@ -30,7 +30,6 @@ from masonry_cd.foundation.freed_memory import keep_freed_memory
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector, TooManyPoints
 from masonry_cd.mechanics.dynamics import joint_forces
-from masonry_cd.mechanics.dynamics.block_forces import BlockForces
 from masonry_cd.mechanics.dynamics.contact_rows import assemble
 from masonry_cd.mechanics.dynamics.energy import ENERGIES, account, at_start
 from masonry_cd.mechanics.dynamics.error_scale import find_overload, on_scale
@@ -49,6 +48,7 @@ from masonry_cd.mechanics.dynamics.system import Loads, Motion, System, plane_of
 from masonry_cd.mechanics.dynamics.violations import Violation, find_violations
 from masonry_cd.mechanics.friction.infeasibility import Closing
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
+from masonry_cd.mechanics.model.block_forces import BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.state import State, body_maps, rotation_matrices

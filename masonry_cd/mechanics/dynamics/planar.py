@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from masonry_cd.mechanics.dynamics.block_forces import BlockForces
+from masonry_cd.mechanics.model.block_forces import BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.middle_plane import middle_plane
 from masonry_cd.mechanics.model.state import State

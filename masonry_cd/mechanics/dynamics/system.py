@@ -10,12 +10,12 @@ import numpy as np
 from masonry_cd.mechanics.contact.facets import Facets
 from masonry_cd.mechanics.contact.find_joints import built_gap
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays, StepConstants
-from masonry_cd.mechanics.dynamics.block_forces import BlockForces
 from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, law_arrays
 from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.strain import Strains
 from masonry_cd.mechanics.linalg.small_blocks import inverses, size_tuple
+from masonry_cd.mechanics.model.block_forces import BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.state import State
 from masonry_cd.mechanics.solvers import threads_that_pay
