@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+
 from masonry_cd.mechanics.model.block_forces import Acting
 
 

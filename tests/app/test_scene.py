@@ -277,7 +277,7 @@ def test_these_solvers_come_with_the_program():
         (("run.dt=-1",), "--set run.dt=-1: run.dt: input should be greater than 0"),
         (("run.dt=1e-3", "run.dt=7"), "--set run.dt=7: run.dt: input should be less than or equal to 0.1"),
         (('material.friction={x="a"}',), '--set material.friction={x="a"}: material.friction: "x": should be a number'),
-        (("run.dt=1e-3", "material.density=2"), "--set material.density=2: material.density: should be between"),
+        (("run.dt=1e-3", "material.density=-2"), "--set material.density=-2: material.density: should be between"),
         (("run.duration=1e12",), "scene.toml:17 with --set run.duration=1e12: run: duration 1e+12 s takes"),
         (("report.opened=0",), "--set report.opened=0: report.opened: "),
     ],

@@ -115,7 +115,7 @@ def test_the_examples_fit(schema, path):
         ("structure", "ties", [{"along": "x"}]),
         ("structure", "floors", [{"height": 3.0}]),
         ("material", "friction", 35.0),
-        ("material", "density", 2.2),
+        ("material", "density", -2.2),
         ("material", "joints", {"cohesion": -1.0}),
         ("material", "joints", {"arch-base": {"cohesive": 1.0}}),
         ("run", "dt", 0.2),
