@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.quantities import counted
-from masonry_cd.mechanics.contact.find_joints import find_joints, joint_parts, touching_points
+from masonry_cd.mechanics.contact.find_joints import find_joints, joint_parts
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 
 PRESSED = 1e-6  # normal impulse from which on a contact acts, as a share of the largest: below lies what solving leaves
@@ -30,13 +30,13 @@ def joints_at_rest(machine: Stepper) -> list[dict[str, Any]]:
     assembly, made = machine.assembly, machine.last
     joints = find_joints(assembly)
     place = {(a, b): j for j, (a, b) in enumerate(joint_parts(assembly).tolist())}
-    built = np.array([place.get((a, b), -1) for a, b in touching_points(assembly)[1].tolist()], dtype=np.int64)
-    count = np.bincount(built[built >= 0], minlength=joints.count)
-    area, points = np.zeros(joints.count), np.zeros(joints.count, dtype=np.int64)
+    area, count = np.zeros(joints.count), np.zeros(joints.count, dtype=np.int64)
+    points = np.zeros_like(count)
     if made is not None and made.springs is not None:
         of_pair = np.array([place.get((a, b), -1) for a, b in machine.detector.pairs.tolist()], dtype=np.int64)
-        active = made.rows.active
-        joint = of_pair[made.found.pair[active]]
+        active, joint_of = made.rows.active, of_pair[made.found.pair]
+        count = np.bincount(joint_of[joint_of >= 0], minlength=joints.count)  # those that gape are among them, until they lie far apart
+        joint = joint_of[active]
         normal = machine.solution.impulse[:, 0]
         acts = (normal > PRESSED * normal.max(initial=0.0)) | machine.motion.joints.bonded[active].astype(bool)
         acts &= joint >= 0

@@ -55,7 +55,7 @@ def thinned(time: np.ndarray, value: np.ndarray, points: int = POINTS) -> Curve:
 def base_motion(results: Results, motions: Sequence[SupportMotion]) -> dict[str, Curve]:
     """Displacement [m] and velocity [m/s] of each motion of the supports, ``base/0/displacement/x`` and so on."""
     time = np.asarray(results.time, dtype=float)
-    out = {}
+    out: dict[str, Curve] = {}
     for k, motion in enumerate(motions):
         for name, values in (("displacement", motion.displacement), ("velocity", motion.velocity)):
             out |= {f"base/{k}/{name}/{axis}": thinned(time, column) for axis, column in zip("xyz", values.T, strict=True)}

@@ -120,7 +120,9 @@ duration = 1.0
         rows = list(csv.DictReader(file))
     assert [abs(float(row["difference_percent"])) < 1.0 for row in rows] == [True, True]
     assert "free vibration of the run" in found["lines"][0]
-    assert found["joints_at_rest"] == {"joints": 2, "open": 0, "partly": 0, "share_left": 1.0, "not_closed": []}
+    rest = found["joints_at_rest"]
+    assert (rest["open"], rest["partly"], rest["not_closed"]) == (0, 0, [])
+    assert rest["share_left"] == pytest.approx(1.0)
     assert found["warnings"] == []
     with pytest.raises(InputError, match=r"modal\.sweep"):
         vibration_case(scene, {"sweep": "w"}, out)
