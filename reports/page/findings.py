@@ -126,9 +126,9 @@ def _not_the_least(found: Mapping[str, Any]) -> str:
         return ""
     bracket, where = found.get("limit_analysis"), "the command <code>masonry-cd limit</code> gives the bracket"
     if bracket:
-        upper, found = number(float(f"{bracket['associated']:.3g}")), bracket["least_found"]
+        upper, lowest = number(float(f"{bracket['associated']:.3g}")), bracket["least_found"]
         least = (
-            f"{number(float(f'{found:.3g}'))}, the least found without dilation, to" if found is not None else "no least factor, at most"
+            f"{number(float(f'{lowest:.3g}'))}, the least found without dilation, to" if lowest is not None else "no least factor, at most"
         )
         where = f"limit analysis has {least} {upper}, the associated value"
     return f"<p>Rigid joints that slide allow several load factors. This run found one, not the least: {where}.</p>"
