@@ -117,9 +117,9 @@ def run_by_team(kernel: Callable[..., Any], size: int, *arguments: Any) -> Any:
         except BaseException as error:
             barrier[ABANDONED] = 1  # also where a thread could not be had
             errors.append(error)
-        errors += [error for other in others if (error := other.exception()) is not None]
-    for error in sorted(errors, key=lambda error: isinstance(error, TeamAbandoned)):
-        raise error
+        errors += [found for found in (other.exception() for other in others) if found is not None]
+    for first in sorted(errors, key=lambda found: isinstance(found, TeamAbandoned)):
+        raise first
     return out
 
 
