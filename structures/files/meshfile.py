@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from masonry_cd.arrays import LARGEST
 from masonry_cd.atomic import replacing
@@ -127,6 +126,8 @@ def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> Shell:
     Args:
         tolerance: corners closer than this are one [m].
     """
+    from scipy.spatial import cKDTree  # takes as long to load as a small run
+
     groups = cKDTree(vertices).query_ball_point(vertices, tolerance)
     first = np.array([min(group) for group in groups])
     while (first != first[first]).any():
