@@ -32,6 +32,7 @@ import hashlib
 import os
 import re
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from functools import cache, cached_property, partial
@@ -52,6 +53,7 @@ COMMON = {"nogil": True, "error_model": "numpy", "fastmath": False}  # options o
 INTERNALS = "masonry_cd.numba_internals"
 OWN = ("masonry_cd.jit", INTERNALS, "masonry_cd.flat_calls")  # modules that decide how any kernel is compiled
 IMPORT = re.compile(r"^(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n#]*)|import[ \t]+([^\n#]*))", re.MULTILINE)  # at its top level
+_MAKING = threading.RLock()  # held while an entry is made, for threads that call it at once
 BEGUN = time.time()  # when this process had loaded no kernel yet [s]
 processor.choose()  # before numba is given its first function
 
@@ -140,8 +142,8 @@ class Entry(Kernel):
     @cached_property
     def _call(self) -> Callable[..., Any]:
         """What Python enters by."""
-        flat = self._flat
-        return self.outer if flat is None else flat.spread
+        with _MAKING:
+            return self.outer if self._flat is None else self._flat.spread
 
     @cached_property
     def outer(self) -> Any:

@@ -50,6 +50,12 @@ def missing() -> list[str]:
     return lacking
 
 
+def settled_target() -> tuple[str, str]:
+    """Name and features of the processor that numba compiles for, in LLVM's words; from here on it is this one."""
+    _, name, features = numba.njit(_nothing).targetctx.codegen().magic_tuple()
+    return name, features
+
+
 def compile_kernel(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     """numba's dispatcher of a function that kernels alone call, compiled as part of them; the options are those of ``numba.njit``."""
     compiled = _dispatcher(function, options, _Inner, no_cpython_wrapper=True)
