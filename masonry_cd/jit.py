@@ -38,11 +38,10 @@ from collections.abc import Callable, Iterator
 from functools import cache, cached_property, partial
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numba
-from numba.extending import is_jitted, typeof_impl
+from numba.extending import typeof_impl
 
 from masonry_cd import kernel_store, processor
 from masonry_cd.flat_calls import FlatCall, named_tuples
@@ -174,6 +173,9 @@ class Entry(Kernel):
         return numba_internals.compile_entry(function, options, kept)
 
 
+COMPILED = (Kernel, type(numba.njit(lambda: None)))  # what a compiled function is, here and in other packages
+
+
 def can_be_kept(function: Callable[..., Any]) -> bool:
     """Whether all that a function hangs on is in the file of its module, by which what it is compiled to is stamped."""
     module = sys.modules.get(function.__module__)
@@ -265,7 +267,7 @@ def imports_of(module: str) -> tuple[str, ...]:
     """The loaded modules that a module imports: those of its own package, and others that hold kernels."""
     names = dict.fromkeys(_named(_source(module).decode(errors="replace")))
     top = module.partition(".")[0]
-    return tuple(name for name in names if name in sys.modules and (name.partition(".")[0] == top or _has_kernels(sys.modules[name])))
+    return tuple(name for name in names if name in sys.modules and (name.partition(".")[0] == top or _has_kernels(name)))
 
 
 def _named(text: str) -> Iterator[str]:
@@ -278,8 +280,10 @@ def _named(text: str) -> Iterator[str]:
             yield origin
 
 
-def _has_kernels(module: ModuleType) -> bool:
-    """Whether a module holds compiled functions, and is none of numba's."""
-    if module.__name__.partition(".")[0] in ("numba", "llvmlite", "numpy", "scipy"):
+@cache
+def _has_kernels(module: str) -> bool:
+    """Whether a module holds compiled functions, and is none of numba's, nor of those that come with Python."""
+    top = module.partition(".")[0]
+    if top in ("numba", "llvmlite", "numpy", "scipy") or top in sys.stdlib_module_names:
         return False
-    return any(isinstance(value, Kernel) or is_jitted(value) for value in vars(module).values())
+    return any(isinstance(value, COMPILED) for value in list(vars(sys.modules[module]).values()))

@@ -131,14 +131,28 @@ class Kept:
         name = self.file(kinds)
         if not name or result.library.has_dynamic_globals or result.lifted:
             return
-        library, *rest = result._replace(type_annotation="")._reduce()
+        library, *rest, environments = result._replace(type_annotation="")._reduce()
         names = [result.fndesc.llvm_cpython_wrapper_name, result.fndesc.llvm_func_name]
         stubs = llvmlite.binding.parse_assembly("".join(map(STUB.format, names))).as_bitcode()
         title, form, (code, _) = library
-        kernel_store.write(name, dumps(((title, form, (code, stubs)), *rest)))
+        kernel_store.write(name, dumps(((title, form, (code, stubs)), *rest, tuple(map(_Environment, environments)))))
 
     def flush(self) -> None:
         """Nothing: a file that is not right is not read."""
+
+
+class _Environment:
+    """What compiled code of numba's own functions refers to, as it is kept: its constants, without the module of the function.
+
+    No compiled code looks into the module, and some of numba's take as long to import as a small run takes.
+    """
+
+    def __init__(self, environment: Any) -> None:
+        self.of = environment
+
+    def __reduce__(self) -> Any:
+        rebuild, (module, constants, name) = self.of.__reduce__()
+        return rebuild, ("numba" if module.startswith("numba.") else module, constants, name)
 
 
 def _take_numbers_by_kind(kernel: Any) -> None:
