@@ -14,7 +14,8 @@ from __future__ import annotations
 import os
 import sys
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -26,6 +27,7 @@ DIGEST = sha256().digest_size
 OTHERS = 86400.0  # age at which files of other sources go: another checkout may share the folder [s]
 
 unkept: list[OSError] = []  # why entries could not be written, a full disc for example
+_loading = [0.0]  # how long this process has loaded kernels [s]
 used: set[str] = set()  # names of what this process has read or written
 
 
@@ -53,6 +55,21 @@ def read(name: str) -> bytes | None:
             if sha256(whole[:-DIGEST]).digest() == whole[-DIGEST:]:
                 return whole[:-DIGEST]
     return None
+
+
+@contextmanager
+def loading() -> Iterator[None]:
+    """Stop :func:`clock` while the body loads a kernel."""
+    begin = time.perf_counter()
+    try:
+        yield
+    finally:
+        _loading[0] += time.perf_counter() - begin
+
+
+def clock() -> float:
+    """A reading of the clock without the time in which kernels were loaded, which happens at their first calls [s]."""
+    return time.perf_counter() - _loading[0]
 
 
 def is_there(name: str) -> bool:

@@ -112,19 +112,15 @@ class Kept:
 
     def load_overload(self, kinds: Any, context: Any) -> Any:
         """The kept entry, or None where there is none that can be read: numba then compiles, for which it fills its registries."""
-        name = self.file(kinds)
-        data = kernel_store.read(name) if name else None
-        if data is not None:
-            try:
-                rtsys.initialize(context)
-                found = CompileResult._rebuild(context, *pickle.loads(data))
-            except Exception:  # whatever pickle or LLVM raise about what another machine has written
-                found = None
-            if found is not None:
-                kernel_store.used.add(name)
-                return found
-        context.refresh()
-        return None
+        with kernel_store.loading():
+            name = self.file(kinds)
+            data = kernel_store.read(name) if name else None
+            found = None if data is None else _loaded(data, context)
+        if found is None:
+            context.refresh()
+        else:
+            kernel_store.used.add(name)
+        return found
 
     def save_overload(self, kinds: Any, result: Any) -> None:
         """Keep an entry: its machine code, and stubs in the place of the intermediate code, which nothing links."""
@@ -139,6 +135,15 @@ class Kept:
 
     def flush(self) -> None:
         """Nothing: a file that is not right is not read."""
+
+
+def _loaded(data: bytes, context: Any) -> Any:
+    """An entry as numba has it; None where it cannot be read."""
+    try:
+        rtsys.initialize(context)
+        return CompileResult._rebuild(context, *pickle.loads(data))
+    except Exception:  # whatever pickle or LLVM raise about what another machine has written
+        return None
 
 
 class _Environment:

@@ -216,6 +216,20 @@ def test_kernels_that_a_wheel_brings_are_used_where_nothing_can_be_written(run_k
     assert in_python(program.format(str(tmp_path / "elsewhere")), tmp_path) == "4.0 1"
 
 
+def test_the_clock_of_steps_leaves_out_the_loading_of_kernels(run_kernel, tmp_path):
+    run_kernel(2.0)
+    program = """
+import time
+from kernel_above import scaled_twice
+from masonry_cd import kernel_store
+load, kernel_store.read = kernel_store.read, lambda name: time.sleep(0.2) or load(name)
+begin, own = time.perf_counter(), kernel_store.clock()
+scaled_twice(1.0)
+print(time.perf_counter() - begin - (kernel_store.clock() - own) > 0.2)
+"""
+    assert in_python(program, tmp_path) == "True"
+
+
 def test_imports_inside_of_functions_do_not_count(run_kernel, tmp_path):
     """Whether they have happened hangs on what ran before."""
     lazy = CALLER + "\ndef unused():\n    import kernel_aside\n"

@@ -17,7 +17,6 @@ are springs instead, see ``joint_law.py``: there an overlap is the shortening of
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import replace
@@ -47,6 +46,7 @@ from masonry_cd.dynamics.system import Loads, Motion, System, plane_of
 from masonry_cd.freed_memory import keep_freed_memory
 from masonry_cd.friction.infeasibility import Closing
 from masonry_cd.friction.problem import FrictionProblem, Solution, natural_map_error
+from masonry_cd.kernel_store import clock
 from masonry_cd.model.blocks import Assembly
 from masonry_cd.model.joints import Joints
 from masonry_cd.model.state import State, body_maps, rotation_matrices
@@ -218,7 +218,7 @@ class Stepper:
         Raises:
             RunStopped: a velocity is not finite, or the meshes of two faces cross too often.
         """
-        begin = clock.perf_counter()
+        begin = clock()
         self._set_length(ticks)
         system, last = self.system, self.motion
         predicted = predict(system, last, system.loads.of_step(self.load_step, ticks))
@@ -260,7 +260,7 @@ class Stepper:
         return StepReport(
             solved.solution.iterations,
             solved.error,
-            clock.perf_counter() - begin,
+            clock() - begin,
             made.problem.contacts,
             deepest.depth,
             solved.solution.reason,
