@@ -100,16 +100,14 @@ def test_the_second_process_compiles_what_a_run_needs(planar):
 
 
 def test_what_is_compiled_is_known_until_a_file_is_missing(monkeypatch, tmp_path):
-    kind = SceneKind("nlgs", True)
-    with warmup.compiling(kind):
-        pass
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    kind, name = SceneKind("nlgs", True), kernel_store.name_of("room.kernel", "sources", "float64")
     assert not kind.is_compiled()
-    monkeypatch.setattr(kernel_store, "used", {"a"})
-    kernel_store.write("a", b"code")
+    monkeypatch.setattr(kernel_store, "used", {name})
+    kernel_store.write(name, b"code")
     kind.note()
     assert kind.is_compiled() and not replace(kind, planar=False).is_compiled()
-    (tmp_path / "a").unlink()
+    (tmp_path / name).unlink()
     assert not kind.is_compiled()
 
 
