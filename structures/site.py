@@ -156,7 +156,7 @@ def on_one_ground(structures: Sequence[Sequence[Block]]) -> list[list[Block]]:
     near = [(i, j) for i, j in combinations(range(len(structures)), 2) if _overlap(plans[i], plans[j])]
     if not near:
         return [list(blocks) for blocks in structures]
-    label = connected_components(*np.array(near).T, len(structures))
+    label = connected_components(np.array(near)[:, 0], np.array(near)[:, 1], len(structures))
     planes: list[list[tuple[np.ndarray, float]]] = [[] for _ in structures]
     for i, j in combinations(range(len(structures)), 2):
         if label[i] == label[j]:

@@ -142,7 +142,7 @@ def _common(planes: Planes, pairs: Sequence[tuple[int, int]]) -> tuple[np.ndarra
     if not pairs:
         return planes.normal, planes.offset
     links = np.array(pairs)
-    label = connected_components(*links.T, count)
+    label = connected_components(links[:, 0], links[:, 1], count)
     groups = int(label.max()) + 1
     _, first = np.unique(label, return_index=True)
     turn = np.where((planes.normal * planes.normal[first[label]]).sum(axis=1) > 0, 1.0, -1.0)  # faces of the far side look the other way
