@@ -17,6 +17,7 @@ from masonry_cd.app.progress import LINE_SECONDS, is_drawn
 from masonry_cd.quantities import in_words
 
 EVERY = 0.5  # between two looks into the folder [s]
+DOUBT = 3.0  # after which kernels are being compiled, though some were there [s]
 WEIGHTS = {"linearised_by_team": 15.0, "admm_bodies": 12.0, "update_pairs": 2.0}  # times as long as others these take to compile
 
 
@@ -30,17 +31,16 @@ def shown(count: int, seconds: float, why_again: str, stream: TextIO | None = No
         why_again: why the next run compiles them again; empty where it does not.
         stream: where to; standard error when not given.
     """
-    to, known = stream or sys.stderr, _files()
+    to, known = stream or sys.stderr, _files() - kernel_store.used  # those of the structure may have been compiled just now
     how_often = f"in each run, as {why_again}" if why_again else "once"
-    up_to = "up to " if known else ""
-    line = f"compiling {up_to}{count} kernels, {how_often}: about {in_words(seconds)}"
-    with suppress(OSError):
-        print(line, file=to, flush=True)
+    line = f"compiling {'up to ' if known else ''}{count} kernels, {how_often}: about {in_words(seconds)}"
+    if not known or why_again:
+        _say(line, to)
     if why_again:
         yield
         return
     over = threading.Event()
-    watch = threading.Thread(target=_watch, args=(known, count, to, over), daemon=True)
+    watch = threading.Thread(target=_watch, args=(known, count, line, to, over), daemon=True)
     watch.start()
     try:
         yield
@@ -49,8 +49,17 @@ def shown(count: int, seconds: float, why_again: str, stream: TextIO | None = No
         watch.join()
 
 
-def _watch(known: set[str], count: int, stream: TextIO, over: threading.Event) -> None:
+def _say(line: str, stream: TextIO) -> None:
+    with suppress(OSError):  # a terminal may go away
+        print(line, file=stream, flush=True)
+
+
+def _watch(known: set[str], count: int, line: str, stream: TextIO, over: threading.Event) -> None:
     """Show how far compiling is until it is over: a bar on a terminal, lines now and then elsewhere."""
+    if known:  # all may be there, and nothing to be compiled
+        if over.wait(DOUBT):
+            return
+        _say(line, stream)
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -68,7 +77,7 @@ def _watch(known: set[str], count: int, stream: TextIO, over: threading.Event) -
             bar.update(task, completed=min(sum(map(_weight, new)), total), description=words, refresh=True)
             if not drawn and time.monotonic() - last >= LINE_SECONDS:
                 last = time.monotonic()
-                print(f"compiling: {words}, {in_words(last - begin)} so far", file=stream, flush=True)
+                _say(f"compiling: {words}, {in_words(last - begin)} so far", stream)
         bar.update(task, completed=total, description=f"{count} of {count} kernels", refresh=True)
 
 

@@ -25,6 +25,7 @@ def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """An empty store, at which is looked often."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(compile_progress, "EVERY", 0.01)
+    monkeypatch.setattr(kernel_store, "used", set())
 
 
 def _compile(name: str) -> None:
@@ -57,12 +58,23 @@ def test_a_terminal_gets_a_bar(store, monkeypatch):
     assert "41 of 41 kernels" in stream.getvalue()
 
 
-def test_some_that_are_there_may_do(store):
+def test_what_this_process_has_just_compiled_is_part_of_the_count(store):
     _compile("room.first")
     stream = io.StringIO()
     with shown(41, 66.0, "", stream):
+        assert stream.getvalue() == "compiling 41 kernels, once: about 1 min 6 s\n"
+
+
+def test_where_some_are_there_nothing_is_said_until_it_takes_long(store, monkeypatch):
+    _compile("room.first")
+    kernel_store.used.clear()
+    stream = io.StringIO()
+    with shown(41, 66.0, "", stream):
         pass
-    assert stream.getvalue().startswith("compiling up to 41 kernels, once")
+    assert stream.getvalue() == ""
+    monkeypatch.setattr(compile_progress, "DOUBT", 0.01)
+    with shown(41, 66.0, "", stream):
+        _wait_for("compiling up to 41 kernels, once: about 1 min 6 s\n", stream)
 
 
 def test_what_is_compiled_again_in_each_run_is_said_with_the_reason():
