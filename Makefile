@@ -5,6 +5,7 @@
 # make docs    set-up, then the documentation as a site: out/docs/index.html
 # make validation      set-up, then the long comparisons with published numbers, closed forms and limit analysis; it prints their tables
 # make test-portable   set-up, then the numerical tests with kernels compiled for any x86-64 and for this very processor: rounding differs there
+# make wheel   set-up, then dist/: a pure wheel, and one with the kernels compiled for this Python on any x86-64 with AVX2 and FMA
 # make clean   drops what numba has compiled
 # A second run skips what is done. Another Python: make setup PYTHON=python3.13
 
@@ -23,7 +24,7 @@ as         = $(2) NUMBA_CACHE_DIR=$(CURDIR)/.cache/numba-$(1) $(VENV)/bin/python
 LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.so.1 libxft2:libXft.so.2 \
              libxinerama1:libXinerama.so.1 libgomp1:libgomp.so.1 libegl1:libEGL.so.1
 
-.PHONY: setup demo test check docs validation test-portable clean libraries
+.PHONY: setup demo test check docs validation test-portable wheel clean libraries
 .DELETE_ON_ERROR:
 
 setup: libraries $(STAMP) $(WARM)
@@ -56,6 +57,14 @@ test-portable: libraries $(STAMP)
 	$(call as,generic,NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES=) $(NUMERICAL)
 	$(call as,native,MASONRY_CD_NATIVE=1) $(NUMERICAL)
 
+# The kernels are compiled for x86-64-v3, whatever the processor of this machine has beyond it, and kept in .cache/kernels.
+wheel: libraries $(STAMP)
+	rm -rf .cache/kernels
+	env -u MASONRY_CD_NATIVE -u NUMBA_CPU_NAME -u NUMBA_CPU_FEATURES NUMBA_CACHE_DIR=$(CURDIR)/.cache/kernels $(VENV)/bin/python -m masonry_cd.app.compile_all examples/*.toml
+	$(VENV)/bin/python -m pip wheel --quiet --disable-pip-version-check --no-deps -w dist .
+	MASONRY_CD_KERNELS=$(CURDIR)/.cache/kernels $(VENV)/bin/python -m pip wheel --quiet --disable-pip-version-check --no-deps -w dist .
+	@ls -l dist
+
 clean:
 	rm -rf .cache $(WARM)
 	find masonry_cd structures loads reports benchmarks tests -name '*.nb[ci]' -delete
@@ -73,7 +82,6 @@ $(STAMP): pyproject.toml constraints.txt
 	@touch $@
 
 $(WARM): $(STAMP) $(CODE)
-	@echo "Compiling the kernels, once: about a minute on two cores"
 	@$(VENV)/bin/python -m masonry_cd.app.warmup
 	@touch $@
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from loads.combine import support_motions
-from loads.kinds.forces import Forces, bar, collect
+from loads.kinds.forces import Forces, TieTable, bar, collect
 from loads.kinds.gravity import GravityTable
 from loads.kinds.sequence import Pause, Shock
 from loads.kinds.tilt import TiltTable, load_factors
@@ -93,7 +93,7 @@ def build(
     parts = [KINDS[table.kind].part(table, grid, f"loads[{i}]") for i, table in enumerate(asked)]
     if not falls:
         parts.append(KINDS["gravity"].part(GravityTable(), grid, "gravity"))
-    tied = [bar(parse_load(table, where), grid, where) for where, table in ties]
+    tied = [bar(parse_table(TieTable, table, where), grid, where) for where, table in ties]
     acceleration = np.zeros((grid.steps + 1, 3))
     for part in parts:
         if part.acceleration is not None:

@@ -22,13 +22,12 @@ from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.geometry import Polyhedron
 from structures import Made, make
 from structures.geometry.checks import Unsound, check
@@ -157,8 +156,7 @@ def on_one_ground(structures: Sequence[Sequence[Block]]) -> list[list[Block]]:
     near = [(i, j) for i, j in combinations(range(len(structures)), 2) if _overlap(plans[i], plans[j])]
     if not near:
         return [list(blocks) for blocks in structures]
-    graph = coo_array((np.ones(len(near)), np.array(near).T), shape=(len(structures), len(structures)))
-    label = connected_components(graph, directed=False)[1]
+    label = connected_components(np.array(near)[:, 0], np.array(near)[:, 1], len(structures))
     planes: list[list[tuple[np.ndarray, float]]] = [[] for _ in structures]
     for i, j in combinations(range(len(structures)), 2):
         if label[i] == label[j]:

@@ -13,12 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.model.blocks import Assembly
+from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.state import State, rotation_matrices
 
 UPRIGHT = 1e-4  # sine of the slope of a joint: less is upright
@@ -66,10 +65,9 @@ def standing(assembly: Assembly) -> Standing:
     found = contacts_at_rest(assembly)
     spheres = np.array([block.radius > 0.0 for block in assembly.blocks])
     pairs = np.unique(found.bodies, axis=0).reshape(-1, 2)
-    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (assembly.count, assembly.count))
     touched = np.zeros(assembly.count, dtype=bool)
     touched[pairs] = True
-    _, label = connected_components(graph, directed=False)
+    label = connected_components(pairs[:, 0], pairs[:, 1], assembly.count)
     free = ~assembly.fixed & ~spheres
     held = np.isin(label, label[assembly.fixed])
     loose = free & ~touched

@@ -5,15 +5,15 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from places import ROOT
 
-from masonry_cd.foundation.jit import entry, has_cache, kept, kernel
-from masonry_cd.foundation.numba_internals import SharedFiles
+from masonry_cd.foundation import jit
+from masonry_cd.foundation.jit import can_be_kept, entry, kernel
 
 
 @kernel()
@@ -77,44 +77,20 @@ def test_named_tuples_are_put_together_again():
     assert total_height(drawing, line) == 24.0 + 12.0  # kernels pass them on as they are
 
 
-def test_what_is_kept_is_listed_by_field():
-    heights(Drawing(Line(np.zeros(2), 1.0, 0.0), (0, 0)), 1.0)
-    first = [drawing for drawing, _ in kept(heights)]
-    assert all(isinstance(drawing, Drawing) and isinstance(drawing.line, Line) for drawing in first)
-    assert 2 in {len(drawing.times) for drawing in first}
-
-
-def test_kernels_do_without_a_folder_for_their_cache():
+def test_a_function_that_is_in_no_file_is_compiled_but_not_kept():
+    """Nothing would say that it has changed."""
     typed: dict[str, Any] = {"__name__": __name__}
-    exec("def third(x):\n    return x / 3.0", typed)  # numba finds a place for a function that a file holds, and this one has none
-    compiled = entry()(typed["third"])
-    assert compiled(3.0) == 1.0
-    assert not has_cache(compiled) and kept(compiled) == []
+    exec("def third(x):\n    return x / 3.0", typed)
+    assert entry()(typed["third"])(3.0) == 1.0
+    assert not can_be_kept(typed["third"])
+    assert not can_be_kept(lambda x: x / typed["third"](3.0))
+    assert can_be_kept(quarter.py_func)
 
 
-class Code:
-    """What compiles to a text; something else happens while it is written."""
-
-    def __init__(self, text: str, meanwhile: Callable[[], None]) -> None:
-        self.text, self.meanwhile = text, meanwhile
-
-    def __reduce__(self) -> tuple[type[str], tuple[str]]:
-        self.meanwhile()
-        return str, (self.text,)
-
-
-def test_processes_that_compile_at_once_do_not_take_each_others_code(tmp_path):
-    """Another process, which has read the index before this one wrote it, saves its entry while this one does."""
-    shared = {"cache_path": str(tmp_path), "filename_base": "scaled", "source_stamp": "1"}
-
-    class Other(SharedFiles):
-        def _load_index(self):
-            return {}
-
-    code = Code("code for integers", lambda: Other(**shared).save(("floats",), "code for floats"))
-    SharedFiles(**shared).save(("integers",), code)
-    assert SharedFiles(**shared).load(("integers",)) == "code for integers"
-    assert SharedFiles(**shared).load(("floats",)) in (None, "code for floats")
+def test_nothing_is_kept_of_a_module_whose_file_has_changed_since_it_was_imported(monkeypatch):
+    assert jit.stamp.__wrapped__(__name__)
+    monkeypatch.setattr(jit, "BEGUN", 0.0)
+    assert jit.stamp.__wrapped__(__name__) == ""
 
 
 CALLEE = """
@@ -202,6 +178,72 @@ def test_a_damaged_cache_is_compiled_anew(run_kernel, tmp_path):
     assert run_kernel(2.0) == (4.0, 0)
 
 
+LATER = """
+from kernel_above import scaled_twice
+from masonry_cd.foundation.jit import entry
+
+@entry()
+def once_more(x):
+    return scaled_twice(x) + 1.0
+"""
+
+
+def test_a_kernel_that_is_compiled_later_takes_in_an_entry_of_which_only_machine_code_was_loaded(run_kernel, tmp_path):
+    assert run_kernel(2.0) == (4.0, 1)
+    (tmp_path / "kernel_later.py").write_text(LATER)
+    said = in_python(
+        "from kernel_later import once_more, scaled_twice\nprint(scaled_twice(1.0), once_more(1.0), scaled_twice.stats.cache_hits)",
+        tmp_path,
+    )
+    assert said.startswith("4.0 5.0 Counter({(float64,): 1}")
+
+
+def test_loading_an_entry_does_not_fill_the_registries_of_numba(run_kernel, tmp_path):
+    """They take longer than a small run."""
+    run_kernel(2.0)
+    said = in_python(
+        "import sys\nfrom kernel_above import scaled_twice\nprint(scaled_twice(1.0), 'numba.np.arraymath' in sys.modules)", tmp_path
+    )
+    assert said == "4.0 False"
+
+
+def test_kernels_that_a_wheel_brings_are_used_where_nothing_can_be_written(run_kernel, tmp_path):
+    run_kernel(2.0)
+    (tmp_path / "cache").rename(tmp_path / "brought")
+    (tmp_path / "cache").touch()  # no folder
+    program = "from masonry_cd import kernel_store\nkernel_store.SHIPPED = {!r}\n" + PROGRAM
+    assert in_python(program.format(str(tmp_path / "brought")), tmp_path) == "4.0 0"
+    assert in_python(program.format(str(tmp_path / "elsewhere")), tmp_path) == "4.0 1"
+
+
+def test_the_clock_of_steps_leaves_out_the_loading_of_kernels(run_kernel, tmp_path):
+    run_kernel(2.0)
+    program = """
+import time
+from kernel_above import scaled_twice
+from masonry_cd.foundation import kernel_store
+load, kernel_store.read = kernel_store.read, lambda name: time.sleep(0.2) or load(name)
+begin, own = time.perf_counter(), kernel_store.clock()
+scaled_twice(1.0)
+print(time.perf_counter() - begin - (kernel_store.clock() - own) > 0.2)
+"""
+    assert in_python(program, tmp_path) == "True"
+
+
+def test_imports_inside_of_functions_do_not_count(run_kernel, tmp_path):
+    """Whether they have happened hangs on what ran before."""
+    lazy = CALLER + "\ndef unused():\n    import kernel_aside\n"
+    (tmp_path / "kernel_aside.py").write_text(CALLEE.format(factor=7.0))
+    assert run_kernel(2.0, lazy) == (4.0, 1)
+    assert in_python("import kernel_aside\n" + PROGRAM, tmp_path) == "4.0 0"
+
+
+def in_python(program: str, folder: Path) -> str:
+    """What a program prints that finds the kernels in a folder."""
+    settings = os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)]), "NUMBA_CACHE_DIR": str(folder / "cache")}
+    return subprocess.run([sys.executable, "-c", program], env=settings, capture_output=True, text=True, check=True).stdout.strip()
+
+
 def test_plain_njit_gives_the_same_and_keeps_nothing(run_kernel, tmp_path):
     assert run_kernel(2.0, MASONRY_CD_PLAIN_NJIT="1")[0] == 4.0
     assert not list((tmp_path / "cache").rglob("*.nbc"))
@@ -222,3 +264,33 @@ def test_what_a_full_disc_does_not_take_is_known(run_kernel, tmp_path):
     settings = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)]), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     done = subprocess.run([sys.executable, "-c", FULL_DISC], env=settings, capture_output=True, text=True, check=True)
     assert done.stdout == "4.0 File too large\n"
+
+
+LACKING = """
+import numba.core.compiler
+del numba.core.compiler.CompileResult._rebuild
+from kernel_above import scaled_twice
+from masonry_cd.foundation.jit import why_nothing_is_kept
+print(scaled_twice(1.0), why_nothing_is_kept())
+"""
+
+
+def test_a_numba_that_lacks_a_private_name_leaves_plain_njit_and_the_reason(run_kernel, tmp_path):
+    run_kernel(2.0)
+    said = in_python(LACKING, tmp_path)
+    assert said.startswith("4.0 numba ")
+    assert said.endswith("lacks what the cache of kernels needs: CompileResult._rebuild")
+
+
+NEWER = """
+import numba
+numba.version_info = numba.version_info._replace(minor=99)
+from kernel_above import scaled_twice
+from masonry_cd.foundation.jit import why_nothing_is_kept
+print(scaled_twice(1.0), why_nothing_is_kept())
+"""
+
+
+def test_beyond_the_versions_tried_plain_njit_serves(run_kernel, tmp_path):
+    run_kernel(2.0)
+    assert "is newer than" in in_python(NEWER, tmp_path)

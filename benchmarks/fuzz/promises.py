@@ -13,7 +13,7 @@ SECONDS = 30.0  # of processor time
 MEMORY = float(foreign.MEMORY)  # resident [B]: what a program that reads foreign files may take
 ERROR, WARNING = "masonry-cd: error: ", "masonry-cd: warning: "
 STOPPED = re.compile(r"masonry-cd: interrupted.*|masonry-cd: go on with: .*|.*finishing the step.*")
-NOTES = re.compile(r"compiling the kernels.*|building .*")
+NOTES = re.compile(r"compiling.*|building .*")
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
@@ -18,11 +17,10 @@ import numpy as np
 
 from masonry_cd.app import time_step_checks
 from masonry_cd.app.doubts import doubts
-from masonry_cd.app.progress import said_if_slow
 from masonry_cd.app.scene import Scene
-from masonry_cd.app.warmup import compile_kernels, keeps
+from masonry_cd.app.warmup import SceneKind, compiling
 from masonry_cd.foundation.errors import InputError, in_plain_words
-from masonry_cd.foundation.jit import lost, why_nothing_is_kept
+from masonry_cd.foundation.jit import lost
 from masonry_cd.mechanics.contact.find_joints import built_gap, find_joints
 from masonry_cd.mechanics.dynamics.pauses import HOLD, STILL
 from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
@@ -161,7 +159,10 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     begin = time.perf_counter()
     structure = structure or structure_of(scene)
     try:
-        limit_table(scene.limit)
+        if scene.limit:
+            from masonry_cd.app.static_loads import limit_table
+
+            limit_table(scene.limit)
         strength_by_group(scene.material.compressive_strength, structure.assembly.groups)
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
@@ -180,10 +181,12 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
         raise InputError(f"{scene.origin.path}: loads: the base is shaken, but no block of the structure is fixed{remedy}")
     if loading.support_of is not None:
         assembly = replace(assembly, support_of=loading.support_of)
-    with _compiling():
+    planar, by_area, spheres = plane is not None, bool(assembly.laws.by_area.any()), bool(assembly.shapes.rounding.any())
+    with compiling(SceneKind(scene.run.solver, planar, by_area, scene.stress, strained, spheres)):
         joints, built = structure.joints, structure.built_gap
-        planar, by_area = plane is not None, bool(assembly.laws.by_area.any())
-        compile_kernels(scene.run.solver, planar, by_area, scene.stress, strained, bool(assembly.shapes.rounding.any()))
+    failure = lost()
+    if failure is not None:
+        _say_once(f"compiled kernels could not be kept, the next run compiles them again: {in_plain_words(failure)}")
     gravity = math.hypot(*scene.run.gravity)
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = structure.falling if gravity else []
@@ -200,19 +203,6 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
         raise scene.at_fault(error) from None
     steps = len(loading.acceleration) - 1
     return Case(scene, assembly, joints, loading, steps, still, notes, warnings, tuple(coarse), built, time.perf_counter() - begin)
-
-
-@contextmanager
-def _compiling() -> Iterator[None]:
-    """Say that kernels are compiled in the body where that takes long, whether later runs find them, and where they could not be kept."""
-    for_good = "one to three minutes on two cores and is kept for later runs"
-    no_folder = "no folder takes numba's cache; NUMBA_CACHE_DIR names one that does"
-    again = f"two to four minutes in each run, as {why_nothing_is_kept() or no_folder}"
-    with said_if_slow(f"compiling the kernels{', once' if keeps() else ''}: this takes {for_good if keeps() else again}"):
-        yield
-    failure = lost()
-    if failure is not None:
-        _say_once(f"compiled kernels could not be kept, the next run compiles them again: {in_plain_words(failure)}")
 
 
 @cache

@@ -10,8 +10,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -43,8 +42,7 @@ class Progress:
         self.total, self.done = total, 0
         self._costs, self._tick = costs, tick
         self._stream = stream or sys.stderr
-        drawn = self._stream.isatty() and os.environ.get("TERM", "dumb") not in PLAIN
-        self._bar = _bar(self._stream) if drawn and not quiet else None
+        self._bar = _bar(self._stream) if is_drawn(self._stream) and not quiet else None
         self._every = float("inf") if quiet else BAR_SECONDS if self._bar else LINE_SECONDS
 
     def __enter__(self) -> Progress:
@@ -89,6 +87,11 @@ class Progress:
         print(f"{steps}{share}, {in_words(elapsed)} so far, {left}", file=self._stream, flush=True)
 
 
+def is_drawn(stream: TextIO) -> bool:
+    """Whether a bar can be drawn there."""
+    return stream.isatty() and os.environ.get("TERM", "dumb") not in PLAIN
+
+
 def _bar(stream: TextIO) -> Bar:
     """A bar that is drawn only on demand, so that no thread of its own takes time from the run."""
     from rich.console import Console
@@ -110,18 +113,6 @@ def _bar(stream: TextIO) -> Bar:
         TextColumn("{task.fields[left]}"),
     )
     return Progress(*columns, console=Console(file=stream), auto_refresh=False)
-
-
-@contextmanager
-def said_if_slow(message: str, seconds: float = 3.0, stream: TextIO | None = None) -> Iterator[None]:
-    """Print a message when the body takes longer than some seconds."""
-    timer = threading.Timer(seconds, lambda: print(message, file=stream or sys.stderr, flush=True))
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
 
 
 class Interrupted(KeyboardInterrupt):

@@ -144,7 +144,7 @@ def static_loads(
     if direction is not None:
         live = nothing.copy()
         live[free, :3] = math.hypot(*down) * assembly.mass[free, None] * np.array(direction.vector)
-    bars = [bar(loads.parse_load(table, where), grid, where) for where, table in made]
+    bars = [bar(parse_table(TieTable, table, where), grid, where) for where, table in made]
     ties = [part.forces[0] for part in (*parts.values(), *bars) if isinstance(part.forces[0], Tie)]
     used = (PointTable, TieTable, PushTable, TiltTable) if support is None else (PointTable, TieTable)
     left = [f"loads[{i}] ({t.kind})" for i, t in enumerate(asked) if not isinstance(t, used) and i != at and t.kind != "gravity"]

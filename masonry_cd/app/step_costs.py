@@ -46,13 +46,24 @@ def motion_classes(support_velocity: np.ndarray, dt: float) -> np.ndarray:
 
 def _envelope(motion: np.ndarray, dt: float) -> np.ndarray:
     """Of motions (N, 3), the largest component over the MEMORY before each step, as a share of the peak (N,); 0 of none."""
-    from scipy.ndimage import maximum_filter1d
-
     largest = np.abs(motion).max(axis=1, initial=0.0)
     if not largest.any():
         return largest
     width = max(1, min(len(motion), round(MEMORY / dt)))
-    return np.asarray(maximum_filter1d(largest, width, origin=(width - 1) // 2, mode="constant") / largest.max())
+    return _largest_before(largest, width) / largest.max()
+
+
+def _largest_before(values: np.ndarray, width: int) -> np.ndarray:
+    """Of values (N,), none below zero, the largest of each and the width - 1 before it (N,).
+
+    Each window is the end of one block of that width and the beginning of the next (van Herk, Pattern Recogn. Lett. 13, 1992).
+    """
+    padded = np.concatenate([np.zeros(width - 1), values, np.zeros(-(len(values) + width - 1) % width)])
+    blocks = padded.reshape(-1, width)
+    from_begin = np.maximum.accumulate(blocks, axis=1).reshape(-1)
+    to_end = np.maximum.accumulate(blocks[:, ::-1], axis=1)[:, ::-1].reshape(-1)
+    count = len(values)
+    return np.maximum(to_end[:count], from_begin[width - 1 : width - 1 + count])
 
 
 class StepCosts:

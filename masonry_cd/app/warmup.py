@@ -1,81 +1,145 @@
-"""A run of three cubes before the real one, so that what numba compiles on first use does not count as time of the run.
+"""Has the kernels of a run compiled before it begins, by a run of three cubes, so that compiling does not count as time of the run.
 
-The scene has a bit of all that a step can meet: a cube at rest, one that starts inside another by a micrometre, one that falls on it.
-No step can reach its tolerance, so that ``auto`` turns to every solver that it has.
+The scene of the cubes has a bit of all that a step can meet: a cube at rest, one that starts inside another by a micrometre, one that falls
+on it. No step can reach its tolerance, so that ``auto`` turns to every solver that it has. Which files of ``kernel_store.py`` that took is
+kept as a list: as long as they are all there nothing needs to be done, and a run loads what it calls.
 
 ``python -m masonry_cd.app.warmup`` does so for a plane and for space with ``auto``, so that no first run has to (``make setup``).
 
-numba compiles one thing at a time. Where there are two cores, a second process therefore compiles the largest kernel, while this one runs
-the cubes with ADMM; then this one finds it in numba's cache. If the second process fails, it is compiled here.
+numba compiles one thing at a time. Where there are two cores, a second process therefore compiles the largest kernel, and before it some
+that the first one needs late, while this one runs the cubes with ADMM; each finds in the store what the other one has made. If the second
+process fails, all is compiled here.
 """
 
 from __future__ import annotations
 
+import gc
+import json
 import os
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import replace
-from functools import cache
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from numba import types
 
+from masonry_cd.app import compile_progress
 from masonry_cd.app.run_loop import run
-from masonry_cd.foundation.jit import has_cache, kept
+from masonry_cd.foundation import jit, kernel_store
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.dynamics import islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
-from masonry_cd.mechanics.friction.problem import FrictionProblem
-from masonry_cd.mechanics.linalg.small_blocks import room_for, size_of_blocks
+from masonry_cd.mechanics.friction.law_terms import errors_by_group
+from masonry_cd.mechanics.friction.problem import FrictionProblem, natural_map_error
+from masonry_cd.mechanics.linalg.small_blocks import room_for
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 from masonry_cd.mechanics.model.joints import touching_places
 from masonry_cd.mechanics.model.materials import JointLaw
 from masonry_cd.mechanics.model.state import State
-from masonry_cd.mechanics.solvers import Options, cores, interior
+from masonry_cd.mechanics.solvers import SOLVERS, Options, cores, interior
 from masonry_cd.mechanics.solvers.condensed import is_condensed
-from masonry_cd.mechanics.solvers.linearised_bodies import linearised_by_team
 
 STEPS, STEP = 6, 1e-3  # [s]
 FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 BALLS = "balls"  # group of the sphere, which is rigid where blocks deform
 COARSE = 10.0  # of elements [m]: as few of them as a cube can have
-PATIENCE = 60.0  # to wait for the second process, beyond what this one took for its share [s]
+PATIENCE = 60.0  # to wait for the second process, beyond twice what this one took for its share [s]
+COLLECT = (100_000, 20, 20)  # objects made between two looks for garbage among the new ones, and such looks before one among older ones
+BY_FACTORS = ("auto", "newton", "interior", "pivoting")  # solvers that come to the largest kernel
+
+# What there is to compile, by solver and whether in a plane: kernels, and seconds of a processor.
+KERNELS = {("auto", True): (34, 120.0), ("auto", False): (34, 110.0), ("nlgs", True): (25, 45.0), ("nlgs", False): (25, 50.0)}
+MORE = ((2, 4.0), (5, 8.0), (8, 20.0), (10, 25.0))  # beside these for joint laws by area, stress, blocks that deform, and spheres
+SHARED = 0.55  # of the time that one process takes, where two share the work
+PLAIN_TAKES = 2.0  # times as long takes numba's own njit
 
 
-@cache
-def compile_kernels(solver: str, planar: bool, by_area: bool, stress: bool = False, strained: int = 0, spheres: bool = False) -> None:
-    """Have the kernels of a solver compiled, or loaded from their cache: in a plane or in space, with laws that go by area or without;
-    ``stress``: those of the stress of blocks and joints as well; ``strained``: for blocks with so many unknowns more than rigid ones have;
-    ``spheres``: for scenes with some."""
-    if solver in ("auto", "newton", "interior", "pivoting") and keeps() and not is_kept(planar, strained) and cores() > 1:
-        with second_process(planar, strained):
-            _shake_cubes("admm", planar, by_area, strained=strained, spheres=spheres)
-    _shake_cubes(solver, planar, by_area, stress, strained, spheres)
-    if solver == "auto" and spheres:  # which begins with them only where there are many
-        _shake_cubes("accelerated", planar, by_area, strained=strained, spheres=spheres)
-    islands.compile_kernels()
+@dataclass(frozen=True)
+class SceneKind:
+    """What decides which kernels a run needs."""
+
+    solver: str
+    planar: bool
+    by_area: bool = False  # joint laws that go by area
+    stress: bool = False  # of blocks and joints as well
+    strained: int = 0  # unknowns of a block beyond those of a rigid one
+    spheres: bool = False
+
+    @cached_property
+    def file(self) -> str:
+        """Name of the list of kernels in the store; empty where none is kept."""
+        SOLVERS[self.solver]  # its module is imported, and those that it imports
+        sources = [jit.stamp(name) for name in (__name__, f"masonry_cd.mechanics.solvers.{self.solver}")]
+        return kernel_store.name_of("warm-up", "".join(part[:12] for part in sources), f"{self} {jit.target()}") if all(sources) else ""
+
+    def is_compiled(self) -> bool:
+        """Whether all kernels are in the store."""
+        data = kernel_store.read(self.file) if self.file and not jit.PLAIN else None
+        return data is not None and all(map(kernel_store.is_there, json.loads(data)))
+
+    def note(self) -> None:
+        """Note that what this process has loaded or compiled are the kernels."""
+        if self.file and jit.keeps() and all(map(kernel_store.is_there, kernel_store.used)):
+            kernel_store.write(self.file, json.dumps(sorted(kernel_store.used)).encode())
 
 
-def keeps() -> bool:
-    """Whether later runs find what this one compiles."""
-    return has_cache(linearised_by_team)
+_done: set[SceneKind] = set()  # whose kernels this process has
 
 
-def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False, strained: int = 0, spheres: bool = False) -> None:
+@contextmanager
+def compiling(kind: SceneKind) -> Iterator[None]:
+    """Have the kernels of a kind of scene compiled, where they are not in the store; the body may call kernels meanwhile."""
+    if kind in _done or kind.is_compiled():
+        yield
+        return
+    helped = kind.solver in BY_FACTORS and jit.keeps() and cores() > 1
+    with _rarely_collecting(), compile_progress.shown(*_expected(kind, helped), jit.why_nothing_is_kept()):
+        with second_process(kind) if helped else nullcontext():
+            yield
+            _shake_cubes(replace(kind, solver="admm", stress=False) if helped else kind)
+        _shake_cubes(kind)
+        if kind.solver == "auto" and kind.spheres:  # which begins with them only where there are many
+            _shake_cubes(replace(kind, solver="accelerated"))
+        islands.compile_kernels()
+    _done.add(kind)
+    kind.note()
+
+
+@contextmanager
+def _rarely_collecting() -> Iterator[None]:
+    """Look for garbage less often: numba makes millions of objects that stay, and looking through them takes a sixth of the time."""
+    usual = gc.get_threshold()
+    gc.set_threshold(*COLLECT)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*usual)
+
+
+def _expected(kind: SceneKind, helped: bool) -> tuple[int, float]:
+    """How many kernels a kind of scene needs, and about how long it takes to compile them all [s]."""
+    count, seconds = KERNELS.get((kind.solver, kind.planar), KERNELS["auto", kind.planar])
+    for asked, (more, longer) in zip((kind.by_area, kind.stress, kind.strained, kind.spheres), MORE, strict=True):
+        count, seconds = (count + more, seconds + longer) if asked else (count, seconds)
+    return count, seconds * (PLAIN_TAKES if jit.PLAIN else SHARED if helped else 1.0)
+
+
+def _shake_cubes(kind: SceneKind) -> None:
     """The run."""
+    planar, strained, spheres = kind.planar, kind.strained, kind.spheres
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     places = {"base": (0.0, 0.0), "sunk": (0.1, 1.0 - 1e-6), "falling": (0.2, 2.0 + 1e-3)}
     blocks = [Block(name, corners + [x, 0.0, z], FACES, 2000.0, fixed=name == "base") for name, (x, z) in places.items()]
-    laws = {"default": JointLaw(normal_stiffness=1e9, cohesion=1.0)} if by_area else None
+    laws = {"default": JointLaw(normal_stiffness=1e9, cohesion=1.0)} if kind.by_area else None
     if spheres:
         blocks.append(Block.sphere("ball", np.array([0.7, 0.5, 3.3]), 0.3, 2000.0, BALLS))
     assembly = Assembly.from_blocks(blocks, 0.5, laws, _material(planar, strained, spheres), 0.01 if spheres else 0.0)
@@ -86,11 +150,11 @@ def _shake_cubes(solver: str, planar: bool, by_area: bool, stress: bool = False,
     shaking = np.zeros((STEPS + 1, 1, 3))
     shaking[:, 0, 0] = 0.01 * np.arange(STEPS + 1)
     gravity = np.tile([0.0, 0.0, -9.81], (STEPS + 1, 1))
-    settings = Run(dt=STEP, duration=STEPS * STEP, solver=solver, tolerance=1e-300, planar=planar)
+    settings = Run(dt=STEP, duration=STEPS * STEP, solver=kind.solver, tolerance=1e-300, planar=planar)
     with TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", assembly, joints) as writer:
         machine = Stepper(assembly, shaking, gravity, settings)
         machine.kick(np.where(np.array(assembly.names) == "falling", 1.0, 0.0)[:, None] * [0.0, 0.0, -0.5, 0.0, 0.0, 0.0])  # it lands
-        run(machine, joints, writer, STEPS, stress=stress)
+        run(machine, joints, writer, STEPS, stress=kind.stress)
 
 
 def _material(planar: bool, strained: int, spheres: bool) -> ElasticBlocks | None:
@@ -105,17 +169,6 @@ def _material(planar: bool, strained: int, spheres: bool) -> ElasticBlocks | Non
 # --- the second process ------------------------------------------------------------------------------------------------------------
 
 
-def is_kept(planar: bool, strained: int = 0) -> bool:
-    """Whether the largest kernel is in the cache."""
-    problems = [kinds[2] for kinds in kept(linearised_by_team)]  # numba's types of ProblemArrays
-    rows, unknowns = _rows_and_solved_unknowns(planar, strained)
-    wanted = type(size_of_blocks(unknowns)) is np.ndarray  # one kernel for all that many
-    return any(
-        len(problem.m) == rows and (isinstance(problem.n, types.Array) if wanted else getattr(problem.n, "count", 0) == unknowns)
-        for problem in problems
-    )
-
-
 def _rows_and_unknowns(planar: bool, strained: int) -> tuple[int, int]:
     """Of a contact, and of a block with so many unknowns more than a rigid one has."""
     return (2, 3 + strained) if planar else (3, 6 + strained)
@@ -128,11 +181,11 @@ def _rows_and_solved_unknowns(planar: bool, strained: int) -> tuple[int, int]:
 
 
 @contextmanager
-def second_process(planar: bool, strained: int = 0) -> Iterator[subprocess.Popen[bytes] | None]:
+def second_process(kind: SceneKind) -> Iterator[subprocess.Popen[bytes] | None]:
     """Compile the largest kernel in a process of its own meanwhile, and in the end wait for it. It ends with this one at the latest."""
     begin = time.monotonic()
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    call = f"from masonry_cd.app import warmup; warmup.be_second_process({planar}, {strained})"
+    call = f"from masonry_cd.app import warmup; warmup.be_second_process({kind.planar}, {kind.strained})"
     try:
         other = subprocess.Popen(
             [sys.executable, "-P", "-c", call], env=environment, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
@@ -143,7 +196,7 @@ def second_process(planar: bool, strained: int = 0) -> Iterator[subprocess.Popen
     with other:
         try:
             yield other
-            other.wait(PATIENCE + time.monotonic() - begin)
+            other.wait(PATIENCE + 2 * (time.monotonic() - begin))
         except subprocess.TimeoutExpired:
             pass
         finally:
@@ -153,7 +206,8 @@ def second_process(planar: bool, strained: int = 0) -> Iterator[subprocess.Popen
 def be_second_process(planar: bool, strained: int) -> None:
     """Compile the largest kernel; leave when the input ends, which happens when the first process does, in whatever way."""
     threading.Thread(target=_leave_at_end_of_input, daemon=True).start()
-    compile_largest(planar, strained)
+    gc.set_threshold(*COLLECT)
+    compile_share(planar, strained)
 
 
 def _leave_at_end_of_input() -> None:
@@ -161,16 +215,19 @@ def _leave_at_end_of_input() -> None:
     os._exit(1)
 
 
-def compile_largest(planar: bool, strained: int = 0) -> None:
-    """Have the largest kernel compiled, by an iteration on a block that falls onto a support."""
+def compile_share(planar: bool, strained: int = 0) -> None:
+    """Have the kernels that measure errors compiled, then the largest one, by an iteration on a block that falls onto a support."""
     m, n = _rows_and_solved_unknowns(planar, strained)
     jacobian = np.zeros((1, 2, m, n))
     jacobian[0, 0, :, :m] = np.eye(m)
     body, contact = np.zeros((1, n)), np.zeros((1, m))
     problem = FrictionProblem(np.eye(n)[None], body - 1.0, np.array([[0, -1]]), jacobian, contact, np.full(1, 0.5), contact)
+    natural_map_error(problem, contact)
+    errors_by_group(problem.arrays(), contact, np.zeros(1, dtype=np.int64), 1)
     interior.solve(problem, Options(tolerance=1e-300, max_iterations=1))
 
 
 if __name__ == "__main__":
     for in_plane in (True, False):
-        compile_kernels("auto", in_plane, False)
+        with compiling(SceneKind("auto", in_plane)):
+            pass

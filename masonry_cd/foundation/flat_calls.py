@@ -39,7 +39,6 @@ class FlatCall:
     """
 
     def __init__(self, function: Callable[..., Any], kernel: Any, compile_flat: Callable[[Callable[..., Any]], Any]) -> None:
-        self.py_func, self.kernel = function, kernel
         kinds, name = named_tuples(function), function.__name__
         classes: dict[str, Any] = {}
         leaves: list[str] = []
@@ -49,16 +48,7 @@ class FlatCall:
         apart = ", ".join(map(_apart, given, kinds))
         take_apart = f"def {name}({', '.join(given)}):\n    return call({apart})\n"
         self.flat = compile_flat(_in_place_of(function, put_together, classes | {"call": kernel}))
-        self._spread = _made(name, take_apart, {"call": self.flat})
-        self._regroup = _made(name, put_together, classes | {"call": lambda *arguments: arguments})
-
-    def __call__(self, *arguments: Any) -> Any:
-        return self._spread(*arguments)
-
-    def regrouped(self, leaves: tuple[Any, ...]) -> tuple[Any, ...]:
-        """What stands for all fields one by one, by argument again."""
-        arguments: tuple[Any, ...] = self._regroup(*leaves)
-        return arguments
+        self.spread = _made(name, take_apart, {"call": self.flat})
 
 
 def _apart(value: str, kind: Any) -> str:

@@ -1,106 +1,163 @@
 """What reaches into numba beyond its public interface, for ``jit.py``, which says what for. Tried up to the version named there.
 
-A kernel that Python does not call ends as intermediate code in numba's pipeline, and is linked into its callers in that form. Cache entries
-are stamped by a string given, and processes may share them. Settings are compared quickly, and calls with literal numbers use the version
-for all numbers of their kind. Kernels may be given to kernels as arguments, and what is compiled so is kept, too.
+A kernel that Python does not call ends as intermediate code in numba's pipeline, and is linked into its callers in that form. Entries are
+kept by ``kernel_store.py``; of what is kept only machine code is loaded, without the registries that numba fills before it compiles.
+Settings are compared quickly, and calls with literal numbers use the version for all numbers of their kind. Kernels may be given to kernels
+as arguments, and what is compiled so is kept, too.
+
+``missing`` lists what a version of numba lacks of all that; ``jit.py`` then does without this file.
 """
 
 from __future__ import annotations
 
-import contextlib
+import pickle
 from collections.abc import Callable
-from hashlib import sha256
+from functools import cache
 from typing import Any
 
+import llvmlite.binding
 import numba
-from numba.core import caching, types
+from numba.core import types
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler, Flags
+from numba.core.compiler import Compiler, CompileResult, Flags
 from numba.core.compiler_machinery import register_pass
+from numba.core.dispatcher import Dispatcher
 from numba.core.imputils import lower_constant
+from numba.core.runtime import rtsys
+from numba.core.serialize import dumps
 from numba.core.typed_passes import NativeLowering
-from numba.core.types.misc import unliteral
-from numba.experimental.function_type import lower_constant_dispatcher
+from numba.types import unliteral
 
-unkept: list[OSError] = []  # why entries of a cache could not be written, a full disc for example
+from masonry_cd.foundation import kernel_store
+
 HASH = hash(Flags())  # that of all settings, by numba's definition
+NEEDED = (  # names beyond those imported above, by the class that has them
+    (Dispatcher, ("compile", "add_overload", "get_call_template")),
+    (CompileResult, ("_reduce", "_rebuild", "_replace")),
+    (JITCodeLibrary, ("finalize", "_get_module_for_linking", "serialize_using_object_code", "_unserialize")),
+    (Compiler, ("define_pipelines",)),
+    (NativeLowering, ("run_pass",)),
+    (type(rtsys), ("initialize",)),
+)
+STUB = 'define void @"{}"() {{ ret void }}\n'  # all that is known of the code of a function that is kept: its name
+
+
+def missing() -> list[str]:
+    """What this file needs of numba and does not find."""
+    lacking = [f"{kind.__name__}.{name}" for kind, names in NEEDED for name in names if not hasattr(kind, name)]
+    made = numba.njit(_nothing)
+    lacking += [f"Dispatcher.{name}" for name in ("_cache", "_type", "_insert", "_compiler", "targetctx") if not hasattr(made, name)]
+    return lacking
+
+
+def settled_target() -> tuple[str, str]:
+    """Name and features of the processor that numba compiles for, in LLVM's words; from here on it is this one."""
+    _, name, features = numba.njit(_nothing).targetctx.codegen().magic_tuple()
+    return name, features
 
 
 def compile_kernel(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     """numba's dispatcher of a function that kernels alone call, compiled as part of them; the options are those of ``numba.njit``."""
     compiled = _dispatcher(function, options, _Inner, no_cpython_wrapper=True)
     compiled._insert = _nothing  # numba would list an entry that is not there, and Python jump to it
-    compiled._compile_for_args = _refused
     return compiled
 
 
-def compile_entry(function: Callable[..., Any], options: dict[str, Any], stamp: str) -> Any:
-    """numba's dispatcher of a function that Python calls, to be compiled at its first call.
+def compile_entry(function: Callable[..., Any], options: dict[str, Any], kept: Kept | None) -> Any:
+    """numba's dispatcher of a function that Python calls, to be compiled or loaded at its first call.
 
     Args:
         function: to be compiled.
         options: those of ``numba.njit``.
-        stamp: of its entries in the cache; others are not used.
+        kept: where the store has it; None where it is not kept.
     """
     compiled = _dispatcher(function, options, _Pipeline)
-    with contextlib.suppress(RuntimeError):  # neither the package's folder nor the user's takes a cache
-        compiled._cache = _StampedCache(function, stamp)
+    if kept is not None:
+        compiled._cache = kept
     return compiled
 
 
 def _dispatcher(function: Callable[..., Any], options: dict[str, Any], pipeline: type[Compiler], **more: Any) -> Any:
     compiled = numba.njit(pipeline_class=pipeline, no_cfunc_wrapper=True, **more, **options)(function)
-    compiled._type.name = function.__qualname__  # part of the names of the kernels that it is given to; by default long, with an address
+    # Part of the names of the kernels that it is given to. By default it is long, with an address.
+    compiled._type.name = f"{function.__module__}.{function.__qualname__}"
     _take_numbers_by_kind(compiled)
     return compiled
 
 
-def kept(kernel: Any) -> list[tuple[Any, ...]]:
-    """The kinds of arguments for which the cache of a kernel holds an entry, as it is to be compiled on this machine."""
-    cache, target = kernel._cache, kernel.targetctx.codegen()
-    return [key[0] for key in cache._cache_file._load_index() if key == cache._index_key(key[0], target)]
+class Kept:
+    """What numba takes for the cache of an entry.
 
-
-class _StampedCache(caching.FunctionCache):
-    """numba's cache of a function, whose entries are stamped by a given string."""
-
-    def __init__(self, function: Callable[..., Any], stamp: str) -> None:
-        super().__init__(function)
-        self._cache_file = SharedFiles(cache_path=self._cache_path, filename_base=self._impl.filename_base, source_stamp=stamp)
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The kept entry, or None where there is none that can be read."""
-        try:
-            return super().load_overload(sig, target_context)
-        except Exception:  # whatever a damaged file makes pickle or LLVM raise
-            with contextlib.suppress(OSError):
-                self.flush()
-            return None
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep an entry, where the disc has room for it; why it has not is noted in ``unkept``."""
-        try:
-            super().save_overload(sig, data)
-        except OSError as failure:
-            unkept.append(failure)
-
-
-class SharedFiles(caching.IndexDataCacheFile):
-    """The files of a cache that processes share: an entry's file has a name of its own, and is there before the index tells of it.
-
-    numba counts entries up. Two processes that compile for different kinds of arguments at once would take the same number, and what the
-    one has compiled be loaded for the arguments of the other.
+    Args:
+        entry: name in the store.
+        sources: gives the hash of the sources that it reaches; empty where it must not be kept.
+        target: what it is compiled for, in words.
     """
 
-    def save(self, key: Any, data: Any) -> None:
-        """Save the entry of a key. Should another process write the index at this instant, one of the two entries is compiled again."""
-        name = self._data_name(int(sha256(repr(key).encode()).hexdigest()[:12], 16))
-        self._save_data(name, data)
-        try:
-            known = self._load_index()
-        except Exception:  # as in load_overload
-            known = {}
-        self._save_index(known | {key: name})
+    def __init__(self, entry: str, sources: Callable[[], str], target: str) -> None:
+        self.entry, self.sources, self.target = entry, sources, target
+
+    @property
+    def cache_path(self) -> str | None:
+        """The folder, for numba's statistics."""
+        place = kernel_store.folder()
+        return None if place is None else str(place)
+
+    def file(self, kinds: Any) -> str:
+        """Name of the file for the types of arguments; empty where there is to be none."""
+        sources = self.sources()
+        if not sources:
+            return ""
+        return kernel_store.name_of(self.entry, sources, f"{kinds} {self.target}")
+
+    def load_overload(self, kinds: Any, context: Any) -> Any:
+        """The kept entry, or None where there is none that can be read: numba then compiles, for which it fills its registries."""
+        with kernel_store.loading():
+            name = self.file(kinds)
+            data = kernel_store.read(name) if name else None
+            found = None if data is None else _loaded(data, context)
+        if found is None:
+            context.refresh()
+        else:
+            kernel_store.used.add(name)
+        return found
+
+    def save_overload(self, kinds: Any, result: Any) -> None:
+        """Keep an entry: its machine code, and stubs in the place of the intermediate code, which nothing links."""
+        name = self.file(kinds)
+        if not name or result.library.has_dynamic_globals or result.lifted:
+            return
+        library, *rest, environments = result._replace(type_annotation="")._reduce()
+        names = [result.fndesc.llvm_cpython_wrapper_name, result.fndesc.llvm_func_name]
+        stubs = llvmlite.binding.parse_assembly("".join(map(STUB.format, names))).as_bitcode()
+        title, form, (code, _) = library
+        kernel_store.write(name, dumps(((title, form, (code, stubs)), *rest, tuple(map(_Environment, environments)))))
+
+    def flush(self) -> None:
+        """Nothing: a file that is not right is not read."""
+
+
+def _loaded(data: bytes, context: Any) -> Any:
+    """An entry as numba has it; None where it cannot be read."""
+    try:
+        rtsys.initialize(context)
+        return CompileResult._rebuild(context, *pickle.loads(data))
+    except Exception:  # whatever pickle or LLVM raise about what another machine has written
+        return None
+
+
+class _Environment:
+    """What compiled code of numba's own functions refers to, as it is kept: its constants, without the module of the function.
+
+    No compiled code looks into the module, and some of numba's take as long to import as a small run takes.
+    """
+
+    def __init__(self, environment: Any) -> None:
+        self.of = environment
+
+    def __reduce__(self) -> Any:
+        rebuild, (module, constants, name) = self.of.__reduce__()
+        return rebuild, ("numba" if module.startswith("numba.") else module, constants, name)
 
 
 def _take_numbers_by_kind(kernel: Any) -> None:
@@ -115,10 +172,6 @@ def _take_numbers_by_kind(kernel: Any) -> None:
 
 def _nothing(*_: Any) -> None:
     """Stand in for what is not to be done."""
-
-
-def _refused(*_: Any, **__: Any) -> None:
-    raise TypeError("this kernel is called by other kernels alone; with @entry Python may call it too")
 
 
 class _Flags(Flags):
@@ -137,6 +190,7 @@ class _Pipeline(Compiler):
     """numba's compiler, with settings that are quick to compare."""
 
     def __init__(self, typing: Any, target: Any, library: Any, args: Any, result: Any, flags: Flags, names: Any) -> None:
+        _let_kernels_be_given()
         super().__init__(typing, target, library, args, result, _Flags(flags), names)
 
 
@@ -167,12 +221,16 @@ class _InnerLowering(NativeLowering):
         return True
 
 
-@lower_constant(types.Dispatcher)
-def _given(context: Any, builder: Any, kind: Any, kernel: Any) -> Any:
-    """What a kernel is passed as to another one: nothing, since its type says all. numba passes its address, which no cache can keep."""
-    if issubclass(kind.dispatcher._compiler.pipeline_class, _Pipeline):
-        return context.get_dummy_value()
-    return lower_constant_dispatcher(context, builder, kind, kernel)
+@cache
+def _let_kernels_be_given() -> None:
+    """Pass a kernel to another one as nothing, since its type says all. numba passes its address, which no cache can keep."""
+    from numba.experimental.function_type import lower_constant_dispatcher  # numba's own rule, which must come before this one
+
+    @lower_constant(types.Dispatcher)
+    def _given(context: Any, builder: Any, kind: Any, kernel: Any) -> Any:
+        if issubclass(kind.dispatcher._compiler.pipeline_class, _Pipeline):
+            return context.get_dummy_value()
+        return lower_constant_dispatcher(context, builder, kind, kernel)
 
 
 class _Name:

@@ -41,8 +41,13 @@ def choose() -> None:
 
 def target() -> tuple[str, str]:
     """Name and features of the processor that numba compiles for, in LLVM's words; settles it."""
-    _, name, features = numba.njit(_nothing).targetctx.codegen().magic_tuple()
-    return name, features
+    try:
+        from masonry_cd.foundation.numba_internals import settled_target  # which a newer numba may not have the names for
+
+        return settled_target()
+    except (ImportError, AttributeError):
+        host = llvmlite.binding.get_host_cpu_name(), llvmlite.binding.get_host_cpu_features().flatten()
+        return numba.config.CPU_NAME or host[0], numba.config.CPU_FEATURES or host[1]
 
 
 def _is_one() -> bool:
@@ -52,7 +57,3 @@ def _is_one() -> bool:
     except RuntimeError:  # LLVM does not know
         return False
     return llvmlite.binding.get_process_triple().startswith("x86_64") and numba.config.ENABLE_AVX and all(map(found.get, FEATURES))
-
-
-def _nothing() -> None:
-    """A function to ask for the target by."""

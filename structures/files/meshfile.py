@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from masonry_cd.foundation.arrays import LARGEST
 from masonry_cd.foundation.atomic import replacing
@@ -134,6 +133,8 @@ def mended(vertices: np.ndarray, faces: Faces, tolerance: float) -> Shell:
     Raises:
         InputError: this would make one corner of more than MET, on the average.
     """
+    from scipy.spatial import cKDTree  # takes as long to load as a small run
+
     tree = cKDTree(vertices)
     met = int(tree.query_ball_point(vertices, tolerance, return_length=True).sum())
     if met > MET * len(vertices):

@@ -13,11 +13,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.mechanics.contact.broad_phase import overlapping_boxes
 from masonry_cd.mechanics.model.blocks import Block
+from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.polygon import clip, loop_area, loop_planes
 from structures.geometry.checks import Unsound
 
@@ -149,7 +148,8 @@ def _common(planes: Planes, pairs: Sequence[tuple[int, int]]) -> tuple[np.ndarra
     if not pairs:
         return planes.normal, planes.offset
     links = np.array(pairs)
-    groups, label = connected_components(coo_matrix((np.ones(len(links)), links.T), (count, count)), directed=False)
+    label = connected_components(links[:, 0], links[:, 1], count)
+    groups = int(label.max()) + 1
     _, first = np.unique(label, return_index=True)
     turn = np.where((planes.normal * planes.normal[first[label]]).sum(axis=1) > 0, 1.0, -1.0)  # faces of the far side look the other way
     weight = turn * planes.area

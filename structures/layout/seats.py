@@ -6,11 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
+from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.geometry import Polyhedron
 from structures.geometry.compound_block import GRID, compound_block
 from structures.geometry.convex import halves
@@ -81,8 +80,7 @@ def _connected(cells: Sequence[Block]) -> list[list[int]]:
     owner = np.repeat(np.arange(len(cells)), [len(cell.faces) for cell in cells])
     centres = np.array([cell.vertices[list(face)].mean(axis=0) for cell in cells for face in cell.faces])
     first, second = np.nonzero(np.abs(centres[:, None] - centres[None]).max(axis=2) < GRID)
-    pairs = coo_array((np.ones(len(first)), (owner[first], owner[second])), shape=(len(cells), len(cells)))
-    label = connected_components(pairs, directed=False)[1]
+    label = connected_components(owner[first], owner[second], len(cells))
     return [np.flatnonzero(label == k).tolist() for k in dict.fromkeys(label.tolist())]
 
 

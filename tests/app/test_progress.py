@@ -5,13 +5,12 @@ from __future__ import annotations
 import io
 import signal
 import sys
-import time
 
 import numpy as np
 import pytest
 
 from masonry_cd.app import progress
-from masonry_cd.app.progress import Interrupt, Interrupted, Progress, said_if_slow
+from masonry_cd.app.progress import Interrupt, Interrupted, Progress
 from masonry_cd.app.step_costs import AFTER, REST, SETTLING, STRONG, StepCosts, motion_classes
 from masonry_cd.foundation.quantities import force, in_words, length
 
@@ -154,15 +153,6 @@ def test_steps_that_adapt_share_their_cost_among_those_of_the_loads():
     costs.add(8, 2.0)
     costs.add(10, 0.5)
     assert costs.seconds_left() == pytest.approx(90 * 0.25, rel=0.05)
-
-
-def test_a_slow_body_is_explained_and_a_quick_one_is_not():
-    stream = io.StringIO()
-    with said_if_slow("compiling", 0.01, stream):
-        time.sleep(0.1)
-    with said_if_slow("never said", 10.0, stream):
-        pass
-    assert stream.getvalue() == "compiling\n"
 
 
 @pytest.mark.parametrize("number", progress.SIGNALS)

@@ -7,38 +7,37 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import scenes
-from numba.core.dispatcher import Dispatcher
 
 from masonry_cd.app import warmup
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
-from masonry_cd.foundation.flat_calls import FlatCall
-from masonry_cd.foundation.jit import compiled, kept
+from masonry_cd.app.warmup import SceneKind
+from masonry_cd.foundation import kernel_store
+from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.solvers import SOLVERS, Options
-from masonry_cd.mechanics.solvers.linearised_bodies import linearised_by_team
 
 
-def versions() -> Counter[str]:
-    """How many versions of each kernel, one for each set of types of its arguments, are compiled or loaded from the cache."""
+def compiled() -> Counter[str]:
+    """How many versions of each kernel, one for each set of types of its arguments, this process has compiled and not loaded."""
     rooms = [vars(module) for name, module in sys.modules.items() if name.startswith(("masonry_cd.", "structures.", "loads.", "tests."))]
-    kernels = [kernel for room in rooms for kernel in room.values() if isinstance(kernel, Dispatcher | FlatCall)]
-    return Counter({f"{k.py_func.__module__}.{k.py_func.__name__}": len(compiled(k).signatures) for k in kernels})
+    kernels = {kernel for room in rooms for kernel in room.values() if isinstance(kernel, Entry)}
+    return Counter({f"{k.__module__}.{k.__name__}": sum(k.stats.cache_misses.values()) for k in kernels if "outer" in vars(k)})
 
 
 @pytest.mark.parametrize("planar", [True, False])
 def test_a_run_compiles_nothing(block_on_plate, tmp_path, planar):
     changes = ["run.solver=auto", f"run.planar={str(planar).lower()}", "material.friction=0.2", "run.duration=0.3"]
     prepared = prepare(read_scene(block_on_plate(), changes))
-    before = versions()
+    before = compiled()
     summary = run_case(prepared, tmp_path / "out")
     assert summary["steps"] == 300
-    assert versions() - before == Counter()
-    assert before["masonry_cd.mechanics.solvers.admm_kernels.admm_bodies"] > 0
+    assert compiled() - before == Counter()
 
 
 def test_a_run_of_blocks_that_deform_compiles_nothing(block_on_plate, tmp_path):
@@ -51,9 +50,9 @@ def test_a_run_of_blocks_that_deform_compiles_nothing(block_on_plate, tmp_path):
         "material.young=1e9",
     ]
     prepared = prepare(read_scene(block_on_plate(), changes))
-    before = versions()
+    before = compiled()
     assert run_case(prepared, tmp_path / "out")["steps"] == 100
-    assert versions() - before == Counter()
+    assert compiled() - before == Counter()
 
 
 def test_blocks_that_drop_and_land_compile_nothing(block_on_plate, tmp_path):
@@ -61,9 +60,9 @@ def test_blocks_that_drop_and_land_compile_nothing(block_on_plate, tmp_path):
     text = (scene.parent / "blocks.json").read_text()
     (scene.parent / "blocks.json").write_text(text.replace("0.25, 0.0]", "0.25, 0.01]"))  # the lower corners of the block
     prepared = prepare(read_scene(scene, ["run.solver=auto", "run.settle=false", "run.duration=0.1"]))
-    before = versions()
+    before = compiled()
     assert run_case(prepared, tmp_path / "out")["steps"] == 100
-    assert versions() - before == Counter()
+    assert compiled() - before == Counter()
 
 
 def test_packed_grains_find_their_sweeps_compiled(block_on_plate):
@@ -74,10 +73,9 @@ def test_packed_grains_find_their_sweeps_compiled(block_on_plate):
     structure["blocks"].append({"name": "ball", "centre": [-1.2, 0.0, 0.26], "radius": 0.25, "density": 2000.0})
     blocks.write_text(json.dumps(structure))
     prepare(read_scene(scene, ["run.solver=auto"]))
-    before = versions()
+    before = compiled()
     assert SOLVERS["auto"](scenes.packing(4, mu=0.3, speed=0.0), Options(tolerance=1e-4), None).reason == "accelerated: converged"
-    assert before["masonry_cd.mechanics.solvers.accelerated_kernels.accelerated_bodies"] > 0
-    assert versions() - before == Counter()
+    assert compiled() - before == Counter()
 
 
 def test_a_run_with_spheres_compiles_nothing(block_on_plate, tmp_path):
@@ -87,19 +85,30 @@ def test_a_run_with_spheres_compiles_nothing(block_on_plate, tmp_path):
     structure["blocks"].append({"name": "ball", "centre": [-1.2, 0.0, 0.26], "radius": 0.25, "density": 2000.0})
     blocks.write_text(json.dumps(structure))
     prepared = prepare(read_scene(scene, ["run.solver=nlgs", "run.settle=false", "run.duration=0.1", "material.rolling_friction=0.01"]))
-    before = versions()
+    before = compiled()
     assert run_case(prepared, tmp_path / "out")["steps"] == 100
-    assert versions() - before == Counter()
+    assert compiled() - before == Counter()
 
 
 @pytest.mark.parametrize("planar", [True, False])
 def test_the_second_process_compiles_what_a_run_needs(planar):
-    warmup.compile_kernels("auto", planar, False)
-    before = versions()
-    warmup.compile_largest(planar)
-    assert versions() - before == Counter()
-    assert warmup.is_kept(planar)
-    assert set(kept(linearised_by_team)) >= {linearised_by_team.regrouped(kinds) for kinds in compiled(linearised_by_team).overloads}
+    with warmup.compiling(SceneKind("auto", planar)):
+        pass
+    before = compiled()
+    warmup.compile_share(planar)
+    assert compiled() - before == Counter()
+
+
+def test_what_is_compiled_is_known_until_a_file_is_missing(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    kind, name = SceneKind("nlgs", True), kernel_store.name_of("room.kernel", "sources", "float64")
+    assert not kind.is_compiled()
+    monkeypatch.setattr(kernel_store, "used", {name})
+    kernel_store.write(name, b"code")
+    kind.note()
+    assert kind.is_compiled() and not replace(kind, planar=False).is_compiled()
+    (tmp_path / name).unlink()
+    assert not kind.is_compiled()
 
 
 def test_a_run_does_without_a_second_process(monkeypatch, tmp_path):
@@ -108,7 +117,7 @@ def test_a_run_does_without_a_second_process(monkeypatch, tmp_path):
     for mode in (0o644, 0o755):  # cannot be started; fails
         failing.chmod(mode)
         monkeypatch.setattr(sys, "executable", str(failing))
-        with warmup.second_process(True) as other:
+        with warmup.second_process(SceneKind("auto", True)) as other:
             assert (other is None) == (mode == 0o644)
 
 
@@ -116,7 +125,8 @@ def test_a_run_does_without_a_second_process(monkeypatch, tmp_path):
 def test_no_second_process_outlives_a_killed_first_one(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))  # it has everything to compile
     code = (
-        "import time\nfrom masonry_cd.app import warmup\nwith warmup.second_process(True) as p:\n print(p.pid, flush=True)\n"
+        "import time\nfrom masonry_cd.app import warmup\n"
+        "kind = warmup.SceneKind('auto', True)\nwith warmup.second_process(kind) as p:\n print(p.pid, flush=True)\n"
         " time.sleep(600)"
     )
     first = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)

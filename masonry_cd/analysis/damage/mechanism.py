@@ -28,13 +28,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial.transform import Rotation
 
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot, MacroElements
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.joints import Joints
 
 NONE, HINGING, SLIDING, PARTING = "none", "hinging", "sliding", "parting"
@@ -97,8 +95,7 @@ def pieces_of(solids: Solids, joints: Joints, parts: MacroElements, rules: Rules
     count = len(solids.centre)
     for p in range(parts.parts):
         inside = parts.blocks[p][joints.block_a] & parts.blocks[p][joints.block_b]
-        links = coo_array((np.ones(int(inside.sum())), (joints.block_a[inside], joints.block_b[inside])), shape=(count, count))
-        label = connected_components(links, directed=False)[1]
+        label = connected_components(joints.block_a[inside], joints.block_b[inside], count)
         mine = np.flatnonzero(parts.blocks[p])
         order = mine[np.argsort(label[mine], kind="stable")]
         for members in np.split(order, np.flatnonzero(np.diff(label[order])) + 1):
@@ -115,7 +112,7 @@ def mechanisms(
     weights = _joint_weights(snapshot, joints)
     turn, towards = np.zeros(parts.count), [""] * parts.count
     held: list[set[str]] = [set() for _ in range(parts.count)]
-    spin = Rotation.from_matrix(snapshot.pose.rotation).as_rotvec()
+    spin = _rotation_vectors(snapshot.pose.rotation) if pieces else np.empty((0, 3))
     for piece in pieces:
         angle, direction = _turn(piece, snapshot, parts, spin, rules)
         if angle > turn[piece.part]:
@@ -178,3 +175,10 @@ def _turn(piece: Piece, snapshot: DamageSnapshot, parts: MacroElements, spin: np
     top = np.cross(total * axis, [0.0, 0.0, 1.0])
     k = int(np.argmax(np.abs(top)))
     return abs(total), f"{'-' if top[k] < 0 else '+'}{'xy'[k]}"
+
+
+def _rotation_vectors(rotation: np.ndarray) -> np.ndarray:
+    """Axis times angle (B, 3) [rad] of rotations (B, 3, 3)."""
+    from scipy.spatial.transform import Rotation  # takes as long to load as a small run
+
+    return np.asarray(Rotation.from_matrix(rotation).as_rotvec())

@@ -17,7 +17,6 @@ are springs instead, see ``joint_law.py``: there an overlap is the shortening of
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import replace
@@ -27,6 +26,7 @@ import numpy as np
 
 from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.freed_memory import keep_freed_memory
+from masonry_cd.foundation.kernel_store import clock
 from masonry_cd.mechanics.contact.contact_set import ContactSet
 from masonry_cd.mechanics.contact.detector import Detector, TooManyPoints
 from masonry_cd.mechanics.dynamics import joint_forces
@@ -216,7 +216,7 @@ class Stepper:
         Raises:
             RunStopped: a velocity is not finite, or the meshes of two faces cross too often.
         """
-        begin = clock.perf_counter()
+        begin = clock()
         self._set_length(ticks)
         system, last = self.system, self.motion
         predicted = predict(system, last, system.loads.of_step(self.load_step, ticks))
@@ -261,7 +261,7 @@ class Stepper:
         return StepReport(
             solved.solution.iterations,
             solved.error,
-            clock.perf_counter() - begin,
+            clock() - begin,
             made.problem.contacts,
             deepest.depth,
             solved.solution.reason,

@@ -6,8 +6,12 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.core.cgutils import get_or_insert_function
 from numba.extending import intrinsic
+
+
+def declared(builder: Any, kind: ir.FunctionType, name: str) -> Any:
+    """A function of the C library or of the compiler, declared once in a module."""
+    return builder.module.globals.get(name) or ir.Function(builder.module, kind, name)
 
 
 @intrinsic
@@ -56,7 +60,7 @@ def yield_processor(typing: Any) -> tuple[Any, Any]:
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         number = ir.IntType(32)
-        builder.call(get_or_insert_function(builder.module, ir.FunctionType(number, []), "sched_yield"), [])
+        builder.call(declared(builder, ir.FunctionType(number, []), "sched_yield"), [])
         return context.get_dummy_value()
 
     return types.void(), generate

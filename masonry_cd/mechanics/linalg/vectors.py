@@ -13,10 +13,10 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.core.cgutils import get_or_insert_function, unpack_tuple
 from numba.extending import intrinsic, models, register_model
 
 from masonry_cd.foundation.jit import kernel
+from masonry_cd.mechanics.linalg.intrinsics import declared
 
 _INDEX = ir.IntType(32)
 
@@ -77,8 +77,8 @@ def pack(typing: Any, values: types.UniTuple) -> Any:
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         lanes = ir.Constant(signature.return_type.vector, ir.Undefined)
-        for k, value in enumerate(unpack_tuple(builder, arguments[0])):
-            lanes = builder.insert_element(lanes, value, _INDEX(k))
+        for k in range(values.count):
+            lanes = builder.insert_element(lanes, builder.extract_value(arguments[0], k), _INDEX(k))
         return lanes
 
     return Lanes(values.dtype, values.count)(values), generate
@@ -104,7 +104,7 @@ def add_times(typing: Any, total: Lanes, factor: types.Float, lanes: Lanes) -> A
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         kind = total.vector
         name = f"llvm.fmuladd.v{total.count}f{total.dtype.bitwidth}"
-        fused = get_or_insert_function(builder.module, ir.FunctionType(kind, [kind, kind, kind]), name)
+        fused = declared(builder, ir.FunctionType(kind, [kind, kind, kind]), name)
         return builder.call(fused, [_spread(builder, kind, arguments[1]), _cast(builder, arguments[2], kind), arguments[0]])
 
     return total(total, total.dtype, lanes), generate
@@ -167,5 +167,5 @@ def _address(context: Any, builder: Any, signature: Any, arguments: Any, kind: i
     """Where the entries of a matrix from a row and a column on are, the first three arguments."""
     matrix = context.make_array(signature.args[0])(context, builder, arguments[0])
     row, column = (context.cast(builder, arguments[k], signature.args[k], types.intp) for k in (1, 2))
-    entry = builder.add(builder.mul(row, unpack_tuple(builder, matrix.shape)[1]), column)
+    entry = builder.add(builder.mul(row, builder.extract_value(matrix.shape, 1)), column)
     return builder.bitcast(builder.gep(matrix.data, [entry]), kind.as_pointer())

@@ -1,0 +1,85 @@
+"""What is said while kernels are compiled."""
+
+from __future__ import annotations
+
+import io
+import time
+from pathlib import Path
+
+import pytest
+
+from masonry_cd.app import compile_progress
+from masonry_cd.app.compile_progress import shown
+from masonry_cd.foundation import kernel_store
+
+
+class Terminal(io.StringIO):
+    """A stream that takes itself for a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.fixture
+def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An empty store, at which is looked often."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(compile_progress, "EVERY", 0.01)
+    monkeypatch.setattr(kernel_store, "used", set())
+
+
+def _compile(name: str) -> None:
+    kernel_store.write(kernel_store.name_of(name, "a", "float64"), b"code")
+
+
+def _wait_for(text: str, stream: io.StringIO) -> None:
+    for _ in range(500):
+        if text in stream.getvalue():
+            return
+        time.sleep(0.01)
+    raise AssertionError(f"{text!r} is not in {stream.getvalue()!r}")
+
+
+def test_the_first_line_says_how_many_and_how_long_and_later_ones_how_far(store, monkeypatch):
+    monkeypatch.setattr(compile_progress, "LINE_SECONDS", 0.0)
+    stream = io.StringIO()
+    with shown(41, 66.0, "", stream):
+        assert stream.getvalue().splitlines()[0] == "compiling 41 kernels, once: about 1 min 6 s"
+        _compile("room.first")
+        _wait_for("compiling: 1 of 41 kernels, ", stream)
+
+
+def test_a_terminal_gets_a_bar(store, monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+    stream = Terminal()
+    with shown(41, 66.0, "", stream):
+        _compile("room.linearised_by_team")
+        _wait_for("1 of 41 kernels", stream)
+    assert "41 of 41 kernels" in stream.getvalue()
+
+
+def test_what_this_process_has_just_compiled_is_part_of_the_count(store):
+    _compile("room.first")
+    stream = io.StringIO()
+    with shown(41, 66.0, "", stream):
+        assert stream.getvalue() == "compiling 41 kernels, once: about 1 min 6 s\n"
+
+
+def test_where_some_are_there_nothing_is_said_until_it_takes_long(store, monkeypatch):
+    _compile("room.first")
+    kernel_store.used.clear()
+    stream = io.StringIO()
+    with shown(41, 66.0, "", stream):
+        pass
+    assert stream.getvalue() == ""
+    monkeypatch.setattr(compile_progress, "DOUBT", 0.01)
+    with shown(41, 66.0, "", stream):
+        _wait_for("compiling up to 41 kernels, once: about 1 min 6 s\n", stream)
+
+
+def test_what_is_compiled_again_in_each_run_is_said_with_the_reason():
+    stream = io.StringIO()
+    with shown(41, 280.0, "numba 0.99.0 is newer than 0.68, the last that was tried", stream):
+        pass
+    expected = "compiling 41 kernels, in each run, as numba 0.99.0 is newer than 0.68, the last that was tried: about 4 min 40 s\n"
+    assert stream.getvalue().replace("up to ", "") == expected

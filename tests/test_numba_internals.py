@@ -1,0 +1,102 @@
+"""What the program uses of numba beyond its public interface, name by name: a failure here says what a new version has changed."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+import pytest
+
+from masonry_cd.foundation import jit, numba_internals
+from masonry_cd.foundation.jit import entry, kernel
+from masonry_cd.foundation.numba_internals import NEEDED
+
+
+@kernel()
+def _plus(x, n):
+    return x + n
+
+
+@kernel()
+def _applied(steps, x):
+    return steps.first(x, 1)
+
+
+class Steps(NamedTuple):
+    first: Any
+
+
+STEPS = Steps(_plus)
+
+
+@entry()
+def plus_three(x):
+    return _plus(_plus(x, 1), 2)
+
+
+@entry()
+def plus_one(x):
+    return _applied(STEPS, x)
+
+
+@entry()
+def twice(x):
+    return 2 * x
+
+
+@pytest.mark.parametrize(("kind", "name"), [(kind, name) for kind, names in NEEDED for name in names])
+def test_numba_has_the_name(kind: type, name: str) -> None:
+    assert hasattr(kind, name), f"numba {numba.__version__}: {kind.__module__}.{kind.__name__} has no {name}"
+
+
+def test_nothing_is_missing_in_the_versions_tried() -> None:
+    assert numba_internals.missing() == []
+    assert not jit.PLAIN
+
+
+def test_a_name_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(numba_internals.CompileResult, "_rebuild")
+    assert numba_internals.missing() == ["CompileResult._rebuild"]
+
+
+def test_numbers_in_calls_share_one_version() -> None:
+    """Dispatcher.get_call_template, unliteral."""
+    assert plus_three(1.0) == 4.0
+    assert len(_plus.inner.overloads) == 1
+
+
+def test_kernels_stay_intermediate_code() -> None:
+    """JITCodeLibrary.finalize, NativeLowering.run_pass, Compiler.define_pipelines, Dispatcher._insert."""
+    plus_three(1.0)
+    (version,) = _plus.inner.overloads.values()
+    assert type(version.library) is numba_internals._IntermediateCode
+    assert "define" in str(version.library._final_module)
+    assert _plus.inner.nopython_signatures and not callable(version.entry_point)
+
+
+def test_kernels_are_given_to_kernels_under_a_name_without_an_address() -> None:
+    """Dispatcher._type, lower_constant."""
+    assert plus_one(1.0) == 2.0
+    assert numba.typeof(_plus.inner).name == f"{__name__}._plus"
+
+
+def test_settings_are_equal_as_numba_s_own_are() -> None:
+    """Flags._values."""
+    first, second = numba_internals._Flags(), numba_internals._Flags()
+    assert first == second and hash(first) == hash(second)
+    second.nrt = True
+    assert first != second
+
+
+def test_of_what_is_kept_only_names_are_parsed(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
+    """CompileResult._reduce, JITCodeLibrary._unserialize: machine code beside stubs, which define the two names that numba asks for."""
+    import pickle
+
+    from masonry_cd.foundation import kernel_store
+
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    twice(np.float32(1.0))
+    (file,) = tmp_path.iterdir()
+    (_, form, (code, stubs)), *_ = pickle.loads(kernel_store.read(file.name))
+    assert form == "object" and code.startswith(b"\x7fELF") and len(stubs) < 4000
