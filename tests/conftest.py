@@ -16,6 +16,7 @@ from tiers import (  # noqa: F401  hooks of pytest
     pytest_runtest_call,
     pytest_runtest_makereport,
     pytest_runtest_setup,
+    pytest_terminal_summary,
 )
 
 settings.register_profile("steady", derandomize=True, deadline=None, max_examples=50, database=None)  # the same examples in every run

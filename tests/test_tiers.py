@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-import tiers
 
 pytest_plugins = "pytester"
 BURNS = "import time\n{mark}\ndef test_burns():\n    end = time.process_time() + 0.3\n    while time.process_time() < end: pass\n"
@@ -12,15 +11,16 @@ SLOW = '@__import__("pytest").mark.slow(reason="it burns")'
 
 @pytest.fixture
 def tier(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytest.Pytester:
-    """A folder of tests with the hooks, where 0.1 s is allowed and numba keeps what it compiles beside them."""
+    """A folder of tests with the hooks, where numba keeps what it compiles beside them."""
     pytester.makeconftest("from tiers import *")
-    monkeypatch.setattr(tiers, "ALLOWED", 0.1)
     pytester.makeini("[pytest]\nmarkers = slow: with a reason\naddopts = --strict-markers\n")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(pytester.path))
     return pytester
 
 
-@pytest.mark.parametrize(("mark", "options", "outcome"), [("", [], "passed"), ("", ["--budget"], "failed"), (SLOW, ["--budget"], "passed")])
+@pytest.mark.parametrize(
+    ("mark", "options", "outcome"), [("", [], "passed"), ("", ["--budget=0.1"], "failed"), (SLOW, ["--budget=0.1"], "passed")]
+)
 def test_only_what_is_marked_may_take_long(tier: pytest.Pytester, mark: str, options: list[str], outcome: str) -> None:
     tier.makepyfile(BURNS.format(mark=mark))
     result = tier.runpytest_inprocess(*options)
@@ -35,12 +35,16 @@ def test_a_fixture_and_another_process_count_as_well(tier: pytest.Pytester) -> N
         f"import subprocess, sys, pytest\ndef burn(): subprocess.run([sys.executable, '-c', {burn!r}])\n"
         "@pytest.fixture\ndef burnt(): burn()\ndef test_fixture(burnt): pass\ndef test_process(): burn()\n"
     )
-    tier.runpytest_inprocess("--budget").assert_outcomes(errors=1, failed=1)
+    result = tier.runpytest_inprocess("--budget=0.1")
+    result.assert_outcomes(errors=1, failed=1)
+    result.stdout.re_match_lines(
+        [r"=+ processor time, of (0\.|[1-9]).* s =+", r"\. \d s", r" +[01]\.\d s  .*::test_", r" +[01]\.\d s  .*::test_"]
+    )
 
 
 def test_what_is_compiled_meanwhile_is_not_held_against_a_test(tier: pytest.Pytester) -> None:
     tier.makepyfile(BURNS.format(mark="") + "    open('kernel.nbc', 'w').close()\n")
-    tier.runpytest_inprocess("--budget").assert_outcomes(passed=1)
+    tier.runpytest_inprocess("--budget=0.1").assert_outcomes(passed=1)
 
 
 @pytest.mark.parametrize("mark", ["slow", "slow()", 'slow("it burns")', 'slow(reason=" ")', 'slow(reason="it burns", why=1)'])

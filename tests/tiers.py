@@ -2,7 +2,8 @@
 
 ``@pytest.mark.slow(reason="...")`` leaves a test to ``make test-all``. With ``--budget``, a test without the marker fails if its set-up or
 its call takes more than ``ALLOWED`` seconds of processor time, in its process and in those that it waited for: a busy machine adds little
-to that. Compiling says nothing about a test, so a phase during which any process put a kernel into numba's cache is not judged.
+to that. Compiling says nothing about a test, so a phase during which any process put a kernel into numba's cache is not judged. In the end
+the seconds of each folder and of the tests that took most are printed.
 """
 
 from __future__ import annotations
@@ -10,21 +11,25 @@ from __future__ import annotations
 import os
 import resource
 import time
+from collections import Counter
 from collections.abc import Generator, Iterator
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import pytest
 from places import ROOT
 
 ALLOWED = 5.0  # processor time of a phase of a test without the marker [s]
+LISTED = 40  # tests in the list of those that took most
 # which keep their compiled kernels, unless NUMBA_CACHE_DIR names a folder
 PACKAGES = ("masonry_cd", "structures", "loads", "reports", "tests")
+SECONDS = "processor seconds"  # the property of a report that holds those of its phase
 BEGIN = pytest.StashKey[tuple[float, float]]()  # of a phase: the time of day and the processor time until then [s]
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """The option of ``make test-all``."""
-    parser.addoption("--budget", action="store_true", help=f"fail what takes over {ALLOWED:g} s of processor time and is not marked slow")
+    words = f"fail what takes over SECONDS of processor time, {ALLOWED:g} where none are given, and is not marked slow"
+    parser.addoption("--budget", nargs="?", type=float, const=ALLOWED, metavar="SECONDS", help=words)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -54,13 +59,30 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
     """Fail a phase that passed but took more than is allowed."""
     spent = processor_time() - item.stash[BEGIN][1]
     report = yield
-    judged = item.config.getoption("--budget") and report.passed and call.when != "teardown" and item.get_closest_marker("slow") is None
-    if judged and spent > ALLOWED and not kept_since(item.stash[BEGIN][0]):
+    report.user_properties.append((SECONDS, spent))
+    allowed = item.config.getoption("--budget")
+    judged = allowed is not None and report.passed and call.when != "teardown" and item.get_closest_marker("slow") is None
+    if judged and spent > allowed and not kept_since(item.stash[BEGIN][0]):
         report.outcome = "failed"
         report.longrepr = (
-            f"its {call.when} took {spent:.1f} s of processor time, {ALLOWED:g} s are allowed: make it smaller or mark it slow"
+            f"its {call.when} took {spent:.1f} s of processor time, {allowed:g} s are allowed: make it smaller or mark it slow"
         )
     return report
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Print the processor time of folders, and of the tests that took most of it."""
+    if config.getoption("--budget") is None:
+        return
+    tests, folders = Counter[str](), Counter[str]()
+    for report in (report for reports in terminalreporter.stats.values() for report in reports if isinstance(report, pytest.TestReport)):
+        spent = dict(report.user_properties).get(SECONDS, 0.0)
+        tests[report.nodeid] += spent
+        folders[str(PurePosixPath(report.nodeid.partition("::")[0]).parent)] += spent
+    terminalreporter.section(f"processor time, of {sum(tests.values()):.0f} s")
+    terminalreporter.line(", ".join(f"{folder} {spent:.0f} s" for folder, spent in folders.most_common()))
+    for name, spent in tests.most_common(LISTED):
+        terminalreporter.line(f"{spent:7.1f} s  {name}")
 
 
 def processor_time() -> float:
