@@ -26,20 +26,20 @@ def test_only_what_is_marked_may_take_long(tier: pytest.Pytester, mark: str, opt
     result = tier.runpytest_inprocess(*options)
     result.assert_outcomes(**{outcome: 1})
     if outcome == "failed":
-        result.stdout.fnmatch_lines(["*its call took 0.* s of processor time, 0.1 s are allowed: make it smaller or mark it slow*"])
+        result.stdout.fnmatch_lines(["*it took 0.* s of processor time, 0.1 s are allowed: make it smaller or mark it slow*"])
 
 
-def test_a_fixture_and_another_process_count_as_well(tier: pytest.Pytester) -> None:
+def test_another_process_counts_but_a_fixture_does_not_and_both_are_printed(tier: pytest.Pytester) -> None:
+    """A fixture may serve many tests: the first one must not pay for it."""
     burn = "import time\nwhile time.process_time() < 0.3: pass"
     tier.makepyfile(
         f"import subprocess, sys, pytest\ndef burn(): subprocess.run([sys.executable, '-c', {burn!r}])\n"
         "@pytest.fixture\ndef burnt(): burn()\ndef test_fixture(burnt): pass\ndef test_process(): burn()\n"
     )
     result = tier.runpytest_inprocess("--budget=0.1")
-    result.assert_outcomes(errors=1, failed=1)
-    result.stdout.re_match_lines(
-        [r"=+ processor time, of (0\.|[1-9]).* s =+", r"\. \d s", r" +[01]\.\d s  .*::test_", r" +[01]\.\d s  .*::test_"]
-    )
+    result.assert_outcomes(passed=1, failed=1)
+    lines = [r"=+ processor time, of .* s =+", r"\. \d s", r" +[0-9.]+[1-9] s  .*::test_", r" +[0-9.]+[1-9] s  .*::test_"]
+    result.stdout.re_match_lines(lines)
 
 
 def test_what_is_compiled_meanwhile_is_not_held_against_a_test(tier: pytest.Pytester) -> None:

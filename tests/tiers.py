@@ -1,9 +1,9 @@
 """The tiers of the tests, as hooks of pytest: what is slow carries a marker with a reason, and a budget keeps the others quick.
 
-``@pytest.mark.slow(reason="...")`` leaves a test to ``make test-all``. With ``--budget``, a test without the marker fails if its set-up or
-its call takes more than ``ALLOWED`` seconds of processor time, in its process and in those that it waited for: a busy machine adds little
-to that. Compiling says nothing about a test, so a phase during which any process put a kernel into numba's cache is not judged. In the end
-the seconds of each folder and of the tests that took most are printed.
+``@pytest.mark.slow(reason="...")`` leaves a test to ``make test-all``. With ``--budget``, a test without the marker fails if its call
+takes more than ``ALLOWED`` seconds of processor time, in its process and in those that it waited for: a busy machine adds little to that.
+Compiling says nothing about a test, so a call during which any process put a kernel into numba's cache is not judged. In the end the
+seconds of each folder and of the tests that took most are printed, with those of fixtures.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pathlib import Path, PurePosixPath
 import pytest
 from places import ROOT
 
-ALLOWED = 5.0  # processor time of a phase of a test without the marker [s]
+ALLOWED = 5.0  # processor time of the call of a test without the marker [s]
 LISTED = 40  # tests in the list of those that took most
 # which keep their compiled kernels, unless NUMBA_CACHE_DIR names a folder
 PACKAGES = ("masonry_cd", "structures", "loads", "reports", "tests")
@@ -56,17 +56,15 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Fail a phase that passed but took more than is allowed."""
+    """Note what a phase took; fail a call that passed but took more than is allowed."""
     spent = processor_time() - item.stash[BEGIN][1]
     report = yield
     report.user_properties.append((SECONDS, spent))
     allowed = item.config.getoption("--budget")
-    judged = allowed is not None and report.passed and call.when != "teardown" and item.get_closest_marker("slow") is None
+    judged = allowed is not None and report.passed and call.when == "call" and item.get_closest_marker("slow") is None
     if judged and spent > allowed and not kept_since(item.stash[BEGIN][0]):
         report.outcome = "failed"
-        report.longrepr = (
-            f"its {call.when} took {spent:.1f} s of processor time, {allowed:g} s are allowed: make it smaller or mark it slow"
-        )
+        report.longrepr = f"it took {spent:.1f} s of processor time, {allowed:g} s are allowed: make it smaller or mark it slow"
     return report
 
 

@@ -97,10 +97,14 @@ def test_help_and_bad_scenes_need_no_heavy_import(tmp_path):
     assert errors == "masonry-cd: error: no.toml: no such scene file\n"
 
 
-def test_a_run_without_a_picture_imports_neither_vtk_nor_matplotlib(block_on_plate, tmp_path):
+@pytest.mark.slow(reason="a process of its own loads the kernels anew")
+def test_a_run_without_a_picture_imports_neither_vtk_nor_matplotlib_nor_dask(block_on_plate, tmp_path):
     modules, errors = modules_loaded_by(tmp_path, "run", block_on_plate(duration="duration = 0.01"), "-o", "out")
     assert (tmp_path / "out" / "summary.json").exists(), errors
-    assert not {"matplotlib", "vtk", "vtkmodules", "pyvista", "gmsh", "pandas", "trimesh", "meshio", "skfem"} & modules
+    assert (
+        not {"matplotlib", "vtk", "vtkmodules", "pyvista", "gmsh", "pandas", "trimesh", "meshio", "skfem", "dask", "distributed", "pyarrow"}
+        & modules
+    )
 
 
 def test_a_frictionless_block_stays_while_the_plate_moves_under_it(block_on_plate, tmp_path):
@@ -223,6 +227,7 @@ def test_the_output_must_be_a_folder(block_on_plate, tmp_path):
         assert f"{tmp_path / 'out'}: is a file" in result.stderr
 
 
+@pytest.mark.slow(reason="a process of its own loads the kernels anew")
 def test_ctrl_c_leaves_readable_results(block_on_plate, tmp_path):
     out = tmp_path / "out"
     command = [sys.executable, "-m", "masonry_cd", "run", str(block_on_plate(duration="duration = 3000.0")), "-o", str(out)]
