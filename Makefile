@@ -1,6 +1,7 @@
 # make setup   everything that the program needs, into .venv (and the system libraries of gmsh and VTK), and its kernels compiled
 # make demo    set-up, then the main job: an aqueduct under a sinusoidal load, to out/demo/crack_map.png
-# make test    set-up, then the tests
+# make test    set-up, then the core tests of every package
+# make test-all        make test, then all tests that are marked slow; it judges how long each takes, and wants Chromium for those of pages
 # make check   set-up, then lint, format, types, and which room imports which
 # make docs    set-up, then the documentation as a site: out/docs/index.html
 # make validation      set-up, then the long comparisons with published numbers, closed forms and limit analysis; it prints their tables
@@ -24,7 +25,11 @@ as         = $(2) NUMBA_CACHE_DIR=$(CURDIR)/.cache/numba-$(1) $(VENV)/bin/python
 LIBRARIES := libglu1-mesa:libGLU.so.1 libgl1:libGL.so.1 libxcursor1:libXcursor.so.1 libxft2:libXft.so.2 \
              libxinerama1:libXinerama.so.1 libgomp1:libgomp.so.1 libegl1:libEGL.so.1
 
-.PHONY: setup demo test check docs validation test-portable wheel clean libraries
+# On all cores, up to eight
+TESTS        := $(VENV)/bin/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
+TEST_KERNELS := $(or $(NUMBA_CACHE_DIR),.cache)/.compiled-for-tests
+
+.PHONY: setup demo test test-all browser check docs validation test-portable wheel clean libraries
 .DELETE_ON_ERROR:
 
 setup: libraries $(STAMP) $(WARM)
@@ -35,9 +40,22 @@ demo: libraries $(STAMP)
 	@$(MAKE) --no-print-directory $(DEMO)
 	@echo "Demo: see $(DEMO) and out/demo/summary.json"
 
-# On all cores, up to eight; the kernels come first, or else each process would compile them.
-test: libraries $(STAMP) $(WARM)
-	$(VENV)/bin/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
+test: libraries $(STAMP) $(TEST_KERNELS)
+	$(TESTS) $(BUDGET)
+
+test-all: BUDGET := --budget
+test-all: browser test
+	$(TESTS) $(BUDGET) -m "slow and not validation"
+
+# What the tests of pages drive; they are skipped without it.
+browser:
+	@command -v chromium >/dev/null && command -v chromedriver >/dev/null && exit 0; \
+	as_root=; [ "$$(id -u)" = 0 ] || as_root="sudo -n"; \
+	if command -v apt-get >/dev/null && { [ -z "$$as_root" ] || sudo -n true 2>/dev/null; }; then \
+	  echo "Installing Chromium for the tests of pages"; \
+	  $$as_root apt-get update -qq && $$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium chromium-driver && exit 0; \
+	fi; \
+	echo "No Chromium here, and no right to install it: the tests of pages in a browser are skipped (sudo apt-get install -y chromium chromium-driver)" >&2
 
 check: libraries $(STAMP)
 	$(VENV)/bin/ruff check .
@@ -84,6 +102,12 @@ $(STAMP): pyproject.toml constraints.txt
 $(WARM): $(STAMP) $(CODE)
 	@$(VENV)/bin/python -m masonry_cd.app.warmup
 	@touch $@
+
+# Before the tests, or else each process would compile them
+$(TEST_KERNELS): $(STAMP) $(CODE) tests/kernels.py
+	@echo "Compiling the kernels that the tests reach, in two processes: some minutes the first time"
+	@PYTHONPATH=tests $(VENV)/bin/python -m kernels
+	@mkdir -p $(@D) && touch $@
 
 # Installed by apt-get where root or a sudo without password allows; otherwise the line to type is printed.
 libraries:

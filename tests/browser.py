@@ -20,13 +20,19 @@ FLAGS = (
     "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader", "--hide-scrollbars",
 )  # fmt: skip
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")  # names that systems give to it
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  # the key of an element, fixed by the standard
 
 
 def missing() -> str:
     """Why no browser can be started here; empty where one can."""
-    wanted = [name for name in ("chromium", "chromedriver") if not shutil.which(name)]
+    wanted = [name for name, found in (("chromium", _program()), ("chromedriver", shutil.which("chromedriver"))) if not found]
     return f"{' and '.join(wanted)} not installed (Debian: apt-get install chromium chromium-driver)" if wanted else ""
+
+
+def _program() -> str | None:
+    """Where the browser is."""
+    return next(filter(None, map(shutil.which, BROWSERS)), None)
 
 
 class Browser:
@@ -98,7 +104,7 @@ def browser(folder: Path, width: int = 1500, height: int = 1000) -> Iterator[Bro
         _wait_for(port)
         options = {
             "args": [*FLAGS, f"--user-data-dir={folder / 'profile'}", f"--window-size={width},{height}"],
-            "binary": shutil.which("chromium"),
+            "binary": _program(),
         }
         wanted = {
             "browserName": "chrome",

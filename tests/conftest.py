@@ -10,6 +10,14 @@ import pytest
 from block_files import cuboid
 from hypothesis import settings
 from places import SHARED
+from tiers import (  # noqa: F401  hooks of pytest
+    pytest_addoption,
+    pytest_collection_modifyitems,
+    pytest_runtest_call,
+    pytest_runtest_makereport,
+    pytest_runtest_setup,
+    pytest_terminal_summary,
+)
 
 settings.register_profile("steady", derandomize=True, deadline=None, max_examples=50, database=None)  # the same examples in every run
 settings.register_profile("search", deadline=None, max_examples=2000, database=None)  # pytest tests/properties --hypothesis-profile search

@@ -26,6 +26,12 @@ def shares(image: np.ndarray, colours: np.ndarray) -> np.ndarray:
     return np.array([(image == colour).all(axis=2).sum() for colour in colours])
 
 
+def main_colours(path: Path, least: int = 20) -> set[str]:
+    """The colours, as ``#rrggbb``, that at least so many pixels have: those of areas, of curves and of letters, not of their soft edges."""
+    found, count = np.unique(pixels(path).reshape(-1, 3), axis=0, return_counts=True)
+    return {"#" + bytes(colour).hex() for colour in found[count >= least]}
+
+
 def model_area(image: np.ndarray, aspect: float) -> np.ndarray:
     """The part of a sheet that shows the model."""
     left, bottom, width, height = layout(aspect).model

@@ -142,6 +142,7 @@ def out_of_place(arrays: dict[str, np.ndarray]) -> list[dict[str, np.ndarray]]:
     return [*changed, *(arrays | {key: np.zeros(3)} for key in ("unknown", "islands/forces 0", "islands/forces 999999 k"))]
 
 
+@pytest.mark.slow(reason="a run is resumed with each of twenty changed checkpoints")
 def test_no_index_out_of_place_reaches_a_kernel(stopped, tmp_path):
     """By the command: one line, and the folder as it was."""
     name, folder = stopped

@@ -23,7 +23,8 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 BITS = ROOT / "benchmarks" / "bits"
 MESHED = ("deformable=tetrahedra", "mesh_size=10", "young=5e9", "damping=0.05", "damping_frequency=10")
 UNIFORM = ("deformable=uniform", *MESHED[2:])
-BOTH = pytest.mark.parametrize("material", [UNIFORM, MESHED], ids=["uniform", "meshed"])
+LONG = pytest.mark.slow(reason="hundreds of steps of an arch that is cut into elements")
+BOTH = pytest.mark.parametrize("material", [pytest.param(UNIFORM, id="uniform"), pytest.param(MESHED, id="meshed", marks=LONG)])
 KINDS = """
 [structure]
 kind = "file"
@@ -95,6 +96,7 @@ def test_blocks_that_deform_bear_what_rigid_ones_do(tmp_path: Path, name: str, d
     assert np.abs(gradient).max() > 1e-7
 
 
+@pytest.mark.slow(reason="an arch is tilted until it falls")
 @BOTH
 def test_an_arch_that_deforms_falls_where_it_is_tilted_as_far_as_a_rigid_one(tmp_path: Path, material: tuple[str, ...]) -> None:
     """Its load factor is that of limit analysis, less what its blocks give way at 5 GPa."""
@@ -105,6 +107,7 @@ def test_an_arch_that_deforms_falls_where_it_is_tilted_as_far_as_a_rigid_one(tmp
     assert factor["given_way"] < factor["limit_analysis"]["least_found"]
 
 
+@pytest.mark.slow(reason="1.2 s until all is at rest")
 @pytest.mark.parametrize("joints", ["", JOINTS], ids=["rigid", "elastic"])
 def test_rigid_uniform_and_meshed_blocks_come_to_rest_under_their_weight(tmp_path: Path, joints: str) -> None:
     """After a shake, on two islands: each block is strained by the weight that it carries, or not at all."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pictures import main_colours
 
 from benchmarks.counted_cost import BESIDE, counted
 from benchmarks.ours import stepper
@@ -15,6 +16,7 @@ from benchmarks.stability_picture import draw
 from benchmarks.strong_shaking import rest_cases, strong_cases
 from masonry_cd.mechanics.contact.find_joints import built_gap
 from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
+from reports.drawing.figure import COLOURS, FAINT
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +127,7 @@ def test_page_and_picture(standing, tmp_path):
     assert "1 of 2 cases pass" in text
     assert text.count("\n| ") == 3  # heading and two cases
     draw([standing, failed], tmp_path / "s.png")
-    assert (tmp_path / "s.png").stat().st_size > 10_000
+    assert {COLOURS[0], COLOURS[1], FAINT} <= main_colours(tmp_path / "s.png")
 
 
 def test_an_unknown_case_is_refused(capsys):

@@ -64,6 +64,7 @@ def test_the_base_of_the_aqueduct_moves_as_the_scene_says(tmp_path):
     assert moved == pytest.approx(0.25 / omega * (1 - math.cos(omega * 0.1)), rel=5e-4)  # steps of 4 ms: (omega dt)^2 / 12
 
 
+@pytest.mark.slow(reason="settles a tower of hundreds of blocks")
 def test_the_tower_rests_on_its_joints_before_it_is_shaken(tmp_path):
     larger = ("structure.unit_length=1.0", "structure.course_height=0.6")
     summary = run("tower.toml", tmp_path, *larger, "run.duration=0.03", "report.damage=false", "run.tolerance=1e-6")
@@ -110,6 +111,7 @@ def test_the_record_shakes_the_aqueduct_at_its_scale(tmp_path, shared):
     assert json.loads((tmp_path / "summary.json").read_text())["blocks"] == summary["blocks"]
 
 
+@pytest.mark.slow(reason="an aqueduct in space")
 def test_the_aqueduct_of_arles_moves_across_twice_as_far_as_along(tmp_path):
     summary = run("aqueduct_arles.toml", tmp_path, "run.duration=0.04", "report.damage=false")
     assert not summary["planar"]
@@ -122,6 +124,7 @@ def test_the_aqueduct_of_arles_moves_across_twice_as_far_as_along(tmp_path):
     assert moved == pytest.approx(np.tile([0.5 / size * far, 1.0 / size * far, 0.0], (len(moved), 1)), rel=5e-4)
 
 
+@pytest.mark.slow(reason="a church of 500 to 800 blocks")
 def test_the_three_naves_stand_at_rest(tmp_path):
     summary = run("church_sine.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0", "report.damage=false", "run.tolerance=1e-6")
     reaction, weight = base_reaction(tmp_path)
@@ -131,6 +134,7 @@ def test_the_three_naves_stand_at_rest(tmp_path):
     assert summary["joints_opened"] == summary["joints_slid"] == 0
 
 
+@pytest.mark.slow(reason="hundreds of spheres between walls")
 def test_the_three_leaf_walls_stand_at_rest_and_their_rubble_does_not_count_as_fallen(tmp_path):
     summary = run("three_leaf_wall.toml", tmp_path, "run.duration=0.06", "loads[0].amplitude=0", "report.html=false", "run.tolerance=1e-4")
     assert summary["collapsed_blocks"] == 0
@@ -143,6 +147,7 @@ def test_the_three_leaf_walls_stand_at_rest_and_their_rubble_does_not_count_as_f
     assert 0.0 < moved[rolls].max() < 0.05
 
 
+@pytest.mark.slow(reason="hundreds of spheres")
 def test_the_spheres_of_the_box_stay_in_it_and_fall_as_bodies_do(tmp_path):
     summary = run("segregation_box.toml", tmp_path, "run.duration=0.03", "report.html=false")
     with Results.open(tmp_path / "result.h5") as results:
@@ -155,6 +160,7 @@ def test_the_spheres_of_the_box_stay_in_it_and_fall_as_bodies_do(tmp_path):
     assert (np.abs(last[:, :2]) < [0.2, 0.12]).all()
 
 
+@pytest.mark.slow(reason="1.4 s of shaking, until the piers have met")
 def test_the_two_piers_pound_on_one_another_and_every_joule_is_booked(tmp_path):
     summary = run("two_piers.toml", tmp_path, "run.duration=1.4", "run.until_still=false", "report.html=false")
     assert summary["energy"]["balance_error"] < 1e-9
@@ -174,6 +180,7 @@ def test_the_two_piers_pound_on_one_another_and_every_joule_is_booked(tmp_path):
     assert np.where(struck, gaps, 0.0).max() > 2e-3  # they part again
 
 
+@pytest.mark.slow(reason="a whole motion, and a collapse")
 def test_the_tied_arch_stands_while_its_tie_yields_and_falls_without_it(tmp_path):
     plain = ("run.until_still=false", "report.html=false", "report.damage=false")
     summary = run("arch_tied.toml", tmp_path / "tied", *plain)
@@ -185,12 +192,14 @@ def test_the_tied_arch_stands_while_its_tie_yields_and_falls_without_it(tmp_path
     assert loose["collapsed_blocks"] > 5
 
 
+@pytest.mark.slow(reason="a church in space")
 def test_the_ties_of_the_church_bear_their_tension_at_rest(tmp_path):
     summary = run("church_tied.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0", "report.damage=false")
     assert [tie["name"] for tie in summary["ties"]] == ["nave.1", "nave.2", "nave.3"]
     assert all(tie["tension_end"] == pytest.approx(10e3, rel=0.02) and not tie["yielded"] for tie in summary["ties"])
 
 
+@pytest.mark.slow(reason="a house in space")
 def test_the_floors_of_the_house_rest_on_its_walls_and_their_anchors_hang_slack(tmp_path):
     summary = run("house_floors.toml", tmp_path, "run.duration=0.05", "loads[0].amplitude=0", "report.damage=false", "run.tolerance=1e-6")
     reaction, weight = base_reaction(tmp_path)
@@ -208,6 +217,7 @@ def test_the_floors_of_the_house_rest_on_its_walls_and_their_anchors_hang_slack(
             assert carried == pytest.approx(GRAVITY * kilograms, rel=0.02)
 
 
+@pytest.mark.slow(reason="a church in space")
 def test_the_three_shocks_follow_one_another_at_their_sizes(tmp_path):
     summary = run("church_three_shocks.toml", tmp_path, "run.duration=0.05", "report.damage=false")
     (sequence,) = summary["loads"]["tables"][:1]
@@ -241,6 +251,7 @@ def test_the_buttresses_of_the_arch_bear_its_weight_far_below_the_strength_of_th
     assert found["blocks_above"] == 0 < found["crushed_share_max"] < found["ratio_max"] * 2 < 0.2
 
 
+@pytest.mark.slow(reason="blocks of each kind of strain, and the run as rigid")
 def test_the_aqueduct_with_blocks_that_deform_stands_with_all_its_kinds_of_blocks_and_as_rigid(tmp_path):
     quiet = ("run.duration=0.04", "loads[0].amplitude=0")
     summary = run("aqueduct_deformable.toml", tmp_path / "soft", *quiet)

@@ -26,6 +26,8 @@ FIRST_HOUR = DOCS / "tutorials" / "first_hour.md"
 IN_A_SCENE = re.findall(r"^\| `(.+?)` \| `(.+?)` \| `(.+?)` \| `(.+?)` \|$", FIRST_HOUR.read_text(encoding="utf-8"), re.MULTILINE)
 ON_THE_LINE = re.findall(r"^\| `masonry-cd (.+?)` \| `(.+?)` \|$", FIRST_HOUR.read_text(encoding="utf-8"), re.MULTILINE)
 FOLLOWED = [ROOT / "README.md", DOCS / "index.md", *sorted(DOCS.glob("tutorials/*.md")), *sorted(DOCS.glob("howto/*.md"))]
+QUICK = ("docs/index.md", "docs/howto/blocks.md", "docs/howto/code_check.md", "docs/howto/compare.md", "docs/tutorials/first_report.md")
+LONG = pytest.mark.slow(reason="types every command of a page: runs, pictures and reports, 5 to 20 s")
 
 
 def lines_of(first: str) -> list[tuple[str, str]]:
@@ -63,7 +65,9 @@ def test_commands_in_a_sentence_have_the_options_that_it_gives_them(page: Path):
         assert given - known - {"--help"} == set(), (name, rest)
 
 
-@pytest.mark.parametrize("page", FOLLOWED, ids=page_name)
+@pytest.mark.parametrize(
+    "page", [pytest.param(page, id=page_name(page), marks=[] if page_name(page) in QUICK else LONG) for page in FOLLOWED]
+)
 def test_a_reader_can_follow_the_page(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"):

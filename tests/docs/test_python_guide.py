@@ -17,6 +17,7 @@ PAGE = ROOT / "docs" / "python.md"
 SNIPPETS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
+@pytest.mark.slow(reason="runs all snippets of a page, a study among them")
 @pytest.mark.filterwarnings("ignore::masonry_cd.interface.running.RunWarning")
 def test_the_snippets_run_one_after_the_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     shutil.copytree(EXAMPLES, tmp_path / "examples")

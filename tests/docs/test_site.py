@@ -69,6 +69,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, list
     yield folder, warnings.lines
 
 
+@pytest.mark.slow(reason="builds the whole site")
 def test_the_site_is_built_without_a_warning(built: tuple[Path, list[str]]) -> None:
     folder, warnings = built
     assert warnings == []
@@ -77,6 +78,7 @@ def test_the_site_is_built_without_a_warning(built: tuple[Path, list[str]]) -> N
     assert {"contributing.html", "changelog.html", "benchmarks.html"} <= {path.name for path in folder.glob("*.html")}
 
 
+@pytest.mark.slow(reason="builds the whole site")
 def test_no_page_asks_another_server_for_anything(built: tuple[Path, list[str]]) -> None:
     folder, _ = built
     for page in folder.rglob("*.html"):
@@ -95,6 +97,7 @@ def test_a_page_that_would_ask_another_server_is_found(tmp_path: Path) -> None:
     assert read(page).fetched == ["https://elsewhere/x.js", "here.png"]
 
 
+@pytest.mark.slow(reason="builds the whole site")
 def test_formulas_are_mathml(built: tuple[Path, list[str]]) -> None:
     page = built[0] / "theory.html"
     text = page.read_text(encoding="utf-8")

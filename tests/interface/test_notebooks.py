@@ -22,6 +22,7 @@ def test_all_are_tried() -> None:
     assert {path.stem for path in NOTEBOOKS} == set(PICTURES)
 
 
+@pytest.mark.slow(reason="a kernel of Jupyter runs a whole notebook")
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_it_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     notebook = nbformat.read(path, as_version=4)

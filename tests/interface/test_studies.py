@@ -65,6 +65,7 @@ def test_tables_name_the_runs_of_the_file(folder: Path, monkeypatch: pytest.Monk
     assert study.runs.index.tolist() == mc.open_study(folder / "out").runs.index.tolist()
 
 
+@pytest.mark.slow(reason="starts a worker")
 def test_arrays_become_files_with_which_the_command_line_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     plate, block = box("plate", (-1, -1, -1), (1, 1, 0), fixed=True), box("block", (-0.3, -0.3, 0), (0.3, 0.3, 0.6))
     scene = mc.scene(
@@ -86,6 +87,7 @@ def test_arrays_become_files_with_which_the_command_line_goes_on(tmp_path: Path,
     assert "2 runs, 0 of them to be made" in done.output
 
 
+@pytest.mark.slow(reason="starts workers twice")
 def test_ctrl_c_keeps_what_has_ended_and_the_same_call_goes_on(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_scene(tmp_path)
     (tmp_path / "study.toml").write_text(GRID)
@@ -108,6 +110,7 @@ def test_ctrl_c_keeps_what_has_ended_and_the_same_call_goes_on(folder: Path, tmp
     assert rows_without_seconds(tmp_path / "out") == rows_without_seconds(folder / "out")
 
 
+@pytest.mark.slow(reason="a process of its own and a worker")
 def test_a_script_needs_no_guard(tmp_path: Path) -> None:
     write_study(tmp_path, GRID.replace("[0.3, 0.4, 0.6]", "[0.3]"))
     making = 'study = mc.study("study.toml", "out", workers=1, progress=False)'

@@ -25,8 +25,14 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 LIMIT = 120  # seconds after which a process counts as hanging
 SCENE = ROOT / "benchmarks" / "bits" / "tower.toml"
 ASKED = ("run", SCENE, "-q", "--set", "run.duration=0.2", "--set", "run.frames_per_second=100", "--set", "run.checkpoint_every=0", "-o")
-FLIPS, CUTS = 60, 20
+FLIPS, CUTS = (8, 60), (4, 20)  # in the core, and in all
 HISTORIES = ("opening", "sliding", "normal_force", "force_point")
+
+
+def seeds(core: int, most: int) -> list[object]:
+    """Of random damage; those beyond the core are slow."""
+    more = pytest.mark.slow(reason="one of many kinds of damage, each tried in a process")
+    return [seed if seed < core else pytest.param(seed, marks=more) for seed in range(most)]
 
 
 def masonry_cd(*words: object):
@@ -123,7 +129,7 @@ def marked(data: bytes) -> bytes:
     return bytes(head) + data[len(head) :]
 
 
-@pytest.mark.parametrize("seed", range(FLIPS))
+@pytest.mark.parametrize("seed", seeds(*FLIPS))
 def test_flipped_bits(stopped, tmp_path, seed):
     """Half of the places lie in the first tenth of the file, where most of what HDF5 says about it is."""
     rng, data = random.Random(seed), bytearray((stopped / "out" / "result.h5").read_bytes())
@@ -133,7 +139,7 @@ def test_flipped_bits(stopped, tmp_path, seed):
     assert ended(lambda: command_copes(seed // 2, folder_with(kept, stopped, tmp_path / "out"), stopped), LIMIT) == ""
 
 
-@pytest.mark.parametrize("seed", range(CUTS))
+@pytest.mark.parametrize("seed", seeds(*CUTS))
 def test_files_cut_off(stopped, tmp_path, seed):
     """Of a run that ended and, every other one, of a run that was killed, whose file does not say how long it is."""
     data = (stopped / "out" / "result.h5").read_bytes()

@@ -93,6 +93,7 @@ def test_a_difference_that_matters_to_nobody_is_no_bias():
     assert [close.biased, off.biased] == [False, True]
 
 
+@pytest.mark.slow(reason="starts two workers")
 def test_the_command_writes_a_row_per_setting_and_one_per_run(tmp_path: Path):
     words = ("--ensemble", 4, "--workers", 2, "--duration", 0.05, "--tolerances", "1e-8,1e-4")
     done = masonry_cd("accuracy", EXAMPLES / "arch.toml", "-o", tmp_path, *words)

@@ -6,8 +6,6 @@ import json
 import math
 import os
 import signal
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -112,6 +110,7 @@ def test_the_reference_is_the_first_run_of_the_plan(study: Path) -> None:
     assert told["limit_states"] == {"slid": {"quantity": "max_sliding", "above": 1e-3}}
 
 
+@pytest.mark.slow(reason="starts a worker")
 def test_one_worker_of_its_own_leaves_the_same_bytes(study: Path, tmp_path: Path) -> None:
     result = invoke(write_study(tmp_path), "--workers", "1")
     assert result.exit_code == 0, result.output
@@ -185,6 +184,7 @@ def long(tmp_path: Path) -> Path:
     return write_study(tmp_path, GRID, **LONG)
 
 
+@pytest.mark.slow(reason="a program of its own with a worker, 18 runs")
 def test_a_program_that_is_killed_goes_on(long: Path, scheduler: str) -> None:
     program = started(long, "--workers", "1")
     wait_until(lambda: len(row_names(long.parent / "out")) >= 2 or program.poll() is not None)
@@ -201,6 +201,7 @@ def test_a_program_that_is_killed_goes_on(long: Path, scheduler: str) -> None:
     assert not list((long.parent / "out").rglob("*.part*"))
 
 
+@pytest.mark.slow(reason="a program of its own with a worker")
 def test_ctrl_c_ends_a_study_and_says_how_to_go_on(long: Path) -> None:
     program = started(long, "--workers", "1")
     wait_until(lambda: len(row_names(long.parent / "out")) >= 1 or program.poll() is not None)
@@ -309,7 +310,7 @@ def test_an_error_of_the_program_is_a_row(scheduler: str, tmp_path: Path) -> Non
     assert {name: row["reason"] for name, row in rows.items()} == {name: f"RuntimeError: {name} is broken" for name in "xy"}
 
 
-# --- slurm, and what is not loaded ----------------------------------------------------------------------------------------------------
+# --- slurm ----------------------------------------------------------------------------------------------------
 
 SLURM = """\
 jobs = 3
@@ -352,15 +353,3 @@ def test_a_bad_file_for_slurm(tmp_path: Path, text: str, message: str) -> None:
     result = invoke(write_study(tmp_path), "--slurm", str(tmp_path / "slurm.toml"))
     assert result.exit_code == 2
     assert result.stderr.endswith(f"masonry-cd: error: {tmp_path / 'slurm.toml'}: {message}\n")
-
-
-def test_an_ordinary_run_loads_nothing_of_dask(tmp_path: Path) -> None:
-    write_scene(tmp_path)
-    code = (
-        "import sys\nfrom typer.testing import CliRunner\nfrom masonry_cd.cli.app import app\n"
-        f"done = CliRunner().invoke(app, ['run', {str(tmp_path / 'scene.toml')!r}, '-o', {str(tmp_path / 'out')!r}])\n"
-        "assert done.exit_code == 0, done.output\n"
-        "sys.exit(', '.join({'dask', 'distributed', 'pyarrow', 'pandas'} & set(sys.modules)) or 0)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")

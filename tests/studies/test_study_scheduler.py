@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import pytest
 import studied
 from studied import GRID, rows_without_seconds, wait_until, write_study
 from typer.testing import CliRunner
@@ -32,6 +33,7 @@ def child(*words: str, log: Path) -> Iterator[subprocess.Popen[bytes]]:
             program.wait()
 
 
+@pytest.mark.slow(reason="a scheduler, a worker and a program, and workers again")
 def test_a_scheduler_that_is_lost_ends_the_study_in_a_line_and_the_next_call_goes_on(tmp_path: Path) -> None:
     path = write_study(tmp_path, GRID, **studied.LONG)
     with ExitStack() as stack:

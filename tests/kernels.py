@@ -1,0 +1,57 @@
+"""The kernels that the tests reach, compiled before them into numba's cache by two processes: ``python -m kernels``.
+
+Without it each process of the tests would compile the same ones at the same time. What is in the cache already is loaded, in seconds.
+What is missing here is compiled by the first test that needs it.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Sequence
+
+import scenes
+
+from masonry_cd.app.warmup import compile_kernels
+from masonry_cd.mechanics.linalg.small_blocks import room_for
+from masonry_cd.mechanics.solvers import SOLVERS, Options
+
+RIGID, UNIFORM = {True: 3, False: 6}, {True: 3, False: 6}  # unknowns of a rigid block in a plane or in space; strains of a uniform one
+
+
+def of_runs(planar: bool) -> None:
+    """Of blocks rigid, of uniform strain and meshed, on joints without and with a law that goes by area."""
+    meshed = room_for(0) - RIGID[planar]  # with whatever number more, they share their kernels
+    for strained in (0, UNIFORM[planar], meshed):
+        for by_area in (False, True):
+            compile_kernels("auto", planar, by_area, stress=True, strained=strained)
+    for solver in SOLVERS:
+        compile_kernels(solver, planar, False)
+
+
+def of_grains() -> None:
+    """Spheres among blocks."""
+    for by_area in (False, True):
+        compile_kernels("auto", False, by_area, spheres=True)
+
+
+def of_local_problems() -> None:
+    """Problems that are given by W alone."""
+    for name in SOLVERS:
+        SOLVERS[name](scenes.tower(2).to_local(), Options(tolerance=1e-6, max_iterations=2), None)
+
+
+JOBS = {"plane": lambda: of_runs(True), "space": lambda: (of_runs(False), of_grains(), of_local_problems())}
+
+
+def main(words: Sequence[str]) -> int:
+    """Do one of the jobs, or have a process do each."""
+    if words:
+        JOBS[words[0]]()
+        return 0
+    processes = [subprocess.Popen([sys.executable, "-m", "kernels", job]) for job in JOBS]
+    return max(process.wait() for process in processes)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

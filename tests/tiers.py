@@ -1,0 +1,100 @@
+"""The tiers of the tests, as hooks of pytest: what is slow carries a marker with a reason, and a budget keeps the others quick.
+
+``@pytest.mark.slow(reason="...")`` leaves a test to ``make test-all``. With ``--budget``, a test without the marker fails if its call
+takes more than ``ALLOWED`` seconds of processor time, in its process and in those that it waited for: a busy machine adds little to that.
+Compiling says nothing about a test, so a call during which any process put a kernel into numba's cache is not judged. In the end the
+seconds of each folder and of the tests that took most are printed, with those of fixtures.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import time
+from collections import Counter
+from collections.abc import Generator, Iterator
+from pathlib import Path, PurePosixPath
+
+import pytest
+from places import ROOT
+
+ALLOWED = 5.0  # processor time of the call of a test without the marker [s]
+LISTED = 40  # tests in the list of those that took most
+# which keep their compiled kernels, unless NUMBA_CACHE_DIR names a folder
+PACKAGES = ("masonry_cd", "structures", "loads", "reports", "tests")
+SECONDS = "processor seconds"  # the property of a report that holds those of its phase
+BEGIN = pytest.StashKey[tuple[float, float]]()  # of a phase: the time of day and the processor time until then [s]
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """The option of ``make test-all``."""
+    words = f"fail what takes over SECONDS of processor time, {ALLOWED:g} where none are given, and is not marked slow"
+    parser.addoption("--budget", nargs="?", type=float, const=ALLOWED, metavar="SECONDS", help=words)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Refuse a marker that does not say why."""
+    for item in items:
+        for mark in item.iter_markers("slow"):
+            if mark.args or set(mark.kwargs) != {"reason"} or not str(mark.kwargs["reason"]).strip():
+                raise pytest.UsageError(f'{item.nodeid}: say why: @pytest.mark.slow(reason="...")')
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_setup(item: pytest.Item) -> Generator[None, None, None]:
+    """Note when the set-up begins."""
+    item.stash[BEGIN] = time.time(), processor_time()
+    return (yield)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
+    """Note when the call begins."""
+    item.stash[BEGIN] = time.time(), processor_time()
+    return (yield)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Note what a phase took; fail a call that passed but took more than is allowed."""
+    spent = processor_time() - item.stash[BEGIN][1]
+    report = yield
+    report.user_properties.append((SECONDS, spent))
+    allowed = item.config.getoption("--budget")
+    judged = allowed is not None and report.passed and call.when == "call" and item.get_closest_marker("slow") is None
+    if judged and spent > allowed and not kept_since(item.stash[BEGIN][0]):
+        report.outcome = "failed"
+        report.longrepr = f"it took {spent:.1f} s of processor time, {allowed:g} s are allowed: make it smaller or mark it slow"
+    return report
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Print the processor time of folders, and of the tests that took most of it."""
+    if config.getoption("--budget") is None:
+        return
+    tests, folders = Counter[str](), Counter[str]()
+    for report in (report for reports in terminalreporter.stats.values() for report in reports if isinstance(report, pytest.TestReport)):
+        spent = dict(report.user_properties).get(SECONDS, 0.0)
+        tests[report.nodeid] += spent
+        folders[str(PurePosixPath(report.nodeid.partition("::")[0]).parent)] += spent
+    terminalreporter.section(f"processor time, of {sum(tests.values()):.0f} s")
+    terminalreporter.line(", ".join(f"{folder} {spent:.0f} s" for folder, spent in folders.most_common()))
+    for name, spent in tests.most_common(LISTED):
+        terminalreporter.line(f"{spent:7.1f} s  {name}")
+
+
+def processor_time() -> float:
+    """Of this process and of those that it started and waited for [s]."""
+    return sum(usage.ru_utime + usage.ru_stime for usage in map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)))
+
+
+def kept_since(moment: float) -> bool:
+    """Whether any process has put a compiled kernel into numba's cache since a time of day [s]."""
+    return any(path.stat().st_mtime >= moment - 0.1 for path in _kept())  # clocks of file systems are coarse
+
+
+def _kept() -> Iterator[Path]:
+    """What numba's cache holds."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    for folder in [Path(chosen)] if chosen else [ROOT / name for name in PACKAGES]:
+        yield from folder.rglob("*.nbc")
