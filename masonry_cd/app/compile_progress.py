@@ -33,7 +33,7 @@ def shown(count: int, seconds: float, why_again: str, stream: TextIO | None = No
     """
     to, known = stream or sys.stderr, _files() - kernel_store.used  # those of the structure may have been compiled just now
     how_often = f"in each run, as {why_again}" if why_again else "once"
-    line = f"compiling {'up to ' if known else ''}{count} kernels, {how_often}: about {in_words(seconds)}"
+    line = f"compiling {'up to ' if known and not why_again else ''}{count} kernels, {how_often}: about {in_words(seconds)}"
     if not known or why_again:
         _say(line, to)
     if why_again:

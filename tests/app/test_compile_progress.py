@@ -82,4 +82,4 @@ def test_what_is_compiled_again_in_each_run_is_said_with_the_reason():
     with shown(41, 280.0, "numba 0.99.0 is newer than 0.68, the last that was tried", stream):
         pass
     expected = "compiling 41 kernels, in each run, as numba 0.99.0 is newer than 0.68, the last that was tried: about 4 min 40 s\n"
-    assert stream.getvalue().replace("up to ", "") == expected
+    assert stream.getvalue() == expected
