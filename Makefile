@@ -2,7 +2,7 @@
 # make demo    set-up, then the main job: an aqueduct under a sinusoidal load, to out/demo/crack_map.png
 # make test    set-up, then the core tests of every package
 # make test-all        make test, then all tests that are marked slow; it judges how long each takes, and wants Chromium for those of pages
-# make check   set-up, then lint, format, types, and which room imports which
+# make check   set-up, then lint, format, types, and which package imports which
 # make docs    set-up, then the documentation as a site: out/docs/index.html
 # make validation      set-up, then the long comparisons with published numbers, closed forms and limit analysis; it prints their tables
 # make test-portable   set-up, then the numerical tests with kernels compiled for any x86-64 and for this very processor: rounding differs there
@@ -15,7 +15,7 @@ VENV   := .venv
 STAMP  := $(VENV)/.installed
 WARM   := $(VENV)/.compiled
 DEMO   := out/demo/crack_map.png
-CODE   := $(wildcard masonry_cd/*.py masonry_cd/*/*.py structures/*.py loads/*.py loads/*/*.py reports/*.py reports/*/*.py structures/*/*.py reports/page/*)
+CODE   := $(shell find masonry_cd structures loads reports -name "*.py") $(wildcard reports/page/*)
 
 # Tests whose outcome could depend on rounding, and so on whether kernels multiply and add in one instruction
 NUMERICAL := tests/friction tests/linalg tests/solvers tests/contact tests/dynamics/test_stepping.py

@@ -22,7 +22,6 @@ from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, check_tension, is_number
-from masonry_cd.mechanics.linalg.small_blocks import inverses, size_tuple
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.place_on_block import require_on_block
 
@@ -237,8 +236,9 @@ def _rows(assembly: Assembly, ends: tuple[int, int], points: np.ndarray) -> dict
 
 def _accelerated(assembly: Assembly, block: int, row: np.ndarray) -> np.ndarray:
     """M^-1 g^T of a block, (6,)."""
-    inverse = inverses(assembly.inertia[block : block + 1], size_tuple(3))[0]
-    return np.concatenate([row[:3] / assembly.mass[block], np.sum(inverse * row[3:], axis=1)])
+    a, b, c = assembly.inertia[block]  # Cramer's rule
+    beside = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+    return np.concatenate([row[:3] / assembly.mass[block], np.sum(beside * row[3:], axis=1) / np.sum(a * beside[0])])
 
 
 def _highest(ties: Sequence[Tie], assembly: Assembly) -> tuple[float, float]:

@@ -24,8 +24,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, Part, RunGrid
 from loads.supports import select_supports, structure
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.fields import Instant, Span
-from masonry_cd.mechanics.dynamics.settings import MOST_STEPS
+from masonry_cd.foundation.fields import MOST_STEPS, Instant, Span
 from masonry_cd.mechanics.model.blocks import Assembly
 
 FEWEST_STEPS = 10  # of the run in a pulse

@@ -13,6 +13,7 @@ Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Count = Annotated[int, Strict()]
 Flag = Annotated[bool, Strict()]
 LONGEST = 1e6  # time in a scene [s]: eleven days
+MOST_STEPS = 2e7  # of a run: some 4 GB of loads
 Instant = Annotated[float, Field(ge=0.0, le=LONGEST)]  # [s]
 Span = Annotated[float, Field(gt=0.0, le=LONGEST)]  # [s]
 

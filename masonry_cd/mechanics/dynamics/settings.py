@@ -8,13 +8,12 @@ from typing import Annotated, Any
 
 from pydantic import Field, WithJsonSchema, model_validator
 
-from masonry_cd.foundation.fields import Count, Flag, Number, Table, Vector, is_number
+from masonry_cd.foundation.fields import MOST_STEPS, Count, Flag, Number, Table, Vector, is_number
 from masonry_cd.mechanics.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 from masonry_cd.mechanics.solvers.solver_name import SolverName
 
 ACCEPT = 10.0  # natural map error that is accepted, in tolerances
 WAIT = 5.0  # by which twice the duration is exceeded at most where a run waits for its blocks to be still [s]
-MOST_STEPS = 2e7  # of a run: some 4 GB of loads
 AUTO = "auto"  # as run.dt: the time step adapts
 LONGEST_STEP = 1e-2  # dt_max when not given [s]
 RUNGS = 5  # halvings from dt_max to the shortest step when dt_min is not given
