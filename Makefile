@@ -18,7 +18,7 @@ DEMO   := out/demo/crack_map.png
 CODE   := $(shell find masonry_cd structures loads reports -name "*.py") $(wildcard reports/page/*)
 
 # Tests whose outcome could depend on rounding, and so on whether kernels multiply and add in one instruction
-NUMERICAL := tests/friction tests/linalg tests/solvers tests/contact tests/dynamics/test_stepping.py
+NUMERICAL := tests/mechanics/friction tests/mechanics/linalg tests/mechanics/solvers tests/mechanics/contact tests/mechanics/dynamics/test_stepping.py
 as         = $(2) NUMBA_CACHE_DIR=$(CURDIR)/.cache/numba-$(1) $(VENV)/bin/python -m pytest
 
 # Debian package and the library that it brings, for gmsh (first five, OpenMP) and off-screen VTK (EGL)

@@ -27,7 +27,7 @@ the tangent, and how the path bends; lengths are relative to the distance from t
 inside the cones and, by WIDE times the products, near the path. Where the path folds closely its branches are near one another: with
 longer steps the point wanders between them, and which it takes hangs on rounding. It takes 40 to 250 iterations, also where the damped path
 stalls at 1e-2. Paths from starts farther away are others, with folds elsewhere. Of walls thrown apart at random (mu 0.8 to 2.5),
-tests/solvers/test_interior.py counts how many end below 1e-8: nine of ten at least.
+tests/mechanics/solvers/test_interior.py counts how many end below 1e-8: nine of ten at least.
 
 **Proximal points** finish (Rockafellar, SIAM J. Control Optim. 14, 1976), from some hundred times the tolerance mostly in ten to twenty
 iterations: p+ solves the problem with springs that are at rest in p,

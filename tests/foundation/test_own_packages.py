@@ -19,7 +19,7 @@ def python(folder: Path, *arguments: str, path: tuple[Path, ...] = ()) -> subpro
     return subprocess.run([sys.executable, *arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 
-def test_the_rooms_are_found() -> None:
+def test_the_packages_are_found() -> None:
     require_own_packages()
 
 
