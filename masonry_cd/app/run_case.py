@@ -19,6 +19,7 @@ from masonry_cd.app.inputs import digests
 from masonry_cd.app.load_factor import outcome, tie_bars
 from masonry_cd.app.progress import Interrupt, Progress, TimedOut
 from masonry_cd.app.resume import choose
+from masonry_cd.app.run_loop import Checkpoints, Plan
 from masonry_cd.app.run_loop import run as run_steps
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.scene import Scene
@@ -139,7 +140,14 @@ def _steps(case: Case, stepper: Stepper, writer: ResultWriter, saved: Path, watc
         watch.check()
 
     with show:
-        return run_steps(stepper, case.joints, writer, case.steps, settings.frame_every, progress, saved, resume, pauses, scene.stress)
+        return run_steps(
+            stepper,
+            case.joints,
+            writer,
+            Plan(case.steps, settings.frame_every, pauses=pauses, stress=scene.stress),
+            progress,
+            Checkpoints(saved, resume=resume),
+        )
 
 
 def _write_damage(case: Case, folder: Path, summary: dict[str, Any], since: float) -> dict[str, Any]:

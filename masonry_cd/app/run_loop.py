@@ -30,17 +30,31 @@ from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
 from masonry_cd.mechanics.model.joints import Joints, measure_joints
 
 
+@dataclass(frozen=True)
+class Plan:
+    """How far a run goes, and what it writes."""
+
+    steps: int  # of the loads, how many in all, those before a resumption included
+    frame_every: int = 1  # steps of length dt between two frames; the first and the last state are always written
+    pauses: Pauses | None = None  # of loads that come as shocks in a row: steps of the loads may be left out
+    stress: bool = False  # whether that of blocks and joints is kept
+
+
+@dataclass(frozen=True)
+class Checkpoints:
+    """The file of a run's checkpoints. The last is of the end, for who has more to do with the results."""
+
+    path: Path
+    resume: bool = False  # continue from the checkpoint there; the writer must come from ResultWriter.resumed
+
+
 def run(
     stepper: Stepper,
     joints: Joints,
     writer: ResultWriter,
-    steps: int,
-    frame_every: int = 1,
+    plan: Plan,
     progress: Callable[[int], None] | None = None,
-    save_to: Path | None = None,
-    resume: bool = False,
-    pauses: Pauses | None = None,
-    stress: bool = False,
+    checkpoints: Checkpoints | None = None,
 ) -> RunReport:
     """Advance to a number of steps of the loads, ticks where the time step adapts, and write the results as they come.
 
@@ -52,28 +66,26 @@ def run(
         stepper: at the start of the run.
         joints: of the stepper's assembly at rest, see :func:`masonry_cd.mechanics.contact.find_joints.find_joints`.
         writer: of the result file.
-        steps: of the loads, how many in all, those before a resumption included.
-        frame_every: steps of length dt between two frames; the first and the last state are always written.
+        plan: how far it goes, and what it writes.
         progress: called after each step with the number of steps of the loads done.
-        save_to: file for checkpoints; None takes none. The last is of the end, for who has more to do with the results.
-        resume: go on from the checkpoint in ``save_to``; the writer must come from :meth:`ResultWriter.resumed`.
-        pauses: of loads that come as shocks in a row: steps of the loads may be left out. None: each step is one of the loads.
+        checkpoints: none are taken without.
 
     Raises:
         InputError: a checkpoint that is missing, unreadable, or of another scene.
     """
-    recorder = Recorder(writer, stepper, joints, pauses is not None and pauses.any_shocks, stress)
+    pauses, save_to = plan.pauses, None if checkpoints is None else checkpoints.path
+    recorder = Recorder(writer, stepper, joints, pauses is not None and pauses.any_shocks, plan.stress)
     report = RunReport(planar=stepper.plane is not None, fall=_fall(stepper))
     pace = AdaptiveSteps(stepper) if stepper.settings.adaptive else None
     loop = _Loop(stepper, recorder, report, pauses, save_to, pace)
-    if resume and save_to is not None:
-        loop.resume(save_to)
+    if checkpoints is not None and checkpoints.resume:
+        loop.resume(checkpoints.path)
     else:
         recorder.frame(measure_joints(joints, stepper.assembly, stepper.state))
         writer.flush()
     try:
-        while stepper.load_step < steps and not loop.report.stopped:
-            loop.step(steps, frame_every)
+        while stepper.load_step < plan.steps and not loop.report.stopped:
+            loop.step(plan.steps, plan.frame_every)
             loop.save_when_due()
             loop.report_progress(progress)
     except RunStopped as reason:

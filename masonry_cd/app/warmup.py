@@ -30,7 +30,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from masonry_cd.app import compile_progress
-from masonry_cd.app.run_loop import run
+from masonry_cd.app.run_loop import Plan, run
 from masonry_cd.foundation import jit, kernel_store
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.contact.find_joints import find_joints
@@ -154,7 +154,7 @@ def _shake_cubes(kind: SceneKind) -> None:
     with TemporaryDirectory() as folder, ResultWriter(Path(folder) / "result.h5", assembly, joints) as writer:
         machine = Stepper(assembly, shaking, gravity, settings)
         machine.kick(np.where(np.array(assembly.names) == "falling", 1.0, 0.0)[:, None] * [0.0, 0.0, -0.5, 0.0, 0.0, 0.0])  # it lands
-        run(machine, joints, writer, STEPS, stress=kind.stress)
+        run(machine, joints, writer, Plan(STEPS, stress=kind.stress))
 
 
 def _material(planar: bool, strained: int, spheres: bool) -> ElasticBlocks | None:

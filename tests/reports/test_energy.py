@@ -11,7 +11,7 @@ from models import stepper, still, wall
 from pictures import main_colours
 from typer.testing import CliRunner
 
-from masonry_cd.app.run_loop import run
+from masonry_cd.app.run_loop import Plan, run
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.result_writer import ResultWriter
@@ -31,7 +31,7 @@ def shaken(tmp_path_factory) -> Path:
     machine = stepper(wall(2, 2), steps, support_velocity=velocity, dt=2e-3, friction=0.4, tolerance=1e-8)
     joints = find_joints(machine.assembly)
     with ResultWriter(path, machine.assembly, joints, title="a wall") as writer:
-        run(machine, joints, writer, steps, 20)
+        run(machine, joints, writer, Plan(steps, 20))
     return path
 
 

@@ -13,7 +13,7 @@ from solids import build
 from masonry_cd.analysis.damage.definitions import Thresholds
 from masonry_cd.analysis.damage.macro_elements import DamageSnapshot
 from masonry_cd.analysis.deformed import Pose, Solids
-from masonry_cd.app.run_loop import run
+from masonry_cd.app.run_loop import Plan, run
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
@@ -36,7 +36,7 @@ def computed(folder: Path, blocks: list[Block], steps: int = 3, **settings: obje
     machine = stepper(blocks, steps, **settings)
     joints = find_joints(machine.assembly)
     with ResultWriter(folder / "result.h5", machine.assembly, joints) as writer:
-        run(machine, joints, writer, steps)
+        run(machine, joints, writer, Plan(steps))
     with Results.open(folder / "result.h5") as results:
         return results.joint_history("normal_force")[-1], results.joint_history("force_point")[-1]
 

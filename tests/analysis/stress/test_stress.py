@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 from masonry_cd.analysis.stress.peaks import principal, stress_peaks, tensors
 from masonry_cd.app.case import prepare
 from masonry_cd.app.run_case import run_case
-from masonry_cd.app.run_loop import run
+from masonry_cd.app.run_loop import Checkpoints, Plan, run
 from masonry_cd.app.scene import read_scene
 from masonry_cd.app.summary import closing_lines
 from masonry_cd.cli.app import app
@@ -172,11 +172,11 @@ def test_a_resumed_run_has_the_stress_of_an_unbroken_one(tmp_path, after):
     paths = tmp_path / "unbroken.h5", tmp_path / "broken.h5"
     saved, joints = tmp_path / checkpoint.NAME, find_joints(machine().assembly)
     with ResultWriter(paths[0], machine().assembly, joints, "scene") as writer:
-        run(machine(), joints, writer, steps, every, stress=True)
+        run(machine(), joints, writer, Plan(steps, every, stress=True))
     with ResultWriter(paths[1], machine().assembly, joints, "scene") as writer:
-        run(machine(), joints, writer, steps, every, stop, saved, stress=True)
+        run(machine(), joints, writer, Plan(steps, every, stress=True), stop, Checkpoints(saved))
     with ResultWriter.resumed(paths[1], checkpoint.load(saved)[1]["rows"]) as writer:
-        run(machine(), joints, writer, steps, every, None, saved, resume=True, stress=True)
+        run(machine(), joints, writer, Plan(steps, every, stress=True), checkpoints=Checkpoints(saved, resume=True))
     one, other = contents(paths[0]), contents(paths[1])
     assert one == other and STRESS in one
 
