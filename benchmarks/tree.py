@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOMS = ("masonry_cd", "structures", "loads", "reports")
+PACKAGES = ("masonry_cd", "structures", "loads", "reports")
 MOST_LINES, MOST_ARGUMENTS = 400, 10  # of a file and of a kernel, as the design asks for
 KERNEL = re.compile(r"@(?:entry|kernel|borrower|njit|numba\.njit)\b")
 PUBLIC = "replace|fields|asdict|make|repr_html_|repr_png_"  # names of any NamedTuple, and of what notebooks show
@@ -105,7 +105,7 @@ def private_names(text: str) -> list[str]:
 
 def table(root: Path) -> list[str]:
     """The figures of a tree as lines of Markdown."""
-    program, tests = sources(root, *ROOMS), sources(root, "tests")
+    program, tests = sources(root, *PACKAGES), sources(root, "tests")
     everything = program | tests | sources(root, "benchmarks")
     lines = {name: text.count("\n") for name, text in everything.items()}
     longest = max(program, key=lines.__getitem__)

@@ -72,7 +72,7 @@ class Report(Table):
     damage: Flag = False
     """Write the damage by part: damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json."""
     grades: dict[str, Any] = Field(default_factory=dict)
-    """Thresholds and labels of the grades D0 to D5; checked by the room reports."""
+    """Thresholds and labels of the grades D0 to D5; checked by the package reports."""
     largest: Annotated[Number, Field(gt=0)] = 0.05
     """Where the last class of the crack map's colours begins [m]."""
     cut: str = ""

@@ -2,9 +2,9 @@
 
     format = 1                        # optional: of these keys, should they ever change
     title = "Arch under a sine"       # optional
-    [structure]  kind = "arch" ...    # checked by the room structures; or several of them, [[structures]], side by side
+    [structure]  kind = "arch" ...    # checked by structures; or several of them, [[structures]], side by side
     [material]   density, friction
-    [[loads]]    kind = "sinusoidal"  # checked by the room loads
+    [[loads]]    kind = "sinusoidal"  # checked by loads
     [run]        dt, duration ...
     [report]     crack_map
     [limit]      push = "x"           # optional, of masonry-cd limit
@@ -115,7 +115,7 @@ def _brief(change: str) -> str:
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene file whose own tables are checked; ``structure``, ``structures`` and ``loads`` are checked by their rooms."""
+    """A scene file whose own tables are checked; ``structure``, ``structures`` and ``loads`` are checked by the packages of these names."""
 
     title: str
     structure: dict[str, Any]  # empty where there are several
@@ -126,7 +126,7 @@ class Scene:
     text: str  # what the results keep: the file's text, or that of the changed tables when --set was used
     path: Path
     origin: Origin  # of its keys, for messages
-    limit: dict[str, Any] = field(default_factory=dict)  # checked by the room loads
+    limit: dict[str, Any] = field(default_factory=dict)  # checked by loads
     quiet_checks: tuple[str, ...] = ()  # keys whose unusual values are meant so
     structures: tuple[dict[str, Any], ...] = ()  # side by side; none where there is one
 

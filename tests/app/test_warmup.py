@@ -25,8 +25,8 @@ from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 def compiled() -> Counter[str]:
     """How many versions of each kernel, one for each set of types of its arguments, this process has compiled and not loaded."""
-    rooms = [vars(module) for name, module in sys.modules.items() if name.startswith(("masonry_cd.", "structures.", "loads.", "tests."))]
-    kernels = {kernel for room in rooms for kernel in room.values() if isinstance(kernel, Entry)}
+    modules = [vars(module) for name, module in sys.modules.items() if name.startswith(("masonry_cd.", "structures.", "loads.", "tests."))]
+    kernels = {kernel for module in modules for kernel in module.values() if isinstance(kernel, Entry)}
     return Counter({f"{k.__module__}.{k.__name__}": sum(k.stats.cache_misses.values()) for k in kernels if "outer" in vars(k)})
 
 
@@ -101,7 +101,7 @@ def test_the_second_process_compiles_what_a_run_needs(planar):
 
 def test_what_is_compiled_is_known_until_a_file_is_missing(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    kind, name = SceneKind("nlgs", True), kernel_store.name_of("room.kernel", "sources", "float64")
+    kind, name = SceneKind("nlgs", True), kernel_store.name_of("package.kernel", "sources", "float64")
     assert not kind.is_compiled()
     monkeypatch.setattr(kernel_store, "used", {name})
     kernel_store.write(name, b"code")

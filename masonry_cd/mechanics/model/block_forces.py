@@ -1,4 +1,4 @@
-"""Forces on single blocks, as the step asks for them. Point loads and ties of the room ``loads`` have this shape."""
+"""Forces on single blocks, as the step asks for them. Point loads and ties of ``loads`` have this shape."""
 
 from __future__ import annotations
 
