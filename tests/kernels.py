@@ -17,12 +17,13 @@ from masonry_cd.mechanics.linalg.small_blocks import room_for
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 RIGID, UNIFORM = {True: 3, False: 6}, {True: 3, False: 6}  # unknowns of a rigid block in a plane or in space; strains of a uniform one
+COARSE = 7  # and a block with the coarsest mesh in a plane, few enough for kernels of its own
 
 
 def of_runs(planar: bool) -> None:
     """Of blocks rigid, of uniform strain and meshed, on joints without and with a law that goes by area."""
     meshed = room_for(0) - RIGID[planar]  # with whatever number more, they share their kernels
-    for strained in (0, UNIFORM[planar], meshed):
+    for strained in (0, UNIFORM[planar], *((COARSE,) if planar else ()), meshed):
         for by_area in (False, True):
             compile_kernels("auto", planar, by_area, stress=True, strained=strained)
     for solver in SOLVERS:

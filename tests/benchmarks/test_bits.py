@@ -20,6 +20,7 @@ def tiny(block_on_plate) -> Case:
     return Case(scene, ("run.tolerance=1e-6",), dump=5, solves=(Solve("nlgs", local=True),))
 
 
+@pytest.mark.slow(reason="runs scenes by the command, each in a process of its own")
 def test_a_scene_that_is_saved_is_found_the_same_and_a_changed_number_is_reported(tiny, tmp_path, capsys):
     file, found = tmp_path / "bits.json", run_case(tiny)
     assert not [name for name in found if "seconds" in name or "version" in name]

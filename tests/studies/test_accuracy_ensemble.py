@@ -112,6 +112,7 @@ def test_the_command_writes_a_row_per_setting_and_one_per_run(tmp_path: Path):
     assert (tmp_path / "accuracy.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow(reason="starts workers several times")
 def test_runs_that_have_ended_are_kept(tmp_path: Path):
     """After a kill in the middle of a line the missing runs are made, with more members the new ones; another scene is refused."""
 

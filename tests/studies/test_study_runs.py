@@ -299,6 +299,7 @@ def executed(scheduler: str, folder: Path, function: Callable[[Task], Outcome], 
     return rows
 
 
+@pytest.mark.slow(reason="a worker is killed, whose whole time counts then, and another one started")
 def test_a_worker_that_is_killed_costs_its_run_which_is_made_again(scheduler: str, tmp_path: Path) -> None:
     rows = executed(scheduler, tmp_path, studied.dies_once, "abcd")
     assert (tmp_path / "b.died").exists()

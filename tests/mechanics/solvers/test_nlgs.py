@@ -102,6 +102,7 @@ def test_limit_is_said() -> None:
     assert "limit reached" in solution.reason
 
 
+@pytest.mark.slow(reason="threads spin while they wait for one another")
 def test_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
     """Coloured sweeps on one thread and on two give the same bits, and they converge as the others do."""
     monkeypatch.setattr(nlgs, "COLOURED", 100)
