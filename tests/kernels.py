@@ -1,4 +1,4 @@
-"""The kernels that the tests reach, compiled before them into numba's cache by two processes: ``python -m kernels``.
+"""The kernels that the tests reach, compiled before them into their store by two processes: ``python -m kernels``.
 
 Without it each process of the tests would compile the same ones at the same time. What is in the cache already is loaded, in seconds.
 What is missing here is compiled by the first test that needs it.
@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import scenes
 
-from masonry_cd.app.warmup import compile_kernels
+from masonry_cd.app.warmup import SceneKind, compiling
 from masonry_cd.mechanics.linalg.small_blocks import room_for
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
@@ -20,20 +20,26 @@ RIGID, UNIFORM = {True: 3, False: 6}, {True: 3, False: 6}  # unknowns of a rigid
 COARSE = 7  # and a block with the coarsest mesh in a plane, few enough for kernels of its own
 
 
+def compiled(kind: SceneKind) -> None:
+    """Have the kernels of a kind of scene compiled."""
+    with compiling(kind):
+        pass
+
+
 def of_runs(planar: bool) -> None:
     """Of blocks rigid, of uniform strain and meshed, on joints without and with a law that goes by area."""
     meshed = room_for(0) - RIGID[planar]  # with whatever number more, they share their kernels
     for strained in (0, UNIFORM[planar], *((COARSE,) if planar else ()), meshed):
         for by_area in (False, True):
-            compile_kernels("auto", planar, by_area, stress=True, strained=strained)
+            compiled(SceneKind("auto", planar, by_area, stress=True, strained=strained))
     for solver in SOLVERS:
-        compile_kernels(solver, planar, False)
+        compiled(SceneKind(solver, planar))
 
 
 def of_grains() -> None:
     """Spheres among blocks."""
     for by_area in (False, True):
-        compile_kernels("auto", False, by_area, spheres=True)
+        compiled(SceneKind("auto", False, by_area, spheres=True))
 
 
 def of_local_problems() -> None:
