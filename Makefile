@@ -78,7 +78,7 @@ test-portable: libraries $(STAMP)
 # The kernels are compiled for x86-64-v3, whatever the processor of this machine has beyond it, and kept in .cache/kernels.
 wheel: libraries $(STAMP)
 	rm -rf .cache/kernels
-	env -u MASONRY_CD_NATIVE -u NUMBA_CPU_NAME -u NUMBA_CPU_FEATURES NUMBA_CACHE_DIR=$(CURDIR)/.cache/kernels $(VENV)/bin/python -m masonry_cd.app.compile_all examples/*.toml
+	env -u MASONRY_CD_NATIVE -u NUMBA_CPU_NAME -u NUMBA_CPU_FEATURES NUMBA_CACHE_DIR=$(CURDIR)/.cache/kernels $(VENV)/bin/python -m masonry_cd.app.compile_all $(filter-out examples/study_% %_record.toml,$(wildcard examples/*.toml))
 	$(VENV)/bin/python -m pip wheel --quiet --disable-pip-version-check --no-deps -w dist .
 	MASONRY_CD_KERNELS=$(CURDIR)/.cache/kernels $(VENV)/bin/python -m pip wheel --quiet --disable-pip-version-check --no-deps -w dist .
 	@ls -l dist

@@ -130,7 +130,8 @@ def write_stress(
         InputError: the run kept no stress.
     """
     from masonry_cd.analysis.stress.peaks import stress_peaks
-    from reports.stress.files import stress_summary, write_stress
+    from masonry_cd.analysis.stress.summary import stress_summary
+    from reports.stress.files import write_stress
 
     peaks = stress_peaks(results, settings.opened)
     written = write_stress(results, peaks, folder)

@@ -126,7 +126,7 @@ def tie_bars(case: Case) -> list[TieBar]:
 
 def _ties(results: Results) -> dict[str, Any]:
     """What each tie had to bear."""
-    from reports.ties import histories
+    from masonry_cd.analysis.ties import histories
 
     found = [tie.row() for tie in histories(results)]
     return {"ties": found} if found else {}

@@ -14,6 +14,7 @@ import numpy as np
 
 from masonry_cd.analysis.damage.end_state import end_state
 from masonry_cd.analysis.damage.joint_damage import joint_damage
+from masonry_cd.analysis.damage.numbers import damage_numbers
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.analysis.deformed import solids_of
 from masonry_cd.analysis.stress.peaks import principal, require_stress, stress_peaks
@@ -27,7 +28,7 @@ from masonry_cd.interface.tables import columns_of, frame_of, frame_of_rows
 from masonry_cd.interface.temporary import TemporaryFolder
 from masonry_cd.io.results import Results
 from masonry_cd.io.summary_file import read_summary
-from reports.damage.joint_files import damage_numbers, thresholds_of
+from reports.damage.joint_files import thresholds_of
 from reports.outputs import damage_of, frame_at
 from reports.page.motion import read_motion, rotation_vectors
 from reports.settings import Report, report_of

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.analysis.deformed import Pose, Solids
+from masonry_cd.analysis.ties import histories
 from masonry_cd.foundation.quantities import force
 from masonry_cd.io.results import Results
 from reports.drawing.render import Lines, View, Window
-from reports.ties import histories
 
 PULLING, SLACK = "#6a1b7a", "#8d8d8d"  # unlike openings, slidings and forces
 WIDTH = 5.0  # of a line [pixels of the sampled image]

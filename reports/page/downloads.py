@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from masonry_cd.analysis.damage.end_state import end_state
-from masonry_cd.analysis.damage.joint_damage import JointDamage, write_joints_csv
+from masonry_cd.analysis.damage.joint_damage import JointDamage
 from masonry_cd.analysis.damage.part_damage import PartDamage
 from masonry_cd.io.results import Results
+from reports.damage.joint_files import write_joints_csv
 from reports.damage.part_files import write_part_damage
 from reports.page.findings import section
 

@@ -8,13 +8,14 @@ import numpy as np
 
 from masonry_cd.analysis.stress.elements import element_peaks
 from masonry_cd.analysis.stress.peaks import StressPeaks, principal, stress_peaks
+from masonry_cd.analysis.stress.summary import stress_summary
 from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.results import Results
 from reports.maps.stress_map import StressScale
 from reports.page.findings import section, table
 from reports.page.words import PageContext, escaped, number
 from reports.settings import report_of
-from reports.stress.files import share_in_words, stress_lines, stress_summary
+from reports.stress.files import share_in_words, stress_lines
 
 ROWS = 8  # of a table at most
 

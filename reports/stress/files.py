@@ -1,5 +1,5 @@
-"""The stress of a run in files: stress.csv of blocks, joint_stress.csv of joints, element_stress.csv of elements of meshed blocks; their
-share of summary.json, and closing lines."""
+"""The stress of a run in files, stress.csv of blocks, joint_stress.csv of joints and element_stress.csv of elements of meshed blocks, and in
+words."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.analysis.stress.elements import element_peaks, element_summary, write_elements
+from masonry_cd.analysis.stress.elements import ElementPeaks, element_columns, element_peaks
 from masonry_cd.analysis.stress.peaks import StressPeaks
+from masonry_cd.analysis.stress.summary import NAMED
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.quantities import length, pressure
 from masonry_cd.io.layout import EDGE_STRESS
 from masonry_cd.io.results import Results
 
-BLOCKS, JOINTS = "stress.csv", "joint_stress.csv"
+BLOCKS, JOINTS, ELEMENTS = "stress.csv", "joint_stress.csv", "element_stress.csv"
 BLOCK_COLUMNS = (
     "block", "group", "max_compression", "max_compression_time", "max_tension", "max_tension_time", "xx", "yy", "zz", "xy", "yz", "xz",
     "strength", "ratio",
@@ -26,7 +27,6 @@ JOINT_COLUMNS = (
     "joint", "block_a", "block_b", "area", "max_edge_stress", "max_edge_stress_time", "max_finite_edge_stress", "end_edge_stress",
     "max_normal_force", "max_normal_force_time", "strength", "ratio", "crushed_share",
 )  # fmt: skip
-NAMED = 5  # blocks and joints that the summary names at most
 
 
 def block_columns(results: Results, peaks: StressPeaks) -> dict[str, Any]:
@@ -58,66 +58,21 @@ def write_stress(results: Results, peaks: StressPeaks, folder: Path) -> list[Pat
         rows = zip(*columns.values(), strict=True)
         write_csv(path, columns, (map(_cell, row) for k, row in enumerate(rows) if kept is None or kept[k]))
     of_elements = element_peaks(results)
-    return paths if of_elements is None else [*paths, write_elements(results, of_elements, folder)]
+    return paths if of_elements is None else [*paths, _write_elements(results, of_elements, folder)]
 
 
-def _cell(value: object) -> object:
-    """A number with ten digits; nothing where it is unknown."""
+def _write_elements(results: Results, peaks: ElementPeaks, folder: Path) -> Path:
+    """Write element_stress.csv, with seven digits, as they are kept; return it."""
+    columns = element_columns(results, peaks)
+    write_csv(folder / ELEMENTS, columns, ([_cell(value, 7) for value in row] for row in zip(*columns.values(), strict=True)))
+    return folder / ELEMENTS
+
+
+def _cell(value: object, digits: int = 10) -> object:
+    """A number with so many digits; nothing where it is unknown."""
     if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.10g}"
+        return "" if math.isnan(value) else f"{value:.{digits}g}"
     return value
-
-
-def stress_summary(results: Results, peaks: StressPeaks) -> dict[str, Any]:
-    """The share of stress in summary.json; empty for a run without a step."""
-    if not np.isfinite(peaks.compression).any():
-        return {}
-    names = [block.name for block in results.blocks]
-    block, pulled = int(np.nanargmax(peaks.compression)), int(np.nanargmax(peaks.tension))
-    out: dict[str, Any] = {
-        "interval": peaks.interval,
-        "compression_max": float(peaks.compression[block]),
-        "compression_max_block": names[block],
-        "compression_max_time": float(peaks.compression_time[block]),
-        "tension_max": float(peaks.tension[pulled]) if peaks.pulled[pulled] else 0.0,
-        "tension_max_block": names[pulled],
-        "tension_max_time": float(peaks.tension_time[pulled]),
-        "joints_at_edge": int(np.isinf(peaks.edge).sum()),
-        "joints_at_edge_open": int(peaks.open_at_edge.sum()),
-    }
-    if np.isfinite(peaks.finite_edge).any():
-        joint = int(np.nanargmax(peaks.finite_edge))
-        out |= {"edge_max": float(peaks.finite_edge[joint]), "edge_max_joint": joint, "edge_max_blocks": _pair(results, joint)}
-    if peaks.compared:
-        out["strength"] = _against_strength(results, peaks)
-    if elements := element_summary(results, element_peaks(results)):
-        out["elements"] = elements
-    return out
-
-
-def _against_strength(results: Results, peaks: StressPeaks) -> dict[str, Any]:
-    """What lies above its strength, the gravest first."""
-    names = [block.name for block in results.blocks]
-    above, cut = np.flatnonzero(peaks.block_ratio > 1.0), np.flatnonzero(peaks.joint_ratio > 1.0)
-    above, cut = above[np.argsort(-peaks.block_ratio[above], kind="stable")], cut[np.argsort(-peaks.crushed_share[cut], kind="stable")]
-    return {
-        "least": float(np.nanmin(peaks.block_strength)),
-        "blocks_compared": int((np.isfinite(peaks.block_ratio)).sum()),
-        "joints_compared": int(np.isfinite(peaks.joint_strength).sum()),
-        "ratio_max": float(np.nanmax(peaks.block_ratio)) if np.isfinite(peaks.block_ratio).any() else None,
-        "blocks_above": len(above),
-        "blocks_above_names": [names[b] for b in above[:NAMED]],
-        "joints_above": len(cut),
-        "joints_above_open": int(peaks.open_above.sum()),
-        "joints_above_numbers": cut[:NAMED].tolist(),
-        "crushed_share_max": float(np.nanmax(peaks.crushed_share)) if np.isfinite(peaks.crushed_share).any() else None,
-    }
-
-
-def _pair(results: Results, joint: int) -> list[str]:
-    """The names of the blocks of a joint."""
-    joints = results.joints
-    return [results.blocks[int(joints.block_a[joint])].name, results.blocks[int(joints.block_b[joint])].name]
 
 
 def stress_lines(found: Mapping[str, Any]) -> list[str]:

@@ -13,7 +13,7 @@ import pytest
 from datasets import contents
 from models import gravity, stepper, still, tower, wall
 
-from masonry_cd.analysis.damage.joint_damage import bonds, joint_damage, write_joints_csv
+from masonry_cd.analysis.damage.joint_damage import bonds, joint_damage
 from masonry_cd.app import recorder, run_loop
 from masonry_cd.app.run_loop import Checkpoints, Plan, run
 from masonry_cd.app.run_report import RunReport
@@ -24,6 +24,7 @@ from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.dynamics.moreau_jean import ENERGIES, StepReport
 from masonry_cd.mechanics.model.materials import JointLaw
+from reports.damage.joint_files import write_joints_csv
 
 STEPS = 60
 

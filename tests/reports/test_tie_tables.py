@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 from places import EXAMPLES
 
+from masonry_cd.analysis.ties import histories
 from masonry_cd.app.case import make_structures, prepare
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import read_scene
@@ -24,7 +25,7 @@ from reports.drawing.structure_picture import structure_picture
 from reports.drawing.tie_lines import PULLING
 from reports.maps.crack_map import crack_map
 from reports.page import write_page
-from reports.ties import histories, tie_lines, tie_tensions
+from reports.ties import tie_lines, tie_tensions
 from structures.ties import lines_of
 
 COLOUR = tuple(int(PULLING[i : i + 2], 16) for i in (1, 3, 5))

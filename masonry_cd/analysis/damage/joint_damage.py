@@ -9,15 +9,13 @@ What the words of its states mean, and where damage begins, say :mod:`masonry_cd
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from masonry_cd.analysis.damage.definitions import STATES, Thresholds, classify, fallen_in, is_open, is_slid, parted
 from masonry_cd.analysis.deformed import Pose, base_shift, joint_frame, smallest_gap, solids_of
-from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.io.layout import BONDED
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.joints import OPENED as OPENING_IN_RUN
@@ -173,27 +171,6 @@ def shock_rows(results: Results, thresholds: Thresholds | None = None) -> list[d
             }
         )
     return rows
-
-
-def write_joints_csv(table: JointDamage, path: Path, provisional: str = "") -> None:
-    """Write one row per joint; the columns are the fields of :class:`JointDamage`, an unknown time is left empty.
-
-    The share that is bonded is a column of runs with bonds only, and ``provisional``, why residual values are not the last, of runs that
-    did not end at rest.
-    """
-    left_out = {"both", *([BONDED] if np.isnan(table.bonded).all() else [])}
-    columns = [item.name for item in fields(table) if item.name not in left_out]
-    cells = [map(_text, getattr(table, name).tolist()) for name in columns]
-    if provisional:
-        columns, cells = [*columns, "provisional"], [*cells, map(str, [provisional] * len(table.joint))]
-    write_csv(path, columns, zip(*cells, strict=True))
-
-
-def _text(value: Any) -> str:
-    """A cell: numbers with nine digits, NaN as nothing."""
-    if isinstance(value, float):
-        return "" if np.isnan(value) else f"{value:.9g}"
-    return str(value)
 
 
 def _peaks(results: Results, thresholds: Thresholds, shock: int | None) -> dict[str, np.ndarray]:

@@ -8,18 +8,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from masonry_cd.analysis.stress.peaks import AT_ONCE, NOTHING, Largest, principal, require_stress, strengths
-from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.results import Results
 
-FILE = "element_stress.csv"
 COLUMNS = (
     "block", "element", "x", "y", "z", "volume", "max_compression", "max_compression_time", "max_tension", "max_tension_time",
     "xx", "yy", "zz", "xy", "yz", "xz", "strength", "ratio",
@@ -115,21 +112,6 @@ def element_columns(results: Results, peaks: ElementPeaks) -> dict[str, Any]:
         peaks.compression, peaks.compression_time, peaks.tension, peaks.tension_time, *end.T, peaks.strength, peaks.ratio,
     )  # fmt: skip
     return dict(zip(COLUMNS, values, strict=True))
-
-
-def write_elements(results: Results, peaks: ElementPeaks, folder: Path) -> Path:
-    """Write element_stress.csv; return it."""
-    columns = element_columns(results, peaks)
-    rows = zip(*columns.values(), strict=True)
-    write_csv(folder / FILE, columns, (map(_cell, row) for row in rows))
-    return folder / FILE
-
-
-def _cell(value: object) -> object:
-    """A number with seven digits, as they are kept; nothing where it is unknown."""
-    if isinstance(value, float):
-        return "" if np.isnan(value) else f"{value:.7g}"
-    return value
 
 
 def element_summary(results: Results, peaks: ElementPeaks | None) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from masonry_cd.analysis.deformed import Pose, Solids
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.model.blocks import Block
+from reports.damage.joint_files import write_joints_csv
 
 BASE = box("base", (-3, -1, -0.5), (3, 1, 0), "base", fixed=True)
 PIER = [BASE, box("lower", (-0.5, -0.5, 0), (0.5, 0.5, 1)), box("upper", (-0.5, -0.5, 1), (0.5, 0.5, 2))]
@@ -143,7 +144,7 @@ def test_csv_holds_the_table(tmp_path: Path) -> None:
     path = write_run(tmp_path / "result.h5", PIER, [rest, turned(rest, 2, (0.5, 0.0, 1.0), 2.0)])
     with Results.open(path) as results:
         table = joint_damage.joint_damage(results)
-    joint_damage.write_joints_csv(table, tmp_path / "joints.csv")
+    write_joints_csv(table, tmp_path / "joints.csv")
     with (tmp_path / "joints.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == [
