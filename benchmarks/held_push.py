@@ -70,7 +70,7 @@ class Bracket:
 
 
 def hold(assembly: Assembly, direction: Sequence[float], factor: float, seen: Callable[[Trial], bool], within: float = np.inf) -> Trial:
-    """Hold a push; ``seen`` is told of each step and says whether to leave it, ``within`` are seconds of the clock after which it ends."""
+    """Hold a push; ``seen`` gets each step and says whether to leave it, ``within`` are seconds of the clock after which it ends."""
     steps = round(SECONDS / STEP)
     pull = np.tile(GRAVITY * (factor * np.asarray(direction) - [0.0, 0.0, 1.0]), (steps + 1, 1))
     run = Run.model_validate({"dt": STEP, "duration": SECONDS, "tolerance": TOLERANCE})
@@ -99,7 +99,7 @@ def bracket(
     share: float,
     jobs: int = 1,
     within: float = np.inf,
-    told: Callable[[Bracket, Trial], None] = lambda bracket, trial: None,
+    report: Callable[[Bracket, Trial], None] = lambda bracket, trial: None,
 ) -> Bracket:
     """A factor at which the structure stands and one at which it moves.
 
@@ -110,9 +110,9 @@ def bracket(
         share: how far the two may be apart, over the greater guess.
         jobs: trials at a time, each in a process of its own.
         within: seconds of the clock after which no trial goes on.
-        told: is given the bracket so far, and the trial that has said something.
+        report: is given the bracket so far, and the trial that has said something.
     """
-    search = _Search(assembly, direction, jobs, time.monotonic() + within, told)
+    search = _Search(assembly, direction, jobs, time.monotonic() + within, report)
     found = search.found
     low, high = BELOW * guesses[0], ABOVE * guesses[1]  # believed
     close = share * guesses[1]
@@ -134,9 +134,9 @@ class _Search:
     """Trials of a structure, and what they have shown so far."""
 
     def __init__(
-        self, assembly: Assembly, direction: Sequence[float], jobs: int, end: float, told: Callable[[Bracket, Trial], None]
+        self, assembly: Assembly, direction: Sequence[float], jobs: int, end: float, report: Callable[[Bracket, Trial], None]
     ) -> None:
-        self.what, self.jobs, self.end, self.told = (assembly, direction), jobs, end, told
+        self.what, self.jobs, self.end, self.report = (assembly, direction), jobs, end, report
         self.found = Bracket()
 
     def one_by_one(self, factors: np.ndarray) -> None:
@@ -144,7 +144,7 @@ class _Search:
         for factor in factors:
             trial = hold(*self.what, float(factor), lambda trial: False, self.end - time.monotonic())
             self.found.add(trial)
-            self.told(self.found, trial)
+            self.report(self.found, trial)
             if trial.verdict == "moves":
                 return
 
@@ -172,7 +172,7 @@ class _Search:
             self.found.add(trial)
             if ended:
                 at_work.pop(trial.factor).join()
-            self.told(self.found, trial)
+            self.report(self.found, trial)
 
 
 def _none_lost(at_work: dict[float, Any]) -> None:

@@ -74,14 +74,14 @@ def row(name: str, way: str, asked: Asked, rows: list[dict[str, Any]]) -> str:
     sliding = sum(found.associated.mechanism.count(state) for state in STATES[2:4])
     rows.append({"structure": name, "push": way, "blocks": assembly.count, "least": lowest, "associated": factor, "joints_slide": sliding})
 
-    def told(bracket: Bracket, trial: Trial) -> None:
+    def report(bracket: Bracket, trial: Trial) -> None:
         rows[-1] |= bracket.numbers()
         if asked.file:
             asked.file.write_text(json.dumps(rows, indent=1))
         words = f"{name} {way} {trial.factor:.4f}: {trial.verdict} at {trial.time:.3f} s, gone {trial.gone:.1e} of the width"
         print(f"{words}, {trial.seconds:.0f} s of processor time; {_ends(bracket)}", file=sys.stderr, flush=True)
 
-    seen = bracket(assembly, WAYS[way], asked.between or (lowest, factor), asked.share, asked.jobs, asked.within, told)
+    seen = bracket(assembly, WAYS[way], asked.between or (lowest, factor), asked.share, asked.jobs, asked.within, report)
     least = f"{lowest:.4f}" if found.least else ""
     kind = f"{sliding} joints slide" if sliding else "hinges"
     return f"| {name} | {way} | {assembly.count} | {least} | {factor:.4f} | {_ends(seen)} | {kind} |"

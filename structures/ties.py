@@ -11,7 +11,7 @@
 
 Each line becomes a bar between the block at its one end and that at its other (:mod:`loads.bars`): it pulls, never pushes, yields, and does
 not touch what lies between. A plate hands the pull on to all blocks that it covers on the face of the wall, by the area that it covers of
-each: as a bundle of bars that share the section, and that do not hold the blocks beside one another. A point on a joint counts for the
+each: as a bundle of bars that share the section, and that do not hold neighbouring blocks together. A point on a joint counts for the
 block below it, or on the lower side.
 """
 

@@ -73,7 +73,7 @@ def _solve(problem: Path, solve: Solve, folder: Path, environment: Mapping[str, 
 
 
 def _local_form(problem: Path, folder: Path) -> Path:
-    """The same problem without its bodies: u = W r + q."""
+    """A file in the folder with the problem without its bodies, u = W r + q."""
     folder.mkdir(exist_ok=True)
     local = {name: array for name, array in _npz(problem, "").items() if name.startswith("/W_") or name in ("/q", "/mu")}
     np.savez(folder / problem.name, allow_pickle=False, **{name[1:]: array for name, array in local.items()})

@@ -1,7 +1,7 @@
 r"""Forces on single blocks: point loads, and ties as unilateral bars.
 
 A **point load** keeps its direction and acts at a point that moves with its block. A **tie** is a bar between a point of one block and a
-point of another, that pulls and never pushes, and yields where it is told to; its law, and how it acts in the step, are in
+point of another, that pulls and never pushes, and yields at a given force if it has one; its law, and how it acts in the step, are in
 :mod:`loads.bars`. A run with w h (1 + xi) > 1, where w = sqrt(k / m_e) and xi is the damping ratio, is refused, with the dt that would do.
 
 Ties that share a block stiffen one another. With g_i the row that maps the velocities of the blocks to L_i', w^2 is the largest

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from structures import Made
     from structures.ties import Bar
 
-TOLD = 1e-8  # share of the smallest width: inexact joints as built are reported from there on; less is rounding
+REPORTED = 1e-8  # share of the smallest width: inexact joints as built are reported from there on; less is rounding
 CORNERS = 4.0  # contacts of a joint
 IN_SPACE = 'run.solver "pivoting" is for scenes that move in a plane; in space "interior" stands in for it'
 FALLING = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
@@ -194,7 +194,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     unusual = doubts(scene, assembly, loading.summary["tables"])
     warnings = (*structure.odd_size, *unusual, *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
     notes = structure.notes
-    if built > TOLD * assembly.width:
+    if built > REPORTED * assembly.width:
         notes = (*notes, f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
     still = _still_speed(scene.run, joints)
     try:

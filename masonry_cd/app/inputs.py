@@ -1,4 +1,4 @@
-"""What a run depends on beside the text of its scene, so that no run goes on with other inputs than it began with.
+"""What a run depends on beside the text of its scene, so that no run continues with other inputs than it began with.
 
 Files are known by their names in the scene: those under a key ``path``, and those that a VTM file lists. Beside their bytes, what was made
 of them and of the scene counts, in case a newer version of the program makes something else of it.
@@ -55,7 +55,7 @@ def file_digests(tables: Sequence[Mapping[str, Any]], folder: Path) -> dict[str,
 
 
 def require_same(now: Mapping[str, str], then: Mapping[str, str], file: Path) -> None:
-    """Refuse to go on with the results in a file, which were made with inputs that are others now.
+    """Refuse to continue the results in a file, which were made with inputs that are others now.
 
     Raises:
         InputError: names the first that differs.

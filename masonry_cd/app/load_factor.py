@@ -53,7 +53,7 @@ def _load_factor(case: Case, results: Results) -> dict[str, Any]:
 def _given_way(case: Case, results: Results, factor: np.ndarray, limit: float) -> dict[str, float]:
     """Factor, time and displacement at which the structure gave way, of factors (N,) after each step."""
     moved, moment = _gone(results, np.where(case.assembly.fixed, 0.0, case.assembly.mass))
-    if results.per_step("energy/base_work").any():  # on a base that shakes, what a block carries is not told from what shakes it
+    if results.per_step("energy/base_work").any():  # on a base that shakes, the load a block carries cannot be separated from the shaking
         beyond = np.flatnonzero(moved > limit)
         if not len(beyond):
             return {}

@@ -220,7 +220,7 @@ def _clear(folder: Path) -> None:
 
 
 def _writer(case: Case, file: Path, saved: Path, resume: bool) -> ResultWriter:
-    """The writer of a new result file, or of one that is gone on with."""
+    """The writer of a new result file, or of one that is resumed."""
     if not resume:
         place = os.path.relpath(case.scene.path, file.parent)
         return ResultWriter(file, case.assembly, case.joints, case.scene.text, case.scene.title, digests(case), place, tie_bars(case))

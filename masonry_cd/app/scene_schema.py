@@ -1,6 +1,6 @@
 """The JSON schema of the scene file, put together from the tables that read it.
 
-Editors complete and check scenes by it (taplo, Even Better TOML). Kinds of structure and of load are alternatives, told apart by ``kind``.
+Editors complete and check scenes by it (taplo, Even Better TOML). Kinds of structure and of load are alternatives, chosen by ``kind``.
 The file ``scene.schema.json`` beside this one is what ``masonry-cd schema`` prints for the kinds that the package brings.
 """
 

@@ -111,8 +111,8 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
     s, solver, energy = summary, summary["solver"], summary["energy"]
     per_step = s["stepping_seconds"] / max(1, s["steps"])
     lifted = energy.get("lift_share", 0.0)
-    told = lifted >= REPORTED and not energy["at_rest"]
-    lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if told else ""
+    reported = lifted >= REPORTED and not energy["at_rest"]
+    lift = f"; taking overlaps away lifted blocks by {100 * lifted:.2g} % of it besides" if reported else ""
     deep = f", of {s['penetration_where']}" if s.get("penetration_where") else ""
     bonds = [f"bonds: {s['joints_broken']} of {s['joints_bonded']} bonded joints broke"] if s.get("joints_bonded") else []
     on = f" on {solver['threads']} threads" if solver["threads"] > 1 else ""

@@ -23,7 +23,7 @@ def run(
     output: Output,
     set_: Changes = None,
     force: Force = False,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with a run that was stopped, from its last checkpoint.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Resume a run that was stopped, from its last checkpoint.")] = False,
     dump_problem: Annotated[
         list[str] | None, typer.Option("--dump-problem", metavar="STEP", help="Write the friction problem of this step; 1 or 1,2,9.")
     ] = None,
@@ -95,7 +95,7 @@ def _tell_end(summary: dict[str, Any], output: Path, quiet: bool, explain: bool)
 
 
 def _resuming(scene: Path, output: Path, changes: Sequence[str]) -> str:
-    """The command that goes on with a run."""
+    """The command that resumes a run."""
     return shlex.join(["masonry-cd", "run", str(scene), "-o", str(output), "--resume", *(word for c in changes for word in ("--set", c))])
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from masonry_cd.foundation.atomic import replacing
 
-# with the apostrophes before it, so that a guard can be told from what a name begins with; the last four are =, +, - and @ of full width
+# with any apostrophes before it, so that removing a guard leaves those of the name; the last four are =, +, - and @ of full width
 FORMULA = re.compile("'*[=+\\-@\t\r\n\0\uff1d\uff0b\uff0d\uff20]")
 DIRECTIONS = {f"{sign}{axis}" for sign in "+-" for axis in "xyz"}  # columns of reports hold them; a formula of one letter does nothing
 SEPARATORS = ',;"\t\r\n|'

@@ -107,7 +107,7 @@ class Run:
 
     @property
     def stopped(self) -> str:
-        """Why the run ended before its time, in words; empty where it did not. :func:`masonry_cd.resume` goes on with it."""
+        """Why the run ended before its time, in words; empty where it did not. :func:`masonry_cd.resume` continues it."""
         return str(self.summary.get("stopped") or "")
 
     @property
@@ -365,9 +365,9 @@ class Run:
         return f'<Run "{self.title}": {len(self.time)} frames to {self.time[-1]:g} s{end}>'
 
     def _repr_html_(self) -> str:
-        told = "".join(f"<li>{html.escape(line)}</li>" for line in self.lines[1:])
+        lines = "".join(f"<li>{html.escape(line)}</li>" for line in self.lines[1:])
         warned = "".join(f'<li style="color:#b3261e">warning: {html.escape(line)}</li>' for line in self.warnings)
-        return f"<b>{html.escape(self.lines[0])}</b><ul>{told}{warned}</ul>"
+        return f"<b>{html.escape(self.lines[0])}</b><ul>{lines}{warned}</ul>"
 
 
 def open_run(folder: str | os.PathLike[str]) -> Run:

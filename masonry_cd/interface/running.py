@@ -1,4 +1,4 @@
-"""Scenes are run, and runs that were stopped are gone on with, as by the command line."""
+"""Runs scenes, and resumes runs that were stopped, as the command line does."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def run(
         force: overwrite what the folder holds.
 
     The whole scene is checked before anything is written. Ctrl-C, or the button that interrupts a notebook, ends the run after its step:
-    what is returned reads as any other run, ``stopped`` says why it ended, and :func:`masonry_cd.resume` goes on with it. A loop of runs
+    what is returned reads as any other run, ``stopped`` says why it ended, and :func:`masonry_cd.resume` continues it. A loop of runs
     looks at ``stopped`` and breaks. In other threads than the main one nothing interrupts a run. Warnings of the run are shown as
     :class:`RunWarning`.
 
@@ -67,14 +67,14 @@ def run(
 
 
 def resume(source: Run | str | os.PathLike[str], *, progress: bool = True) -> Run:
-    """Go on with a run that was stopped or killed, from its last checkpoint; it ends with the bits of an unbroken one.
+    """Resume a run that was stopped or killed, from its last checkpoint; it ends with the bits of an unbroken one.
 
     Args:
         source: the run, or its folder; also of a run of the command line, whose scene file and the files it names must be where they were.
         progress: see :func:`run`.
 
     Raises:
-        InputError: nothing to go on with, or files that have changed since.
+        InputError: nothing to resume, or files that have changed since.
     """
     from masonry_cd.interface.results import Run as Opened
     from masonry_cd.io import checkpoint

@@ -101,8 +101,8 @@ class Scene:
         (0.0005, 0.35, True)
         """
         if self._files is None and not hold_arrays(tables):
-            told = (*self._origin.changes, *changes, *changes_of(plain(tables, ""), self.tables))
-            return Scene(replace(self._origin, changes=told))
+            made = (*self._origin.changes, *changes, *changes_of(plain(tables, ""), self.tables))
+            return Scene(replace(self._origin, changes=made))
         now = self.tables
         if self._files is None:
             now = with_absolute_paths(now, self._checked.folder)
@@ -230,8 +230,8 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene | None = No
     of_file = _Origin(read_text(path), path, "")
     if hold_arrays(tables):
         return Scene(of_file).changed(*changes, **tables)
-    told = (*changes, *changes_of(plain(tables, ""), parse_toml(of_file.text, path))) if tables else changes
-    return Scene(replace(of_file, changes=told))
+    made = (*changes, *changes_of(plain(tables, ""), parse_toml(of_file.text, path))) if tables else changes
+    return Scene(replace(of_file, changes=made))
 
 
 def scene_of(results: Results) -> Scene:
@@ -250,7 +250,7 @@ def scene_of(results: Results) -> Scene:
 
 
 def origin_of(results: Results) -> _Origin:
-    """The scene that made a run, to go on with: its text to the letter, read where its file lay."""
+    """The scene that made a run, for resuming it: its text to the letter, read where its file lay."""
     return _Origin(results.scene, results.scene_file, str(results.path))
 
 

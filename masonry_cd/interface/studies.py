@@ -99,7 +99,7 @@ class Study:
 
     @cached_property
     def stopped(self) -> str:
-        """Why there are fewer runs than planned, in words; empty where all were made. The same call as before goes on with it."""
+        """Why there are fewer runs than planned, in words; empty where all were made. The same call as before continues it."""
         planned, made = self._found.asked["runs"], self._found.count
         if planned is None:
             return f"{made} runs are made, and others follow from them"
@@ -158,9 +158,9 @@ class Study:
         return f'<Study "{self.title}": {self._found.asked["design"]}, {count} runs{some}{end}>'
 
     def _repr_html_(self) -> str:
-        told = "".join(f"<li>{html.escape(line)}</li>" for line in self.lines[1:])
+        lines = "".join(f"<li>{html.escape(line)}</li>" for line in self.lines[1:])
         warned = "".join(f'<li style="color:#b3261e">warning: {html.escape(line)}</li>' for line in self.warnings)
-        return f"<b>{html.escape(self.lines[0])}</b><ul>{told}{warned}</ul>"
+        return f"<b>{html.escape(self.lines[0])}</b><ul>{lines}{warned}</ul>"
 
 
 def study(

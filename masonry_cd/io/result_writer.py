@@ -89,7 +89,7 @@ class ResultWriter:
 
     @classmethod
     def resumed(cls, path: Path, rows: Mapping[str, int], mark: str | None = None, sums: bool = True) -> ResultWriter:
-        """Go on with the file of a run that was stopped or killed, cut back to the given number of rows of each dataset.
+        """Continue the file of a run that was stopped or killed, cut back to the given number of rows of each dataset.
 
         The rows are copied into a new file, since a killed writer leaves its file marked as in use; it takes the place of the old one when
         it is whole and in SWMR mode.

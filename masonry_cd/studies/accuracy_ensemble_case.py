@@ -52,7 +52,7 @@ def ensemble_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
     Args:
         source: a scene (TOML).
         asked: ``solvers``, ``tolerances``, ``dts`` as typed or None; ``duration`` or None; ``ensemble``, ``workers``; ``force`` to begin
-            anew where the folder holds runs of the scene, which are gone on with otherwise.
+            anew where the folder holds runs of the scene, which are continued otherwise.
         overrides: changes to the scene, ``key=value``.
         folder: for the outputs.
         say: called with a line on how far it is.
@@ -76,18 +76,18 @@ def ensemble_case(source: Path, asked: Mapping[str, Any], overrides: Sequence[st
         raise InputError(f'{source}: run.dt is "auto"; name the time steps to compare by --dts')
     solvers = solvers_asked(asked["solvers"]) or (scene.run.solver,)
     settings = settings_of(solvers, dts or (scene.run.dt,), tolerances_asked(asked["tolerances"]) or TOLERANCES)
-    for setting in settings:  # what is wrong with one of them is told before any runs
+    for setting in settings:  # what is wrong with one of them is reported before any runs
         read_scene(source, [*changes, f"run.dt={setting.dt!r}", f"run.tolerance={setting.tolerance!r}"])
-    prepare(scene)  # what is wrong with its blocks or loads is told before anything is written, and kernels are compiled once
+    prepare(scene)  # what is wrong with its blocks or loads is reported before anything is written, and kernels are compiled once
     with locked(folder):
         kept = KeptRuns(folder / KEPT, _identity(scene, changes), asked["force"])
 
-        def told(name: str, found: Mapping[str, Any], left: int) -> None:
+        def ended(name: str, found: Mapping[str, Any], left: int) -> None:
             say(f"{name}: {found['seconds']:.3g} s; {left} of {len(settings) * asked['ensemble']} runs left")
 
         try:
             rows = ensemble_rows(
-                source, changes, settings, asked["ensemble"], lambda members: kept.make(run_member, members, asked["workers"], told)
+                source, changes, settings, asked["ensemble"], lambda members: kept.make(run_member, members, asked["workers"], ended)
             )
         except KeyboardInterrupt:
             say(f"the runs that have ended are in {folder / KEPT}; the same command goes on")

@@ -1,1 +1,1 @@
-"""Runs beside one another."""
+"""Runs compared side by side."""

@@ -30,7 +30,7 @@ TRIAD = 80.0  # width of the axes beside a scale bar
 SEEN = 0.05  # share of its length that an axis must show in a picture to be drawn
 INK = "#23272b"
 FAINT = "#5f666d"
-# Okabe & Ito (2008): told apart by colour-blind readers
+# Okabe & Ito (2008): distinguishable by colour-blind readers
 COLOURS = (
     "#0072b2",
     "#d55e00",

@@ -125,12 +125,12 @@ def rgb(colour: str) -> np.ndarray:
 
 
 def mottle(count: int) -> np.ndarray:
-    """(B,) factors on the colours of blocks, by which stones are told apart."""
+    """(B,) factors on the colours of blocks, by which stones are distinguished."""
     return 1.0 + MOTTLE * (2.0 * ((np.arange(count) * 0.6180339887498949) % 1.0) - 1.0)  # golden ratio: neighbours differ
 
 
 def stone_colours(solids: Solids, colours: np.ndarray) -> np.ndarray:
-    """(F, 3) colours of the faces of blocks of colours (B, 3), 0..1, by which stones are told apart."""
+    """(F, 3) colours of the faces of blocks of colours (B, 3), 0..1, by which stones are distinguished."""
     return np.asarray(np.clip(colours * mottle(len(colours))[:, None], 0.0, 1.0)[solids.face_block])
 
 
@@ -140,7 +140,7 @@ def block_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, view
 
 
 def face_layers(solids: Solids, vertices: np.ndarray, colours: np.ndarray, view: View, window: Window) -> list[Surface | Lines]:
-    """The same with colours (F, 3) of the faces."""
+    """The faces of all blocks, shaded in colours (F, 3) 0..1 of their own, and their edges, drawn thin just before them."""
     count = len(solids.centre)
     shade = (255.0 * colours).astype(np.uint8)
     lift = 5e-4 * window.height * view.towards

@@ -1,7 +1,7 @@
 r"""The crack map: the structure as it stands at a frame, its joints coloured by what is left open and what has slid.
 
 An open joint is a solid band coloured by its opening, a slid one is dashed and coloured by its sliding, in another hue; where
-both happened the dashes lie on the band. So the two are told apart in colour, by a colour-blind reader, and in grey print. The
+both happened the dashes lie on the band. So a colour-blind reader can distinguish the two, and so can one of a grey print. The
 classes of both scales run 1-2-5 from the threshold of damage to ``largest``: equal thresholds give equal colours, and the maps of
 two runs can be laid side by side. Faces of standing blocks that have parted are dark. Where nothing would be seen at true scale,
 displacements relative to the base are drawn amplified by a factor that the sheet states; the shape at rest lies behind as a pale

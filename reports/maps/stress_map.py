@@ -36,7 +36,7 @@ from reports.settings import report_of
 
 FILE = "stress_map.png"
 VECTOR = ("stress_map.svg", "stress_map.pdf")
-COLOURS = ("YlOrRd", 0.0, 0.9)  # of the compression: pale to dark, told apart in grey print
+COLOURS = ("YlOrRd", 0.0, 0.9)  # of the compression: pale to dark, distinguishable in grey print
 MOST = 9  # classes
 
 
@@ -149,7 +149,7 @@ def _prepared(results: Results, frame: int | None, style: MapStyle) -> tuple[int
 
 
 def _with_elements(results: Results, subject: Subject, frame: int, pressed: Pressed) -> Subject:
-    """The same with meshed blocks by their facets, each in the colour of its element."""
+    """What the sheet shows, with meshed blocks by their facets, each in the colour of its element."""
     if results.meshes is None or pressed.of_elements is None:
         return subject
     facetted = Facetted.of(subject.solids, results.meshes)

@@ -45,7 +45,7 @@ def test_the_first_line_says_how_many_and_how_long_and_later_ones_how_far(store,
     stream = io.StringIO()
     with shown(41, 66.0, "", stream):
         assert stream.getvalue().splitlines()[0] == "compiling 41 kernels, once: about 1 min 6 s"
-        _compile("room.first")
+        _compile("package.first")
         _wait_for("compiling: 1 of 41 kernels, ", stream)
 
 
@@ -53,20 +53,20 @@ def test_a_terminal_gets_a_bar(store, monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     stream = Terminal()
     with shown(41, 66.0, "", stream):
-        _compile("room.linearised_by_team")
+        _compile("package.linearised_by_team")
         _wait_for("1 of 41 kernels", stream)
     assert "41 of 41 kernels" in stream.getvalue()
 
 
 def test_what_this_process_has_just_compiled_is_part_of_the_count(store):
-    _compile("room.first")
+    _compile("package.first")
     stream = io.StringIO()
     with shown(41, 66.0, "", stream):
         assert stream.getvalue() == "compiling 41 kernels, once: about 1 min 6 s\n"
 
 
 def test_where_some_are_there_nothing_is_said_until_it_takes_long(store, monkeypatch):
-    _compile("room.first")
+    _compile("package.first")
     kernel_store.used.clear()
     stream = io.StringIO()
     with shown(41, 66.0, "", stream):

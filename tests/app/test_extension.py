@@ -92,17 +92,17 @@ def add(tmp_path, monkeypatch) -> Iterator[Callable[[str, str, str], None]]:
     added = []
 
     def put(package: str, name: str, source: str) -> None:
-        room, folder = import_module(package), tmp_path / package
+        target, folder = import_module(package), tmp_path / package
         folder.mkdir()
         (folder / f"{name}.py").write_text(dedent(source).replace("\\\\", "\\"), encoding="utf-8")
-        monkeypatch.setattr(room, "__path__", [*room.__path__, str(folder)])
-        added.append((room, name))
+        monkeypatch.setattr(target, "__path__", [*target.__path__, str(folder)])
+        added.append((target, name))
 
     yield put
-    for room, name in added:
-        sys.modules.pop(f"{room.__name__}.{name}", None)
-        if hasattr(room, name):
-            delattr(room, name)
+    for target, name in added:
+        sys.modules.pop(f"{target.__name__}.{name}", None)
+        if hasattr(target, name):
+            delattr(target, name)
 
 
 def test_a_structure(add, tmp_path):

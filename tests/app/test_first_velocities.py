@@ -1,4 +1,4 @@
-"""Velocities that the blocks of a scene begin with: their energy, their bits, their plane, and runs gone on with."""
+"""Velocities that the blocks of a scene begin with: their energy, their bits, their plane, and resumed runs."""
 
 from __future__ import annotations
 

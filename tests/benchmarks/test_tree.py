@@ -8,10 +8,10 @@ from benchmarks.tree import private_names, table
 
 MODULE = """
 import os
-from room import shown, _hidden
-from room import __version__
-room._kernel(self._own, os._exit)
-monkeypatch.setattr(room, "_constant", 1)
+from package import shown, _hidden
+from package import __version__
+package._kernel(self._own, os._exit)
+monkeypatch.setattr(package, "_constant", 1)
 """
 
 

@@ -53,7 +53,7 @@ def test_reports_that_can(block_on_plate, tmp_path: Path, asked: str) -> None:
     assert str(result.exception) == "a step was made"
 
 
-def test_times_that_rests_cut_short_take_away_are_told(tmp_path: Path) -> None:
+def test_times_that_rests_cut_short_take_away_are_reported(tmp_path: Path) -> None:
     blocks = [box("base", (-2, -1, -0.5), (2, 1, 0), "base", fixed=True), box("s", (-0.5, -0.5, 0), (0.5, 0.5, 1))]
     asked = Report(times=[0.1, 0.3, 9.0])
     with Results.open(write_run(tmp_path / "run.h5", blocks, [at_rest(blocks)] * 4)) as results:

@@ -46,8 +46,8 @@ def test_the_balance_of_a_fall_is_a_share_of_its_work(tmp_path: Path) -> None:
     assert relative < 1e-3
 
 
-@pytest.mark.parametrize(("gravity", "told"), [("-9.81", True), ("0.0", False)])
-def test_a_structure_without_supports_falls_with_a_warning(block_on_plate, tmp_path: Path, gravity: str, told: bool) -> None:
+@pytest.mark.parametrize(("gravity", "warned"), [("-9.81", True), ("0.0", False)])
+def test_a_structure_without_supports_falls_with_a_warning(block_on_plate, tmp_path: Path, gravity: str, warned: bool) -> None:
     scene = block_on_plate(duration=f"duration = 0.01\ngravity = [0.0, 0.0, {gravity}]")
     blocks = tmp_path / "blocks.json"
     blocks.write_text(blocks.read_text().replace("true", "false"))
@@ -56,5 +56,5 @@ def test_a_structure_without_supports_falls_with_a_warning(block_on_plate, tmp_p
     result = CliRunner().invoke(app, ["run", str(scene), "-o", str(tmp_path / "out")])
     line = "no block of the structure is fixed: nothing carries it, and it falls as a whole"
     assert result.exit_code == 0, result.output
-    assert (f"masonry-cd: warning: {line}\n" in result.stderr) == told
-    assert (line in json.loads((tmp_path / "out" / "summary.json").read_text())["warnings"]) == told
+    assert (f"masonry-cd: warning: {line}\n" in result.stderr) == warned
+    assert (line in json.loads((tmp_path / "out" / "summary.json").read_text())["warnings"]) == warned

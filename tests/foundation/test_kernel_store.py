@@ -19,7 +19,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_what_is_written_is_read(place: Path) -> None:
-    name = store.name_of("room.kernel", "a" * 64, "float64")
+    name = store.name_of("package.kernel", "a" * 64, "float64")
     assert store.read(name) is None and not store.is_there(name)
     store.write(name, b"code")
     assert store.read(name) == b"code" and store.is_there(name)
@@ -27,20 +27,20 @@ def test_what_is_written_is_read(place: Path) -> None:
 
 
 def test_another_source_kind_or_processor_has_another_file() -> None:
-    names = {store.name_of("room.kernel", sources, kind) for sources in ("a" * 64, "b" * 64) for kind in ("float64", "int64")}
+    names = {store.name_of("package.kernel", sources, kind) for sources in ("a" * 64, "b" * 64) for kind in ("float64", "int64")}
     assert len(names) == 4
 
 
 @pytest.mark.parametrize("cut", [0, 3, 20, 35])
 def test_a_file_that_is_cut_off_counts_as_absent(place: Path, cut: int) -> None:
-    name = store.name_of("room.kernel", "a" * 64, "float64")
+    name = store.name_of("package.kernel", "a" * 64, "float64")
     store.write(name, b"code")
     (place / name).write_bytes((place / name).read_bytes()[:cut])
     assert store.read(name) is None
 
 
 def test_a_damaged_file_counts_as_absent(place: Path) -> None:
-    name = store.name_of("room.kernel", "a" * 64, "float64")
+    name = store.name_of("package.kernel", "a" * 64, "float64")
     store.write(name, b"code")
     (place / name).write_bytes(b"x" + (place / name).read_bytes()[1:])
     assert store.read(name) is None
@@ -59,7 +59,7 @@ def test_files_of_other_sources_go_when_they_are_old(place: Path) -> None:
 
 
 def test_what_a_wheel_brings_is_read_and_never_written(place: Path, tmp_path: Path) -> None:
-    name = store.name_of("room.kernel", "a" * 64, "float64")
+    name = store.name_of("package.kernel", "a" * 64, "float64")
     store.write(name, b"code")
     place.rename(tmp_path / "brought")
     assert store.read(name) == b"code"

@@ -1,4 +1,4 @@
-"""Runs that hang, in a step or in the set-up: each is a row with its reason, and the study goes on with a new worker."""
+"""Runs that hang, in a step or in the set-up: each is a row with its reason, and the study continues with a new worker."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Studies from end to end: on two workers and on one, gone on with after kills, grown, and with runs that yield no data."""
+"""Studies from end to end: on two workers and on one, continued after kills, grown, and with runs that yield no data."""
 
 from __future__ import annotations
 
@@ -105,9 +105,9 @@ def test_the_reference_is_the_first_run_of_the_plan(study: Path) -> None:
     assert (study / "reference" / "run.txt").read_text().strip() == first
     with Results.open(study / "reference" / "result.h5") as results:
         assert [block.name for block in results.blocks] == ["plate", "block"]
-    told = json.loads((study / "study.json").read_text())
-    assert (told["runs"], told["design"], told["measure"], told["varied"]) == (6, "grid", None, ["loads[0].amplitude", "material.friction"])
-    assert told["limit_states"] == {"slid": {"quantity": "max_sliding", "above": 1e-3}}
+    said = json.loads((study / "study.json").read_text())
+    assert (said["runs"], said["design"], said["measure"], said["varied"]) == (6, "grid", None, ["loads[0].amplitude", "material.friction"])
+    assert said["limit_states"] == {"slid": {"quantity": "max_sliding", "above": 1e-3}}
 
 
 @pytest.mark.slow(reason="starts a worker")

@@ -47,7 +47,7 @@ def standardised(columns: Sequence[np.ndarray]) -> np.ndarray:
 
 def without_model(beta: float, records: bool, text_varied: bool) -> Betas:
     """Where no number of the model varies."""
-    note = "what varies is no number: its share cannot be told apart" if text_varied else "nothing but the records varies"
+    note = "what varies is no number: its share cannot be separated" if text_varied else "nothing but the records varies"
     if not records:
         return Betas(None, None, "no records: beta is of what varies alone" if not text_varied else note)
     return Betas(beta if not text_varied else None, None, note)

@@ -190,14 +190,14 @@ class Motion:
 
 
 def _least_norm(matrix: csr_matrix, wanted: np.ndarray) -> np.ndarray:
-    """The solution of least squares and least norm."""
+    """The solution (columns,) of least squares and least norm."""
     if matrix.shape[1] > MANY:
         return _least_norm_sparse(matrix, wanted)
     return np.asarray(lstsq(matrix.toarray(), wanted, cond=1e-10, lapack_driver="gelsy")[0])
 
 
 def _least_norm_sparse(matrix: csr_matrix, wanted: np.ndarray) -> np.ndarray:
-    """The same of large systems, whose rows have few entries: x <- x + (A^T A + d 1)^-1 A^T (b - A x) from x = 0.
+    """The solution (columns,) of large systems, whose rows have few entries: x <- x + (A^T A + d 1)^-1 A^T (b - A x) from x = 0.
 
     Each round leaves d / (s^2 + d) of what belongs to a singular value s, and nothing moves that belongs to none.
     """

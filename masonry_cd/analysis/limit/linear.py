@@ -63,7 +63,7 @@ class _LinearProgramme:
     bounds: np.ndarray  # (..., 2)
 
     def with_columns(self, more: csr_matrix) -> _LinearProgramme:
-        """The same with more unknowns, none of them negative."""
+        """A programme with unknowns added, none of them negative, by their columns (unknowns of the blocks, n)."""
         wide = np.tile([0.0, np.inf], (more.shape[1], 1))
         return replace(self, matrix=hstack([self.matrix, more], format="csr"), bounds=np.concatenate([self.bounds, wide]))
 

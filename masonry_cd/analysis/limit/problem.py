@@ -67,7 +67,7 @@ class Loads:
     arms: Arms | None = None  # of the point loads among them; without it, moments stay what they are when blocks turn
 
     def moved(self, centre: np.ndarray, position: np.ndarray, rotation: np.ndarray) -> Loads:
-        """The same loads on blocks that have moved from ``centre`` (B, 3) to ``position`` and turned by ``rotation`` (B, 3, 3)."""
+        """These loads [N, N m] on blocks that have moved from ``centre`` (B, 3) to ``position`` and turned by ``rotation`` (B, 3, 3)."""
         bars = self.bars
         local = bars.points - centre[bars.blocks]
         bars = Bars(bars.blocks, position[bars.blocks] + np.einsum("teij,tej->tei", rotation[bars.blocks], local), bars.strength)

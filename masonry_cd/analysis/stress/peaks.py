@@ -8,7 +8,7 @@ and what a strength f then says is how much of the joint the force N takes at th
     crushed share = N / (f A),        A the area of the joint; the hinge moves in by half of that share of the joint's depth.
 
 Where joints are rigid, the place of the force in a joint that is closed is not unique in a hyperstatic structure: a run finds one, often at
-an edge. In a hinge that gapes it is. So joints above their strength, or with a force at an edge, are told apart by whether they were open.
+an edge. In a hinge that gapes it is. So joints above their strength, or with a force at an edge, are sorted by whether they were open.
 
 All values are means over the time between two frames, so the largest are over all steps of the run, but of these means: what rises and
 falls within a frame is averaged. Nothing crushes in the run itself. The strength of a joint is the lower one of its two blocks.

@@ -1,4 +1,4 @@
-"""Picks the solver by what the last steps cost, and goes on with another one where it gets stuck.
+"""Picks the solver by what the last steps cost, and continues with another one where it gets stuck.
 
 **The rule.**
 
@@ -9,7 +9,7 @@
 2. A step begins with ADMM or with Newton's method, whichever cost less when a step last began with it. An ADMM iteration propagates the
    error through the whole structure and is cheap; a Newton iteration is expensive, but few are needed if it starts close. Steps 4, 16, 64,
    256 ... begin with the other one, unless a single iteration of it costs more than a step of the first. What ADMM does not solve at the
-   cost of GLANCE iterations of Newton, nor Newton in NEWTON_LIMIT, the other one goes on with. After a step that Newton did not end it is
+   cost of GLANCE iterations of Newton, nor Newton in NEWTON_LIMIT, passes to the other one. After a step that Newton did not end it is
    not asked, but in every LOOK-th step. Where the error is then CLOSE to the tolerance ADMM goes on, for as long as it gets on, to the cost
    of WORTH iterations of Newton: it creeps to 1e-3 at a tenth of what other methods take, but hardly ever to 1e-8.
 3. What neither solves (a structure that slides or rocks as a whole) goes to pivoting if it is in a plane and not ROUGH, and to the interior

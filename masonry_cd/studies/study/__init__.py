@@ -4,7 +4,7 @@
     records       motions found in a folder, their measures designs/   which runs there are, one file per design
     plan          a run as asked becomes a scene           task       a run, as a worker makes it
     engine        runs as futures, results as they come    clusters   where they run
-    folder        what is kept of a study, to go on with   table      runs.csv and runs.parquet
+    folder        what is kept of a study, to continue it  table      runs.csv and runs.parquet
     progress      how far it is                            study_case all of it, for the command
 
 A run is a pure function of its scene, and its name a digest of that scene. So a study goes on where it was left, more records or levels

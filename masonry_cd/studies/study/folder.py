@@ -1,4 +1,4 @@
-"""The folder of a study: what it was, and what each finished run came to, so that the same command goes on with it.
+"""The folder of a study: what it was, and what each finished run came to, so that the same command continues it.
 
 study.toml        the study file as given
 study.json        what it resolves to, for the statistics
@@ -69,7 +69,7 @@ class StudyFolder:
             shutil.rmtree(self.path / name, ignore_errors=True)
         (self.path / NAME).unlink(missing_ok=True)
 
-    def begin(self, study: Study, told: Mapping[str, Any]) -> None:
+    def begin(self, study: Study, plan: Mapping[str, Any]) -> None:
         """Write what the study is."""
         for name in (ROWS, JOINTS):
             (self.path / name).mkdir(parents=True, exist_ok=True)
@@ -79,12 +79,12 @@ class StudyFolder:
             shutil.rmtree(part, ignore_errors=True)
         with replacing(self.path / TEXT) as part:
             part.write_text(study.text, encoding="utf-8")
-        self.describe(told)
+        self.describe(plan)
 
-    def describe(self, told: Mapping[str, Any]) -> None:
+    def describe(self, plan: Mapping[str, Any]) -> None:
         """Write study.json."""
         with replacing(self.path / NAME) as part:
-            part.write_text(json.dumps({"format": FORMAT, "program": __version__, **told}, indent=1, default=str) + "\n", encoding="utf-8")
+            part.write_text(json.dumps({"format": FORMAT, "program": __version__, **plan}, indent=1, default=str) + "\n", encoding="utf-8")
 
     def finished(self, retry: bool) -> dict[str, dict[str, Any]]:
         """The rows of runs that have ended; with ``retry`` those that are done alone."""

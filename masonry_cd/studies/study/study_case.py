@@ -85,7 +85,7 @@ def study_case(plan: Plan, folder: Path, options: Options, say: Say) -> dict[str
     with locked(folder):
         if options.force:
             here.clear()
-        here.begin(study, _told(plan))
+        here.begin(study, _resolved(plan))
         return _Made(plan, here, options, say).make()
 
 
@@ -197,7 +197,7 @@ class _Made:
         """Write the tables and study.json; what came out."""
         runs = self.plan.ordered()
         write_table(self.folder.path, runs, self.plan.maker, self.rows)
-        self.folder.describe(_told(self.plan, None if self.stopped else len(runs)))
+        self.folder.describe(_resolved(self.plan, None if self.stopped else len(runs)))
         ended = [self.rows[run.name] for run in runs if run.name in self.rows]
         counts = {status: sum(row["status"] == status for row in ended) for status in ("done", "failed", "timeout")}
         return {"runs": len(runs), **counts, "stopped": self.stopped, "reasons": _reasons(ended)}
@@ -224,7 +224,7 @@ def _identity(plan: Plan) -> dict[str, str]:
     }
 
 
-def _told(plan: Plan, runs: int | None = None) -> dict[str, Any]:
+def _resolved(plan: Plan, runs: int | None = None) -> dict[str, Any]:
     """study.json, for the statistics."""
     study = plan.maker.study
     tables, intensity = study.tables, study.tables.intensity

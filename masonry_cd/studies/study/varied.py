@@ -30,7 +30,7 @@ from masonry_cd.foundation.fields import Count, Number, Table
 
 FAR = 1e-6  # quantile that stands for the end of a distribution without bounds
 NEEDED = {"uniform": ("low", "high"), "normal": ("mean", "std"), "lognormal": ("median", "beta")}
-ENDS = {"distribution", "from", "to", "count"}  # keys of what varies, by which it is told from a table of such
+ENDS = {"distribution", "from", "to", "count"}  # keys of what varies, which distinguish it from a table of such
 OPTIONAL = {"uniform": (), "normal": ("low", "high"), "lognormal": ("low", "high")}
 
 

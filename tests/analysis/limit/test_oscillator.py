@@ -54,7 +54,7 @@ def test_a_free_standing_wall():
 
 
 def test_courses_that_turn_as_one_are_one_body():
-    """The same for a wall of one course and of eight: which blocks it is laid of makes no difference."""
+    """A wall of one course and one of eight have equal oscillators: which blocks it is laid of makes no difference."""
     whole = of_blocks([ground(4.0), box("wall", (0.0, -1.0, 0.0), (0.5, 1.0, 4.0))])
     laid = of_blocks([ground(4.0), *(box(f"c{k}", (0.0, -1.0, 0.5 * k), (0.5, 1.0, 0.5 * k + 0.5)) for k in range(8))])
     for name in ("alpha", "weight", "mass", "fraction"):

@@ -126,8 +126,8 @@ def test_a_strength_asks_for_the_report_and_names_what_lies_above_it(tmp_path):
     above = [frozenset(names[j]) for j in np.flatnonzero(peaks.closed_above)]  # nothing opens
     assert set(above) == {frozenset({"base", "b0"}), frozenset({"b0", "b1"})} and found["joints_above"] == 2
     assert found["crushed_share_max"] == pytest.approx(weight_above(0) / 3.0e4, rel=1e-6)
-    told = next(line for line in closing_lines(summary) if line.startswith("strength"))
-    assert told.startswith("strength: 1 of 2 blocks by their mean and 2 of 3 joints (none of them while open) by their edge come above it")
+    said = next(line for line in closing_lines(summary) if line.startswith("strength"))
+    assert said.startswith("strength: 1 of 2 blocks by their mean and 2 of 3 joints (none of them while open) by their edge come above it")
 
 
 def test_nothing_is_kept_that_is_not_asked_for(tmp_path):

@@ -176,7 +176,7 @@ def test_the_balance_of_energy_closes_over_steps_of_all_lengths():
     assert abs(soft.energy["balance"]) < 1e-9 * abs(soft.energy["base_work"])
 
 
-def test_steps_that_the_solver_misses_are_made_again_and_told():
+def test_steps_that_the_solver_misses_are_made_again_and_reported():
     machine = shaken(60, 5e-3, solver="nlgs", max_iterations=60, tolerance=1e-6, dt_tolerance=1.0)
     steps = advance(machine, 60)
     assert sum(step.repeated_solver for step in steps) > 0

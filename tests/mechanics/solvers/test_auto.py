@@ -318,7 +318,7 @@ def test_admm_goes_on_where_newton_stalls(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_newton_that_stalls_close_to_the_solution_is_not_asked_twice(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A step that begins close to the solution, and which Newton, which makes no headway here, was to solve deeper, goes on with ADMM."""
+    """A step that begins close to the solution, and which Newton, which makes no headway here, was to solve deeper, continues with ADMM."""
     problem = thrown(0.3)
     first = solve(problem, Options(tolerance=1e-9), None)
     memory = first.memory | replace(auto.Experience.recall(first), cost=[2.0, 1.0], stalls=False, steps=5).beside({})

@@ -104,7 +104,7 @@ def test_solves_what_slides_and_lifts_off(speed: float) -> None:
 
 
 def nudged(problem: FrictionProblem, nudge: int) -> FrictionProblem:
-    """The same to 1e-12, as another processor rounds it: which way a path goes at its folds may hang on that."""
+    """A problem with free velocities 1e-12 m/s off, as another processor rounds: which way a path goes at its folds may hang on that."""
     return replace(problem, v_free=problem.v_free + 1e-12 * np.random.default_rng(nudge).normal(size=problem.v_free.shape))
 
 
@@ -188,7 +188,7 @@ def test_impulses_spread_evenly() -> None:
 
 
 def test_an_error_that_would_do_does_not_end_it_before_enough_iterations() -> None:
-    """By itself it goes on to the tolerance, whatever a scene accepts; told what is enough, it stops between two methods."""
+    """By itself it goes on to the tolerance, whatever a scene accepts; given what is enough, it stops between two methods."""
     problem = thrown(0.3)
     exact = solve(problem, Options(tolerance=1e-10, accept=0.9), None)
     assert natural_map_error(problem, exact.impulse) <= 1e-10
