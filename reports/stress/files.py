@@ -1,5 +1,5 @@
-"""The stress of a run in files, stress.csv of blocks, joint_stress.csv of joints and element_stress.csv of elements of meshed blocks, and in
-words."""
+"""The stress of a run in files, stress.csv of blocks, joint_stress.csv of joints and element_stress.csv of elements of meshed blocks, and
+in words."""
 
 from __future__ import annotations
 
