@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from masonry_cd.app.ranges import PLAIN, RANGES, G
 from masonry_cd.app.scene import Scene
-from masonry_cd.app.scene_text import is_within, parse_toml
+from masonry_cd.app.scene_text import is_within, keys_of, parse_toml
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Block
 
@@ -83,25 +83,15 @@ def _doubt(key: str, value: float, name: str, means: str = "", per: float = 1.0)
 def _plain(tables: Mapping[str, Any]) -> list[Doubt]:
     """Values that are compared by themselves."""
     found: list[Doubt] = []
-    for key, value in _numbers(tables, ""):
+    for key, value in keys_of(tables):
+        if not is_number(value):
+            continue
         path = re.sub(r"\[\d+\]", "", key).replace("structures.", "structure.", 1)
         name = next((name for pattern, name in PLAIN.items() if fnmatchcase(path, pattern)), None)
         if name is not None:
-            means = f"{value / G:.3g} g" if RANGES[name].unit == "m/s2" else ""
-            found += _doubt(key, value, name, means)
+            means = f"{float(value) / G:.3g} g" if RANGES[name].unit == "m/s2" else ""
+            found += _doubt(key, float(value), name, means)
     return found
-
-
-def _numbers(value: Any, key: str) -> Iterator[tuple[str, float]]:
-    """All numbers of a table with their keys, ``loads[0].ag``."""
-    if isinstance(value, Mapping):
-        for name, item in value.items():
-            yield from _numbers(item, f"{key}.{name}" if key else name)
-    elif isinstance(value, list):
-        for i, item in enumerate(value):
-            yield from _numbers(item, f"{key}[{i}]")
-    elif is_number(value):
-        yield key, float(value)
 
 
 def _point(table: Mapping[str, Any], where: str, assembly: Assembly, gravity: float) -> list[Doubt]:
@@ -169,7 +159,10 @@ def _recorded(table: Mapping[str, Any], where: str, made: Sequence[Mapping[str, 
     """The peak acceleration that a record has come to; one that is asked for is looked at by itself."""
     if "target_pga" in table:
         return []
-    pga, key = max(one["after"]["pga"] for one in made), "scale" if "scale" in table else "units" if "units" in table else "path"
+    pga, key = (
+        max(one["after"]["pga"] for one in made),
+        "scale" if "scale" in table else next((name for name in ("units", "path") if name in table), "components"),
+    )
     given = f" = {table[key]:g}" if key == "scale" else ""
     line = unusual_pga(pga, f"{where}.{key}{given} makes a")
     return [(f"{where}.{key}", f'{line}; if it is meant so, quiet_checks = ["{where}.{key}"] says so')] if line else []

@@ -16,6 +16,7 @@ from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.limit_case import summary as limit_summary
 from masonry_cd.app.scene import Scene, parse_scene, read_scene
 from masonry_cd.app.starters import starter
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 from structures import KINDS
 
@@ -74,6 +75,21 @@ def test_a_value_in_another_unit_draws_one_line_and_none_where_it_is_meant_so(ch
     assert line.endswith(f'if it is meant so, quiet_checks = ["{key}"] says so')
     assert lines(change, f'quiet_checks=["{key}"]') == []
     assert lines(change, 'quiet_checks=["run.dt"]') == [line]
+
+
+@pytest.mark.parametrize(("name", "near"), [("material.densty", ' (did you mean "material.density"?)'), ("loads[0].force", ""), ("", "")])
+def test_a_name_in_quiet_checks_that_is_no_key_of_the_scene_is_refused(name: str, near: str) -> None:
+    with pytest.raises(InputError) as failure:
+        lines("material.density=1.9", f'quiet_checks=["material", "{name}"]')
+    assert str(failure.value) == f'--set quiet_checks=["material", "{name}"]: quiet_checks: "{name}" is no key of the scene{near}'
+
+
+def test_the_key_that_silences_the_record_of_a_shock_is_one_of_the_scene() -> None:
+    load = 'loads=[{kind="sequence", shocks=[{components=[{path="a", direction="x"}]}]}]'
+    weak = ({"shocks": [{"components": [{"after": {"pga": 0.02}}]}]},)
+    (line,) = lines(load, summaries=weak)
+    assert line.startswith("loads[0].shocks[0].components makes a PGA")
+    assert lines(load, 'quiet_checks=["loads[0].shocks[0].components"]', summaries=weak) == []
 
 
 def test_zero_leaves_something_out_and_is_never_doubted() -> None:
