@@ -38,6 +38,7 @@ MODULI = {"steel": 2.1e11, "timber": 1.1e10}  # [Pa]
 AXES = {"x": 0, "y": 1}
 GRID = 12  # points along the side of a plate
 FLUSH = 0.25  # of a plate's side: faces that stand back by more are not under it
+LEAST = 0.5  # of a plate has to lie on the wall: what hangs over bends and bears nothing
 NUDGE = 1e-7  # [m]: a line in a joint is asked for this much lower
 MOST = 500  # ties of a table
 
@@ -259,9 +260,10 @@ def anchors_at(
         if there is not None and abs(there[0] - found[0]) <= FLUSH * keys.plate:
             point[axis] = there[0]
             under.setdefault(there[1], []).append(point)
-    if not under:
-        raise InputError(f"{where}.plate: {keys.plate:g} m is so wide that next to nothing of it lies on the wall")
     count = sum(len(points) for points in under.values())
+    if count < LEAST * GRID**2:
+        share = f"{100 * count / GRID**2:.2g} %" if count else "next to nothing"
+        raise InputError(f"{where}.plate: {keys.plate:g} m is so wide that {share} of it lies on the wall; at least half has to")
     return [Anchor(block, np.mean(points, axis=0), len(points) / count) for block, points in under.items()]
 
 
