@@ -31,7 +31,7 @@ from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import check_tension
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.polygon import loop_planes
-from structures.schema import Length, Place, Table
+from structures.schema import Area, Length, Place, Table
 
 KEY = "ties"
 MODULI = {"steel": 2.1e11, "timber": 1.1e10}  # [Pa]
@@ -59,7 +59,7 @@ class TieRowTable(Table):
     anchor: Literal["face", "middle"] = Field("face", description="where in the block it ends: on the outer face, or halfway through")
     plate: Length | None = Field(None, description="side of its square anchor plates, which spread the pull over blocks [m]")
     diameter: Length | None = Field(None, description="of its section [m]")
-    area: Length | None = Field(None, description="or the area of its section [m2]")
+    area: Area | None = Field(None, description="or the area of its section [m2]")
     section: tuple[Length, Length] | None = Field(None, strict=False, description="or width and depth of its section [m]")
     material: Literal["steel", "timber"] = Field("steel", description="which sets the modulus")
     modulus: float | None = Field(None, gt=0.0, description="Young's modulus; by default 2.1e11 of steel, 1.1e10 of timber [Pa]")

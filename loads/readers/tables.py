@@ -20,6 +20,7 @@ from masonry_cd.foundation.fields import finite_number
 
 IRREGULAR = 0.2  # of a step: times written with few digits (1/128 s as 0.008) stay below, a missing line does not
 DELIMITERS = (";", "\t", ",")
+MOST_NAMED = 30  # columns in a message
 PROBE = 20  # lines looked at to recognise a table
 
 
@@ -264,7 +265,8 @@ def _value_column(source: Source, layout: Layout, times: list[int], request: Req
     """Index of the column that the user asks for."""
     choices = [c for c in range(layout.width) if c not in times]
     named = [layout.headings[c].strip() if layout.headings else str(c) for c in choices]
-    listed = "columns: " + ", ".join(named) if layout.headings else f"columns are counted from 0: {', '.join(named)}"
+    some = ", ".join(named[:MOST_NAMED]) + (" ..." if len(named) > MOST_NAMED else "")
+    listed = f"columns: {some}" if layout.headings else f"columns are counted from 0: {some}"
     asked = request.column
     if asked is None:
         if len(choices) == 1:

@@ -31,6 +31,7 @@ from structures.geometry.prism import box, prism_xz, rectangle
 from structures.geometry.solid import cut_solid
 from structures.layout import wall_plan
 from structures.layout.aqueduct_tier import LEAST_BED, Tier, feet, joints, outline
+from structures.schema import SHORTEST, Length
 
 LEAST_CHANNEL = 0.1  # height of the walls of the channel, in courses
 LEAST_GAP = 0.4  # between two rings at the springing, in courses
@@ -46,6 +47,8 @@ def _per_tier(unit: str, kind: type) -> Callable[[Any], tuple[Any, ...]]:
         allowed = (int,) if kind is int else (int, float)
         if not values or any(isinstance(v, bool) or not isinstance(v, allowed) or not 0 < v < math.inf for v in values):
             raise ValueError(f"must be {number} above 0{unit}, or a list with one per tier")
+        if min(values) < SHORTEST:
+            raise ValueError(f"should be at least {SHORTEST:g}{unit}")
         return tuple(kind(v) for v in values)
 
     return read
@@ -59,7 +62,6 @@ def _one_or_many(kind: str) -> dict[str, Any]:
 
 Lengths = Annotated[tuple[float, ...], BeforeValidator(_per_tier(" [m]", float)), WithJsonSchema(_one_or_many("number"))]
 Counts = Annotated[tuple[int, ...], BeforeValidator(_per_tier("", int)), WithJsonSchema(_one_or_many("integer"))]
-Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 class AqueductTable(BaseModel):

@@ -103,3 +103,9 @@ def test_the_scene_raises_or_lowers_the_limit() -> None:
 def test_a_limit_is_a_whole_number(value: object) -> None:
     with pytest.raises(InputError, match=r"^structure\.most_blocks: should be a whole number above 0, got "):
         structures.build({"kind": "wall", "most_blocks": value}, 2000.0, Path())
+
+
+@pytest.mark.parametrize("size_of_ring", [1e-9, 5e-324, (0.6, 1e-9)])
+def test_a_ring_too_thin_to_be_built_is_refused_instead_of_left_out(size_of_ring: object) -> None:
+    with pytest.raises(InputError, match=r"structure\.ring_thickness: should be at least 1e-06"):
+        structures.build({"kind": "aqueduct", "tiers": 2, "spans": 5, "ring_thickness": size_of_ring}, 2000.0, Path())
