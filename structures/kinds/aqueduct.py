@@ -31,8 +31,9 @@ from structures.geometry.prism import box, prism_xz, rectangle
 from structures.geometry.solid import cut_solid
 from structures.layout import wall_plan
 from structures.layout.aqueduct_tier import LEAST_BED, Tier, feet, joints, outline
-from structures.schema import SHORTEST, Length
+from structures.schema import Length
 
+LEAST_RING = 0.001  # thickness of the arches [m]: thinner ones would be lost among corners that are taken for one
 LEAST_CHANNEL = 0.1  # height of the walls of the channel, in courses
 LEAST_GAP = 0.4  # between two rings at the springing, in courses
 LEAST_CHORD = 0.35  # of a voussoir on the extrados, in courses
@@ -47,8 +48,6 @@ def _per_tier(unit: str, kind: type) -> Callable[[Any], tuple[Any, ...]]:
         allowed = (int,) if kind is int else (int, float)
         if not values or any(isinstance(v, bool) or not isinstance(v, allowed) or not 0 < v < math.inf for v in values):
             raise ValueError(f"must be {number} above 0{unit}, or a list with one per tier")
-        if min(values) < SHORTEST:
-            raise ValueError(f"should be at least {SHORTEST:g}{unit}")
         return tuple(kind(v) for v in values)
 
     return read
@@ -174,6 +173,8 @@ def _tier(aqueduct: AqueductTable, i: int, below: Tier | None) -> Tier:
         if clear_span <= 0:
             raise InputError(f"structure.pier_width: must be below the pitch, {below.pitch:g} m, in tier {i + 1}, got {pier_width:g}")
     thickness = _of_tier(aqueduct, "ring_thickness", i)
+    if thickness < LEAST_RING:
+        raise InputError(f"structure.ring_thickness: must be at least {LEAST_RING:g} m, got {thickness:g}")
     extrados = math.pi * (0.5 * clear_span + thickness)
     natural = max(5, 2 * round((extrados / (1.2 * course) - 1) / 2) + 1)  # odd: with a keystone
     spans = _of_tier(aqueduct, "spans", i)
