@@ -4,11 +4,21 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 LONGEST = 1e6  # measure [m]: rounding then parts corners that are computed twice by 1e-9 m, far less than what is taken for one corner
-Length = Annotated[float, Field(gt=0, le=LONGEST, allow_inf_nan=False)]
-Height = Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False)]
+SHORTEST = 1e-12  # measure [m]: what is shorter divides to more than numbers hold; each kind has bounds of its own above it
+
+
+def _not_lost(value: float) -> float:
+    if 0.0 < value < SHORTEST:
+        raise ValueError(f"should be at least {SHORTEST:g}")
+    return value
+
+
+Length = Annotated[float, Field(gt=0, le=LONGEST, allow_inf_nan=False), AfterValidator(_not_lost)]
+Area = Annotated[float, Field(gt=0, le=LONGEST, allow_inf_nan=False)]
+Height = Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False), AfterValidator(_not_lost)]
 Density = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
 Share = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Place = Annotated[float, Field(allow_inf_nan=False)]

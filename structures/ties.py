@@ -31,13 +31,14 @@ from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import check_tension
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.polygon import loop_planes
-from structures.schema import Length, Place, Table
+from structures.schema import Area, Length, Place, Table
 
 KEY = "ties"
 MODULI = {"steel": 2.1e11, "timber": 1.1e10}  # [Pa]
 AXES = {"x": 0, "y": 1}
 GRID = 12  # points along the side of a plate
 FLUSH = 0.25  # of a plate's side: faces that stand back by more are not under it
+LEAST = 0.5  # of a plate has to lie on the wall: what hangs over bends and bears nothing
 NUDGE = 1e-7  # [m]: a line in a joint is asked for this much lower
 MOST = 500  # ties of a table
 
@@ -58,7 +59,7 @@ class TieRowTable(Table):
     anchor: Literal["face", "middle"] = Field("face", description="where in the block it ends: on the outer face, or halfway through")
     plate: Length | None = Field(None, description="side of its square anchor plates, which spread the pull over blocks [m]")
     diameter: Length | None = Field(None, description="of its section [m]")
-    area: Length | None = Field(None, description="or the area of its section [m2]")
+    area: Area | None = Field(None, description="or the area of its section [m2]")
     section: tuple[Length, Length] | None = Field(None, strict=False, description="or width and depth of its section [m]")
     material: Literal["steel", "timber"] = Field("steel", description="which sets the modulus")
     modulus: float | None = Field(None, gt=0.0, description="Young's modulus; by default 2.1e11 of steel, 1.1e10 of timber [Pa]")
@@ -259,9 +260,10 @@ def anchors_at(
         if there is not None and abs(there[0] - found[0]) <= FLUSH * keys.plate:
             point[axis] = there[0]
             under.setdefault(there[1], []).append(point)
-    if not under:
-        raise InputError(f"{where}.plate: {keys.plate:g} m is so wide that next to nothing of it lies on the wall")
     count = sum(len(points) for points in under.values())
+    if count < LEAST * GRID**2:
+        share = f"{100 * count / GRID**2:.2g} %" if count else "next to nothing"
+        raise InputError(f"{where}.plate: {keys.plate:g} m is so wide that {share} of it lies on the wall; at least half has to")
     return [Anchor(block, np.mean(points, axis=0), len(points) / count) for block, points in under.items()]
 
 

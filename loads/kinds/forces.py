@@ -127,7 +127,7 @@ def point(table: PointTable, grid: RunGrid, where: str) -> Part:
         InputError: an unknown block, a support, or a point off the block.
     """
     assembly = _blocks(grid, where)
-    block = _one_block(table.block, assembly, f"{where}.block")
+    block = one_block(table.block, assembly, f"{where}.block")
     if assembly.fixed[block]:
         raise InputError(f'{where}.block: "{table.block}" is fixed, a force cannot move it')
     if table.point is not None:
@@ -165,7 +165,7 @@ def bar(table: TieTable, grid: RunGrid, where: str) -> Part:
         InputError: unknown blocks, two supports, ends at one point, or a bar too stiff for the time step.
     """
     assembly = _blocks(grid, where)
-    ends = (_one_block(table.blocks[0], assembly, f"{where}.blocks"), _one_block(table.blocks[1], assembly, f"{where}.blocks"))
+    ends = (one_block(table.blocks[0], assembly, f"{where}.blocks"), one_block(table.blocks[1], assembly, f"{where}.blocks"))
     if assembly.fixed[list(ends)].all():
         raise InputError(f"{where}.blocks: both are fixed, a tie between them does nothing")
     centres = assembly.centre[list(ends)]
@@ -270,7 +270,7 @@ def _blocks(grid: RunGrid, where: str) -> Assembly:
     return grid.assembly
 
 
-def _one_block(name: str, assembly: Assembly, where: str) -> int:
+def one_block(name: str, assembly: Assembly, where: str) -> int:
     """The index of the one block of a name or pattern."""
     if name in assembly.names:
         return assembly.names.index(name)

@@ -1,7 +1,8 @@
 """PEER AT2: four lines of heading, then the accelerations, several to a line.
 
-The third line names quantity and unit (``ACCELERATION TIME SERIES IN UNITS OF G``; VT2 and DT2 files hold velocities, displacements), the
-fourth the number of values and the step, either as ``NPTS= 1560, DT= .02000 SEC`` or, in older files, as ``1560 .02000 NPTS, DT``.
+The third line names quantity and unit (``ACCELERATION TIME SERIES IN UNITS OF G``, or in other words; VT2 and DT2 files hold velocities,
+displacements), the fourth the number of values and the step, either as ``NPTS= 1560, DT= .02000 SEC`` or, in older files, as
+``1560 .02000 NPTS, DT``.
 """
 
 from __future__ import annotations
@@ -9,8 +10,9 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from loads.readers.quantity import Stated
+from loads.readers.quantity import Stated, named
 from loads.readers.source import RawRecord, Reader, Request, Source, check_count, refuse_keys
+from loads.readers.units import units_in
 
 COUNT_LINES = (
     re.compile(r"NPTS\s*=\s*([^\s,]+)\s*,?\s*DT\s*=\s*([^\s,]+?)(?:SEC)?(?=[\s,]|$)", re.IGNORECASE),
@@ -46,7 +48,8 @@ def read(source: Source, request: Request) -> RawRecord:
     values = source.stream(index + 1)
     check_count(source, values, points, index)
     unit = re.search(r"UNITS?\s*(?:\s(?:OF|ARE)\s|[:=])\s*(\S+)", heading, re.IGNORECASE)
-    return RawRecord(values, h, 0.0, unit[1].strip(".,;()[]") if unit else None, stated=_stated(source.lines[:index]))
+    named_unit = unit[1].strip(".,;()[]") if unit else next(iter(units_in(source.lines[index - 1] if index else "")), None)
+    return RawRecord(values, h, 0.0, named_unit, stated=_stated(source.lines[:index]))
 
 
 def _stated(heading: Sequence[str]) -> Stated | None:
@@ -55,7 +58,8 @@ def _stated(heading: Sequence[str]) -> Stated | None:
         found = QUANTITY.search(line)
         if found:
             return Stated(found[1].lower(), f"line {number}", firm=True)
-    return None
+    quantity = named(heading[-1]) if heading else ""
+    return Stated(quantity, f"line {len(heading)}", firm=True) if quantity else None
 
 
 def _count_line(source: Source) -> tuple[int, str, str] | None:

@@ -11,15 +11,19 @@ import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from loads.readers.units import measured_by, units_in
+
 WORDS = {
-    "acceleration": r"acc|accel|accelerations?|accelerograms?|accelerazion[ei]|aceleraci[oó]n(?:es)?|acelerograma",
-    "velocity": r"vel|veloc|velocity|velocities|velocit[aà]|velocidad(?:es)?",
-    "displacement": r"disp|displ|displacements?|spostament[oi]|desplazamientos?",
+    "acceleration": r"acc|accel|accelerations?|accelerograms?|accelerazion[ei]"
+    r"|aceleraci[oó]n(?:es)?|acelerograma|acc[eé]l[eé]rations?|beschleunigung(?:en)?",
+    "velocity": r"vel|veloc|velocity|velocities|velocit[aà]|velocidad(?:es)?|vitesses?|geschwindigkeit(?:en)?",
+    "displacement": r"disp|displ|displacements?|spostament[oi]|desplazamientos?|d[eé]placements?|verschiebung(?:en)?",
 }
 ELSE = re.compile(
-    r"vs ?\d+|\b(?:wave|shear|peak|pg[avd]|soil|site|model|fault|rupture)\b", re.IGNORECASE
+    r"\bvs|\b(?:wave|shear|peak|pg[avd]|soil|site|model|fault|rupture)\b", re.IGNORECASE
 )  # a comment on the ground, or on a peak
 CODE = re.compile(r"[A-Z][A-Z0-9][A-Z0-9]")
+SPOKEN_CODE = re.compile(r"\b[BEH][GHLNP][ENZ123]\b")  # in a text: bands and orientations of ground motion, "HHE" but not "CH1" or "THE"
 INSTRUMENTS = {
     "N": ("acceleration", "an accelerometer"),
     "G": ("acceleration", "a gravimeter or accelerometer"),
@@ -60,9 +64,26 @@ def named(text: str) -> str:
 
 
 def of_comments(lines: Iterable[str]) -> Stated | None:
-    """By the comments or other text above a table, which may speak of something else: so the user may say otherwise."""
-    found = {quantity: line for line in lines if (quantity := named(line)) and not ELSE.search(line)}
-    if len(found) != 1:
-        return None
-    quantity, line = next(iter(found.items()))
-    return Stated(quantity, f'the line "{line.strip()[:60]}"', firm=False)
+    """By the comments or other text above a table, which may speak of something else: so the user may say otherwise.
+
+    Words hold before units, and units before channel codes.
+    """
+    spoken = [line for line in lines if not ELSE.search(line)]
+    for says in (named, _by_units):
+        found = {quantity: line for line in spoken if (quantity := says(line))}
+        if found:
+            quantity, line = next(iter(found.items()))
+            return Stated(quantity, f'the line "{line.strip()[:60]}"', firm=False) if len(found) == 1 else None
+    return next((stated for line in spoken if (stated := of_spoken_channel(line))), None)
+
+
+def of_spoken_channel(text: str) -> Stated | None:
+    """By a channel code within a text, as in "IV.AQK..HHE"; None where there is none."""
+    code = SPOKEN_CODE.search(text)
+    return of_channel(code[0]) if code else None
+
+
+def _by_units(text: str) -> str:
+    """The one quantity that the units in a text are of; "" where there are none, or of several."""
+    found = {measured[0] for unit in units_in(text) if (measured := measured_by(unit))}
+    return found.pop() if len(found) == 1 else ""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from loads.readers.quantity import Stated, named, of_comments
+from loads.readers.quantity import Stated, named, of_comments, of_spoken_channel
 from loads.readers.source import COMMENTS, RawRecord, Reader, Request, Source, refuse_calibration
 from loads.readers.units import TIME, split_heading
 from loads.readers.wrapped import FEWEST_ROWS, advances, filled, in_reading_order, paired, times_of
@@ -20,6 +20,7 @@ from masonry_cd.foundation.fields import finite_number
 
 IRREGULAR = 0.2  # of a step: times written with few digits (1/128 s as 0.008) stay below, a missing line does not
 DELIMITERS = (";", "\t", ",")
+MOST_NAMED = 30  # columns in a message
 PROBE = 20  # lines looked at to recognise a table
 
 
@@ -108,6 +109,8 @@ def _stated(source: Source, layout: Layout, column: int) -> Stated | None:
     heading = layout.headings[column] if layout.headings else ""
     if quantity := named(heading):
         return Stated(quantity, f'the column "{heading}"', firm=True)
+    if by_code := of_spoken_channel(heading):
+        return by_code
     return of_comments(line for line in source.lines[: layout.first] if line.lstrip().startswith(COMMENTS))
 
 
@@ -123,9 +126,11 @@ def _read_wrapped(source: Source, request: Request, delimiter: str | None) -> Ra
     stated = of_comments(text)
     if request.layout == "series":
         table = filled(rows)
-        if len(table) >= FEWEST_ROWS and table.shape[1] > 2 and advances(table[:, 0]):
+        even = [c for c in (0, -1) if len(table) >= FEWEST_ROWS and table.shape[1] > 2 and advances(table[:, c])]
+        if even:
             raise source.error(
-                "each line begins with its time: such series are not read; write them as time and value, or without the times"
+                f"each line {'ends' if even[0] else 'begins'} with its time or number: such series are not read; write them as time and "
+                "value, or as values alone"
             )
         if request.time_step is None:
             raise source.error("no times in the series; give the key time_step, in seconds")
@@ -176,7 +181,8 @@ def _table(source: Source, layout: Layout) -> np.ndarray:
             rows.append([finite_number(field) or 0.0 if _is_number(field) else np.nan for field in fields])
     if not rows or any(len(row) != layout.width for row in rows[:-1]) or len(rows[-1]) > layout.width:
         return np.empty((0, layout.width))
-    return filled(rows)
+    table = filled(rows)
+    return table[:, :-1] if np.isnan(table[:, -1]).all() else table  # each line ends with a delimiter
 
 
 def _refuse_two_ways(source: Source, layout: Layout, table: np.ndarray, times: list[int], request: Request) -> None:
@@ -188,18 +194,20 @@ def _refuse_two_ways(source: Source, layout: Layout, table: np.ndarray, times: l
         raise source.error(
             f'(time, value) pairs side by side that could be one record; the key layout decides: "pairs" reads it as one, {by_columns}'
         )
-    plain = not any(split_heading(heading)[1] or named(heading) for heading in layout.headings)
-    if not plain or layout.width < 2:
+    titled = [c for c, heading in enumerate(layout.headings) if split_heading(heading)[1] or named(heading) or _names_time(heading)]
+    if len(titled) == layout.width or layout.width < 2:  # fewer: a line of text that happens to have as many words
         return
     if not times and in_reading_order(table):
         raise source.error(
-            f"{layout.width} columns that could be one series, {layout.width} values a line; the key layout decides: "
+            f"{table.shape[1]} columns that could be one series, {table.shape[1]} values a line; the key layout decides: "
             f'"series" reads it in reading order, {by_columns}'
         )
-    if times == [0] and layout.width > 2 and in_reading_order(table[:, 1:]):
+    if times in ([0], [table.shape[1] - 1]) and table.shape[1] > 2 and in_reading_order(np.delete(table, times[0], axis=1)):
+        where = "behind the times" if times == [0] else "before the numbers of the lines"
+        what = "its time at the head of each line" if times == [0] else f"{table.shape[1] - 1} values a line"
         raise source.error(
-            f"{layout.width - 1} columns behind the times that could be one series, its time at the head of each line; write it as time "
-            'and value, or take layout = "columns" where they are columns'
+            f"{table.shape[1] - 1} columns {where} that could be one series, {what}; write it as time and value, or as values alone, "
+            'or take layout = "columns" where they are columns'
         )
 
 
@@ -257,7 +265,8 @@ def _value_column(source: Source, layout: Layout, times: list[int], request: Req
     """Index of the column that the user asks for."""
     choices = [c for c in range(layout.width) if c not in times]
     named = [layout.headings[c].strip() if layout.headings else str(c) for c in choices]
-    listed = "columns: " + ", ".join(named) if layout.headings else f"columns are counted from 0: {', '.join(named)}"
+    some = ", ".join(named[:MOST_NAMED]) + (" ..." if len(named) > MOST_NAMED else "")
+    listed = f"columns: {some}" if layout.headings else f"columns are counted from 0: {some}"
     asked = request.column
     if asked is None:
         if len(choices) == 1:

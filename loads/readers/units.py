@@ -12,11 +12,12 @@ ACCELERATION = {
     "mm/s2": 0.001,
     "gal": 0.01,
     "g": STANDARD_GRAVITY,
+    "mg": 1e-3 * STANDARD_GRAVITY,
 }
 VELOCITY = {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001, "kine": 0.01}
 DISPLACEMENT = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 UNITS = {"acceleration": ACCELERATION, "velocity": VELOCITY, "displacement": DISPLACEMENT}
-SUFFIX = "m_s2|cm_s2|mm_s2|m/s2|cm/s2|mm/s2|m_s|cm_s|mm_s|m/s|cm/s|mm/s|gal|kine|g|cm|mm|m|s|sec|ms"  # of a heading, after "_"
+SUFFIX = "m_s2|cm_s2|mm_s2|m/s2|cm/s2|mm/s2|m_s|cm_s|mm_s|m/s|cm/s|mm/s|gal|kine|mg|g|cm|mm|m|s|sec|ms"  # of a heading, after "_"
 TIME = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3}
 
 
@@ -31,7 +32,7 @@ def plain(unit: str) -> str:
     match = re.fullmatch(r"(m|cm|mm)(?:/s|_s|[ .*]?s-1|/\(s\))", word)
     if match:
         return f"{match[1]}/s"
-    return {"gals": "gal", "g's": "g", "gn": "g", "kines": "kine"}.get(word, word)
+    return {"gals": "gal", "g's": "g", "gn": "g", "milli-g": "mg", "kines": "kine"}.get(word, word)
 
 
 def acceleration_unit(unit: str) -> float | None:
@@ -45,6 +46,12 @@ def measured_by(unit: str) -> tuple[str, float] | None:
     return next(((quantity, sizes[word]) for quantity, sizes in UNITS.items() if word in sizes), None)
 
 
+def units_in(text: str) -> list[str]:
+    """The units of motion that a line of text names, those of one quantity over time: ``cm/s`` or ``gal``, not ``m`` or ``g``."""
+    words = (word.strip(".,;:()[]#%=\"'") for word in text.split())
+    return [word for word in words if len(plain(word)) > 2 and measured_by(word)]
+
+
 def split_heading(heading: str) -> tuple[str, str | None]:
     """Split a column's heading into its name and its unit: ``ns_m_s2``, ``acc [g]``, ``NS (cm/s2)``, ``time_s``."""
     heading = heading.strip().strip("\"'")
@@ -54,6 +61,8 @@ def split_heading(heading: str) -> tuple[str, str | None]:
     suffix = re.fullmatch(rf"(.+?)_({SUFFIX})", heading, re.IGNORECASE)
     if suffix:
         return suffix[1], suffix[2]
+    if len(heading) > 1 and measured_by(heading):  # not of one letter, which may be a name
+        return heading, heading
     name, _, last = heading.rpartition(" ")
     if name and len(last) > 1 and measured_by(last):  # not of one letter: "sensor g", "acc m"
         return name.rstrip(" ,"), last

@@ -26,6 +26,7 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, is_number
 
 FEWEST = 8  # samples
+LEVEL = 1e-9  # of the largest sample: a record that varies by less is an offset and rounding
 OFFSET = 0.02  # of the PGA: means of sound records stay below, also of windows with some shaking left at their ends
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -189,6 +190,8 @@ def process(table: Accelerogram, folder: Path, dt: float, where: str) -> Process
     values, begin = _cut(whole, raw, table, where)
     if not values.any():
         raise InputError(f"{label}: the record is zero throughout")
+    if np.ptp(values) <= LEVEL * np.abs(values).max():
+        raise InputError(f"{label}: the record is constant throughout, at {values[0]:.4g} m/s2: there is no shaking in it")
     before = integrate(values, raw.step)
     cleaned, step = _clean(values, raw.step, table, dt, where)
     after = correct(integrate(cleaned, step), ORDERS[table.correction])

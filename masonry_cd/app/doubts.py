@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from loads.kinds.forces import one_block
 from masonry_cd.app.ranges import PLAIN, RANGES, G
 from masonry_cd.app.scene import Scene
-from masonry_cd.app.scene_text import is_within, parse_toml
+from masonry_cd.app.scene_text import is_within, keys_of, parse_toml
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Block
 
@@ -29,7 +30,7 @@ Doubt = tuple[str, str]  # key and line
 
 def structure_doubts(scene: Scene) -> list[str]:
     """What ``masonry-cd build`` says: of the tables [structure] and [material]."""
-    tables = parse_toml(scene.text, scene.origin.path)
+    tables: dict[str, Any] = dict(parse_toml(scene.text, scene.origin.path))
     mine: dict[str, Any] = {key: tables[key] for key in ("structure", "structures", "material") if key in tables}
     return _spoken([*_plain(mine), *_ties(mine)], scene.quiet_checks)
 
@@ -43,11 +44,12 @@ def doubts(scene: Scene, assembly: Assembly, summaries: Sequence[Mapping[str, An
         summaries: of its loads as they are built, where they are; a limit analysis builds none.
     """
     tables = parse_toml(scene.text, scene.origin.path)
-    found = [*_plain(tables), *_ties(tables)]
+    size = math.hypot(*scene.run.gravity)
+    found = [*_plain(tables), *_ties(tables), *_doubt("run.gravity", size, "gravity", f"{size / G:.3g} g")]
     for i, table in enumerate(tables.get("loads", [])):
         where, kind = f"loads[{i}]", table.get("kind")
         if kind == "point":
-            found += _point(table, where, assembly, math.hypot(*scene.run.gravity))
+            found += _point(table, where, assembly, size)
         elif kind in ("settlement", "spreading"):
             found += _moved(table, where, assembly.blocks)
         elif i < len(summaries):
@@ -83,33 +85,20 @@ def _doubt(key: str, value: float, name: str, means: str = "", per: float = 1.0)
 def _plain(tables: Mapping[str, Any]) -> list[Doubt]:
     """Values that are compared by themselves."""
     found: list[Doubt] = []
-    for key, value in _numbers(tables, ""):
+    for key, value in keys_of(tables):
+        if not is_number(value):
+            continue
         path = re.sub(r"\[\d+\]", "", key).replace("structures.", "structure.", 1)
         name = next((name for pattern, name in PLAIN.items() if fnmatchcase(path, pattern)), None)
         if name is not None:
-            means = f"{value / G:.3g} g" if RANGES[name].unit == "m/s2" else ""
-            found += _doubt(key, value, name, means)
+            means = f"{float(value) / G:.3g} g" if RANGES[name].unit == "m/s2" else ""
+            found += _doubt(key, float(value), name, means)
     return found
-
-
-def _numbers(value: Any, key: str) -> Iterator[tuple[str, float]]:
-    """All numbers of a table with their keys, ``loads[0].ag``."""
-    if isinstance(value, Mapping):
-        for name, item in value.items():
-            yield from _numbers(item, f"{key}.{name}" if key else name)
-    elif isinstance(value, list):
-        for i, item in enumerate(value):
-            yield from _numbers(item, f"{key}[{i}]")
-    elif is_number(value):
-        yield key, float(value)
 
 
 def _point(table: Mapping[str, Any], where: str, assembly: Assembly, gravity: float) -> list[Doubt]:
     """A point load against the weight and the section of its block."""
-    named = [b for b, name in enumerate(assembly.names) if fnmatchcase(name, table["block"])]
-    if not named:  # by its group
-        return []
-    block, size = named[0], math.hypot(*table["force"])
+    block, size = one_block(table["block"], assembly, f"{where}.block"), math.hypot(*table["force"])
     weight, section = float(assembly.mass[block]) * gravity, float(assembly.volume[block]) ** (2.0 / 3.0)
     light = _doubt(f"{where}.force", size, "force", f"{size / weight:.2g} times the weight of its block" if weight else "", weight)
     return light or _doubt(f"{where}.force", size, "pressure", f"{size / section / 1e6:.3g} MPa on its block", section)
@@ -134,8 +123,8 @@ def _stretched(where: str, tie: Mapping[str, Any]) -> list[Doubt]:
     """The forces of a tie over the force that would stretch it to twice its length."""
     section = math.prod(tie["section"]) if "section" in tie else tie.get("area", 0.25 * math.pi * tie.get("diameter", 0.016) ** 2)
     modulus = tie.get("modulus", 1.1e10 if tie.get("material") == "timber" else 2.1e11)
-    found: list[Doubt] = []
-    if not RANGES["section"].holds(section):  # that has a line of its own
+    found = _doubt(f"{where}.section", max(tie["section"]), "side") if "section" in tie else []
+    if found or not RANGES["section"].holds(section):  # which has a line of its own
         return found
     for key, name in (("yield_force", "yielding"), ("tension", "tension")):
         if key in tie:
@@ -169,7 +158,8 @@ def _recorded(table: Mapping[str, Any], where: str, made: Sequence[Mapping[str, 
     """The peak acceleration that a record has come to; one that is asked for is looked at by itself."""
     if "target_pga" in table:
         return []
-    pga, key = max(one["after"]["pga"] for one in made), "scale" if "scale" in table else "units" if "units" in table else "path"
+    pga = max(one["after"]["pga"] for one in made)
+    key = next((name for name in ("scale", "units", "path") if name in table), "components")  # of which a shock has several
     given = f" = {table[key]:g}" if key == "scale" else ""
     line = unusual_pga(pga, f"{where}.{key}{given} makes a")
     return [(f"{where}.{key}", f'{line}; if it is meant so, quiet_checks = ["{where}.{key}"] says so')] if line else []

@@ -29,6 +29,7 @@ class Range:
         return value == 0.0 or self.low <= abs(value) <= self.high
 
 
+_SPEED = (("cm/s", 0.01), ("mm/s", 1e-3), ("km/h", 1.0 / 3.6))
 _GROUND = (("g", G), ("cm/s2", 0.01))
 _SMALL = (("mm", 1e-3), ("cm", 1e-2))
 _FORCE = (("kN", 1e3), ("MN", 1e6))
@@ -36,13 +37,14 @@ _FORCE = (("kN", 1e3), ("MN", 1e6))
 RANGES = {
     "ag": Range(0.6, 10.0, "m/s2", _GROUND, "hazard maps give 0.6 to 10 m/s2 (0.06 to 1 g) where masonry is checked"),
     "target_pga": Range(0.6, 2.0 * G, "m/s2", _GROUND, "0.6 m/s2 (0.06 g) harms hardly any masonry, and few records exceed 2 g"),
-    "sine": Range(0.05, 2.0 * G, "m/s", (*_SMALL, ("km/h", 1.0 / 3.6)), "2 pi frequency times it, its PGA, is usually 0.005 to 2 g"),
+    "sine": Range(0.05, 2.0 * G, "m/s", _SPEED, "2 pi frequency times it, its PGA, is usually 0.005 to 2 g"),
     "scaled": Range(0.05, 2.0 * G, "", (), "records of interest have 0.005 to 2 g; are units and scale those of the file?"),
     "settlement": Range(0.0, 0.1, "m", _SMALL, "what stands settles by a few hundredths of its height at the most"),  # over the height
     "spreading": Range(0.0, 0.25, "m", _SMALL, "few arches stand a quarter of their span"),  # over the largest extent
     "speed": Range(0.0, 0.5, "m", (), "supports that move faster than 0.5 m/s strike what stands on them; a longer duration?"),  # [m/s]
-    "force": Range(0.01, float("inf"), "N", _FORCE, "a force below a hundredth of its block's weight changes nothing"),  # over that weight
+    "force": Range(0.05, float("inf"), "N", _FORCE, "a force below a twentieth of its block's weight changes little"),  # over that weight
     "pressure": Range(0.0, 3e7, "N", (), "hardly any masonry bears 30 MPa"),  # of a force on the mean section of its block [Pa]
+    "gravity": Range(9.5, 10.5, "m/s2", _GROUND, "gravity on earth is 9.81 m/s2"),  # its size
     "density": Range(400.0, 3500.0, "kg/m3", (("t/m3", 1e3), ("kN/m3", WEIGHT)), "masonry has 400 (foamed) to 3500 kg/m3 (basalt)"),
     "friction": Range(0.0, 1.2, "", (), "dry joints have 0.3 to 1.2; an angle is given by its tangent"),
     "young": Range(1e7, 2.5e11, "Pa", (MPA, GPA), "from adobe, 0.01 GPa, to steel, 210 GPa"),
@@ -51,6 +53,7 @@ RANGES = {
     "compression": Range(1e5, 5e8, "Pa", (MPA, KPA), "from rubble, 0.1 MPa, to the hardest stone, 500"),
     "bond": Range(1e3, 2e7, "Pa", (MPA, KPA), "mortar and bricks have 0.001 to 20 MPa"),
     "diameter": Range(3e-4, 0.4, "m", _SMALL, "from wires of 0.3 mm to beams of 0.4 m"),
+    "side": Range(3e-4, 0.6, "m", _SMALL, "from strips of 0.3 mm to beams of 0.6 m"),
     "section": Range(1e-7, 0.25, "m2", (("cm2", 1e-4), ("mm2", 1e-6)), "from wires of 0.1 mm2 to beams of 0.25 m2"),
     "yielding": Range(2e-5, 2e-2, "N", _FORCE, "ties and anchorages yield at stretches of 2e-5 to 2e-2"),  # over E A
     "tension": Range(1e-6, 2e-2, "N", _FORCE, "a tenth of a degree of warmth stretches a tie by 1e-6"),  # over E A

@@ -24,8 +24,8 @@ from typing import Annotated, Any
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from masonry_cd.app.scene_text import dump_toml, is_within, override, parse_toml, place_of, read_text
-from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.app.scene_text import dump_toml, is_within, keys_of, override, parse_toml, place_of, read_text
+from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import Table
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
@@ -203,6 +203,7 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
     try:
         top = parse_table(SceneTables, tables, "")
         _check_structures(top)
+        _check_quiet(tables, top.quiet_checks)
         return Scene(
             title=top.title or path.stem,
             structure=top.structure or {},
@@ -219,6 +220,18 @@ def scene_of(tables: Mapping[str, Any], text: str, path: Path, origin: Origin) -
         )
     except InputError as error:
         raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None
+
+
+def _check_quiet(tables: Mapping[str, Any], quiet: Sequence[str]) -> None:
+    """Refuse names in quiet_checks that are no keys of the scene: they would silence nothing.
+
+    Raises:
+        InputError: names the first of them.
+    """
+    keys = [key for key, _ in keys_of(tables)] if quiet else []
+    for name in quiet:
+        if not any(is_within(key, name) for key in keys):
+            raise InputError(f'quiet_checks: "{name}" is no key of the scene{suggest(name, keys)}')
 
 
 def _check_structures(top: SceneTables) -> None:

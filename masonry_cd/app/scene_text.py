@@ -6,7 +6,7 @@ import json
 import re
 import sys
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -208,6 +208,18 @@ def place_of(text: str, key: str, path: Path) -> str:
         if shared > best:
             best, at = shared, number
     return f"{path}:{at}" if at else str(path)
+
+
+def keys_of(value: object, key: str = "") -> Iterator[tuple[str, Any]]:
+    """All values of a table that are no tables or lists themselves, with their keys, ``loads[0].ag``."""
+    if isinstance(value, Mapping):
+        for name, item in value.items():
+            yield from keys_of(item, f"{key}.{name}" if key else name)
+    elif isinstance(value, list):
+        for i, item in enumerate(value):
+            yield from keys_of(item, f"{key}[{i}]")
+    else:
+        yield key, value
 
 
 def is_within(key: str, table: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -43,7 +44,7 @@ def record(
         from masonry_cd.app.scene_text import parse_change
         from masonry_cd.foundation.errors import InputError
 
-        if not file.exists():
+        if not os.path.exists(file):  # Path.exists raises where a name is too long
             raise InputError(f"{file}: no such record")
         measures = of_one_component(measure, "--measure")
         keys = dict(parse_change(change) for change in set_ or ())

@@ -140,10 +140,20 @@ def _form(block: Block) -> dict[str, Any]:
     return {"vertices": block.vertices.tolist(), "faces": [list(face) for face in block.faces]}
 
 
+def _once(pairs: list[tuple[str, Any]], path: Path) -> dict[str, Any]:
+    """The object of pairs (key, value): json would take the last of two values in silence."""
+    made = dict(pairs)
+    if len(made) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise InputError(f'{path.name}: an object with the key "{twice[:40]}" twice')
+    return made
+
+
 def _load(path: Path) -> dict[str, Any]:
     """Parse the JSON text."""
     try:
-        content = json.loads(read_text(path, path.name, "utf-8-sig"))
+        content = json.loads(read_text(path, path.name, "utf-8-sig"), object_pairs_hook=lambda pairs: _once(pairs, path))
     except OSError as failure:
         raise InputError(f"{path.name}: cannot be read, {failure.strerror}") from None
     except UnicodeDecodeError:

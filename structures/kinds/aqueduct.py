@@ -31,7 +31,9 @@ from structures.geometry.prism import box, prism_xz, rectangle
 from structures.geometry.solid import cut_solid
 from structures.layout import wall_plan
 from structures.layout.aqueduct_tier import LEAST_BED, Tier, feet, joints, outline
+from structures.schema import Length
 
+LEAST_RING = 0.001  # thickness of the arches [m]: thinner ones would be lost among corners that are taken for one
 LEAST_CHANNEL = 0.1  # height of the walls of the channel, in courses
 LEAST_GAP = 0.4  # between two rings at the springing, in courses
 LEAST_CHORD = 0.35  # of a voussoir on the extrados, in courses
@@ -59,7 +61,6 @@ def _one_or_many(kind: str) -> dict[str, Any]:
 
 Lengths = Annotated[tuple[float, ...], BeforeValidator(_per_tier(" [m]", float)), WithJsonSchema(_one_or_many("number"))]
 Counts = Annotated[tuple[int, ...], BeforeValidator(_per_tier("", int)), WithJsonSchema(_one_or_many("integer"))]
-Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 class AqueductTable(BaseModel):
@@ -172,6 +173,8 @@ def _tier(aqueduct: AqueductTable, i: int, below: Tier | None) -> Tier:
         if clear_span <= 0:
             raise InputError(f"structure.pier_width: must be below the pitch, {below.pitch:g} m, in tier {i + 1}, got {pier_width:g}")
     thickness = _of_tier(aqueduct, "ring_thickness", i)
+    if thickness < LEAST_RING:
+        raise InputError(f"structure.ring_thickness: must be at least {LEAST_RING:g} m, got {thickness:g}")
     extrados = math.pi * (0.5 * clear_span + thickness)
     natural = max(5, 2 * round((extrados / (1.2 * course) - 1) / 2) + 1)  # odd: with a keystone
     spans = _of_tier(aqueduct, "spans", i)

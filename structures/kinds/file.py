@@ -41,14 +41,14 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
         raise InputError(f'structure.path: no file "{path}" in {folder}' if not path.is_absolute() else f'structure.path: no file "{path}"')
     path = folder / path
     is_mesh = path.suffix.lower() in meshfile.FORMATS
-    for key in () if is_mesh else ("units", "up", "fixed", "repair"):
-        if key in keys.model_fields_set:
-            raise InputError(f"structure.{key}: belongs to {', '.join(meshfile.FORMATS)} files; {path.name} states it itself")
     if not is_mesh and path.suffix.lower() != ".json" and not _looks_like_json(path):
         raise InputError(
             f'structure.path: {path.name} is no file of blocks; kind = "file" reads .json, {", ".join(meshfile.FORMATS)}, '
             f'and kind = "solid" {", ".join(SUFFIXES)}'
         )
+    for key in () if is_mesh else ("units", "up", "fixed", "repair"):
+        if key in keys.model_fields_set:
+            raise InputError(f"structure.{key}: belongs to {', '.join(meshfile.FORMATS)} files; {path.name} states it itself")
     blocks = _from_mesh(keys, path, density) if is_mesh else blockfile.read_unchecked(path, density)
     if keys.gaps is not None:
         refuse_spheres(blocks, "structure.gaps: closing gaps between faces")
@@ -66,8 +66,11 @@ def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[
 
 def _looks_like_json(path: Path) -> bool:
     """Whether a file of unknown ending begins as an object of JSON does."""
-    with path.open("rb") as file:
-        return file.read(256).removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{")
+    try:
+        with path.open("rb") as file:
+            return file.read(256).removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{")
+    except OSError as failure:
+        raise InputError(f"structure.path: {path.name}: cannot be read, {failure.strerror}") from None
 
 
 def _from_mesh(keys: FileTable, path: Path, density: float) -> list[Block]:

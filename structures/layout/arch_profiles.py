@@ -29,7 +29,7 @@ from pydantic import Field
 
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
-from structures.schema import Length, Table
+from structures.schema import LONGEST, Length, Table
 
 AGREE = 1e-6  # relative difference up to which redundant keys agree
 COS30 = math.sqrt(0.75)
@@ -115,7 +115,10 @@ def _circle(arch: RingTable) -> tuple[float, float]:
         _at_most("rise", arch.rise, half, "half the span")
         return (half**2 + arch.rise**2) / (2.0 * arch.rise), 180.0 if arch.rise == half else math.degrees(4.0 * math.atan2(arch.rise, half))
     embrace = 180.0 if arch.embrace is None else arch.embrace
-    return half / math.sin(math.radians(0.5 * embrace)), embrace
+    sine = math.sin(math.radians(0.5 * embrace))
+    if half > LONGEST * sine:
+        raise InputError(f"structure.embrace: {embrace:g} degrees over a span of {arch.span:g} m make a radius above {LONGEST:g} m")
+    return half / sine, embrace
 
 
 def _embrace_of_radius(arch: RingTable, inner: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.limit_case import summary as limit_summary
 from masonry_cd.app.scene import Scene, parse_scene, read_scene
 from masonry_cd.app.starters import starter
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.model.blocks import Assembly
 from structures import KINDS
 
@@ -60,6 +62,13 @@ CASES = [
     ('structure.ties=[{along="x", height=1.0, diameter=0.03, yield_force=160}]', "structure.ties[0].yield_force = 160 N is", "1.6e+05"),
     ('structure.ties=[{along="x", height=1.0, diameter=30, yield_force=1e8}]', "structure.ties[0].diameter = 30 m: ", "30 mm is meant"),
     ('loads=[{kind="tie", blocks=["base", "stone"], area=7e-4, tension=40.0}]', "loads[0].tension = 40 N is 0.057 MPa", "4e+04"),
+    ('loads=[{kind="point", block="stone", force=[0, 0, -400.0]}]', "loads[0].force = 400 N is 0.02 times the", "write 4e+05"),
+    ('loads=[{kind="point", block="st*", force=[0, 0, -40.0]}]', "loads[0].force = 40 N is 0.002 times the", "write 4e+04"),
+    ("material.compressive_strength=3.0", "material.compressive_strength = 3 Pa: ", "if 3 MPa is meant, write 3e+06"),
+    ('material={density=2000.0, friction=0.6, deformable="uniform", young=900.0}', "material.young = 900 Pa: ", "900 MPa is meant"),
+    ('structure.ties=[{along="x", height=1.0, section=[20, 25]}]', "structure.ties[0].section = 25 m: ", "25 mm is meant, write 0.025"),
+    ("run.gravity=[0, 0, -1.0]", "run.gravity = 1 m/s2 is 0.102 g: ", "if 1 g is meant, write 9.807"),
+    ("run.gravity=[0, 0, -981.0]", "run.gravity = 981 m/s2 is 100 g: ", "if 981 cm/s2 is meant, write 9.81"),
     ("structure.roof_mass=1.2", "structure.roof_mass = 1.2 kg/m2: ", "if 1.2 kN/m2 is meant, write 122.4"),
     ("structure.floors=[{height=3.0, mass=4.0}]", "structure.floors[0].mass = 4 kg/m2: ", "if 4 kN/m2 is meant, write 407.9"),
 ]  # fmt: skip
@@ -76,6 +85,21 @@ def test_a_value_in_another_unit_draws_one_line_and_none_where_it_is_meant_so(ch
     assert lines(change, 'quiet_checks=["run.dt"]') == [line]
 
 
+@pytest.mark.parametrize(("name", "near"), [("material.densty", ' (did you mean "material.density"?)'), ("loads[0].force", ""), ("", "")])
+def test_a_name_in_quiet_checks_that_is_no_key_of_the_scene_is_refused(name: str, near: str) -> None:
+    with pytest.raises(InputError) as failure:
+        lines("material.density=1.9", f'quiet_checks=["material", "{name}"]')
+    assert str(failure.value) == f'--set quiet_checks=["material", "{name}"]: quiet_checks: "{name}" is no key of the scene{near}'
+
+
+def test_the_key_that_silences_the_record_of_a_shock_is_one_of_the_scene() -> None:
+    load = 'loads=[{kind="sequence", shocks=[{components=[{path="a", direction="x"}]}]}]'
+    weak = ({"shocks": [{"components": [{"after": {"pga": 0.02}}]}]},)
+    (line,) = lines(load, summaries=weak)
+    assert line.startswith("loads[0].shocks[0].components makes a PGA")
+    assert lines(load, 'quiet_checks=["loads[0].shocks[0].components"]', summaries=weak) == []
+
+
 def test_zero_leaves_something_out_and_is_never_doubted() -> None:
     assert lines("material.joints={cohesion=0.0}", 'loads=[{kind="point", block="stone", force=[0, 0, 0]}]') == []
 
@@ -86,6 +110,18 @@ def test_a_sine_is_judged_by_its_peak_acceleration(amplitude: float, pga: float,
     load = f'loads=[{{kind="sinusoidal", direction="x", amplitude={amplitude}, frequency=1.0, cycles=1}}]'
     found = lines(load, summaries=({"after": {"pga": pga}},))
     assert [said in line and line.startswith("loads[0].amplitude = ") for line in found] == ([True] if said else [])
+
+
+def test_a_sine_in_cm_a_second_is_asked_about_in_that_unit() -> None:
+    load = 'loads=[{kind="sinusoidal", direction="x", amplitude=20, frequency=2.0, cycles=1}]'
+    (line,) = lines(load, summaries=({"after": {"pga": 251.3}},))
+    assert "if 20 cm/s is meant, write 0.2;" in line
+
+
+def test_a_force_on_the_one_block_of_a_group_is_compared_with_it() -> None:
+    grouped = Assembly.from_blocks([*PAIR.blocks[:1], replace(PAIR.blocks[1], group="top")], 0.6)
+    load = 'loads=[{kind="point", block="top", force=[0, 0, -40.0]}]'
+    assert [line[:24] for line in doubts(parse_scene(TEXT, Path("scene.toml"), [load]), grouped)] == ["loads[0].force = 40 N is"]
 
 
 @pytest.mark.parametrize(("pga", "doubted"), [(0.02, True), (3.0, False), (25.0, True)])

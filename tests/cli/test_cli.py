@@ -566,6 +566,12 @@ def test_record_draws_a_picture_and_names_a_misspelt_key(tmp_path):
     assert not (tmp_path / "other.png").exists()
 
 
+def test_a_record_of_a_name_longer_than_any_file_has_is_refused_in_a_line():
+    result = masonry_cd("record", "x" * 5000)
+    assert (result.exit_code, result.output.count("\n")) == (2, 1)
+    assert result.output.endswith("no such record\n")
+
+
 def test_record_prints_the_measures_asked_for_and_names_others_before_it_draws(tmp_path):
     file = tmp_path / "pulse.csv"
     file.write_text("time_s,a_m_s2\n" + "".join(f"{0.01 * k:.2f},2.0\n" for k in range(301)))

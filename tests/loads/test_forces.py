@@ -306,9 +306,8 @@ def test_a_place_on_the_surface_counts_as_on_the_block_and_one_in_a_hollow_does_
     require_on_block(ball, [0.0, 0.0, 1.005], "key")  # where the ball of triangles by which it is drawn may be flatter
     with pytest.raises(InputError, match="key: "):
         require_on_block(ball, [0.8, 0.8, 0.0], "key")
-    u_shape = compound_block(
-        "u", [box_part((0, 0, 0), (3, 1, 1)), box_part((0, 0, 1), (1, 1, 3)), box_part((2, 0, 1), (3, 1, 3))], 1.0, "g"
-    )
+    foot = [box_part((x, 0, 0), (x + 1, 1, 1)) for x in (0, 1, 2)]  # parts share whole faces
+    u_shape = compound_block("u", [*foot, box_part((0, 0, 1), (1, 1, 3)), box_part((2, 0, 1), (3, 1, 3))], 1.0, "g")
     require_on_block(u_shape, [0.5, 0.5, 2.5], "key")
     with pytest.raises(InputError, match=r'\(1\.5, 0\.5, 2\) m lies 0\.5 m outside block "u"'):
         require_on_block(u_shape, [1.5, 0.5, 2.0], "key")

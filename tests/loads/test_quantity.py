@@ -30,6 +30,9 @@ def rows(heading: str, values: np.ndarray = TIME) -> str:
 VELOCITY = [
     (at2(what="VELOCITY TIME SERIES", unit="CM/S"), "line 3"),
     (at2(what="VELOCITY TIME HISTORY", unit="CM/SEC."), "line 3"),
+    (at2(what="VEL TIME SERIES", unit="CM/S"), "line 3"),
+    (at2().replace("ACCELERATION TIME SERIES IN UNITS OF G", "TIME SERIES OF VELOCITY"), "line 3"),
+    (at2().replace("ACCELERATION TIME SERIES IN UNITS OF G", "CORRECTED, CM/SEC"), 'its unit "CM/SEC"'),
     (esm(DATA_TYPE="VELOCITY", UNITS="cm/s"), "line 6, DATA_TYPE"),
     (esm(DATA_TYPE="VELOCITY"), "contradicts itself: of velocity by line 6, DATA_TYPE, of acceleration by its unit"),
     (esm(DATA_TYPE="", UNITS="cm/s"), 'its unit "cm/s"'),
@@ -39,7 +42,13 @@ VELOCITY = [
     (rows("t,NS cm/s"), 'its unit "cm/s"'),
     (rows("t,velocity"), 'the column "velocity"'),
     (rows("t,velocità"), 'the column "velocità"'),
+    (rows("t,vitesse"), 'the column "vitesse"'),
+    (rows("t,cm/s"), 'its unit "cm/s"'),
+    (rows("t,HHE"), "channel HHE"),
+    (rows("t,IV.AQU..EHZ"), "channel EHZ"),
     (rows("# velocity time series, corrected"), 'the line "# velocity time series, corrected"'),
+    (rows("# channel HHE"), "channel HHE"),
+    (rows("# dt 0.01, units: CM/S"), 'the line "# dt 0.01, units: CM/S"'),
 ]
 
 

@@ -135,7 +135,16 @@ def test_missing_and_binary_files_are_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "size"),
     [("g", 9.80665), ("G", 9.80665), ("m/s2", 1.0), ("M/S^2", 1.0), ("m/s**2", 1.0), ("m/s/s", 1.0), ("m s-2", 1.0), ("cm/s2", 0.01)]
-    + [("cm/sec^2", 0.01), ("cm/s²", 0.01), ("Gal", 0.01), ("mm/s2", 0.001), ("ft/s2", None), ("m/s", None), ("count", None), ("mg", None)],
+    + [
+        ("cm/sec^2", 0.01),
+        ("cm/s²", 0.01),
+        ("Gal", 0.01),
+        ("mm/s2", 0.001),
+        ("ft/s2", None),
+        ("m/s", None),
+        ("count", None),
+        ("mg", 9.80665e-3),
+    ],
 )
 def test_units(text: str, size: float | None) -> None:
     assert acceleration_unit(text) == size

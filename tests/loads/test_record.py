@@ -150,6 +150,13 @@ def test_a_silent_record_is_refused(folder: Path) -> None:
         build(folder, path="silent.txt")
 
 
+@pytest.mark.parametrize("keys", [{}, {"correction": "none"}, {"target_pga": 2.0}])
+def test_a_record_that_never_changes_is_an_offset_and_is_refused(folder: Path, keys: dict[str, object]) -> None:
+    (folder / "level.txt").write_text("t a_g\n" + "".join(f"{t:.2f} 0.1\n" for t in TIME))
+    with pytest.raises(InputError, match=r"level.txt: the record is constant throughout, at 0\.9807 m/s2"):
+        build(folder, path="level.txt", **keys)
+
+
 def recorded(tables: list[dict], seconds: float, dt: float = 1e-3) -> loads.Loading:
     if not RECORDS.is_dir():
         pytest.skip("no recorded accelerograms beside the checkout")

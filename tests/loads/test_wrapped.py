@@ -42,6 +42,21 @@ def test_a_series_of_several_values_a_line_is_refused_and_read_on_request(tmp_pa
     assert record.step == STEP
 
 
+def test_a_delimiter_at_the_end_of_the_lines_or_words_above_them_hide_no_series(tmp_path: Path) -> None:
+    text = wrapped(QUAKE[:400], 8, ",")
+    for table in (text.replace("\n", ",\n"), "Acceleration,of,station,X,comp,NS,run,1b\n" + text):
+        with pytest.raises(InputError, match="8 columns that could be one series"):
+            load(tmp_path, table, column=0, time_step=STEP)
+
+
+def test_numbers_at_the_end_of_lines_are_no_part_of_a_series(tmp_path: Path) -> None:
+    text = "".join(f"{line} {k + 1}\n" for k, line in enumerate(wrapped(QUAKE[:400], 8).splitlines()))
+    with pytest.raises(InputError, match="8 columns before the numbers of the lines that could be one series"):
+        load(tmp_path, text, column=0, time_step=STEP)
+    with pytest.raises(InputError, match="each line ends with its time or number"):
+        load(tmp_path, text, layout="series", time_step=STEP)
+
+
 def test_columns_that_are_asked_for_are_read_even_where_they_could_be_a_series(tmp_path: Path) -> None:
     record = load(tmp_path, wrapped(QUAKE[:400], 8), layout="columns", column=2, time_step=STEP)
     assert record.values == pytest.approx(QUAKE[2:400:8], abs=1e-9)
@@ -152,3 +167,9 @@ def test_noise_and_short_tables_show_nothing() -> None:
     rng = np.random.default_rng(3)
     assert not in_reading_order(rng.normal(size=(3, 4)))
     assert sum(in_reading_order(rng.normal(size=(400, 3))) for _ in range(20)) == 0
+
+
+def test_a_message_lists_some_of_many_columns(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"28, 29, 30 \.\.\.$") as failure:
+        load(tmp_path, side_by_side(TIME, *[QUAKE] * 5000), layout="columns")
+    assert len(str(failure.value)) < 400

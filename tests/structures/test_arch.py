@@ -194,6 +194,8 @@ def test_every_joint_is_found_and_gravity_moves_nothing(keys: dict[str, object])
         ({"thickness": 0.5, "shape": "flat"}, "structure.span: missing; a flat arch is given by its clear span"),
         ({"span": 4.0, "thickness": 0.5, "skew": 10.0}, "structure.skew: belongs to a flat arch"),
         ({"span": 4.0, "thickness": 0.5, "buttress_height": 2.0}, "structure.buttress_width: missing"),
+        ({"span": 4.0, "thickness": 0.5, "embrace": 5e-324}, "structure.embrace: 4.94066e-324 degrees over a span of 4 m make a radius"),
+        ({"span": 4.0, "thickness": 5e-324}, "structure.thickness: should be at least 1e-12"),
         (
             {"span": 4.0, "thickness": 0.5, "buttress_width": 0.3},
             "structure.buttress_width: must be at least the width of the springing, 0.5 m",

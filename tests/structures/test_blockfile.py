@@ -107,6 +107,7 @@ def test_a_plain_block_is_left_as_it_is() -> None:
     ("content", "message"),
     [
         ('{"blocks": [\n{"name": }]}', "blocks.json: line 2, column 10: Expecting value"),
+        ('{"units": "m", "units": "mm", "blocks": []}', 'blocks.json: an object with the key "units" twice'),
         ("[1, 2]", 'blocks.json: must be an object with the key "blocks"'),
         ({"units": "m"}, 'blocks.json: "blocks" must be a list'),
         ({"units": "ft", "blocks": [cube()]}, 'blocks.json: unknown units "ft"'),

@@ -15,7 +15,7 @@ from masonry_cd.mechanics.model.by_group import by_group, numbers, of_group
 
 RIGID, UNIFORM, TETRAHEDRA = KINDS = ("rigid", "uniform", "tetrahedra")  # of blocks
 POISSON = 0.2  # ratio, when not given
-SOFTEST, STIFFEST = 1e3, 1e18  # Young's modulus [Pa]: from what flows to what only rounding tells from rigid
+SOFTEST, STIFFEST = 10.0, 1e18  # Young's modulus [Pa]: from adobe in MPa, which is doubted, to what only rounding tells from rigid
 
 
 def _kind(value: Any) -> str:
@@ -34,7 +34,7 @@ class ElasticBlocks(Table):
     ``default``. Where "rigid" is given for all, the keys below have no effect."""
     mesh_size: Annotated[Value, *numbers(1e-6, 1e6)] | None = None
     """Size of the elements of tetrahedra [m], one value or values by group; larger than a block: as few as it can have."""
-    young: Annotated[Value, *numbers(SOFTEST, STIFFEST)] | None = None
+    young: Annotated[Value, *numbers(SOFTEST, STIFFEST, "Pa (1.5 GPa is 1.5e9)")] | None = None
     """Young's modulus of blocks that deform [Pa], one value or values by group."""
     poisson: Annotated[Value, *numbers(0.0, 0.49)] = POISSON
     """Poisson's ratio of blocks that deform, one value or values by group."""

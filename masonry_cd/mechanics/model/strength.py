@@ -10,7 +10,7 @@ import numpy as np
 from masonry_cd.foundation.fields import Number
 from masonry_cd.mechanics.model.by_group import numbers, of_group
 
-WEAKEST, STRONGEST = 1e4, 1e10  # [Pa]: from loose rubble, of a hundredth of a MPa, to more than any ceramic
+WEAKEST, STRONGEST = 0.1, 1e10  # [Pa]: a value in MPa is doubted, not refused; up to more than any ceramic
 KEY = "compressive_strength"
 
 Strength: TypeAlias = Annotated[Number | dict[str, Number] | None, *numbers(WEAKEST, STRONGEST, "Pa (5 MPa is 5e6)")]

@@ -46,7 +46,7 @@ def test_a_group_whose_name_has_brackets_goes_by_its_name() -> None:
         ({"deformable": "soft"}, 'should be "rigid", "uniform" or "tetrahedra"'),
         ({"deformable": "uniform"}, "needs young beside it"),
         ({"young": 1e9}, 'young needs deformable = "uniform" or "tetrahedra" beside it'),
-        ({"deformable": "uniform", "young": 10.0}, "should be between 1000 and 1e.18"),
+        ({"deformable": "uniform", "young": 1.5}, r"should be between 10 and 1e.18 Pa \(1.5 GPa is 1.5e9\)"),
         ({"deformable": "uniform", "young": {"arch": -1.0}}, '"arch": should be between'),
         ({"deformable": "uniform", "young": {}}, "gives no value"),
         ({"deformable": "uniform", "young": True}, "should be a number"),
