@@ -30,7 +30,7 @@ Doubt = tuple[str, str]  # key and line
 
 def structure_doubts(scene: Scene) -> list[str]:
     """What ``masonry-cd build`` says: of the tables [structure] and [material]."""
-    tables: dict[str, Any] = dict(parse_toml(scene.text, scene.origin.path))
+    tables = parse_toml(scene.text, scene.origin.path)
     mine: dict[str, Any] = {key: tables[key] for key in ("structure", "structures", "material") if key in tables}
     return _spoken([*_plain(mine), *_ties(mine)], scene.quiet_checks)
 
