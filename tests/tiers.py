@@ -1,7 +1,7 @@
 """The tiers of the tests, as hooks of pytest: what is slow carries a marker with a reason, and a budget keeps the others quick.
 
-``@pytest.mark.slow(reason="...")`` leaves a test to ``make test-all``. With ``--budget``, a test without the marker fails if its call
-takes more than ``ALLOWED`` seconds of processor time, in its process and in those that it waited for: a busy machine adds little to that.
+``@pytest.mark.slow(reason="...")`` leaves a test to ``make test-all``. A test without the marker is meant to take ``ALLOWED`` seconds of
+processor time at the most, in its process and in those that it waited for. With ``--budget``, one fails whose call takes ``SLACK`` times that.
 Compiling says nothing about a test, so a call during which any process put a kernel into numba's cache is not judged. In the end the
 seconds of each folder and of the tests that took most are printed, with those of fixtures.
 """
@@ -19,6 +19,7 @@ import pytest
 from places import ROOT
 
 ALLOWED = 5.0  # processor time of the call of a test without the marker [s]
+SLACK = 3.0  # times as much processor time takes a slow processor whose cores are shared, as seen between two runs of one machine
 LISTED = 40  # tests in the list of those that took most
 # which keep their compiled kernels, unless NUMBA_CACHE_DIR names a folder
 PACKAGES = ("masonry_cd", "structures", "loads", "reports", "tests")
@@ -28,7 +29,7 @@ BEGIN = pytest.StashKey[tuple[float, float]]()  # of a phase: the time of day an
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """The option of ``make test-all``."""
-    words = f"fail what takes over SECONDS of processor time, {ALLOWED:g} where none are given, and is not marked slow"
+    words = f"fail what takes over {SLACK:g} times SECONDS of processor time, {ALLOWED:g} where none are given, and is not marked slow"
     parser.addoption("--budget", nargs="?", type=float, const=ALLOWED, metavar="SECONDS", help=words)
 
 
@@ -55,6 +56,13 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
 
 
 @pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
+    """Note when the teardown begins."""
+    item.stash[BEGIN] = time.time(), processor_time()
+    return (yield)
+
+
+@pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """Note what a phase took; fail a call that passed but took more than is allowed."""
     spent = processor_time() - item.stash[BEGIN][1]
@@ -62,9 +70,9 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
     report.user_properties.append((SECONDS, spent))
     allowed = item.config.getoption("--budget")
     judged = allowed is not None and report.passed and call.when == "call" and item.get_closest_marker("slow") is None
-    if judged and spent > allowed and not kept_since(item.stash[BEGIN][0]):
+    if judged and spent > SLACK * allowed and not kept_since(item.stash[BEGIN][0]):
         report.outcome = "failed"
-        report.longrepr = f"it took {spent:.1f} s of processor time, {allowed:g} s are allowed: make it smaller or mark it slow"
+        report.longrepr = f"it took {spent:.1f} s of processor time, {allowed:g} s are meant: make it smaller or mark it slow"
     return report
 
 

@@ -50,10 +50,10 @@ def _envelope(motion: np.ndarray, dt: float) -> np.ndarray:
     if not largest.any():
         return largest
     width = max(1, min(len(motion), round(MEMORY / dt)))
-    return _largest_before(largest, width) / largest.max()
+    return largest_before(largest, width) / largest.max()
 
 
-def _largest_before(values: np.ndarray, width: int) -> np.ndarray:
+def largest_before(values: np.ndarray, width: int) -> np.ndarray:
     """Of values (N,), none below zero, the largest of each and the width - 1 before it (N,).
 
     Each window is the end of one block of that width and the beginning of the next (van Herk, Pattern Recogn. Lett. 13, 1992).

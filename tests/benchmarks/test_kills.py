@@ -17,6 +17,7 @@ def reference(tmp_path_factory):
     return kills.undisturbed(tmp_path_factory.mktemp("kills"), ["spatial"])["spatial"]
 
 
+@pytest.mark.slow(reason="runs are begun and killed until there were enough strikes, each a process")
 def test_runs_are_struck_until_there_were_as_many_strikes_as_asked_for(capsys):
     assert kills.strike(["--times", "2", "--kind", "spatial", "--seed", "5"]) == 0
     said = capsys.readouterr().out

@@ -12,7 +12,7 @@ from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 
 
-@pytest.mark.parametrize("jobs", [1, 3])
+@pytest.mark.parametrize("jobs", [1, pytest.param(3, marks=pytest.mark.slow(reason="three processes, each loads the program"))])
 def test_the_bracket_of_the_dynamics_holds_the_factor_of_a_pillar(jobs: int) -> None:
     assembly = Assembly.from_blocks([ground(2.0), box("a", (0.0, -0.2, 0.0), (0.5, 0.2, 1.0)), box("b", (0, -0.2, 1), (0.5, 0.2, 2))], 0.6)
     found = analyse(assembly, find_joints(assembly), limit.push(assembly, limit.WAYS["x"]), Options(starts=0)).associated.factor

@@ -574,11 +574,11 @@ def test_a_record_of_a_name_longer_than_any_file_has_is_refused_in_a_line():
 
 def test_record_prints_the_measures_asked_for_and_names_others_before_it_draws(tmp_path):
     file = tmp_path / "pulse.csv"
-    file.write_text("time_s,a_m_s2\n" + "".join(f"{0.01 * k:.2f},2.0\n" for k in range(301)))
+    file.write_text("time_s,a_m_s2\n" + "".join(f"{0.01 * k:.2f},{2.0 if k else 0.0}\n" for k in range(301)))
     asked = ("record", file, "-o", tmp_path / "p.png", "--set", "correction=none", "--measure")
     result = masonry_cd(*asked, "CAV", "--measure", "Sa(0.5, 0)", "--measure", "PGV")
     assert result.exit_code == 0, result.output
-    assert "pulse.csv   CAV 6 m/s, Sa(0.5,0) 4 m/s2, PGV 6 m/s\n" in result.stdout
+    assert "pulse.csv   CAV 5.99 m/s, Sa(0.5,0) 3.995 m/s2, PGV 5.99 m/s\n" in result.stdout
     (tmp_path / "p.png").unlink()
     for text, message in (("PGB", 'unknown intensity measure "PGB"'), ("PGA:rotd50", 'PGA:rotd50: one record has no "rotd50"')):
         result = masonry_cd(*asked, text)

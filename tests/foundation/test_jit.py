@@ -211,7 +211,7 @@ def test_kernels_that_a_wheel_brings_are_used_where_nothing_can_be_written(run_k
     run_kernel(2.0)
     (tmp_path / "cache").rename(tmp_path / "brought")
     (tmp_path / "cache").touch()  # no folder
-    program = "from masonry_cd import kernel_store\nkernel_store.SHIPPED = {!r}\n" + PROGRAM
+    program = "from masonry_cd.foundation import kernel_store\nkernel_store.SHIPPED = {!r}\n" + PROGRAM
     assert in_python(program.format(str(tmp_path / "brought")), tmp_path) == "4.0 0"
     assert in_python(program.format(str(tmp_path / "elsewhere")), tmp_path) == "4.0 1"
 

@@ -71,7 +71,7 @@ def test_kernels_stay_intermediate_code() -> None:
     plus_three(1.0)
     (version,) = _plus.inner.overloads.values()
     assert type(version.library) is numba_internals._IntermediateCode
-    assert "define" in str(version.library._final_module)
+    assert "define" in version.library.get_llvm_str()
     assert _plus.inner.nopython_signatures and not callable(version.entry_point)
 
 

@@ -14,7 +14,7 @@ from benchmarks.bits.cases import HERE
 from benchmarks.bits.other_processor import other_processor
 from masonry_cd.foundation import processor
 
-TARGET = "from masonry_cd import jit, processor; print(*processor.target())"
+TARGET = "from masonry_cd.foundation import jit, processor; print(*processor.target())"
 CHOICES = (processor.SWITCH, "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES")
 STEPS = """
 import hashlib

@@ -123,7 +123,6 @@ def test_a_motion_by_arrays_is_corrected_and_judged_as_a_record_is(tables: dict[
     loud = shaking(1, peak=25.0) | {"direction": "x", "correction": "quadratic", "acceleration": shaking(1, 25.0)["acceleration"] + 0.5}
     loading = loading_of(mc.scene(tables | {"loads": [loud]}))
     said = " ".join(loading.warnings)
-    assert "hardly any ground has been recorded above 2 g" in said
     assert "the quadratic correction changes PGV" in said or "the quadratic correction changes PGD" in said
     assert abs(loading.summary["tables"][0]["after"]["end_velocity"]) < 1e-9 < abs(loading.summary["tables"][0]["before"]["end_velocity"])
 

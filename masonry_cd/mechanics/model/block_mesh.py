@@ -65,7 +65,7 @@ def block_mesh(name: str, shell: Polyhedron, size: float, axis: int) -> BlockMes
         InputError: gmsh does not start, cannot mesh the block, or makes far too many nodes.
     """
     most = MOST_UNKNOWNS // (3 if axis < 0 else 2)
-    likely = _likely_nodes(shell, size, axis)
+    likely = likely_nodes(shell, size, axis)
     if not likely <= HOPELESS * most:
         raise InputError(
             f'material.mesh_size: block "{name}" would get about {likely:.2g} nodes with {size:g} m, and {most} are the most; '
@@ -165,7 +165,7 @@ def _sizes(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
     return np.asarray(np.sum(spans[:, 0] * np.cross(spans[:, 1], spans[:, 2]), axis=1) / 6.0)
 
 
-def _likely_nodes(shell: Polyhedron, size: float, axis: int) -> float:
+def likely_nodes(shell: Polyhedron, size: float, axis: int) -> float:
     """About how many nodes a mesh of regular simplices has, half as many as triangles and a sixth of tetrahedra; never far too few."""
     content = _content(shell.vertices, shell.faces, axis) / size / size
     return 1.2 * content if axis >= 0 else 1.4 * content / size

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Future, ThreadPoolExecutor
 from threading import Thread
+from typing import Any
 
 import numpy as np
 import pytest
@@ -59,22 +61,15 @@ def test_an_error_before_a_kernel_is_reached_ends_the_team() -> None:
 
 
 def test_a_thread_that_cannot_be_had_ends_the_team(monkeypatch: pytest.MonkeyPatch) -> None:
-    from masonry_cd.mechanics.linalg import threads
+    usual, given = ThreadPoolExecutor.submit, []
 
-    class OneThread:
-        """A pool that has one thread only."""
+    def only_one(pool: ThreadPoolExecutor, *call: Any) -> Future[Any]:
+        given.append(call)
+        if len(given) > 1:
+            raise RuntimeError("can't start new thread")
+        return usual(pool, *call)
 
-        def __init__(self) -> None:
-            self.pool, self.given = threads._pool(1), 0
-
-        def submit(self, *call: object) -> object:
-            self.given += 1
-            if self.given > 1:
-                raise RuntimeError("can't start new thread")
-            return self.pool.submit(*call)  # type: ignore[arg-type]
-
-    pool = OneThread()
-    monkeypatch.setattr(threads, "_pool", lambda size: pool)
+    monkeypatch.setattr(ThreadPoolExecutor, "submit", only_one)
     error = outcome(meet_again, 3, 5, -1, 0)
     assert isinstance(error, RuntimeError) and "can't start" in str(error)
 

@@ -15,7 +15,7 @@ CUBE = Polyhedron(*box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)))
 @pytest.mark.parametrize("axis", [-1, 1])
 @pytest.mark.parametrize("size", [1e-3, 1e-6, 1e-200])
 def test_a_mesh_far_too_fine_is_not_made(size: float, axis: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(meshing, "_mesh_of", lambda *_: pytest.fail("gmsh was called"))
+    monkeypatch.setattr(meshing, "gmsh_session", lambda: pytest.fail("gmsh was called"))
     with pytest.raises(InputError, match=r'material\.mesh_size: block "b" would get about \S+ nodes with \S+ m, and \d+ are the most'):
         meshing.block_mesh("b", CUBE, size, axis)
 
@@ -24,4 +24,4 @@ def test_a_mesh_far_too_fine_is_not_made(size: float, axis: int, monkeypatch: py
 def test_the_number_is_about_that_of_the_mesh(axis: int) -> None:
     """Those on the surface, which weigh where elements are large, come on top."""
     mesh = meshing.block_mesh("b", CUBE, 0.25 if axis < 0 else 0.08, axis)
-    assert 0.3 * len(mesh.nodes) < meshing._likely_nodes(CUBE, 0.25 if axis < 0 else 0.08, axis) < 1.5 * len(mesh.nodes)
+    assert 0.3 * len(mesh.nodes) < meshing.likely_nodes(CUBE, 0.25 if axis < 0 else 0.08, axis) < 1.5 * len(mesh.nodes)
