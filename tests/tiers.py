@@ -1,8 +1,8 @@
 """The tiers of the tests, as hooks of pytest: what is slow carries a marker with a reason, and a budget keeps the others quick.
 
 ``@pytest.mark.slow(reason="...")`` leaves a test to ``make test-all``. A test without the marker is meant to take ``ALLOWED`` seconds of
-processor time at the most, in its process and in those that it waited for. With ``--budget``, one fails whose call takes ``SLACK`` times that.
-Compiling says nothing about a test, so a call during which any process put a kernel into numba's cache is not judged. In the end the
+processor time at the most, in its process and in those that it waited for. With ``--budget``, one whose call takes ``SLACK`` times that
+fails. Compiling says nothing about a test, so a call during which any process put a kernel into the store is not judged. In the end the
 seconds of each folder and of the tests that took most are printed, with those of fixtures.
 """
 
