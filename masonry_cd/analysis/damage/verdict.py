@@ -107,7 +107,7 @@ def verdict_of(summary: Mapping[str, Any], thresholds: Thresholds, end: EndState
     if "error_max" in summary.get("solver", {}):
         found.append(_forces(summary))
     if summary.get("solver", {}).get("false_slip_max") is not None:
-        found.append(_false_motion(summary))
+        found.append(_false_motion(summary, thresholds))
     if "balance_error" in summary.get("energy", {}):
         found.append(_energy(summary["energy"]))
     if "penetration_max" in summary:
@@ -150,13 +150,19 @@ def _forces(summary: Mapping[str, Any]) -> Finding:
     return Finding(FORCES, verdict, f"{missed} of {steps} steps missed the tolerance, with an error of {error:.2g} at most")
 
 
-def _false_motion(summary: Mapping[str, Any]) -> Finding:
-    """How far joints moved against the contact laws; lengths that count for nothing beside the structure's size have no place named."""
+def _false_motion(summary: Mapping[str, Any], thresholds: Thresholds) -> Finding:
+    """How far joints moved against the contact laws; lengths that count for nothing beside the structure's size have no place named.
+
+    What is less than the width from which on a joint counts as open or slid changes no grade: a structure nearly at rest has moved by
+    little more.
+    """
     solver, moved = summary["solver"], summary.get("displacement_max") or 0.0
     slip, opening = solver["false_slip_max"], solver["false_opening_max"] or 0.0
     why = f"the error of the contact forces adds up to {length(slip)} of slip and {length(opening)} of opening"
-    counts = bool(solver.get("false_slip_where"))
-    return Finding(FALSE_MOTION, graded(max(slip, opening), (FALSE_SHARE[0] * moved, FALSE_SHARE[1] * moved)) if counts else GOOD, why)
+    most = max(FALSE_SHARE[1] * moved, min(thresholds.opened, thresholds.slid))
+    return Finding(
+        FALSE_MOTION, graded(max(slip, opening), (FALSE_SHARE[0] * moved, most)) if solver.get("false_slip_where") else GOOD, why
+    )
 
 
 def _energy(energy: Mapping[str, Any]) -> Finding:

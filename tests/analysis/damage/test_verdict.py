@@ -37,6 +37,11 @@ SCENE = '[structure]\nkind = "file"\npath = "blocks.json"\n[material]\ndensity =
 CUT = "do not rely on this run before it is mended: end of the run"
 
 
+def false(slip: float, moved: float, where: str = "a and b at 1 s") -> dict[str, Any]:
+    """A run that moved by ``moved`` [m], of which errors of the contact forces are to blame for some slip [m]."""
+    return solver(false_slip_max=slip, false_opening_max=0.0, false_slip_where=where) | {"displacement_max": moved}
+
+
 def solver(**changes: Any) -> dict[str, Any]:
     return {"solver": SOUND["solver"] | changes}
 
@@ -58,6 +63,11 @@ def solver(**changes: Any) -> dict[str, Any]:
         ({"stopped": "interrupted after step 3"}, "doubtful", "it ended early: interrupted after step 3"),
         ({"provisional": "provisional: still moving"}, "look", "provisional: still moving"),
         ({"time_step_remarks": ["run.dt is coarse"]}, "look", "run.dt is coarse"),
+        (false(1e-5, 1e-2), "good", ""),
+        (false(5e-4, 1e-2), "look", "500 um of slip"),
+        (false(5e-3, 1e-2), "doubtful", "5 mm of slip"),
+        (false(1e-5, 1e-5), "look", "10 um of slip"),  # too little to change a grade
+        (false(1e-5, 1e-5, where=""), "good", ""),
     ],
 )
 def test_the_worst_check_decides_and_gives_its_numbers(changes, worst, why):
