@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numba
 import numpy as np
 import pytest
 
-from masonry_cd.foundation import jit, numba_internals
+from masonry_cd.foundation import jit, kernel_store, numba_internals
 from masonry_cd.foundation.jit import entry, kernel
 from masonry_cd.foundation.numba_internals import NEEDED
 
@@ -43,6 +44,14 @@ def plus_one(x):
 @entry()
 def twice(x):
     return 2 * x
+
+
+@pytest.fixture(scope="module", autouse=True)
+def empty_store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Kernels are compiled here: one that is loaded has no intermediate code to look at."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(kernel_store.FOLDER, str(tmp_path_factory.mktemp("store")))
+        yield
 
 
 @pytest.mark.parametrize(("kind", "name"), [(kind, name) for kind, names in NEEDED for name in names])

@@ -256,7 +256,7 @@ def test_a_child_cuts_solids_to_the_same_bits(tmp_path: Path, name: str, model) 
     assert same(read, cutting.cut(tmp_path / name, **ASKED))
 
 
-@pytest.mark.parametrize("height", [1e-9, 1e-320])
+@pytest.mark.parametrize("height", [1e-9, 1e-12])
 def test_more_stones_than_are_allowed_are_refused_before_they_are_cut(tmp_path: Path, height: float, model) -> None:
     model("wall.brep")
     with pytest.raises(InputError, match=r"^structure\.course_height: makes about .* blocks, at most 100000 are allowed; most_blocks = N "):
