@@ -16,6 +16,7 @@ from tiers import (  # noqa: F401  hooks of pytest
     pytest_runtest_call,
     pytest_runtest_makereport,
     pytest_runtest_setup,
+    pytest_runtest_teardown,
     pytest_terminal_summary,
 )
 
