@@ -71,6 +71,7 @@ def test_the_file_in_the_package_is_what_is_generated():
     assert FILE.read_text(encoding="utf-8") == schema_text(), "write it anew: masonry-cd schema -o masonry_cd/app/scene.schema.json"
 
 
+@pytest.mark.slow(reason="builds the schema of every table three times")
 def test_the_command_prints_it_or_writes_it(tmp_path):
     assert CliRunner().invoke(app, ["schema"]).stdout == schema_text()
     CliRunner().invoke(app, ["schema", "-o", str(tmp_path / "s.json")])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from places import ROOT
 
 from benchmarks.tree import private_names, table
@@ -20,6 +21,7 @@ def test_private_names_are_found() -> None:
     assert sorted(private_names(MODULE)) == ["_constant", "_hidden", "_kernel"]
 
 
+@pytest.mark.slow(reason="reads every file of the tree")
 def test_the_rules_hold_here() -> None:
     """Files under 400 lines, kernels of at most ten arguments, no import cycle, no test that reaches into private functions."""
     rows = dict(line.strip("| ").split(" | ") for line in table(ROOT)[2:] if line.startswith("| "))
