@@ -54,7 +54,7 @@ def test_an_error_in_one_thread_ends_the_team_with_its_message(size: int, failin
 def test_an_error_before_a_kernel_is_reached_ends_the_team() -> None:
     def member(team: ThreadTeam, meetings: int) -> int:
         if team.rank == 1:
-            raise MemoryError("no room")
+            raise MemoryError("no memory")
         return meet_again(team, meetings, -1, 0)
 
     assert isinstance(outcome(member, 2, 3), MemoryError)
