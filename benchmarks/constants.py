@@ -1,12 +1,12 @@
 r"""Does each tuned constant of ``auto``, and of its methods, earn its place? Scenes are solved with it and without it, and costs compared.
 
     python -m benchmarks.constants
-    python -m benchmarks.constants TRIAL FAR --scenes arch demo
+    python -m benchmarks.constants PIVOTS LAST --scenes arch demo
 
-Costs are counted, not timed: iterations of each method and measurements of the error, weighed as ``auto`` itself weighs them
-(``masonry_cd.mechanics.solvers.auto.work``), so that the table is the same on any machine. The seconds of the processor are a second
-witness. A structure that slides is sensitive to rounding, and its cost with it: the row "shaken 1e-9 more" says how far two runs that do
-not differ in anything that matters are apart. A constant that gains less than that, or less than 5 % in every scene, has no place.
+Costs are counted, not timed: the iterations of each method by the weights of ``benchmarks.counted_cost``, so that the table is the same on
+any machine. The seconds of the processor are a second witness. A structure that slides is sensitive to rounding, and its cost with it: the
+row "shaken 1e-9 more" says how far two runs that do not differ in anything that matters are apart. A constant that gains less than that,
+or less than 5 % in every scene, has no place.
 """
 
 from __future__ import annotations
@@ -28,13 +28,12 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 import scenes as problems
 
 from benchmarks import ours
+from benchmarks.counted_cost import cost_of
 from benchmarks.scenes import GRAVITY, BenchScene, arcade, arch, tower, wall
 from benchmarks.sitting import head
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
-from masonry_cd.mechanics.friction.local_blocks import in_elimination_order, local_arrays
-from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, natural_map_error
+from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
 from masonry_cd.mechanics.solvers import Options, auto
-from masonry_cd.mechanics.solvers.admm import Memory
 
 ROOT = Path(__file__).parents[1]
 NUDGE = 1e-9  # relative change of the shaking that makes no difference
@@ -45,9 +44,8 @@ WORTH = 0.05  # least gain of a constant in its best scene
 class Spent:
     """What a scene cost, and how well it was solved."""
 
-    iterations: list[int] = field(default_factory=lambda: [0] * len(auto.METHODS))  # by method, in the order of ``auto.NAMES``
-    measurements: int = 0
-    cost: float = 0.0  # by the weights of ``auto`` [us]
+    iterations: dict[str, int] = field(default_factory=lambda: dict.fromkeys(auto.METHODS, 0))  # by method
+    cost: float = 0.0  # of these, counted [us]
     steps: int = 0
     missed: int = 0
     error: float = 0.0  # largest natural map error, as a multiple of the tolerance
@@ -145,24 +143,16 @@ SCENES: dict[str, Scene] = {
 
 # What each constant is set to where it is switched off.
 SWITCHED: dict[str, Any] = {
-    "NEARLY": 0.0,  # no step is solved deeper
-    "DEEPER": 1e-1,
-    "AGAIN": 1e3,
-    "DEEP_LIMIT": 10**9,
-    "FAR": np.inf,  # every start is measured
-    "LOOK": 10**9,
-    "TRIALS": (),
-    "WORTH": 1e6,
-    "GLANCE": 120.0,
-    "CLOSE": 0.0,  # ADMM does not go on
-    "NEWTON_LIMIT": 50,
-    "GRAINS": 10**9,  # none
-    "GRAIN_TURNS": 1,
-    "PATIENCE": 1e6,
-    "CHEAP": 0.0,
-    "BUDGET": 1e12,
-    "COLD_BUDGET": 1e12,
+    "GRAINS": 10**9,  # no scene is swept
+    "SWEEPS": 400,
+    "FEWEST": 1000,  # ADMM always has as many iterations
+    "MOST": 15,
+    "FACTOR": 1,
+    "PIVOTS": 30,
+    "CENTRES": 120,
     "ROUGH": -1.0,  # pivoting is not asked
+    "LAST": 120,
+    "OPERATIONS": 1e18,  # the interior point method has all its iterations on any structure
     "admm.OPEN": 1.0,  # R of open contacts as of those that stick
     "admm.SLIDES": 1.0,
     "interior.LEAVE": 1.0,  # the damped path is followed to the tolerance, that by its length to CLOSE
@@ -184,46 +174,24 @@ def switched(name: str, value: Any) -> Iterator[None]:
 @contextmanager
 def counted(spent: Spent) -> Iterator[None]:
     """``auto`` with all that it spends added up."""
-    methods, measure = auto.METHODS, auto.natural_map_error
+    methods = auto.METHODS
 
-    def count(method: int) -> SimpleNamespace:
+    def count(name: str) -> SimpleNamespace:
         def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
-            found = methods[method].solve(problem, options, start)
+            found = methods[name].solve(problem, options, start)
             begin = time.process_time()
-            spent.iterations[method] += found.iterations
-            spent.cost += _cost(problem, method, found)
+            spent.iterations[name] += found.iterations
+            spent.cost += cost_of(name, problem, found)
             spent.counting += time.process_time() - begin
             return found
 
         return SimpleNamespace(solve=solve)
 
-    def measured(problem: Problem, impulse: np.ndarray, **how: Any) -> float:
-        spent.measurements += 1
-        spent.cost += float(np.array(auto.ITERATION[auto.ADMM][:2]) @ [1.0, problem.contacts])
-        return measure(problem, impulse, **how)
-
-    auto.METHODS = tuple(count(method) for method in range(len(methods)))  # type: ignore[assignment]
-    auto.natural_map_error = measured  # type: ignore[assignment]
+    auto.METHODS = {name: count(name) for name in methods}  # type: ignore[misc]
     try:
         yield
     finally:
-        auto.METHODS, auto.natural_map_error = methods, measure
-
-
-def _cost(problem: Problem, method: int, found: Solution) -> float:
-    """Of a call [us]; an iteration of the interior point method is one of Newton's."""
-    if not found.iterations:
-        return 0.0
-    if method == auto.ACCELERATED:
-        return found.iterations * auto.SWEEP * auto.entries(problem)
-    if isinstance(problem, LocalProblem):
-        pattern = in_elimination_order(local_arrays(problem)[0])[1]
-    else:
-        memory = Memory.read(found.memory)
-        assert memory is not None
-        pattern = memory.pattern
-    work, kind = auto.work(problem, pattern), auto.ADMM if method == auto.ADMM else auto.NEWTON
-    return float((np.array(auto.CALL[kind]) + found.iterations * np.array(auto.ITERATION[kind])) @ work)
+        auto.METHODS = methods
 
 
 def measure(scene: Scene, factor: float = 1.0) -> Spent:
@@ -235,15 +203,12 @@ def measure(scene: Scene, factor: float = 1.0) -> Spent:
     return spent
 
 
-HEAD = (
-    "without", "scene", "ADMM", "Newton", "interior", "sweeps", "pivoting", "measured", "cost [ms]", "ratio",
-    "missed", "largest error", "CPU [s]", "ratio",
-)  # fmt: skip
+HEAD = ("without", "scene", *auto.METHODS, "cost [ms]", "ratio", "missed", "largest error", "CPU [s]", "ratio")
 
 
 def row(what: str, scene: str, found: Spent, usual: Spent) -> str:
     """A line of the table; errors are multiples of the tolerance."""
-    counts = (*found.iterations, found.measurements, f"{1e-3 * found.cost:.1f}", f"{found.cost / usual.cost:.2f}")
+    counts = (*found.iterations.values(), f"{1e-3 * found.cost:.1f}", f"{found.cost / usual.cost:.2f}")
     ends = (f"{found.missed} of {found.steps}", f"{found.error:.2g}", f"{found.seconds:.2f}", f"{found.seconds / usual.seconds:.2f}")
     return "| " + " | ".join(map(str, (what, scene, *counts, *ends))) + " |"
 
@@ -267,7 +232,7 @@ def main() -> None:
         with switched(constant, SWITCHED[constant]):
             for name, scene in chosen.items():
                 found = measure(scene)
-                if found.iterations != usual[name].iterations or found.measurements != usual[name].measurements:
+                if found.iterations != usual[name].iterations:
                     print(row(constant, name, found, usual[name]), flush=True)
 
 

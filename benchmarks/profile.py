@@ -39,7 +39,7 @@ from masonry_cd.mechanics.dynamics import moreau_jean
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.solvers import accelerated, admm, interior, newton, nlgs, pivoting
-from masonry_cd.mechanics.solvers.linearised_bodies import INTERIOR, PATH, PIVOTING, PROXIMAL
+from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, path_by_team, pivoting_by_team
 from masonry_cd.mechanics.solvers.nlgs_table import ScaledProblem
 
 SHAKEN = (  # strongly: a plane, and in space a church that slides and a larger one
@@ -49,10 +49,10 @@ SHAKEN = (  # strongly: a plane, and in space a church that slides and a larger 
 )
 PHASES = ("predict", "detect", "assemble", "solve", "update", "account")  # functions of moreau_jean.py
 NAMES = {
-    INTERIOR: "interior, damped path",
-    PATH: "interior, path by its length",
-    PROXIMAL: "interior, proximal points",
-    PIVOTING: "pivoting",
+    interior_by_team: "interior, damped path",
+    path_by_team: "interior, path by its length",
+    newton_by_team: "newton",
+    pivoting_by_team: "pivoting",
 }
 STEPS = head(
     *("scene", "blocks", "contacts", "steps", "ms per step: mean", "median", "90 %", "worst", "mean/median", "worst/median"),
@@ -154,9 +154,7 @@ def _watched(out: Profile) -> Iterator[None]:
     places: list[tuple[Any, str, Callable[..., Any]]] = [
         *((moreau_jean, name, phase(name, getattr(moreau_jean, name))) for name in PHASES),
         (admm, "run_by_team", method(admm.run_by_team, lambda *_: "admm")),
-        (newton, "linearised_bodies", method(newton.linearised_bodies, lambda *_: "newton")),
-        (interior, "linearised_bodies", method(interior.linearised_bodies, lambda kind, *_: NAMES[kind])),
-        (pivoting, "linearised_bodies", method(pivoting.linearised_bodies, lambda kind, *_: NAMES[kind])),
+        *((owner, "over_bodies", method(owner.over_bodies, lambda by_team, *_: NAMES[by_team])) for owner in (newton, interior, pivoting)),
         (nlgs, "nlgs_bodies", method(nlgs.nlgs_bodies, lambda *_: "nlgs")),
         (accelerated, "run_by_team", method(accelerated.run_by_team, lambda *_: "accelerated")),
     ]

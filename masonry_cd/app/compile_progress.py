@@ -18,7 +18,14 @@ from masonry_cd.foundation.quantities import in_words
 
 EVERY = 0.5  # between two looks into the folder [s]
 DOUBT = 3.0  # after which kernels are being compiled, though some were there [s]
-WEIGHTS = {"linearised_by_team": 15.0, "admm_bodies": 12.0, "update_pairs": 2.0}  # times as long as others these take to compile
+WEIGHTS = {
+    "admm_bodies": 12.0,
+    "pivoting_by_team": 10.0,
+    "newton_by_team": 5.0,
+    "interior_by_team": 4.0,
+    "path_by_team": 3.0,
+    "update_pairs": 2.0,
+}  # times as long as others these take to compile
 
 
 @contextmanager

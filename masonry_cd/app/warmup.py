@@ -6,9 +6,9 @@ kept as a list: as long as they are all there nothing needs to be done, and a ru
 
 ``python -m masonry_cd.app.warmup`` does so for a plane and for space with ``auto``, so that no first run has to (``make setup``).
 
-numba compiles one thing at a time. Where there are two cores, a second process therefore compiles the largest kernel, and before it some
-that the first one needs late, while this one runs the cubes with ADMM; each finds in the store what the other one has made. If the second
-process fails, all is compiled here.
+numba compiles one thing at a time. Where there are two cores, a second process therefore compiles the methods that linearise the law, and
+before them some that the first one needs late, while this one runs the cubes with ADMM; each finds in the store what the other one has
+made. If the second process fails, all is compiled here.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 from masonry_cd.mechanics.model.joints import touching_places
 from masonry_cd.mechanics.model.materials import JointLaw
 from masonry_cd.mechanics.model.state import State
-from masonry_cd.mechanics.solvers import SOLVERS, Options, cores, interior
+from masonry_cd.mechanics.solvers import SOLVERS, Options, cores, interior, newton, pivoting
 from masonry_cd.mechanics.solvers.condensed import is_condensed
 
 STEPS, STEP = 6, 1e-3  # [s]
@@ -54,7 +54,7 @@ BALLS = "balls"  # group of the sphere, which is rigid where blocks deform
 COARSE = 10.0  # of elements [m]: as few of them as a cube can have
 PATIENCE = 60.0  # to wait for the second process, beyond twice what this one took for its share [s]
 COLLECT = (100_000, 20, 20)  # objects made between two looks for garbage among the new ones, and such looks before one among older ones
-BY_FACTORS = ("auto", "newton", "interior", "pivoting")  # solvers that come to the largest kernel
+BY_FACTORS = ("auto", "newton", "interior", "pivoting")  # solvers that linearise the law
 
 # What there is to compile, by solver and whether in a plane: kernels, and seconds of a processor.
 KERNELS = {("auto", True): (34, 120.0), ("auto", False): (34, 110.0), ("nlgs", True): (25, 45.0), ("nlgs", False): (25, 50.0)}
@@ -182,7 +182,7 @@ def _rows_and_solved_unknowns(planar: bool, strained: int) -> tuple[int, int]:
 
 @contextmanager
 def second_process(kind: SceneKind) -> Iterator[subprocess.Popen[bytes] | None]:
-    """Compile the largest kernel in a process of its own meanwhile, and in the end wait for it. It ends with this one at the latest."""
+    """Compile what linearises the law in a process of its own meanwhile; wait for it at the end; it ends with this one at the latest."""
     begin = time.monotonic()
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     call = f"from masonry_cd.app import warmup; warmup.be_second_process({kind.planar}, {kind.strained})"
@@ -204,7 +204,7 @@ def second_process(kind: SceneKind) -> Iterator[subprocess.Popen[bytes] | None]:
 
 
 def be_second_process(planar: bool, strained: int) -> None:
-    """Compile the largest kernel; leave when the input ends, which happens when the first process does, in whatever way."""
+    """Compile these kernels; leave when the input ends, which happens when the first process does, in whatever way."""
     threading.Thread(target=_leave_at_end_of_input, daemon=True).start()
     gc.set_threshold(*COLLECT)
     compile_share(planar, strained)
@@ -216,7 +216,7 @@ def _leave_at_end_of_input() -> None:
 
 
 def compile_share(planar: bool, strained: int = 0) -> None:
-    """Have the kernels that measure errors compiled, then the largest one, by an iteration on a block that falls onto a support."""
+    """Have the kernels that measure errors compiled, then those that linearise the law, on a block that falls onto a support."""
     m, n = _rows_and_solved_unknowns(planar, strained)
     jacobian = np.zeros((1, 2, m, n))
     jacobian[0, 0, :, :m] = np.eye(m)
@@ -224,7 +224,8 @@ def compile_share(planar: bool, strained: int = 0) -> None:
     problem = FrictionProblem(np.eye(n)[None], body - 1.0, np.array([[0, -1]]), jacobian, contact, np.full(1, 0.5), contact)
     natural_map_error(problem, contact)
     errors_by_group(problem.arrays(), contact, np.zeros(1, dtype=np.int64), 1)
-    interior.solve(problem, Options(tolerance=1e-300, max_iterations=1))
+    for method in (*((pivoting,) if planar else ()), newton, interior):
+        method.solve(problem, Options(tolerance=1e-300))
 
 
 if __name__ == "__main__":

@@ -53,7 +53,7 @@ def test_a_terminal_gets_a_bar(store, monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     stream = Terminal()
     with shown(41, 66.0, "", stream):
-        _compile("package.linearised_by_team")
+        _compile("package.admm_bodies")
         _wait_for("1 of 41 kernels", stream)
     assert "41 of 41 kernels" in stream.getvalue()
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks import costs, element_kinds, memory, memory_per_contact, parts, peers, problem_files, rocking, scaling
+from benchmarks import element_kinds, memory, memory_per_contact, parts, peers, problem_files, rocking, scaling
 from benchmarks.counters import Counters
 from benchmarks.lmgc90_error import judge
 from benchmarks.ours import measure, stepper
@@ -195,27 +194,6 @@ def test_ours_rocks_as_housner_does():
     assert late < 2e-3
     assert low < 5e-3
     assert rms < 0.01 * rocking.ALPHA
-
-
-# --- costs of the solvers ---------------------------------------------------------------------------------------------------------
-
-
-def test_costs_count_the_work_of_the_iterations():
-    out = costs.measure(tower(3), "newton", True, 5, repeats=1)
-    one = np.array([1, 6, 6 * 2 * 3])  # itself; two contacts per joint, in a plane; entries
-    assert out.calls == 4
-    assert out.iterations > 0
-    assert out.work[:4] == pytest.approx([*4 * one, 0])
-    assert out.work[4:7] == pytest.approx(out.iterations * one)
-
-
-def test_costs_finds_the_weights_again():
-    random, weights = np.random.default_rng(0), np.array([40.0, 2.0, 0.0, 0.5, 3.0, 0.0, 0.2, 1e-3])
-    made = [costs.Calls("", True, "", 0.0, 10, 50, random.uniform(1.0, 1000.0, 8)) for _ in range(12)]
-    made = [replace(each, microseconds=float(each.work @ weights)) for each in made]
-    found, ratio = costs.fit(made)
-    assert found == pytest.approx(weights, abs=1e-9)
-    assert ratio == pytest.approx(1.0)
 
 
 # --- tables -----------------------------------------------------------------------------------------------------------------------

@@ -32,6 +32,7 @@ from masonry_cd.foundation.arrays import Stored
 from masonry_cd.foundation.jit import borrower, entry
 from masonry_cd.mechanics.friction.law_terms import errors_by_group
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
+from masonry_cd.mechanics.friction.solver_state import SolverState
 from masonry_cd.mechanics.solvers import Options, Solver
 from masonry_cd.mechanics.solvers.memory_checks import check_memory
 
@@ -39,8 +40,8 @@ REVIEW = 20  # steps
 EASY = 40  # iterations
 FULL = 400  # contacts
 FORCES, IMPACTS = "forces", "impacts"
+EMPTY = SolverState()
 HARD = 2  # kind of an island; of others whether they are at rest
-LEARNT = "_tally"  # ends the names of what a solver learnt about its parameters; it outlives a change of the island
 
 
 class _Groups(NamedTuple):
@@ -67,7 +68,7 @@ class Islands:
         self._several = apart and bodies > 1  # whether there are several groups
         self._hard = np.zeros(bodies, dtype=np.bool_)  # by first block: took more than EASY iterations since the last review
         self._asleep = np.zeros(bodies, dtype=np.bool_)  # by first block: the impulses of the step before did
-        self._memory: dict[str, dict[int, dict[str, np.ndarray]]] = {FORCES: {}, IMPACTS: {}}  # of the solver, by first block
+        self._memory: dict[str, dict[int, SolverState]] = {FORCES: {}, IMPACTS: {}}  # of the solver, by first block
         self.count = 0  # islands at the last review
         self.sleeping = 0.0  # share of all blocks whose group was not solved in the last problem
 
@@ -87,9 +88,9 @@ class Islands:
         for first in np.flatnonzero(_changed(before, self._root)).tolist():
             self._asleep[first] = False
             for memory in self._memory.values():
-                old = memory.pop(first, {})
-                if self._root[first] == first:
-                    memory[first] = {name: array for name, array in old.items() if name.endswith(LEARNT)}
+                old = memory.pop(first, None)
+                if old is not None and self._root[first] == first:
+                    memory[first] = old.that_outlives()
 
     def _review(self, problem: FrictionProblem, impulse: np.ndarray, tolerance: float, hard: np.ndarray) -> None:
         """Gather the islands into groups; ``hard`` (B,) is by block."""
@@ -131,7 +132,7 @@ class Islands:
     def _solve_whole(self, problem: FrictionProblem, options: Options, start: Solution, kind: str) -> Solution:
         """Solve all blocks together."""
         memory = self._memory[kind]
-        out = self.solver(problem, options, Solution(start.impulse, start.velocity, 0, memory=memory.get(0, {})))
+        out = self.solver(problem, options, Solution(start.impulse, start.velocity, 0, memory=memory.get(0, EMPTY)))
         memory[0] = out.memory
         self._hard[0] |= out.iterations > EASY
         if kind == FORCES:
@@ -152,7 +153,7 @@ class Islands:
             place[members] = np.arange(len(members))
             name = int(first[i])
             velocity = None if start.velocity is None else start.velocity[members]
-            begin = Solution(impulse[own], velocity, 0, memory=memory.get(name, {}))
+            begin = Solution(impulse[own], velocity, 0, memory=memory.get(name, EMPTY))
             own_tolerance = float(groups.tolerance[i])
             accept = options.accept * own_tolerance / options.tolerance
             to_do = replace(options, tolerance=own_tolerance, accept=accept)
@@ -172,7 +173,7 @@ class Islands:
         arrays = {"root": self._root, "hard": self._hard, "asleep": self._asleep, "counts": np.array([self._age, self.count])}
         for kind, memory in self._memory.items():
             for first, own in memory.items():
-                arrays |= {f"{kind} {first} {name}": array for name, array in own.items()}
+                arrays |= {f"{kind} {first} {name}": array for name, array in own.arrays().items()}
         return arrays
 
     def check(self, stored: Stored, unknowns: int) -> None:
@@ -202,11 +203,14 @@ class Islands:
         self._root, self._hard, self._asleep = arrays["root"], arrays["hard"], arrays["asleep"]
         self._several = bool(self._root.any())
         self._age, self.count = arrays["counts"].tolist()
-        self._memory = {FORCES: {}, IMPACTS: {}}
+        groups: dict[tuple[str, int], dict[str, np.ndarray]] = {}
         for key, array in arrays.items():
             if " " in key:
                 kind, first, name = key.split(" ")
-                self._memory[kind].setdefault(int(first), {})[name] = array
+                groups.setdefault((kind, int(first)), {})[name] = array
+        self._memory = {FORCES: {}, IMPACTS: {}}
+        for (kind, block), own in groups.items():
+            self._memory[kind][block] = SolverState.read(own)
 
 
 def compile_kernels() -> None:

@@ -54,7 +54,7 @@ class Run(Table):
     tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-8
     """Natural map error that each step has to reach."""
     accept: Annotated[Number, Field(gt=0, lt=1)] | None = None
-    """Natural map error at which a step may be left that would cost far more than others; ten times the tolerance when not given."""
+    """Natural map error with which a step of packed grains may be left, and above which no step is accepted; left out: ten tolerances."""
     max_iterations: Annotated[Count, Field(ge=1, le=MOST_ITERATIONS)] | None = None
     """Iterations of each island after which a step counts as missed; the solver's own limit when not given."""
     seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0

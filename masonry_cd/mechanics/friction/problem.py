@@ -32,6 +32,7 @@ import numpy as np
 from masonry_cd.mechanics.friction.law_terms import allocate_terms, error_bodies, error_by_team
 from masonry_cd.mechanics.friction.natural_map import natural_map_norms
 from masonry_cd.mechanics.friction.operators import ProblemArrays, new_velocity
+from masonry_cd.mechanics.friction.solver_state import SolverState
 from masonry_cd.mechanics.linalg.small_blocks import EPSILON, FULL, size_of_blocks, size_tuple
 from masonry_cd.mechanics.linalg.threads import run_by_team
 
@@ -230,7 +231,7 @@ class Solution:
     velocity: np.ndarray | None  # (B, n) v; None for a local problem
     iterations: int
     reason: str = ""  # why it stopped or which solver was picked, for the results
-    memory: dict[str, np.ndarray] = field(default_factory=dict)  # what the same solver may start from next time
+    memory: SolverState = field(default_factory=SolverState)  # what the same solver may start from next time
     error: float | None = None  # :func:`natural_map_error`, where it had to be asked on the way
 
 

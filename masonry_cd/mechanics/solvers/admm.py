@@ -55,9 +55,7 @@ in the step before.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import inf
-from operator import itemgetter
+from dataclasses import replace
 
 import numpy as np
 
@@ -65,7 +63,8 @@ from masonry_cd.mechanics.friction.joint_twists import size_of_twist
 from masonry_cd.mechanics.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem, Solution, first_impulse
-from masonry_cd.mechanics.linalg.ordering import FIELDS, Pattern
+from masonry_cd.mechanics.friction.solver_state import Factors, Learnt, SolverState
+from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.threads import run_by_team
 from masonry_cd.mechanics.solvers.admm_kernels import admm_bodies
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, allocate_workspace
@@ -74,102 +73,34 @@ from masonry_cd.mechanics.solvers.local_kernels import admm_local
 from masonry_cd.mechanics.solvers.options import Options
 
 LIMIT = 2000  # iterations
-FIRST_K = 1e4
-FIRST_STIFFNESS = 1e3  # K of Newton, see newton.py
 LOCAL_K = 1e3  # of local problems, which are solved once
 OPEN, SLIDES = 0.1, 0.3  # shares of R of contacts that do not stick, where much slides
 PROBE = 40  # steps between two trials of a neighbouring k
 BESIDE = 3.0  # factor between neighbouring k
 BETTER = 0.8  # share of the mean iterations below which a trial wins
 SLOWER, MORE = 1.3, 3.0  # times the iterations with new factors, and so many more: then factors are out of date
-NAMES = tuple(f"admm_{name}" for name in (*FIELDS, "bodies", "squares", "panels", "rho", "tally"))  # in the memory of a solution
-_look_up = itemgetter(*NAMES)
 
 
-@dataclass(slots=True)
-class Tally:
-    """What is learnt from step to step about the stiffness of ADMM and of Newton."""
-
-    k: float = FIRST_K  # that did best
-    stale: bool = True  # whether the next step is to factorise anew
-    fresh_iterations: float = 0.0  # of the last step with new factors
-    steps: int = 0
-    mean_iterations: float = 0.0  # of a step at this k
-    newton_stiffness: float = FIRST_STIFFNESS  # K with which Newton begins
-    rate: float = 1.0  # error over the change of p in the last iteration that was measured; 1: none was
-    newton_iterations: float = inf  # of Newton's last solve, with a minus while its K falls
-
-    @classmethod
-    def read(cls, array: np.ndarray) -> Tally:
-        """A tally from what :meth:`array` gave."""
-        k, stale, fresh_iterations, steps, *others = array.tolist()
-        return cls(k, bool(stale), fresh_iterations, int(steps), *others)
-
-    def array(self) -> np.ndarray:
-        """The numbers (8,) for a checkpoint."""
-        learnt = (self.k, self.stale, self.fresh_iterations, self.steps, self.mean_iterations)
-        return np.array((*learnt, self.newton_stiffness, self.rate, self.newton_iterations), dtype=float)
-
-    def next_k(self) -> float:
-        """The k of the next step: the best so far, and now and then one beside it."""
-        if self.steps % PROBE == PROBE - 1:
-            return self.k * (BESIDE if self.steps // PROBE % 2 else 1.0 / BESIDE)
-        return self.k
-
-    def learn(self, k: float, k_end: float, iterations: int, factorisations: int) -> None:
-        """Take a step into account that began with k and ended with k_end."""
-        self.steps += 1
-        if k_end != k:  # it had to change on the way
-            self.k, self.stale, self.mean_iterations = k_end, True, 0.0
-            return
-        if k != self.k:  # a trial
-            if iterations >= BETTER * self.mean_iterations:
-                self.stale = True
-                return
-            self.k, self.mean_iterations = k, float(iterations)
-        if factorisations:
-            self.fresh_iterations = float(iterations)
-        self.mean_iterations = 0.8 * self.mean_iterations + 0.2 * iterations if self.mean_iterations else float(iterations)
-        self.stale = iterations > SLOWER * self.fresh_iterations + MORE
+def next_k(learnt: Learnt) -> float:
+    """The k of the next step: the best so far, and now and then one beside it."""
+    if learnt.steps % PROBE == PROBE - 1:
+        return learnt.k * (BESIDE if learnt.steps // PROBE % 2 else 1.0 / BESIDE)
+    return learnt.k
 
 
-@dataclass(eq=False)
-class Memory:
-    """What the next step can use: the symbolic analysis, the factors, and the k that did best.
-
-    It travels in ``Solution.memory`` as a dict of arrays, so that a checkpoint can hold it; the factors in it are overwritten by the next
-    step.
-    """
-
-    pattern: Pattern
-    bodies: np.ndarray  # (C, 2) of the contacts of the factors
-    squares: np.ndarray  # of D^-1, flat, in single precision
-    panels: np.ndarray  # of L, flat, in single precision
-    rho: np.ndarray  # (C,) R, subtree by subtree
-    tally: Tally
-
-    @classmethod
-    def empty(cls, pattern: Pattern, bodies: np.ndarray, n: int, tally: Tally) -> Memory:
-        """Memory for the factors of a pattern; nothing is factorised yet."""
-        tally.stale = True
-        squares, panels = (
-            np.empty(n * n * int(starts[-1]), dtype=np.float32) for starts in (pattern.symbolic.square, pattern.symbolic.panel)
-        )
-        return cls(pattern, bodies, squares, panels, np.empty(len(bodies)), tally)
-
-    @classmethod
-    def read(cls, arrays: dict[str, np.ndarray]) -> Memory | None:
-        """The memory in a solution, None if there is none."""
-        if "admm_order" not in arrays:
-            return None
-        values = _look_up(arrays)
-        bodies, squares, panels, rho, tally = values[len(FIELDS) :]
-        return cls(Pattern.read(values[: len(FIELDS)]), bodies, squares, panels, rho, Tally.read(tally))
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """The memory for a solution."""
-        own = (self.bodies, self.squares, self.panels, self.rho, self.tally.array())
-        return dict(zip(NAMES, self.pattern.arrays() + own, strict=True))
+def learn(learnt: Learnt, k: float, k_end: float, iterations: int, factorisations: int) -> Learnt:
+    """What is learnt from a step that began with k and ended with k_end."""
+    steps, best, mean, fresh = learnt.steps + 1, learnt.k, learnt.mean_iterations, learnt.fresh_iterations
+    if k_end != k:  # it had to change on the way
+        return replace(learnt, steps=steps, k=k_end, stale=True, mean_iterations=0.0)
+    if k != best:  # a trial
+        if iterations >= BETTER * mean:
+            return replace(learnt, steps=steps, stale=True)
+        best, mean = k, float(iterations)
+    fresh = float(iterations) if factorisations else fresh
+    mean = 0.8 * mean + 0.2 * iterations if mean else float(iterations)
+    stale = iterations > SLOWER * fresh + MORE
+    return replace(learnt, steps=steps, k=best, stale=stale, fresh_iterations=fresh, mean_iterations=mean)
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -192,49 +123,41 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     given = problem.arrays()
     moving = start is not None and start.velocity is not None
     velocity = start.velocity.copy() if start is not None and start.velocity is not None else np.empty(problem.v_free.shape)
-    memory, index, block = recall(given, start)
-    pattern, tally, k = memory.pattern, memory.tally, memory.tally.next_k()
-    settings = AdmmSettings(k, (OPEN, SLIDES), tally.stale or k != tally.k, moving, tally.rate, options.tolerance, limit)
+    state, factors, index, block = recall(given, start)
+    pattern, learnt, k = factors.pattern, state.learnt, next_k(state.learnt)
+    settings = AdmmSettings(k, (OPEN, SLIDES), learnt.stale or k != learnt.k, moving, learnt.rate, options.tolerance, limit)
     partition = partition_contacts(given, index, block, pattern.symbolic, size_of_twist(given.jacobian, given.bodies))
-    work = allocate_workspace(given, pattern, partition, (memory.squares, memory.panels, memory.rho))
+    work = allocate_workspace(given, pattern, partition, (factors.squares, factors.panels, factors.rho))
     threads = min(options.threads, int(pattern.symbolic.level[1]))  # as many as there are subtrees at first, at most
-    iterations, error, k_end, factorisations, tally.rate = run_by_team(
+    iterations, error, k_end, factorisations, rate = run_by_team(
         admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity
     )
-    tally.learn(k, k_end, iterations, factorisations)
-    return Solution(impulse, velocity, iterations, _reason(error, options, iterations < limit), memory.arrays())
+    state = replace(state, learnt=learn(replace(learnt, rate=rate), k, k_end, iterations, factorisations))
+    return Solution(impulse, velocity, iterations, _reason(error, options, iterations < limit), state)
 
 
-def recall(given: ProblemArrays, start: Solution | None) -> tuple[Memory, np.ndarray, np.ndarray]:
-    """The memory of the last step as far as it still fits, and the places (C, 2) and coupling blocks (C,) of the contacts."""
-    bodies, (count, n) = given.bodies, given.v_free.shape
-    memory = Memory.read(start.memory) if start is not None else None
-    if memory is not None and len(memory.squares) != n * n * int(memory.pattern.symbolic.square[-1]):  # other unknowns
-        memory = Memory.empty(memory.pattern, memory.bodies, n, memory.tally)
-    if memory is None or memory.pattern.nodes != count:  # other bodies; the tally may outlive them
-        learnt = start.memory.get("admm_tally") if start is not None else None
-        memory = Memory.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1]), bodies, n, Tally() if learnt is None else Tally.read(learnt))
-    found = memory.pattern.locate(bodies, memory.bodies)
+def recall(given: ProblemArrays, start: Solution | None) -> tuple[SolverState, Factors, np.ndarray, np.ndarray]:
+    """The state of the last step as far as it still fits, its factors, and the places (C, 2) and coupling blocks (C,) of the contacts."""
+    state, bodies, (count, n) = SolverState() if start is None else start.memory, given.bodies, given.v_free.shape
+    factors, stale = state.factors, state.learnt.stale
+    if factors is None or factors.pattern.nodes != count:  # other bodies
+        factors, stale = Factors.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1]), bodies, n), True
+    elif len(factors.squares) != n * n * int(factors.pattern.symbolic.square[-1]):  # other unknowns
+        factors, stale = Factors.empty(factors.pattern, factors.bodies, n), True
+    found = factors.pattern.locate(bodies, factors.bodies)
     if found is None:  # a new pair of bodies: those that were in touch may be again
-        pattern = Pattern.of(count, bodies[:, 0], bodies[:, 1], memory.pattern.pairs)
-        memory = Memory.empty(pattern, bodies, n, memory.tally)
-        found = pattern.locate(bodies, bodies)
+        factors = Factors.empty(Pattern.of(count, bodies[:, 0], bodies[:, 1], factors.pattern.pairs), bodies, n)
+        found = factors.pattern.locate(bodies, bodies)
         assert found is not None
+        stale = True
     index, block, same = found
     if not same:
-        memory.bodies, memory.rho = bodies.copy(), np.empty(len(bodies))
-        memory.tally.stale = True
-    memory.pattern = memory.pattern.with_width(given.width)
-    return memory, index, block
-
-
-def with_stale_factors(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """What :meth:`Memory.arrays` gave, for a problem in other unknowns: the next step is to factorise anew."""
-    if NAMES[-1] not in arrays:
-        return arrays
-    tally = Tally.read(arrays[NAMES[-1]])
-    tally.stale = True
-    return arrays | {NAMES[-1]: tally.array()}
+        factors, stale = replace(factors, bodies=bodies.copy(), rho=np.empty(len(bodies))), True
+    if len(given.width):
+        factors = replace(factors, pattern=factors.pattern.with_width(given.width))
+    if factors is not state.factors or stale != state.learnt.stale:
+        state = replace(state, factors=factors, learnt=replace(state.learnt, stale=stale))
+    return state, factors, index, block
 
 
 def _reason(error: float, options: Options, given_up: bool = False) -> str:

@@ -6,6 +6,7 @@ its unknowns: factors of other ones are forgotten.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +17,6 @@ from masonry_cd.mechanics.solvers.options import Options
 
 if TYPE_CHECKING:
     from masonry_cd.mechanics.solvers import Solver
-
-KEPT, UNKNOWNS = "condensed_kept", "condensed_unknowns"  # in the memory: rows that add an unknown (2 C m,), and room for how many (1,)
 
 
 def in_condensed_unknowns(solver: Solver) -> Solver:
@@ -39,16 +38,15 @@ def is_condensed(unknowns: int) -> bool:
 def _solve(solver: Solver, problem: FrictionProblem, options: Options, start: Solution | None) -> Solution:
     """Solve the equivalent problem."""
     from masonry_cd.mechanics.friction.condensation import condense  # kernels, that rigid blocks have no use for
-    from masonry_cd.mechanics.solvers.admm import with_stale_factors
 
     equivalent, velocity, rows = condense(problem, None if start is None else start.velocity)
     kept, unknowns = rows.ravel(), velocity.shape[1]
     begin = None
     if start is not None:
-        memory = start.memory
-        if not np.array_equal(memory.get(KEPT, ()), kept):
-            memory = with_stale_factors(memory)
-        begin = Solution(start.impulse, None if start.velocity is None else velocity, 0, memory=memory)
+        state = start.memory
+        if not np.array_equal(state.kept if state.kept is not None else (), kept):
+            state = replace(state, learnt=replace(state.learnt, stale=True))
+        begin = Solution(start.impulse, None if start.velocity is None else velocity, 0, memory=state)
     found = solver(equivalent, options, begin)
-    memory = found.memory | {KEPT: kept, UNKNOWNS: np.array([unknowns])}
-    return Solution(found.impulse, None, found.iterations, found.reason, memory, found.error)
+    state = replace(found.memory, kept=kept, unknowns=unknowns)
+    return Solution(found.impulse, None, found.iterations, found.reason, state, found.error)

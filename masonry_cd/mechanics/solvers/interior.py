@@ -1,4 +1,4 @@
-r"""Interior point and proximal points: the method for structures that slide or rock as a whole.
+r"""Interior point and the path by its length: what ends the hardest steps of structures that slide or rock as a whole.
 
 **What is hard there.** Where friction couples normal and tangential impulses, without symmetry, the piecewise smooth equations of a step
 have pieces whose Jacobian has a negative determinant. Every path that leads to a solution by making some error or parameter smaller, be it
@@ -29,15 +29,7 @@ longer steps the point wanders between them, and which it takes hangs on roundin
 stalls at 1e-2. Paths from starts farther away are others, with folds elsewhere. Of walls thrown apart at random (mu 0.8 to 2.5),
 tests/mechanics/solvers/test_interior.py counts how many end below 1e-8: nine of ten at least.
 
-**Proximal points** finish (Rockafellar, SIAM J. Control Optim. 14, 1976), from some hundred times the tolerance mostly in ten to twenty
-iterations: p+ solves the problem with springs that are at rest in p,
-
-    p+ = P(p - K / d (H v + b + C p+)),     P: p_n = max(0, x_n), p_t = projection of x_t onto the disc of radius mu p_n,
-
-in v alone, M (v - v_free) = H^T p+, by semismooth Newton steps. A step that brings no progress goes to the first kink on its way, where one
-contact changes its status, as in pivoting methods (Ralph, Math. Oper. Res. 19, 1994): exact in a plane, where all pieces are linear. What
-cannot be solved so in 25 steps is tried with softer springs. Where ``newton`` moves its centre with every step, this one moves it when the
-springs' problem is solved, and counts velocities from that of the centre, which spares rounding.
+**Proximal points** finish, see newton.py: from some hundred times the tolerance they mostly take ten to twenty iterations.
 
 A local problem is solved in the same way in the impulses, u = W p + q, after scaling it so that all d = 1, but without the path by its
 length: the damped path begins at its distances in turn.
@@ -52,15 +44,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from masonry_cd.mechanics.friction.local_blocks import in_elimination_order, local_arrays
+from masonry_cd.foundation.jit import Entry
 from masonry_cd.mechanics.friction.local_operators import LocalArrays
 from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, Solution
 from masonry_cd.mechanics.linalg.small_blocks import size_tuple
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.solvers import admm, nlgs
 from masonry_cd.mechanics.solvers.linearised import Settings, elimination_of
-from masonry_cd.mechanics.solvers.linearised_bodies import INTERIOR, PATH, PROXIMAL, linearised_bodies
-from masonry_cd.mechanics.solvers.linearised_local import interior_local, proximal_local
+from masonry_cd.mechanics.solvers.linearised_bodies import interior_by_team, newton_by_team, over_bodies, path_by_team
+from masonry_cd.mechanics.solvers.linearised_local import interior_local, newton_local, scaled_local
 from masonry_cd.mechanics.solvers.options import Options
 
 DISTANCES = (1e-2, 1e-1, 1e-3)  # of the start from the walls of the cones, if there are impulses to start from
@@ -73,6 +65,8 @@ RIGID = 1e8  # K of the other
 WIDE = 0.5  # how far products may be off the path, relative to those on it: much more, and it takes other branches for its own
 LEAVE = 100.0  # times the tolerance: where both paths are left, as proximal points finish sooner; at an error of FAR_OFF at most,
 FAR_OFF, CLOSE = 1e-3, 1e-4  # and that by its length of CLOSE at least
+FIRST = 2 * TURN  # factorisations of the first start, and of all:
+MOST = FIRST * (len(DISTANCES) + 1) + (FOLLOW + TURN) * len(FARTHER) + FINISH - TURN
 Method = Callable[[np.ndarray, float, int], tuple[int, float]]  # improves impulses (C, m) from a distance: iterations, error
 LocalKernel = Callable[[LocalArrays, SymbolicFactor, Settings, np.ndarray], tuple[int, float]]
 Try = tuple[np.ndarray, float, tuple[tuple[Method, int], ...]]  # impulses to start from, distance, and methods with limits of iterations
@@ -91,44 +85,39 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     if isinstance(problem, LocalProblem):
         return _solve_local(problem, options, start)
     arrays, (bodies, n), m = problem.arrays(), problem.v_free.shape, problem.dimension
-    memory, index, block = admm.recall(arrays, start)
-    elimination = elimination_of(arrays, memory.pattern, index, block)
+    state, factors, index, block = admm.recall(arrays, start)
+    elimination = elimination_of(arrays, factors.pattern, index, block)
     velocity = np.empty((bodies, n))
 
-    def method(kind: int, stiffness: float, tolerance: float) -> Method:
+    def method(by_team: Entry, stiffness: float, tolerance: float) -> Method:
         def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
             settings = Settings(distance, stiffness, WIDE, tolerance, allowed, size_tuple(m + 1))
-            iterations, error, _, _ = linearised_bodies(kind, arrays, elimination, settings, impulse, velocity, options.threads)
-            return iterations, error
+            return over_bodies(by_team, arrays, elimination, settings, impulse, velocity, options.threads)
 
         return improve
 
-    proximal, near = method(PROXIMAL, STIFFNESS, options.tolerance), _near(options.tolerance)
-    damped, path = (method(INTERIOR, STIFFNESS, near), TURN), (method(PATH, RIGID, max(near, CLOSE)), FOLLOW)
+    proximal, near = method(newton_by_team, STIFFNESS, options.tolerance), _near(options.tolerance)
+    damped, path = (method(interior_by_team, STIFFNESS, near), TURN), (method(path_by_team, RIGID, max(near, CLOSE)), FOLLOW)
     nothing = np.zeros((problem.contacts, m))
     first, *others = _starts(nothing if start is None else start.impulse, (damped, (proximal, TURN)))
     paths: list[Try] = [(nothing, distance, (path, (proximal, FINISH if distance == FAR else TURN))) for distance in FARTHER]
     best, iterations, error = _search([first, paths[0], *others, *paths[1:]], options)
-    return Solution(best, problem.body_velocity(best), iterations, _reason(error, options), memory.arrays())
+    return Solution(best, problem.body_velocity(best), iterations, _reason(error, options), state)
 
 
 def _solve_local(problem: LocalProblem, options: Options, start: Solution | None) -> Solution:
     """Both methods in the impulses, with W scaled to unit diagonal blocks in the mean: a centre is the same for all contacts then."""
-    given, _ = local_arrays(problem)
-    ordered, pattern = in_elimination_order(given)
-    m, root, row = problem.dimension, np.sqrt(problem.scales())[:, None], np.repeat(np.arange(problem.contacts), np.diff(given.indptr))
-    scaled = given.data / (root[row] * root[given.indices])[:, :, None]
-    arrays = ordered._replace(data=scaled, q=problem.q / root, d=np.ones(problem.contacts))
+    (arrays, symbolic, root), m = scaled_local(problem), problem.dimension
 
     def method(kernel: LocalKernel, tolerance: float) -> Method:
         def improve(impulse: np.ndarray, distance: float, allowed: int) -> tuple[int, float]:
             settings = Settings(distance, STIFFNESS, WIDE, tolerance, allowed, size_tuple(m + 1))
-            return kernel(arrays, pattern.symbolic, settings, impulse)
+            return kernel(arrays, symbolic, settings, impulse)
 
         return improve
 
     begin = np.zeros((problem.contacts, m)) if start is None else start.impulse * root
-    damped, proximal = method(interior_local, _near(options.tolerance)), method(proximal_local, options.tolerance)
+    damped, proximal = method(interior_local, _near(options.tolerance)), method(newton_local, options.tolerance)
     methods = ((damped, TURN), (proximal, TURN))
     farther: list[Try] = [(np.zeros_like(begin), distance, methods) for distance in FARTHER[1:]]
     best, iterations, error = _search([*_starts(begin, methods), *farther], options)
@@ -157,14 +146,9 @@ def _search(tries: list[Try], options: Options) -> tuple[np.ndarray, int, float]
             iterations += spent
             if reached < error:
                 best, error = impulse.copy(), reached
-            if error <= options.tolerance or iterations >= limit or (error <= options.accept and iterations >= options.enough):
+            if error <= options.tolerance or iterations >= limit:
                 return best, iterations, error
     return best, iterations, error
-
-
-def affordable(iterations: float) -> int:
-    """A limit of iterations not far above a number of them: the first start at least, all starts at most."""
-    return int(min(max(iterations, 2 * TURN), 2 * TURN * (len(DISTANCES) + 1) + (FOLLOW + TURN) * len(FARTHER) + FINISH - TURN))
 
 
 def _reason(error: float, options: Options) -> str:

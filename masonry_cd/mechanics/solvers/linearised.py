@@ -49,8 +49,6 @@ class Settings(NamedTuple):
     tolerance: float  # natural map error at which to stop
     limit: int  # iterations, one factorisation each
     k: tuple[int, ...]  # m + 1 zeros: as many products as a contact has
-    accept: float = 0.0  # natural map error that will do
-    enough: int = 0  # after so many iterations
 
 
 class Answer(NamedTuple):

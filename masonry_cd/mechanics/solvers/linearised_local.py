@@ -1,8 +1,8 @@
-"""Newton, the interior point method and proximal points for problems given by W alone.
+"""The methods that linearise the law, for problems given by W alone: Newton and the interior point method.
 
 In the impulses instead of the velocities of bodies: the matrix that all of them factorise is I + S W, S one block per contact; see
-linearised.py for what they share with those over bodies. For interior and proximal points the problems come scaled, so that trace(W_cc) =
-m; then the centring treats all contacts alike.
+linearised.py for what they share with those over bodies. The problems come scaled, so that trace(W_cc) = m: a centre, and the centring,
+then treat all contacts alike.
 """
 
 from __future__ import annotations
@@ -12,29 +12,22 @@ from typing import NamedTuple
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry, kernel
+from masonry_cd.mechanics.friction.local_blocks import in_elimination_order, local_arrays
 from masonry_cd.mechanics.friction.local_operators import LocalArrays, delassus_product, local_norm, place_blocks
+from masonry_cd.mechanics.friction.problem import LocalProblem
 from masonry_cd.mechanics.linalg.ldu import factorise_ldu
 from masonry_cd.mechanics.linalg.single_columns import UNSYMMETRIC
-from masonry_cd.mechanics.linalg.small_blocks import copy_flat, invert, multiply
+from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.linalg.threads import room_of_own
 from masonry_cd.mechanics.linalg.triangular import solve_ldu
 from masonry_cd.mechanics.solvers.central_path import finish_direction, start_direction
 from masonry_cd.mechanics.solvers.interior_kernels import allocate_interior, interior_point
 from masonry_cd.mechanics.solvers.linearised import Kind, Settings, allocate_work, first_answer
-from masonry_cd.mechanics.solvers.newton_kernels import LinearisedLaw, allocate_newton, linearise_law, newton
-from masonry_cd.mechanics.solvers.proximal_kernels import Patience, allocate_proximal, project_trial, proximal_points
+from masonry_cd.mechanics.solvers.newton_kernels import Patience, allocate_proximal, project_trial, proximal_points
 from masonry_cd.mechanics.solvers.shares import shares_of_one
 
 PATIENCE = Patience(iterations=60, failures=16)
-
-
-class ScaledRows(NamedTuple):
-    """Room for a matrix with rows scaled to unit diagonal blocks, T (I + B W), of Newton."""
-
-    own: np.ndarray  # (C, m, m) W_cc
-    unit: np.ndarray  # (C, m, m) T = (I + B W_cc)^-1 in the order of elimination
-    scale: np.ndarray  # (C, m, m) T B
 
 
 @borrower()
@@ -79,69 +72,6 @@ def divide(problem, work, x):
     for c in range(len(place)):
         for i in range(m):
             x[c, i] = right[place[c], i]
-
-
-# --- Newton -----------------------------------------------------------------------------------------------------------------------
-
-
-@kernel()
-def scale_rows(problem, rows, stiffness, p, u, right):
-    """The system (I + B W) (p+ - p) = g - p with its rows scaled to unit diagonal blocks: fill unit, scale and right = T (g - p).
-
-    The latter in the order of elimination. False if a T does not exist.
-    """
-    m, size, place = len(problem.m), problem.m, problem.place
-    law = LinearisedLaw(np.zeros((1, m)), np.zeros((1, m, m)), size)
-    work, inverse, room, regular = np.empty((m, m)), np.empty((m, m)), np.empty((m, m)), True
-    for c in range(len(p)):
-        p2, u2 = (p[c, 2], u[c, 2]) if m == 3 else (0.0, 0.0)
-        linearise_law((p[c, 0], p[c, 1], p2), (u[c, 0], u[c, 1], u2), problem.mu[c], problem.d[c], stiffness, law, 0)
-        multiply(law.block[0], rows.own[c], False, work, size)
-        for i in range(m):
-            work[i, i] += 1.0
-        regular = regular and invert(work, inverse, room, size) != 0.0
-        multiply(inverse, law.block[0], False, rows.scale[c], size)
-        for i in range(m):
-            total = 0.0
-            for j in range(m):
-                total += inverse[i, j] * (law.target[0, j] - p[c, j])
-                rows.unit[place[c], i, j] = inverse[i, j]
-            right[place[c], i] = total
-    return regular
-
-
-@kernel()
-def take_newton_step(shares, problem, work, rows, stiffness, p, u):
-    """Impulses p and velocities u <- those that solve the linearised problem, see newton.py; returns the norm of their natural map."""
-    matrix, factor, right, unit, m = work.matrix, work.factor, work.room, rows.unit, len(problem.m)
-    regular = scale_rows(problem, rows, stiffness, p, u, right)
-    place_blocks(problem, rows.scale, factor.symbolic, UNSYMMETRIC, matrix)
-    for i in range(len(p)):
-        for r in range(m):
-            for s in range(m):
-                matrix.diagonal[i, r, s] += unit[i, r, s]
-    if not regular or factorise_ldu(matrix, factor) == 0.0:
-        return np.inf
-    solve_ldu(factor, right)
-    for c in range(len(p)):
-        for i in range(m):
-            p[c, i] += right[problem.place[c], i]
-    return local_norm(problem, p, u)
-
-
-@entry()
-def newton_local(
-    problem: LocalArrays, own: np.ndarray, symbolic: SymbolicFactor, settings: Settings, p: np.ndarray
-) -> tuple[int, float, float]:
-    """Semismooth Newton over LocalArrays. p (C, m) holds the start and then the best answer.
-
-    Returns iterations, error, error at the start.
-    """
-    answer, rows = answer_of(problem, p), ScaledRows(own, np.empty(own.shape), np.empty(own.shape))
-    room, shares = room_of_own(), shares_of_one(len(p))
-    work, inside = allocate_work(room, symbolic, problem.m, p.shape, 0), allocate_newton(room, p.shape, p.shape)
-    iterations, begin, _ = newton(take_newton_step, shares, problem, work, rows, inside, answer, settings)
-    return iterations, answer.error[0], begin
 
 
 # --- interior point -----------------------------------------------------------------------------------------------------------------
@@ -251,8 +181,8 @@ def interior_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Set
 
 
 @entry()
-def proximal_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Settings, impulse: np.ndarray) -> tuple[int, float]:
-    """Proximal points over scaled LocalArrays. impulse holds the start and then the best answer found.
+def newton_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Settings, impulse: np.ndarray) -> tuple[int, float]:
+    """Proximal points with Newton's steps over scaled LocalArrays. impulse holds the start and then the best answer found.
 
     Returns iterations (one factorisation each) and natural map error.
     """
@@ -260,3 +190,20 @@ def proximal_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Set
     room, shares, shape = room_of_own(), shares_of_one(len(impulse)), impulse.shape
     work, inside = allocate_work(room, symbolic, problem.m, shape, 0), allocate_proximal(room, shape, shape)
     return proximal_points(LOCAL, shares, problem, work, inside, PATIENCE, answer, settings), answer.error[0]
+
+
+class ScaledLocal(NamedTuple):
+    """A problem given by W alone in impulses p sqrt(d), so that all d = 1."""
+
+    arrays: LocalArrays
+    symbolic: SymbolicFactor
+    root: np.ndarray  # (C, 1) sqrt(d)
+
+
+def scaled_local(problem: LocalProblem) -> ScaledLocal:
+    """The problem as these methods take it."""
+    given, _ = local_arrays(problem)
+    ordered, pattern = in_elimination_order(given)
+    root, row = np.sqrt(problem.scales())[:, None], np.repeat(np.arange(problem.contacts), np.diff(given.indptr))
+    scaled = given.data / (root[row] * root[given.indices])[:, :, None]
+    return ScaledLocal(ordered._replace(data=scaled, q=problem.q / root, d=np.ones(problem.contacts)), pattern.symbolic, root)

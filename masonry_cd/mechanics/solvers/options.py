@@ -18,11 +18,10 @@ class Options:
 
     Attributes:
         tolerance: natural map error (scaled, see ``masonry_cd.mechanics.friction.problem``) at which to stop.
-        accept: natural map error that will do for a step that has cost enough; 0: none above the tolerance. ``auto`` knows what is enough.
+        accept: natural map error with which ``auto`` leaves packed grains after their sweeps; 0: none above the tolerance.
         max_iterations: None takes the solver's own limit.
         seed: of the random sweep order.
         threads: at most, of the solvers that can use more than one.
-        enough: iterations after which ``interior`` and ``pivoting`` stop where the error will do.
     """
 
     tolerance: float = 1e-8
@@ -30,7 +29,6 @@ class Options:
     seed: int = 0
     threads: int = 1
     accept: float = 0.0
-    enough: int = MOST_ITERATIONS
 
     def limit(self, own: int) -> int:
         """Iterations at most, of a solver whose own limit is given."""

@@ -12,7 +12,7 @@ from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK
 from masonry_cd.mechanics.friction.operators import velocity_of_contact
 from masonry_cd.mechanics.linalg.triangular import solve_ldu
 from masonry_cd.mechanics.solvers.linearised import keep_better
-from masonry_cd.mechanics.solvers.proximal_kernels import FREE, HELD, softness, spring_blocks
+from masonry_cd.mechanics.solvers.newton_kernels import FREE, HELD, softness, spring_blocks
 from masonry_cd.mechanics.solvers.shares import copy_share
 
 UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
@@ -217,13 +217,6 @@ def break_ties(offset, size):
         flat[i] += size * (multiple - math.floor(multiple))
 
 
-@borrower()
-def _ended(error, counts, settings):
-    """Whether the tolerance or the limit is reached, or an error that will do after enough factorisations."""
-    spent = counts[FACTORISATIONS]
-    return error <= settings.tolerance or spent >= counts[MOST] or (error <= settings.accept and spent >= settings.enough)
-
-
 @kernel()
 def pivoting_points(kind, shares, problem, work, inside, answer, settings):
     """Proximal points by pivoting, with the operators of a :class:`Kind`, from ``answer`` on, which gets better.
@@ -235,7 +228,7 @@ def pivoting_points(kind, shares, problem, work, inside, answer, settings):
     copy_share(shares.contacts, answer.impulse, springs.centre)
     copy_share(shares.rows, answer.velocity, centre)
     counts[MOST], stiffness, factor = settings.limit, settings.stiffness, GROWTH
-    while not _ended(answer.error[0], counts, settings) and stiffness > SOFTEST:
+    while answer.error[0] > settings.tolerance and counts[FACTORISATIONS] < counts[MOST] and stiffness > SOFTEST:
         kind.begin_at(shares, problem, moved, centre, path.v)
         break_ties(moved.offset, TIES * min(settings.tolerance, TIGHT) * answer.speed)
         if not follow(kind, shares, moved, work, springs, stiffness, path, counts):

@@ -9,6 +9,7 @@ from models import GRAVITY, box, ground, stepper, still
 from masonry_cd.mechanics.dynamics.islands import EASY, HARD, REVIEW, Islands, gather_islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.friction.problem import Solution
+from masonry_cd.mechanics.friction.solver_state import Learnt, SolverState
 from masonry_cd.mechanics.solvers import Options
 
 DT = 1e-3
@@ -95,8 +96,9 @@ def test_hard_islands_are_solved_alone_until_they_meet_and_keep_what_was_learnt(
 
     def solver(problem, options, start):
         """Notes what it is given, and takes long."""
-        seen.append((len(problem.v_free), sorted(start.memory)))
-        memory = {"k_tally": np.ones(1), "factors": np.ones(len(problem.v_free))}
+        kept = start.memory
+        seen.append((len(problem.v_free), [*(["k"] if kept.learnt.k == 7.0 else []), *kept.own]))
+        memory = SolverState(learnt=Learnt(k=7.0), own={"own": np.ones(len(problem.v_free))})
         return Solution(start.impulse, None, EASY + 1, memory=memory)
 
     machine = towers("broad", "slender", steps=1)  # blocks 0 to 2 and 3 to 5
@@ -114,17 +116,17 @@ def test_hard_islands_are_solved_alone_until_they_meet_and_keep_what_was_learnt(
         if step == 0:
             assert seen == [(6, [])]  # not yet known to be hard
         elif step < REVIEW:
-            assert seen == [(6, ["factors", "k_tally"])]
+            assert seen == [(6, ["k", "own"])]
         elif step == REVIEW:
-            assert seen == [(3, ["k_tally"]), (3, [])]
+            assert seen == [(3, ["k"]), (3, [])]
         elif step < met:
-            assert seen == [(3, ["factors", "k_tally"])] * 2
+            assert seen == [(3, ["k", "own"])] * 2
         elif step == met:
-            assert seen == [(6, ["k_tally"])]  # other blocks, so other factors
+            assert seen == [(6, ["k"])]  # other blocks, so other factors
         elif step < 2 * REVIEW:
-            assert seen == [(6, ["factors", "k_tally"])]
+            assert seen == [(6, ["k", "own"])]
         else:
-            assert seen == [(3, ["k_tally"]), (3, [])]
+            assert seen == [(3, ["k"]), (3, [])]
     assert islands.count == 2
 
 

@@ -11,9 +11,8 @@ import pytest
 from masonry_cd.mechanics.friction.condensation import condense
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options, admm
-from masonry_cd.mechanics.solvers.admm import NAMES, Tally
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings
-from masonry_cd.mechanics.solvers.condensed import KEPT, in_condensed_unknowns
+from masonry_cd.mechanics.solvers.condensed import in_condensed_unknowns
 
 NODES, HEAVY = 12, 1e4
 
@@ -101,17 +100,16 @@ def test_factors_in_other_unknowns_are_made_anew(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(admm, "run_by_team", watched)
     solve, problem, options = in_condensed_unknowns(SOLVERS["admm"]), column(2, 24), Options(tolerance=1e-9)
     first = solve(problem, options, None)
-    kept, tally = first.memory[KEPT], Tally.read(first.memory[NAMES[-1]])
-    assert kept.dtype == np.bool_
-    tally.stale = False  # as far as their own step knows, they are good
-    memory = first.memory | {NAMES[-1]: tally.array()}
+    kept = first.memory.kept
+    assert kept is not None and kept.dtype == np.bool_
+    memory = replace(first.memory, learnt=replace(first.memory.learnt, stale=False))  # as far as their own step knows, they are good
     again = solve(problem, options, Solution(0.9 * first.impulse, None, 0, memory=memory))
-    np.testing.assert_array_equal(again.memory[KEPT], kept)
+    np.testing.assert_array_equal(again.memory.kept, kept)
     assert fresh == [True, False]
     order = np.r_[2, 1, 0, 3 : problem.contacts]
     turned = problem.subset(order)
     other = solve(turned, options, Solution(0.9 * first.impulse[order], None, 0, memory=memory))
-    assert not np.array_equal(other.memory[KEPT], kept)
+    assert not np.array_equal(other.memory.kept, kept)
     assert natural_map_error(turned, other.impulse) < 1e-9
     assert fresh[-1]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +10,10 @@ import pytest
 import scenes
 
 from masonry_cd.mechanics.friction.problem import Solution, natural_map_error
+from masonry_cd.mechanics.friction.solver_state import Learnt, SolverState
 from masonry_cd.mechanics.linalg import ordering
 from masonry_cd.mechanics.solvers import SOLVERS, Options
-from masonry_cd.mechanics.solvers.admm import PROBE, Tally
+from masonry_cd.mechanics.solvers.admm import PROBE, learn, next_k
 
 solve = SOLVERS["admm"]
 
@@ -64,20 +66,26 @@ def test_weight_arrives_at_the_ground() -> None:
 
 
 def test_memory_saves_the_factorisation() -> None:
-    """A second step from the first one's solution stops at once, and its memory is a dict of arrays."""
+    """A second step from the first one's solution stops at once; its memory passes through a checkpoint."""
     problem = scenes.wall(3, 4)
     first = solve(problem, Options(), None)
     again = solve(problem, Options(), Solution(first.impulse, None, 0, memory=first.memory))
     assert again.iterations == 0
-    assert all(isinstance(array, np.ndarray) for array in again.memory.values())
+    arrays = again.memory.arrays()
+    assert all(isinstance(array, np.ndarray) for array in arrays.values())
+    restored = SolverState.read(arrays)
+    assert restored.learnt == again.memory.learnt
+    nearby = replace(problem, v_free=1.001 * problem.v_free)
+    one, other = (solve(nearby, Options(), Solution(first.impulse, None, 0, memory=deepcopy(state))) for state in (again.memory, restored))
+    np.testing.assert_array_equal(one.impulse, other.impulse)
 
 
 def test_knows_from_the_step_before_when_to_look_at_the_error() -> None:
     """Without the ratio of error and change that the last step ended with, a solve stops later, not knowing that it is there."""
     problem, options = scenes.wall(6, 20), Options()
     last = solve(problem, options, None)
-    nearby, forgetful = replace(problem, v_free=1.0001 * problem.v_free), {k: v.copy() for k, v in last.memory.items()}
-    forgetful["admm_tally"] = replace(Tally.read(last.memory["admm_tally"]), rate=1.0).array()
+    nearby, forgetful = replace(problem, v_free=1.0001 * problem.v_free), deepcopy(last.memory)
+    forgetful = replace(forgetful, learnt=replace(forgetful.learnt, rate=1.0))
     known, unknown = (solve(nearby, options, Solution(last.impulse, None, 0, memory=m)) for m in (last.memory, forgetful))
     assert max(natural_map_error(nearby, s.impulse) for s in (known, unknown)) <= options.tolerance
     assert 0 < known.iterations < unknown.iterations
@@ -86,23 +94,24 @@ def test_knows_from_the_step_before_when_to_look_at_the_error() -> None:
 @pytest.mark.parametrize(("iterations", "wins"), [(79, True), (80, False)])
 def test_a_neighbouring_k_is_kept_where_it_takes_fewer_iterations(iterations: int, wins: bool) -> None:
     """It is tried once in PROBE steps, below the best so far and then above it; where it does not win the next step factorises anew."""
-    tally = Tally(k=10.0, stale=False, steps=PROBE - 2, mean_iterations=100.0)
-    assert tally.next_k() == 10.0
-    tally.learn(10.0, 10.0, 100, 0)
-    k = tally.next_k()
+    learnt = Learnt(k=10.0, stale=False, steps=PROBE - 2, mean_iterations=100.0)
+    assert next_k(learnt) == 10.0
+    learnt = learn(learnt, 10.0, 10.0, 100, 0)
+    k = next_k(learnt)
     assert k < 10.0
-    tally.learn(k, k, iterations, 1)
-    assert tally.k == (k if wins else 10.0)
-    assert tally.stale is not wins
-    tally.steps = 2 * PROBE - 1
-    assert tally.next_k() > tally.k
+    learnt = learn(learnt, k, k, iterations, 1)
+    assert learnt.k == (k if wins else 10.0)
+    assert learnt.stale is not wins
+    assert next_k(replace(learnt, steps=2 * PROBE - 1)) > learnt.k
 
 
 def test_what_is_learnt_passes_through_a_checkpoint() -> None:
-    """All fields of a tally, in their types."""
-    tally = Tally(k=30.0, stale=False, fresh_iterations=4.0, steps=7, mean_iterations=5.5, rate=2.0, newton_iterations=-3.0)
-    assert Tally.read(tally.array()) == tally
-    assert Tally.read(Tally().array()) == Tally()
+    """All of it, in its types, and what a solver from elsewhere keeps."""
+    learnt = Learnt(k=30.0, stale=False, fresh_iterations=4.0, steps=7, mean_iterations=5.5, rate=2.0, budget=60)
+    restored = SolverState.read(SolverState(learnt=learnt, own={"guess": np.arange(3.0)}).arrays())
+    assert restored.learnt == learnt
+    np.testing.assert_array_equal(restored.own["guess"], np.arange(3.0))
+    assert SolverState.read(SolverState().arrays()).learnt == Learnt()
 
 
 def test_memory_of_another_contact_graph_is_not_believed() -> None:
@@ -129,8 +138,8 @@ def test_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
         options = Options(tolerance=1e-10, threads=threads)
         first = solve(problem, options, None)
         ends.append((first, solve(problem, options, Solution(0.5 * first.impulse, None, 0, memory=first.memory))))
-    assert ends[0][0].memory["admm_level"][1] > 3
-    assert len(ends[0][0].memory["admm_level"]) > 3
+    assert ends[0][0].memory.factors.pattern.symbolic.level[1] > 3
+    assert len(ends[0][0].memory.factors.pattern.symbolic.level) > 3
     for ended in ends:
         for one, other in zip(ends[0], ended, strict=True):
             assert natural_map_error(problem, other.impulse) <= 1e-10
@@ -144,7 +153,7 @@ def test_subtrees_give_the_answer_of_the_whole(monkeypatch: pytest.MonkeyPatch) 
     whole = solve(problem, Options(tolerance=1e-12), None)
     in_subtrees(monkeypatch)
     parts = solve(problem, Options(tolerance=1e-12), None)
-    assert len(parts.memory["admm_subtree"]) > len(whole.memory["admm_subtree"]) == 2
+    assert len(parts.memory.factors.pattern.symbolic.subtree) > len(whole.memory.factors.pattern.symbolic.subtree) == 2
     np.testing.assert_allclose(parts.velocity, whole.velocity, atol=1e-11)
 
 

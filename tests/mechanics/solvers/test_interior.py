@@ -20,7 +20,7 @@ from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem,
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 from masonry_cd.mechanics.solvers.central_path import Iterate, Linearisation, allows_step, change_contact, contact_step, linearise_contact
 from masonry_cd.mechanics.solvers.interior import TURN
-from masonry_cd.mechanics.solvers.proximal_kernels import first_change
+from masonry_cd.mechanics.solvers.newton_kernels import first_change
 
 solve = SOLVERS["interior"]
 
