@@ -34,7 +34,7 @@ from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.friction import problem
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.model.joints import JointPeaks
-from masonry_cd.mechanics.solvers import accelerated, admm, interior, newton, nlgs, pivoting
+from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs, pivoting
 
 PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: owner and attribute
     "broad phase": ((detector.Detector, "_rebuild"),),
@@ -44,7 +44,7 @@ PARTS: dict[str, tuple[tuple[Any, str], ...]] = {  # where each part begins: own
     "impacts found": ((impacts, "find_impacts"), (impacts, "carried_impulse")),
     "analysis": ((Pattern, "of"), (Pattern, "locate")),
     "iterations": (
-        (nlgs, "nlgs_bodies"), (accelerated, "run_by_team"), (admm, "admm_bodies"), (newton, "over_bodies"),
+        (nlgs, "run_by_team"), (admm, "admm_bodies"), (newton, "over_bodies"),
         (interior, "over_bodies"), (pivoting, "over_bodies"),
     ),
     "error measure": ((problem, "error_bodies"),),

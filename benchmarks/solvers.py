@@ -18,7 +18,7 @@ import scenes
 
 from masonry_cd.mechanics.friction.files import read_problem
 from masonry_cd.mechanics.friction.problem import Problem, natural_map_error
-from masonry_cd.mechanics.solvers import SOLVERS, Options, nlgs
+from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 COLLECTED = Path(__file__).parents[1].parent / "shared" / "friction_problems"
 REPEATS = 5
@@ -59,14 +59,14 @@ def walls(sizes: list[tuple[int, int]], threads: int) -> None:
 
 
 def sweeps() -> None:
-    """Cost of a Gauss-Seidel sweep on one thread and on two, preparation taken off; small problems are swept by one."""
+    """Cost of a Gauss-Seidel sweep on one thread and on two, preparation taken off."""
     print("\n| scene | contacts | ns per contact and sweep | on two threads |\n|---|---|---|---|")
     for name, problem in (("tower of 50", scenes.tower(50)), ("wall 10 x 10", scenes.wall(10, 10)), ("wall 40 x 25", scenes.wall(40, 25))):
         cells = []
-        for threads in (1, 2) if problem.contacts >= nlgs.COLOURED else (1,):
+        for threads in (1, 2):
             prepared, swept = (measure(problem, "nlgs", 1e-300, limit, threads=threads)[2] for limit in (0, 300))
             cells.append(f"{(swept - prepared) / 300 / problem.contacts * 1e9:.0f}")
-        print(f"| {name} | {problem.contacts} | {' | '.join((*cells, '')[:2])} |", flush=True)
+        print(f"| {name} | {problem.contacts} | {' | '.join(cells)} |", flush=True)
 
 
 def main() -> None:

@@ -18,7 +18,7 @@ from masonry_cd.mechanics.solvers import admm, interior, newton, nlgs
 def test_steps_phases_and_methods_are_counted() -> None:
     """Each step once; the phases are no longer than the steps, and the methods no longer than the phase that solves."""
     places = [(moreau_jean, name) for name in PHASES]
-    places += [(admm, "run_by_team"), (newton, "over_bodies"), (interior, "over_bodies"), (nlgs, "nlgs_bodies")]
+    places += [(admm, "run_by_team"), (newton, "over_bodies"), (interior, "over_bodies"), (nlgs, "run_by_team")]
     before = [getattr(owner, name) for owner, name in places]
     found = profile(EXAMPLES / "arch.toml", ["run.duration=0.05"])
     assert [getattr(owner, name) for owner, name in places] == before

@@ -23,17 +23,9 @@ nothing. So equal problems give equal bits on any number of threads.
 
 from __future__ import annotations
 
-import numpy as np
-
-from masonry_cd.mechanics.friction.local_blocks import local_arrays
-from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, first_impulse
-from masonry_cd.mechanics.linalg.threads import run_by_team
-from masonry_cd.mechanics.solvers.accelerated_kernels import PARTS, AcceleratedSettings, SweepHistory, accelerated_bodies, accelerated_local
-from masonry_cd.mechanics.solvers.nlgs_kernels import begin_sweeps, colour_joints, end_sweeps
+from masonry_cd.mechanics.friction.problem import Problem, Solution
+from masonry_cd.mechanics.solvers.nlgs import solve_by_sweeps
 from masonry_cd.mechanics.solvers.options import Options
-
-LIMIT = 10_000  # sweeps
-EVERY = 10  # sweeps between two measurements of the error, which decide on restarts, too
 
 
 def solve(problem: Problem, options: Options, start: Solution | None = None) -> Solution:
@@ -44,28 +36,4 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         options: ``max_iterations`` counts sweeps.
         start: its impulse (C, m) is the first iterate; None starts from zero.
     """
-    impulse = first_impulse(problem, start)
-    settings = AcceleratedSettings(options.tolerance, options.limit(LIMIT), EVERY)
-    if isinstance(problem, FrictionProblem):
-        return _solve_bodies(problem, options, impulse, settings)
-    given, own = local_arrays(problem)
-    sweeps, error = accelerated_local(given, own, impulse, settings)
-    return Solution(impulse, None, sweeps, _reason(error, options))
-
-
-def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarray, settings: AcceleratedSettings) -> Solution:
-    """Sweep colour by colour, on ``options.threads`` threads."""
-    if problem.contacts == 0:  # blocks in the air; nothing is compiled for them
-        return Solution(impulse, problem.body_velocity(impulse), 0, _reason(0.0, options))
-    given, velocity = problem.arrays(), np.empty(problem.v_free.shape)
-    scaled, _ = begin_sweeps(given, impulse)
-    joints = colour_joints(scaled.bodies, len(velocity))
-    history = SweepHistory(np.empty_like(impulse), np.empty_like(scaled.y), np.empty_like(impulse), np.empty((PARTS, 2)))
-    sweeps, error = run_by_team(accelerated_bodies, options.threads, scaled, joints, history, settings)
-    end_sweeps(scaled, given.v_free, impulse, velocity)
-    return Solution(impulse, velocity, sweeps, _reason(error, options))
-
-
-def _reason(error: float, options: Options) -> str:
-    """Say how it ended."""
-    return "accelerated: converged" if error <= options.tolerance else f"accelerated: sweep limit reached at an error of {error:.1e}"
+    return solve_by_sweeps("accelerated", True, problem, options, start)

@@ -25,14 +25,12 @@ from masonry_cd.mechanics.linalg.threads import SharedRoom, ThreadTeam, room_of_
 from masonry_cd.mechanics.solvers.central_path import STIFFEST, interior_direction, missing_velocity
 from masonry_cd.mechanics.solvers.interior_kernels import allocate_interior, interior_point
 from masonry_cd.mechanics.solvers.linearised import Answer, Elimination, Kind, Settings, Work, allocate_work, first_answer
-from masonry_cd.mechanics.solvers.newton_kernels import Patience, allocate_proximal, project_trial, proximal_points, softness
+from masonry_cd.mechanics.solvers.newton_kernels import NEWTON, allocate_newton, settle_springs
 from masonry_cd.mechanics.solvers.path_kernels import allocate_paths, path_bodies
-from masonry_cd.mechanics.solvers.pivoting_kernels import pivoting_points
+from masonry_cd.mechanics.solvers.pivoting_kernels import PIVOTING, allocate_pivoting, follow
+from masonry_cd.mechanics.solvers.proximal_kernels import project_trial, proximal_points, softness
 from masonry_cd.mechanics.solvers.shared_operators import contact_velocity, factorise, map_norm, missing_momentum, solve_by_first
 from masonry_cd.mechanics.solvers.shares import Shares, add_share, allocate_sums, begin_sums, copy_share, shares_of, sum_of_rows
-
-PATIENCE = Patience(iterations=25, failures=8)
-
 
 # --- interior point -----------------------------------------------------------------------------------------------------------------
 
@@ -202,7 +200,7 @@ def room_needed(problem: ProblemArrays, elimination: Elimination) -> int:
     interior, room.used[0] = room.used[0], common
     allocate_paths(room, shape, rows)
     path, room.used[0] = room.used[0], common
-    allocate_proximal(room, shape, rows)
+    allocate_newton(room, shape, rows)
     return max(interior, path, room.used[0])
 
 
@@ -239,8 +237,8 @@ def newton_by_team(
 ) -> tuple[int, float]:
     """:func:`over_bodies` by proximal points with Newton's steps, for a thread of a team."""
     room, shares, ordered, work, answer = begin(team, problem, elimination, impulse, values)
-    inside = allocate_proximal(room, impulse.shape, work.room.shape)
-    iterations = proximal_points(BODIES, shares, ordered, work, inside, PATIENCE, answer, settings)
+    inside = allocate_newton(room, impulse.shape, work.room.shape)
+    iterations = proximal_points(settle_springs, BODIES, shares, ordered, work, inside, NEWTON, answer, settings)
     in_given_order(shares, elimination, answer, velocity)
     return iterations, answer.error[0]
 
@@ -257,8 +255,8 @@ def pivoting_by_team(
 ) -> tuple[int, float]:
     """:func:`over_bodies` by proximal points with pivoting, for a team of one thread."""
     room, shares, ordered, work, answer = begin(team, problem, elimination, impulse, values)
-    inside = allocate_proximal(room, impulse.shape, work.room.shape)
-    iterations = pivoting_points(BODIES, shares, ordered, work, inside, answer, settings)
+    inside = allocate_pivoting(room, impulse.shape, work.room.shape)
+    iterations = proximal_points(follow, BODIES, shares, ordered, work, inside, PIVOTING, answer, settings)
     in_given_order(shares, elimination, answer, velocity)
     return iterations, answer.error[0]
 

@@ -24,10 +24,9 @@ from masonry_cd.mechanics.linalg.triangular import solve_ldu
 from masonry_cd.mechanics.solvers.central_path import finish_direction, start_direction
 from masonry_cd.mechanics.solvers.interior_kernels import allocate_interior, interior_point
 from masonry_cd.mechanics.solvers.linearised import Kind, Settings, allocate_work, first_answer
-from masonry_cd.mechanics.solvers.newton_kernels import Patience, allocate_proximal, project_trial, proximal_points
+from masonry_cd.mechanics.solvers.newton_kernels import NEWTON_LOCAL, allocate_newton, settle_springs
+from masonry_cd.mechanics.solvers.proximal_kernels import project_trial, proximal_points
 from masonry_cd.mechanics.solvers.shares import shares_of_one
-
-PATIENCE = Patience(iterations=60, failures=16)
 
 
 @borrower()
@@ -188,8 +187,8 @@ def newton_local(problem: LocalArrays, symbolic: SymbolicFactor, settings: Setti
     """
     answer = answer_of(problem, impulse)
     room, shares, shape = room_of_own(), shares_of_one(len(impulse)), impulse.shape
-    work, inside = allocate_work(room, symbolic, problem.m, shape, 0), allocate_proximal(room, shape, shape)
-    return proximal_points(LOCAL, shares, problem, work, inside, PATIENCE, answer, settings), answer.error[0]
+    work, inside = allocate_work(room, symbolic, problem.m, shape, 0), allocate_newton(room, shape, shape)
+    return proximal_points(settle_springs, LOCAL, shares, problem, work, inside, NEWTON_LOCAL, answer, settings), answer.error[0]
 
 
 class ScaledLocal(NamedTuple):

@@ -1,4 +1,4 @@
-"""Gauss-Seidel and ADMM for problems given by W alone."""
+"""Sweeps of Gauss-Seidel, plain and extrapolated, and ADMM for problems given by W alone."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from masonry_cd.mechanics.linalg.supernodes import BlockMatrix, allocate_factors
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
 from masonry_cd.mechanics.linalg.triangular import solve_cholesky
 from masonry_cd.mechanics.solvers.admm_kernels import GROWTH, SOFT, SOFTEST, STIFF, SWITCH, WON
-from masonry_cd.mechanics.solvers.nlgs_kernels import NlgsSettings
+from masonry_cd.mechanics.solvers.nlgs_kernels import SweepSettings, next_weight
 from masonry_cd.mechanics.solvers.nlgs_table import law_of
 
 LOOK = 5  # iterations of ADMM between two measurements of the error
@@ -32,22 +32,36 @@ LAW, SHRINK = 0.02, 0.2  # share of ADMM's error that lies in the law, above whi
 
 
 @entry()
-def nlgs_local(problem: LocalArrays, own: np.ndarray, p: np.ndarray, settings: NlgsSettings) -> tuple[int, float]:
-    """Gauss-Seidel over a LocalProblem whose diagonal blocks are ``own`` (C, m, m). p (C, m) holds the start and then the answer.
+def sweep_local_problem(problem: LocalArrays, own: np.ndarray, p: np.ndarray, settings: SweepSettings) -> tuple[int, float]:
+    """Sweeps over a LocalProblem whose diagonal blocks are ``own`` (C, m, m). p (C, m) holds the start and then the best answer.
 
-    Returns the sweeps made and the natural map error measured last.
+    Returns the sweeps made and the natural map error of the answer.
     """
     data, indices, indptr, q, mu = problem.data, problem.indices, problem.indptr, problem.q, problem.mu
-    law = local_table(own, mu)
-    order, state = np.arange(len(p)), seeded(settings.seed)
-    error, sweeps = local_residual(data, indices, indptr, q, mu, p, law), 0
-    while error > settings.tolerance and sweeps < settings.limit:
-        for _ in range(min(settings.every, settings.limit - sweeps)):
+    law, order, last, best, state = local_table(own, mu), np.arange(len(p)), p.copy(), p.copy(), seeded(settings.seed)
+    smallest = error = local_residual(data, indices, indptr, q, mu, p, law)
+    sweeps, weight = 0, 1.0
+    while smallest > settings.tolerance and sweeps < settings.limit:
+        if not settings.extrapolated:
             shuffle(order, state)
-            sweeps += 1
-            sweep_local(problem, law, order, p)
-        error = local_residual(data, indices, indptr, q, mu, p, law)
-    return sweeps, error
+        sweep_local(problem, law, order, p)
+        sweeps += 1
+        if sweeps % settings.every == 0 or sweeps == settings.limit:
+            before, error = error, local_residual(data, indices, indptr, q, mu, p, law)
+            if error < smallest:
+                smallest = error
+                copy_flat(p, best)
+            if not error <= before:
+                weight = 1.0
+        if settings.extrapolated:
+            weight, factor = next_weight(weight)
+            for c in range(len(p)):
+                for i in range(p.shape[1]):
+                    new = p[c, i]
+                    p[c, i] = new + factor * (new - last[c, i])
+                    last[c, i] = new
+    copy_flat(best, p)
+    return sweeps, smallest
 
 
 @kernel()

@@ -1,29 +1,44 @@
-"""Gauss-Seidel over bodies, in one thread or colour by colour in several; see nlgs.py for the method."""
+"""Sweeps of Gauss-Seidel over bodies, plain and extrapolated, colour by colour by a team of threads; see nlgs.py and accelerated.py.
+
+Each thread sweeps its share of the joints of a colour, and they wait for one another between colours. Sums are taken over parts of the
+contacts, in their order, so the number of threads changes no bit.
+"""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 
-from masonry_cd.foundation.jit import entry
+from masonry_cd.foundation.jit import borrower, entry, kernel
+from masonry_cd.mechanics.friction.coulomb_law import P
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.friction.random_order import seeded, shuffle
-from masonry_cd.mechanics.solvers.nlgs_sweep import groups_of, sweep
-from masonry_cd.mechanics.solvers.nlgs_table import ScaledProblem, measure_error, read_answer, scaled_problem
+from masonry_cd.mechanics.linalg.small_blocks import copy_flat
+from masonry_cd.mechanics.linalg.threads import ThreadTeam, share_of, wait
+from masonry_cd.mechanics.solvers.nlgs_sweep import sweep
+from masonry_cd.mechanics.solvers.nlgs_table import (
+    ScaledProblem,
+    error_of,
+    measure_error,
+    read_answer,
+    scaled_problem,
+    squared_residuals_of,
+)
 
 COLOURS = 128  # at most; more joints than that hardly meet in a block, and those that find no colour share the last one, one by one
 AHEAD = 4  # joints of one colour that are fetched ahead
+PARTS = 64  # of the contacts, whose sums are added in their order
 
 
-class NlgsSettings(NamedTuple):
-    """When to stop, and the random order."""
+class SweepSettings(NamedTuple):
+    """When to stop, and how to sweep."""
 
     tolerance: float  # natural map error
     limit: int  # sweeps
-    seed: int  # of the random order
     every: int  # sweeps between two measurements of the error
+    extrapolated: bool  # or else plain sweeps, in a random order
+    seed: int  # of that order
 
 
 class ColouredJoints(NamedTuple):
@@ -34,24 +49,20 @@ class ColouredJoints(NamedTuple):
     colour: np.ndarray  # (COLOURS + 1,) starts of the colours in that list
 
 
-@entry()
-def nlgs_bodies(given: ProblemArrays, p: np.ndarray, v: np.ndarray, settings: NlgsSettings) -> tuple[int, float]:
-    """Gauss-Seidel over ProblemArrays. p (C, m) holds the start and then the answer, v (B, n) the velocities.
+class SweepHistory(NamedTuple):
+    """What the extrapolation and the answer need beside the table."""
 
-    Returns the sweeps made and the natural map error measured last.
-    """
+    p: np.ndarray  # (C, m) impulses after the last sweep
+    y: np.ndarray  # (B + 1, n) G^T p of them
+    best: np.ndarray  # (C, m) impulses of the smallest error
+    sums: np.ndarray  # (PARTS, 2) squared norms of the residual and of q
+
+
+@entry()
+def begin_sweeps(given: ProblemArrays, p: np.ndarray) -> tuple[ScaledProblem, float]:
+    """The :class:`ScaledProblem` of ProblemArrays and impulses p (C, m), and their natural map error."""
     scaled = scaled_problem(given, p)
-    starts = groups_of(scaled.bodies)
-    order, state = np.arange(len(starts) - 1), seeded(settings.seed)
-    error, sweeps = measure_error(scaled), 0
-    while error > settings.tolerance and sweeps < settings.limit:
-        for _ in range(min(settings.every, settings.limit - sweeps)):
-            shuffle(order, state)
-            sweep(scaled.jacobian, scaled.y, scaled.bodies, scaled.table, starts, order, 1)
-            sweeps += 1
-        error = measure_error(scaled)
-    read_answer(scaled, given.v_free, p, v)
-    return sweeps, error
+    return scaled, measure_error(scaled)
 
 
 @entry()
@@ -93,35 +104,141 @@ def colour_joints(index: np.ndarray, bodies: int) -> ColouredJoints:
     return ColouredJoints(start[: joints + 1], order, count)
 
 
-@entry(parallel=True)
-def sweep_coloured(scaled, joints, colours, chunk):
-    """One sweep over the joints of the colours in the given order; those of one colour in parallel, ``chunk`` joints to a piece of work.
+@entry()
+def sweep_bodies(
+    team: ThreadTeam, scaled: ScaledProblem, joints: ColouredJoints, history: SweepHistory, settings: SweepSettings
+) -> tuple[int, float]:
+    """Sweeps over a ScaledProblem by a team. The table holds the start and then the best impulses, y what belongs to them.
 
-    Joints of a colour share no body that moves, so the result does not depend on who takes which, nor on how many threads there are. Those
-    of the last colour may, and are taken one by one.
+    Returns the sweeps made and the natural map error of the best impulses.
     """
-    g, y, index, law, start, order = scaled.jacobian, scaled.y, scaled.bodies, scaled.table, joints.start, joints.order
-    for place in range(len(colours)):
-        low, high = joints.colour[colours[place]], joints.colour[colours[place] + 1]
-        if colours[place] == COLOURS - 1:
-            sweep(g, y, index, law, start, order[low:high], AHEAD)
-        else:
-            for part in prange((high - low + chunk - 1) // chunk):
-                begin = low + part * chunk
-                sweep(g, y, index, law, start, order[begin : min(begin + chunk, high)], AHEAD)
+    smallest = error = measure_by_team(team, scaled, joints, history.sums)
+    keep(team, scaled, history.best)
+    keep(team, scaled, history.p)
+    first, end = share_of(team, 0, len(scaled.y))
+    copy_flat(scaled.y[first:end], history.y[first:end])
+    wait(team)  # the others sweep over what is copied here
+    sweeps, weight, colours, state = 0, 1.0, np.arange(COLOURS), seeded(settings.seed)
+    while smallest > settings.tolerance and sweeps < settings.limit:
+        if not settings.extrapolated:
+            shuffle(colours, state)
+        sweep_by_team(team, scaled, joints, colours)
+        sweeps += 1
+        if sweeps % settings.every == 0 or sweeps == settings.limit:
+            before, error = error, measure_by_team(team, scaled, joints, history.sums)
+            if error < smallest:
+                smallest = error
+                keep(team, scaled, history.best)
+            if not error <= before:
+                weight = 1.0
+        if settings.extrapolated:
+            weight, factor = next_weight(weight)
+            extrapolate(team, scaled, history, factor)
+    restore(team, scaled, history.best)
+    measure_by_team(team, scaled, joints, history.sums)  # and y with it
+    return sweeps, smallest
 
 
-@entry()
-def begin_sweeps(given: ProblemArrays, p: np.ndarray) -> tuple[ScaledProblem, float]:
-    """The :class:`ScaledProblem` of ProblemArrays and impulses p (C, m), and their natural map error."""
-    scaled = scaled_problem(given, p)
-    return scaled, measure_error(scaled)
+@kernel(inline="always")
+def next_weight(weight):
+    """Nesterov's next weight, and the share of the last step by which the impulses are extrapolated."""
+    after = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * weight * weight))
+    return after, (weight - 1.0) / after
 
 
-@entry()
-def error_after_sweeps(scaled: ScaledProblem) -> float:
-    """Natural map error of a ScaledProblem, whose y is set anew."""
-    return measure_error(scaled)
+@kernel()
+def sweep_by_team(team, scaled, joints, colours):
+    """One sweep over the colours in an order. Joints of one share no body that moves, but for the last, whose joints one thread takes."""
+    for colour in colours:
+        low, high = joints.colour[colour], joints.colour[colour + 1]
+        if low == high:
+            continue
+        first, end = share_of_colour(team, colour, low, high)
+        sweep(scaled.jacobian, scaled.y, scaled.bodies, scaled.table, joints.start, joints.order[first:end], AHEAD)
+        wait(team)
+
+
+@kernel(inline="always")
+def share_of_colour(team, colour, low, high):
+    """First and end of the thread's share of the joints low to high of a colour."""
+    if colour < COLOURS - 1:
+        return share_of(team, low, high)
+    return (low, high) if team.rank == 0 else (low, low)
+
+
+@kernel()
+def measure_by_team(team, scaled, joints, sums):
+    """Set y = G^T p of a ScaledProblem anew; returns the natural map error of its impulses."""
+    rows, contacts = len(scaled.y), len(scaled.table)
+    first, end = share_of(team, 0, rows)
+    scaled.y[first:end] = 0.0
+    wait(team)
+    for colour in range(COLOURS):
+        low, high = joints.colour[colour], joints.colour[colour + 1]
+        if low < high:
+            first, end = share_of_colour(team, colour, low, high)
+            collect_joints(scaled, joints, first, end)
+            wait(team)
+    first, end = share_of(team, 0, PARTS)
+    for part in range(first, end):
+        begin, stop = contacts * part // PARTS, contacts * (part + 1) // PARTS
+        sums[part, 0], sums[part, 1] = squared_residuals_of(scaled.jacobian, scaled.y, scaled.bodies, scaled.table, begin, stop)
+    wait(team)
+    residual, size = sums[:, 0].sum(), sums[:, 1].sum()
+    wait(team)
+    return error_of(residual, size)
+
+
+@borrower()
+def collect_joints(scaled, joints, first, end):
+    """y += G^T p of the joints first to end in the order of the colours."""
+    g, y, index, law = scaled.jacobian, scaled.y, scaled.bodies, scaled.table
+    m, n = g.shape[2], g.shape[3]
+    for place in range(first, end):
+        joint = joints.order[place]
+        for c in range(joints.start[joint], joints.start[joint + 1]):
+            for side in range(2):
+                body = index[c, side]
+                for i in range(m):
+                    for k in range(n):
+                        y[body, k] += g[c, side, i, k] * law[c, P + i]
+
+
+@borrower()
+def extrapolate(team, scaled, history, factor):
+    """p + factor (p - that of the last sweep), into the table, and likewise y; the last sweep's are replaced by this one's."""
+    law, (first, end) = scaled.table, share_of(team, 0, len(scaled.table))
+    for c in range(first, end):
+        for i in range(history.p.shape[1]):
+            new = law[c, P + i]
+            law[c, P + i] = new + factor * (new - history.p[c, i])
+            history.p[c, i] = new
+    first, end = share_of(team, 0, len(scaled.y))
+    for b in range(first, end):
+        for k in range(scaled.y.shape[1]):
+            new = scaled.y[b, k]
+            scaled.y[b, k] = new + factor * (new - history.y[b, k])
+            history.y[b, k] = new
+    wait(team)
+
+
+@borrower()
+def keep(team, scaled, out):
+    """Copy the impulses of the table into ``out`` (C, m)."""
+    first, end = share_of(team, 0, len(out))
+    for c in range(first, end):
+        for i in range(out.shape[1]):
+            out[c, i] = scaled.table[c, P + i]
+
+
+@borrower()
+def restore(team, scaled, p):
+    """Copy impulses p (C, m) into the table."""
+    first, end = share_of(team, 0, len(p))
+    for c in range(first, end):
+        for i in range(p.shape[1]):
+            scaled.table[c, P + i] = p[c, i]
+    wait(team)
 
 
 @entry()

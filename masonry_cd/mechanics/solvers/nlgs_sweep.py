@@ -1,4 +1,4 @@
-"""One sweep of Gauss-Seidel over the contacts of a list of groups; see nlgs.py for the method.
+"""One sweep of Gauss-Seidel over the contacts of a list of joints; see nlgs.py for the method.
 
 What a sweep calls for each contact takes numbers, not arrays: an array that is passed on, or a view of one, has its references counted,
 which takes longer than the arithmetic.
@@ -13,39 +13,18 @@ from masonry_cd.mechanics.friction.coulomb_law import MU, ROW, START, C, P, Q, l
 from masonry_cd.mechanics.linalg.intrinsics import prefetch
 from masonry_cd.mechanics.solvers.nlgs_table import law_of
 
-GROUP = 16  # contacts, at least, that a sweep visits in a row, see groups_of
-
-
-@kernel()
-def groups_of(index):
-    """Starts of the groups (G + 1,) that a sweep visits in random order, with the end appended, from the bodies (C, 2) of the contacts.
-
-    A group is a sequence of whole joints (consecutive contacts between the same two bodies) of at least GROUP contacts: small enough for
-    the error to propagate as fast as with single joints, large enough that memory is read ahead, which saves a third of the time.
-    """
-    contacts = len(index)
-    starts = np.empty(contacts + 1, dtype=np.int64)
-    count = 0
-    for c in range(contacts):
-        new = c == 0 or index[c, 0] != index[c - 1, 0] or index[c, 1] != index[c - 1, 1]
-        if new and (count == 0 or c - starts[count - 1] >= GROUP):
-            starts[count] = c
-            count += 1
-    starts[count] = contacts
-    return starts[: count + 1]
-
 
 @borrower()
 def sweep_spatial(g, y, index, law, starts, order, ahead):
     """One sweep for m = 3, n = 6: the velocity without a contact's own impulse, its exact impulse, the change of its two bodies.
 
     Written out, so that both bodies stay in registers: half the time of loops over the components. The processor cannot guess a random
-    order, so the group that comes ``ahead`` groups later is fetched already: with 60,000 contacts that halves the time.
+    order, so the joint that comes ``ahead`` joints later is fetched already: with 60,000 contacts that halves the time.
     """
     for place in range(len(order)):
-        group = order[place]
-        later = starts[order[min(place + ahead, len(order) - 1)]] - starts[group]
-        for c in range(starts[group], starts[group + 1]):
+        joint = order[place]
+        later = starts[order[min(place + ahead, len(order) - 1)]] - starts[joint]
+        for c in range(starts[joint], starts[joint + 1]):
             for line in range(5):
                 prefetch(g, 36 * (c + later) + 8 * line)
             for line in range(3):
@@ -99,8 +78,8 @@ def sweep_any(g, y, index, law, starts, order):
     """One sweep for any m and n; planar problems (m = 2, n = 3) come here."""
     m, n = g.shape[2], g.shape[3]
     seen, impulse = np.zeros(3), np.zeros(3)
-    for group in order:
-        for c in range(starts[group], starts[group + 1]):
+    for joint in order:
+        for c in range(starts[joint], starts[joint + 1]):
             a, b = index[c, 0], index[c, 1]
             inverse_nn, c1, c2, s11, s12, s22, nn = law_of(law, c)
             own_n, own_1, own_2 = own_velocity(law[c, P], law[c, P + 1], law[c, P + 2], c1, c2, s11, s12, s22, nn)
@@ -122,7 +101,7 @@ def sweep_any(g, y, index, law, starts, order):
 
 @kernel()
 def sweep(g, y, index, law, starts, order, ahead):
-    """One sweep, group after group in the given order: new impulses in the table ``law`` and new y."""
+    """One sweep, joint after joint in the given order: new impulses in the table ``law`` and new y."""
     if g.shape[2] == 3 and g.shape[3] == 6:
         sweep_spatial(g, y, index, law, starts, order, ahead)
     else:

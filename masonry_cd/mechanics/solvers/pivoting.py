@@ -16,10 +16,10 @@ stall: a path leads to the solution, or to a fold. Ties, of contacts that would 
 what the tolerance leaves.
 
 **Folds.** Friction makes B unsymmetric, and with stiff springs some pieces have a negative determinant, in which the path turns back. With
-springs soft enough no piece has one: there is one solution, and the path leads to it. So K grows by GROWTH from one centre to the next;
-where the path meets a fold, which the sign of the ratio of the determinants tells, K falls as much, and changes by the root of GROWTH
-from then on. Beyond a fold the path goes on, with its direction reversed, and ends at a solution; but that is a long way: of 60 steps
-of the demo it solved 31 within 240 factorisations, where softer springs solved all, with 22 in the mean.
+springs soft enough no piece has one: there is one solution, and the path leads to it. So K grows tenfold from one centre to the next; where
+the path meets a fold, which the sign of the ratio of the determinants tells, K falls as much, and changes by the root of that from then on.
+Beyond a fold the path goes on, with its direction reversed, and ends at a solution; but that is a long way: of 60 steps of the demo it
+solved 31 within 240 factorisations, where softer springs solved all, with 22 in the mean.
 
 Over the demo (``python -m benchmarks.profile``) ``interior`` takes 61 factorisations a step, and this 17 with some 25 pivots on each.
 What it does not solve is left to the interior point method, as are problems in space, where the cone of friction is round, and those given
@@ -38,7 +38,6 @@ from masonry_cd.mechanics.solvers.linearised_bodies import over_bodies, pivoting
 from masonry_cd.mechanics.solvers.options import Options
 
 LIMIT = 300  # factorisations
-STIFFNESS = 1e3  # K to begin with
 
 
 def applies(problem: Problem) -> bool:
@@ -61,7 +60,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     elimination = elimination_of(arrays, factors.pattern, index, block)
     impulse, velocity = np.zeros((problem.contacts, 2)) if start is None else start.impulse.copy(), np.empty((bodies, n))
     limit = options.limit(LIMIT)
-    settings = Settings(0.0, STIFFNESS, 0.0, options.tolerance, limit, size_tuple(3))
+    settings = Settings(0.0, 0.0, 0.0, options.tolerance, limit, size_tuple(3))
     iterations, error = over_bodies(pivoting_by_team, arrays, elimination, settings, impulse, velocity)
     reason = "pivoting: converged" if error <= options.tolerance else f"pivoting: stopped at an error of {error:.1e}"
     return Solution(impulse, velocity, iterations, reason, state)

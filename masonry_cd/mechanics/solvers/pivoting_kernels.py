@@ -1,8 +1,7 @@
-"""Proximal points in a plane, each solved by pivoting along a piecewise linear path; see pivoting.py."""
+"""Pivoting along a piecewise linear path for the problem of a centre, in a plane; see pivoting.py."""
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -11,16 +10,10 @@ from masonry_cd.foundation.jit import borrower, kernel
 from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK
 from masonry_cd.mechanics.friction.operators import velocity_of_contact
 from masonry_cd.mechanics.linalg.triangular import solve_ldu
-from masonry_cd.mechanics.solvers.linearised import keep_better
-from masonry_cd.mechanics.solvers.newton_kernels import FREE, HELD, softness, spring_blocks
-from masonry_cd.mechanics.solvers.shares import copy_share
+from masonry_cd.mechanics.solvers.proximal_kernels import FREE, HELD, Course, allocate_centre, allocate_springs, softness, spring_blocks
 
 UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
-GROWTH = 10.0  # of K from one problem with springs to the next
-SOFTEST = 1e-3  # K at which pivoting gives up
-TIES, TIGHT = 1e-3, 1e-8  # velocities by which ties are broken, relative to the largest: of the tolerance, or of this if it is looser
-GOLDEN = 0.6180339887498949
-FACTORISATIONS, MOST = 0, 1  # what is counted, and the most of it
+PIVOTING = Course(softest=1e3, stiffest=1e3, growth=10.0, fall=10.0, calm=0.5, iterations=10**9, failures=12, ties=1e-3)
 
 
 class Path(NamedTuple):
@@ -43,12 +36,13 @@ class Path(NamedTuple):
 
 
 @kernel()
-def allocate_path(shape, contacts):
-    """A :class:`Path` for velocities of a shape (B + 1, n) and so many contacts."""
-    z, contact, b, ratio = np.zeros((UPDATES, *shape)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
-    product, share = np.empty((UPDATES, UPDATES)), np.empty(UPDATES)
-    hard = np.empty((contacts, 2))
-    return Path(np.zeros(shape), np.empty(shape), np.empty(shape), z, contact, np.empty(2), b, ratio, product, share, hard)
+def allocate_pivoting(room, shape, rows):
+    """What proximal points by pivoting work on, for contacts (C, 2) and velocities of a shape."""
+    contacts = shape[0]
+    z, contact, b, ratio = np.zeros((UPDATES, *rows)), np.zeros(UPDATES, dtype=np.int64), np.empty((UPDATES, 2)), np.empty(UPDATES)
+    product, share, hard = np.empty((UPDATES, UPDATES)), np.empty(UPDATES), np.empty((contacts, 2))
+    path = Path(np.zeros(rows), np.empty(rows), np.empty(rows), z, contact, np.empty(2), b, ratio, product, share, hard)
+    return allocate_springs(room, shape), path, allocate_centre(room, shape, rows)
 
 
 @borrower()
@@ -176,67 +170,29 @@ def set_out(kind, shares, moved, work, springs, stiffness, path, left, held):
 
 
 @kernel()
-def follow(kind, shares, moved, work, springs, stiffness, path, counts):
-    """Follow the path from v until the residual vanishes; False where the path folds back, or ends in a ray.
+def follow(kind, shares, moved, work, springs, stiffness, goal, most, path):
+    """Follow the path from v until the residual vanishes; there is one thread.
 
-    ``counts`` are those of :func:`pivoting_points`.
+    Returns whether it does, and the number of factorisations: not where the path folds back, ends in a ray, or takes more than ``most``.
     """
     for c in range(len(springs.x)):
         soft_n, soft_t = softness(moved.compliance, moved.d[c] / stiffness, c, 2)
         path.hard[c, 0], path.hard[c, 1] = 1.0 / soft_n, 1.0 / soft_t
     left = 1.0  # share of the residual at the start
     held: np.bool = FREE  # whether statuses are known, or follow the trial impulses
-    while counts[FACTORISATIONS] < counts[MOST]:
-        counts[FACTORISATIONS] += 1
+    for spent in range(1, most + 1):
         if not set_out(kind, shares, moved, work, springs, stiffness, path, left, held):
-            return False
+            return False, spent
         held, taken = HELD, 0.0
         for k in range(UPDATES):
             step, c, beyond = next_kink(moved, springs, path, taken)
             if step >= left:
                 add_flat(path.v, left, path.rate)
                 kind.spring_residual(shares, moved, springs, stiffness, path.v, HELD, path.residual)
-                return True
+                return True, spent
             taken, left = step, left - step
             add_flat(path.v, step, path.rate)
             change_block(moved, springs, path, k, c, step, beyond)
             if not pivot(moved, work, path, k) > 0.0:
-                return False
-    return False
-
-
-@borrower()
-def break_ties(offset, size):
-    """Add up to ``size`` to each velocity (C, 2), so that no two contacts reach a kink at once, nor one the tip of its cone.
-
-    It is another multiple of the golden section for each of them, without its whole part.
-    """
-    flat = offset.reshape(offset.size)
-    for i in range(len(flat)):
-        multiple = GOLDEN * (i + 1)
-        flat[i] += size * (multiple - math.floor(multiple))
-
-
-@kernel()
-def pivoting_points(kind, shares, problem, work, inside, answer, settings):
-    """Proximal points by pivoting, with the operators of a :class:`Kind`, from ``answer`` on, which gets better.
-
-    ``inside`` is a :class:`ProximalRoom`; there is one thread. Returns the number of factorisations.
-    """
-    springs, _, centre, own, free, offset = inside
-    path, moved, counts = allocate_path(own.shape, len(springs.x)), kind.movable(problem, free, offset), np.zeros(2, dtype=np.int64)
-    copy_share(shares.contacts, answer.impulse, springs.centre)
-    copy_share(shares.rows, answer.velocity, centre)
-    counts[MOST], stiffness, factor = settings.limit, settings.stiffness, GROWTH
-    while answer.error[0] > settings.tolerance and counts[FACTORISATIONS] < counts[MOST] and stiffness > SOFTEST:
-        kind.begin_at(shares, problem, moved, centre, path.v)
-        break_ties(moved.offset, TIES * min(settings.tolerance, TIGHT) * answer.speed)
-        if not follow(kind, shares, moved, work, springs, stiffness, path, counts):
-            stiffness, factor = stiffness / factor, np.sqrt(GROWTH)
-            continue
-        error = kind.map_norm(shares, problem, springs.p, work.room, own) / answer.size
-        copy_share(shares.contacts, springs.p, springs.centre)
-        kind.move_centre(shares, centre, path.v)
-        stiffness = min(stiffness * factor, kind.stiffest(error))
-        keep_better(shares, answer, springs.p, own, error)
-    return counts[FACTORISATIONS]
+                return False, spent
+    return False, most

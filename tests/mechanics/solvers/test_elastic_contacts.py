@@ -10,7 +10,7 @@ import scenes
 
 from masonry_cd.mechanics.dynamics.impacts import solve_apart
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution, natural_map_error
-from masonry_cd.mechanics.solvers import SOLVERS, Options, nlgs
+from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 STEP = 1e-3
 FALL = scenes.GRAVITY * STEP  # speed that gravity gives in a step [m/s]
@@ -75,14 +75,11 @@ def mixed() -> FrictionProblem:
     return replace(problem, v_free=v_free, mu=np.where(problem.compliance[:, 0] > 0.0, 0.4, 3.0))
 
 
-@pytest.mark.parametrize("name", ["admm", "coloured", "newton", "nlgs"])
+@pytest.mark.parametrize("name", ["admm", "newton", "nlgs"])
 @pytest.mark.parametrize("local", [False, True])
-def test_solvers_agree_where_rigid_and_elastic_joints_mix(name: str, local: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_solvers_agree_where_rigid_and_elastic_joints_mix(name: str, local: bool) -> None:
     """The velocities are those of ``auto`` to 1e-9 of the largest; so are the impulses of the elastic contacts."""
     problem = mixed()
-    if name == "coloured":
-        monkeypatch.setattr(nlgs, "COLOURED", 0)
-        name = "nlgs"
     expected = SOLVERS["auto"](problem, Options(tolerance=1e-13), None)
     assert natural_map_error(problem, expected.impulse) < 1e-13
     options = Options(tolerance=1e-12, max_iterations=100_000)

@@ -87,7 +87,7 @@ def test_a_wall_that_friction_holds_does_not_move() -> None:
 
 
 def test_limits_are_kept() -> None:
-    """Factorisations end at a limit, and where an error that will do is reached after enough of them; the best answer is returned."""
+    """Factorisations end at a limit, with the best answer."""
     problem = thrown(1.5, 1)
     whole = solve(problem, Options(tolerance=1e-8), None)
     assert whole.iterations > 4
@@ -96,9 +96,6 @@ def test_limits_are_kept() -> None:
     assert "stopped" in few.reason
     begin = natural_map_error(problem, np.zeros_like(whole.impulse))
     assert natural_map_error(problem, few.impulse) <= begin
-    will_do = solve(problem, Options(tolerance=1e-12, accept=1e-2, enough=1), None)
-    assert natural_map_error(problem, will_do.impulse) <= 1e-2
-    assert will_do.iterations < whole.iterations
 
 
 @pytest.mark.parametrize("problem", [scenes.wall(3, 3), sliding_block().to_local()])

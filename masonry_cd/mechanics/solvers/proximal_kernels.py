@@ -1,0 +1,179 @@
+"""Proximal points, over bodies and where W alone is given: springs, soft to stiff, that are at rest in one centre after the other.
+
+The method is told in newton.py; what solves the problem of a centre is newton_kernels.py or, in a plane, pivoting_kernels.py.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.foundation.jit import borrower, kernel
+from masonry_cd.mechanics.friction.coulomb_law import OPEN, SLIP, STICK, tangent_length
+from masonry_cd.mechanics.linalg.threads import take
+from masonry_cd.mechanics.solvers.linearised import keep_better
+from masonry_cd.mechanics.solvers.shares import copy_share
+
+GOLDEN, TIGHT = 0.6180339887498949, 1e-8
+WON = 0.9  # of the error, at most, that is left by a problem that is not solved and counts all the same
+FREE, HELD = np.bool_(False), np.bool_(True)  # whether a status may change; for plain False and True numba would compile the code twice
+
+
+class Springs(NamedTuple):
+    """The problem with springs that are at rest in the centre, and an iterate of it."""
+
+    centre: np.ndarray  # (C, m) impulses
+    x: np.ndarray  # (C, m) trial impulses
+    p: np.ndarray  # (C, m) impulses
+    status: np.ndarray  # (C,) OPEN, STICK or SLIP
+    held: np.ndarray  # (C,) a status to come back to
+    dx: np.ndarray  # (C, m) change of the trial impulses
+    block: np.ndarray  # (C, m, m) B = -dp/du
+
+
+class Centre(NamedTuple):
+    """The centre, and the problem with velocities as they are counted from it."""
+
+    v: np.ndarray  # velocities of the centre
+    own: np.ndarray  # and of its impulses
+    free: np.ndarray  # (B + 1, n) room for :attr:`Kind.movable`
+    offset: np.ndarray  # (C, m) likewise
+
+
+class Course(NamedTuple):
+    """How stiff the springs are from one centre to the next, and when to give up."""
+
+    softest: float  # K to begin with: the reciprocal of the error, within these
+    stiffest: float
+    growth: float  # of K after a problem that is solved
+    fall: float  # of K after one that is not
+    calm: float  # power of both after that
+    iterations: int  # for the problem of one centre
+    failures: int  # problems in a row that are not solved
+    ties: float  # velocities by which ties are broken, as a share of the tolerance, or of TIGHT if it is looser; 0: they are not
+
+
+@kernel()
+def allocate_springs(room, shape):
+    """Room for :class:`Springs` of contacts (C, m)."""
+    contacts, m = shape
+    status, held = take(room, shape[:1]).view(np.int64), take(room, shape[:1]).view(np.int64)
+    block = take(room, (contacts, m, m))
+    return Springs(take(room, shape), take(room, shape), take(room, shape), status, held, take(room, shape), block)
+
+
+@kernel()
+def allocate_centre(room, shape, rows):
+    """:class:`Centre` for contacts (C, m) and velocities of a shape."""
+    return Centre(take(room, rows), take(room, rows), take(room, rows), take(room, shape))
+
+
+@kernel(inline="always")
+def softness(compliance, scale, c, m):
+    """Compliance of the springs of contact c along and across the normal: the proximal one and the contact's own."""
+    if len(compliance):
+        return scale + compliance[c, 0], scale + max(compliance[c, 1], compliance[c, m - 1])
+    return scale, scale
+
+
+@kernel(inline="always")
+def project_trial(springs, mu, c, held, m):
+    """Impulse p of contact c from its trial impulse x, by its status, which follows x or is ``held`` as it is."""
+    x, p, status = springs.x, springs.p, springs.status
+    length = tangent_length(x[c, 1], x[c, 2] if m == 3 else 0.0)
+    if not held:
+        status[c] = OPEN if x[c, 0] <= 0.0 else (STICK if length <= mu[c] * x[c, 0] else SLIP)
+    share = mu[c] * x[c, 0] / length if status[c] == SLIP and length > 0.0 else 1.0
+    for i in range(m):
+        p[c, i] = 0.0 if status[c] == OPEN else (x[c, i] if i == 0 else share * x[c, i])
+
+
+@kernel(inline="always")
+def spring_block(springs, mu, soft_n, soft_t, c, size_m):
+    """Fill B = -dp/du of the springs of contact c, from its trial impulse and status."""
+    m, x, blocks, status = len(size_m), springs.x, springs.block, springs.status
+    for i in range(m):
+        for j in range(m):
+            blocks[c, i, j] = 0.0
+    if status[c] != OPEN:
+        blocks[c, 0, 0] = 1.0 / soft_n
+        length = tangent_length(x[c, 1], x[c, 2] if m == 3 else 0.0)
+        share = mu * max(x[c, 0], 0.0) / length if length > 0.0 else 1.0
+        for i in range(1, m):
+            if status[c] == STICK:
+                blocks[c, i, i] = 1.0 / soft_t
+            elif length > 0.0:
+                blocks[c, i, 0] = mu * x[c, i] / (length * soft_n)
+                for j in range(1, m):  # zero in a plane
+                    across = (1.0 if i == j else 0.0) - x[c, i] * x[c, j] / (length * length)
+                    blocks[c, i, j] = min(share, 1.0) / soft_t * across
+
+
+@borrower()
+def spring_blocks(shares, problem, springs, stiffness):
+    """B = -dp/du of the springs (C, m, m)."""
+    first, end = shares.contacts
+    for c in range(first, end):
+        soft_n, soft_t = softness(problem.compliance, problem.d[c] / stiffness, c, len(problem.m))
+        spring_block(springs, problem.mu[c], soft_n, soft_t, c, problem.m)
+
+
+@borrower()
+def stiffness_after_springs(stiffness, growth, solved, spent, slow):
+    """The next K after ``spent`` iterations: stiffer after few, and more so if that was ``slow`` and took very few; else softer."""
+    if not solved:
+        return stiffness / growth
+    if spent > 8:
+        return stiffness
+    return stiffness * (growth * growth if slow and spent < 4 else growth)
+
+
+@borrower()
+def break_ties(offset, size):
+    """Add up to ``size`` to each velocity (C, 2), so that no two contacts reach a kink at once, nor one the tip of its cone.
+
+    It is another multiple of the golden section for each of them, without its whole part.
+    """
+    flat = offset.reshape(offset.size)
+    for i in range(len(flat)):
+        multiple = GOLDEN * (i + 1)
+        flat[i] += size * (multiple - math.floor(multiple))
+
+
+@kernel()
+def proximal_points(settle, kind, shares, problem, work, inside, course, answer, settings):
+    """Proximal points with the operators of a :class:`Kind`, from ``answer`` on, which gets better; returns the iterations.
+
+    ``settle`` solves the problem of a centre, ``inside`` are :class:`Springs`, its room, which has velocities v, and a :class:`Centre`.
+    Centres that the springs leave where they are, without a factorisation, have the same limit as those: near what rounding leaves there
+    may be no end of them.
+    """
+    springs, search, centre = inside
+    copy_share(shares.contacts, answer.impulse, springs.centre)
+    copy_share(shares.contacts, answer.impulse, springs.p)
+    copy_share(shares.rows, answer.velocity, centre.v)
+    moved, error = kind.movable(problem, centre.free, centre.offset), answer.error[0]
+    stiffness, growth, fall = min(max(1.0 / max(error, 1e-300), course.softest), course.stiffest), course.growth, course.fall
+    iterations, failed, idle = 0, 0, 0
+    while max(iterations, idle) < settings.limit and answer.error[0] > settings.tolerance and failed < course.failures:
+        goal = answer.size * max(1e-2 * error, 1e-3 * settings.tolerance)  # a hundredth of the error
+        most = min(settings.limit - iterations, course.iterations)
+        kind.begin_at(shares, problem, moved, centre.v, search.v)
+        if course.ties > 0.0:
+            break_ties(centre.offset, course.ties * min(settings.tolerance, TIGHT) * answer.speed)
+        solved, spent = settle(kind, shares, moved, work, springs, stiffness, goal, most, search)
+        iterations += spent
+        idle += spent == 0
+        new = kind.map_norm(shares, problem, springs.p, work.room, centre.own) / answer.size
+        if not solved and not new < WON * error:
+            stiffness, failed = max(stiffness / fall, 1e-3), failed + 1
+            growth, fall = growth**course.calm, fall**course.calm
+            continue
+        stiffness = min(stiffness_after_springs(stiffness, growth, solved, spent, new > 0.5 * error), kind.stiffest(new))
+        error, failed = new, 0
+        copy_share(shares.contacts, springs.p, springs.centre)
+        kind.move_centre(shares, centre.v, search.v)
+        keep_better(shares, answer, springs.p, centre.own, error)
+    return iterations
