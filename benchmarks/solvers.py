@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 import scenes
 
-from masonry_cd.mechanics.friction.files import read_problem
+from masonry_cd.io.problem_files import read_problem
 from masonry_cd.mechanics.friction.problem import Problem, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 

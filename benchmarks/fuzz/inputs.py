@@ -139,7 +139,7 @@ for name in ("wall.step", "wall.brep"): gmsh.write(name)
 
 def _problems(nursery: Path) -> Iterator[Subject]:
     """Friction problems of a step, over bodies and in the impulses alone, in both formats; and one of elastic joints."""
-    from masonry_cd.mechanics.friction.files import read_problem, write_problem
+    from masonry_cd.io.problem_files import read_problem, write_problem
     from masonry_cd.mechanics.friction.problem import FrictionProblem
 
     _made(nursery, "-m", "masonry_cd", "run", "scene.toml", "-o", "dumped", "-q", "--dump-problem", "2")

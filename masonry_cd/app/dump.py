@@ -52,7 +52,7 @@ class Dump:
     def __call__(self, step: int, name: str, problem: FrictionProblem) -> None:
         """Write a problem if it belongs to one of the steps."""
         if step in self._steps:
-            from masonry_cd.mechanics.friction.files import write_problem  # scipy comes with it
+            from masonry_cd.io.problem_files import write_problem  # scipy comes with it
 
             path = self._folder / f"problem_{step}{'_' if name else ''}{name}.npz"
             write_problem(path, problem)

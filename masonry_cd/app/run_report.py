@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.adaptive import AdaptedStep
 from masonry_cd.mechanics.dynamics.energy import WORKS
+from masonry_cd.mechanics.dynamics.jams import find_jam, named
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
-from masonry_cd.mechanics.friction.infeasibility import find_jam, named
 
 COUNTS = 1e-6  # false slip from which on it counts, as a share of the smallest width: as overlaps that are left alone
 DEEP = 0.01  # overlap from which on its blocks are named, as a share of the smallest width

@@ -11,7 +11,7 @@ from scipy import sparse
 
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, suggest
-from masonry_cd.mechanics.friction.files import read_problem
+from masonry_cd.io.problem_files import read_problem
 from masonry_cd.mechanics.friction.problem import LocalProblem, Problem, natural_map_error
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 

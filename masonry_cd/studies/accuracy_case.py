@@ -51,7 +51,7 @@ def _problem(source: Path, asked: Mapping[str, Any], overrides: Sequence[str], s
         if given:
             raise InputError(f"{option}: {source.name} is a friction problem; time steps, seeds and changes are for a scene")
     solvers, tolerances = solvers_asked(asked["solvers"]), tolerances_asked(asked["tolerances"])
-    from masonry_cd.mechanics.friction.files import read_problem
+    from masonry_cd.io.problem_files import read_problem
     from masonry_cd.studies.accuracy import PROBLEM_TOLERANCES, solver_rows, solvers_for
 
     problem = read_problem(source)

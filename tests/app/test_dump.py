@@ -14,8 +14,8 @@ from masonry_cd.app.dump import parse_steps
 from masonry_cd.app.solve_file import solve_file
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.io.problem_files import read_problem
 from masonry_cd.io.results import Results
-from masonry_cd.mechanics.friction.files import read_problem
 from structures.files import blockfile
 
 SCENE = """\

@@ -29,12 +29,12 @@ from masonry_cd.app.summary import closing_lines
 from masonry_cd.cli import main
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.io.problem_files import write_problem
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.io.results import Results
 from masonry_cd.mechanics.contact.detector import Detector
 from masonry_cd.mechanics.dynamics.islands import Islands
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
-from masonry_cd.mechanics.friction.files import write_problem
 from masonry_cd.mechanics.friction.problem import LocalProblem
 from reports import outputs
 from reports.damage import joint_files

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from benchmarks import scenes as bench_scenes
 from benchmarks.ours import stepper
 from masonry_cd.cli.app import app
-from masonry_cd.mechanics.friction.files import write_problem
+from masonry_cd.io.problem_files import write_problem
 from masonry_cd.studies.accuracy import Motion, RunRow, SolverRow, motion_errors, run_rows, solver_rows, solvers_for
 from masonry_cd.studies.accuracy_case import markdown
 from masonry_cd.studies.accuracy_seeds import MEASURES, study_seeds

@@ -36,6 +36,7 @@ from masonry_cd.mechanics.dynamics.error_scale import find_overload, on_scale
 from masonry_cd.mechanics.dynamics.free_motion import Prediction, angular_momenta, predict
 from masonry_cd.mechanics.dynamics.impacts import error_of, open_among, open_contacts, solve_apart
 from masonry_cd.mechanics.dynamics.islands import FORCES, Islands
+from masonry_cd.mechanics.dynamics.jams import Closing
 from masonry_cd.mechanics.dynamics.joint_history import bonded_shares, pretensioned
 from masonry_cd.mechanics.dynamics.new_state import RunStopped, update
 from masonry_cd.mechanics.dynamics.overlaps import Overlap, largest_shortening, still_closing
@@ -46,7 +47,6 @@ from masonry_cd.mechanics.dynamics.start import motion_at_start
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.system import Loads, Motion, System, plane_of
 from masonry_cd.mechanics.dynamics.violations import Violation, find_violations
-from masonry_cd.mechanics.friction.infeasibility import Closing
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Solution
 from masonry_cd.mechanics.model.block_forces import BlockForces
 from masonry_cd.mechanics.model.blocks import Assembly

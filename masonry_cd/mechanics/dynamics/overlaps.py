@@ -16,10 +16,10 @@ import numpy as np
 
 from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.dynamics.free_motion import drift
+from masonry_cd.mechanics.dynamics.jams import Closing
 from masonry_cd.mechanics.dynamics.relative_velocity import of_bodies
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.system import System
-from masonry_cd.mechanics.friction.infeasibility import Closing
 from masonry_cd.mechanics.model.state import State
 
 OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone, or those of the joints as built

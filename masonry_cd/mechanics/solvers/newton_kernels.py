@@ -13,7 +13,7 @@ from masonry_cd.mechanics.solvers.proximal_kernels import FREE, HELD, Course, al
 from masonry_cd.mechanics.solvers.shares import add_share, begin_sums, chunk_of, copy_share, least_of_chunks
 
 FOLDS = 3  # times that the same contact turns at once, after which a problem with springs is given up
-NEWTON = Course(softest=1e2, stiffest=1e6, growth=4.0, fall=8.0, calm=1.0, iterations=25, failures=8, ties=0.0)
+NEWTON = Course(softest=1e2, stiffest=1e6, growth=4.0, leap=2.0, fall=8.0, calm=1.0, iterations=25, failures=8, ties=0.0)
 NEWTON_LOCAL = NEWTON._replace(iterations=60, failures=16)  # where W alone is given
 
 

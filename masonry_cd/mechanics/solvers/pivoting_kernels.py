@@ -13,7 +13,7 @@ from masonry_cd.mechanics.linalg.triangular import solve_ldu
 from masonry_cd.mechanics.solvers.proximal_kernels import FREE, HELD, Course, allocate_centre, allocate_springs, softness, spring_blocks
 
 UPDATES = 100  # pivots on one factorisation: more, and they cost more than the next one
-PIVOTING = Course(softest=1e3, stiffest=1e3, growth=10.0, fall=10.0, calm=0.5, iterations=10**9, failures=12, ties=1e-3)
+PIVOTING = Course(softest=1e3, stiffest=1e3, growth=10.0, leap=1.0, fall=10.0, calm=0.5, iterations=10**9, failures=16, ties=1e-3)
 
 
 class Path(NamedTuple):

@@ -48,8 +48,9 @@ class Course(NamedTuple):
     softest: float  # K to begin with: the reciprocal of the error, within these
     stiffest: float
     growth: float  # of K after a problem that is solved
+    leap: float  # power of it where that took little and left more than half of the error
     fall: float  # of K after one that is not
-    calm: float  # power of both after that
+    calm: float  # power of both from the first such problem on
     iterations: int  # for the problem of one centre
     failures: int  # problems in a row that are not solved
     ties: float  # velocities by which ties are broken, as a share of the tolerance, or of TIGHT if it is looser; 0: they are not
@@ -121,13 +122,13 @@ def spring_blocks(shares, problem, springs, stiffness):
 
 
 @borrower()
-def stiffness_after_springs(stiffness, growth, solved, spent, slow):
-    """The next K after ``spent`` iterations: stiffer after few, and more so if that was ``slow`` and took very few; else softer."""
+def stiffness_after_springs(stiffness, growth, leap, solved, spent):
+    """The next K after ``spent`` iterations: stiffer after few, and by a ``leap`` after very few; softer after a problem not solved."""
     if not solved:
         return stiffness / growth
     if spent > 8:
         return stiffness
-    return stiffness * (growth * growth if slow and spent < 4 else growth)
+    return stiffness * (leap if spent < 4 else growth)
 
 
 @borrower()
@@ -169,9 +170,10 @@ def proximal_points(settle, kind, shares, problem, work, inside, course, answer,
         new = kind.map_norm(shares, problem, springs.p, work.room, centre.own) / answer.size
         if not solved and not new < WON * error:
             stiffness, failed = max(stiffness / fall, 1e-3), failed + 1
-            growth, fall = growth**course.calm, fall**course.calm
+            growth, fall = course.growth**course.calm, course.fall**course.calm
             continue
-        stiffness = min(stiffness_after_springs(stiffness, growth, solved, spent, new > 0.5 * error), kind.stiffest(new))
+        leap = growth**course.leap if new > 0.5 * error else growth
+        stiffness = min(stiffness_after_springs(stiffness, growth, leap, solved, spent), kind.stiffest(new))
         error, failed = new, 0
         copy_share(shares.contacts, springs.p, springs.centre)
         kind.move_centre(shares, centre.v, search.v)

@@ -15,7 +15,7 @@ from scipy import sparse
 
 from masonry_cd.app.solve_file import solve_file
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.mechanics.friction.files import read_problem, write_problem
+from masonry_cd.io.problem_files import read_problem, write_problem
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, natural_map_error
 
 COLLECTED = SHARED / "friction_problems"

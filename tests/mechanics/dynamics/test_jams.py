@@ -11,9 +11,9 @@ from masonry_cd.app.run_loop import Plan, run
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics.jams import Closing, find_jam
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
-from masonry_cd.mechanics.friction.infeasibility import Closing, find_jam
 from masonry_cd.mechanics.model.blocks import Assembly
 
 STEPS = 20

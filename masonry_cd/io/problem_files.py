@@ -27,10 +27,10 @@ from scipy.sparse.linalg import splu
 from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.files import is_file
+from masonry_cd.io.stored_arrays import datasets, npz_arrays, open_hdf5
 from masonry_cd.mechanics.friction.local_blocks import block_arrays, contact_pattern
 from masonry_cd.mechanics.friction.local_operators import is_definite
 from masonry_cd.mechanics.friction.problem import FrictionProblem, LocalProblem, Problem
-from masonry_cd.mechanics.friction.stored_arrays import datasets, npz_arrays, open_hdf5
 from masonry_cd.mechanics.linalg.small_blocks import inverses, size_tuple
 
 UNSYMMETRIC = 1e-2  # of the largest entry: published problems reach 1e-3
