@@ -22,6 +22,7 @@ from dataclasses import replace
 import numpy as np
 
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
+from masonry_cd.mechanics.friction.solver_state import Learnt
 from masonry_cd.mechanics.solvers import accelerated, admm, interior, newton, pivoting
 from masonry_cd.mechanics.solvers.options import MOST_ITERATIONS, Options
 
@@ -63,6 +64,7 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
     search.turn("interior", search.affordable(), search.last)
     if start is None:
         search.turn("newton", newton.LIMIT, search.best)
+        search.memory = replace(search.memory, learnt=Learnt())
         search.turn("admm", admm.LIMIT, search.last)
     search.memory = replace(search.memory, learnt=replace(search.memory.learnt, budget=budget))
     return search.solution()
