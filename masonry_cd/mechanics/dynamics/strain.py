@@ -112,7 +112,7 @@ class Strains:
         return bare.with_step(step)
 
     def with_step(self, step: float) -> Strains:
-        """The same in steps of length h [s]."""
+        """These strains in steps of length h [s], with the inverses (D, S, S) that belong to it."""
         theta, beta = self.deformation.theta, self.deformation.retardation
         implicit = (theta * step * (theta * step + beta))[:, None, None] * self.stiffness
         implicit += self.mass[:, :, None] * np.eye(len(self.columns))
