@@ -10,14 +10,19 @@ import subprocess
 import sys
 from collections.abc import Sequence
 
+import numpy as np
 import scenes
+from scipy import sparse
 
 from masonry_cd.app.warmup import SceneKind, compiling
+from masonry_cd.mechanics.friction.problem import LocalProblem
 from masonry_cd.mechanics.linalg.small_blocks import room_for
 from masonry_cd.mechanics.solvers import SOLVERS, Options
 
 RIGID, UNIFORM = {True: 3, False: 6}, {True: 3, False: 6}  # unknowns of a rigid block in a plane or in space; strains of a uniform one
 COARSE = 7  # and a block with the coarsest mesh in a plane, few enough for kernels of its own
+SWEEPS = ("nlgs", "accelerated")  # solvers that blocks of all kinds meet in the tests
+UNREACHED = Options(tolerance=1e-300, max_iterations=2)  # so that each solver turns to all that it has
 
 
 def compiled(kind: SceneKind) -> None:
@@ -34,6 +39,9 @@ def of_runs(planar: bool) -> None:
             compiled(SceneKind("auto", planar, by_area, stress=True, strained=strained))
     for solver in SOLVERS:
         compiled(SceneKind(solver, planar))
+    for solver in SWEEPS:
+        for strained in (UNIFORM[planar], meshed):
+            compiled(SceneKind(solver, planar, strained=strained))
 
 
 def of_grains() -> None:
@@ -42,13 +50,15 @@ def of_grains() -> None:
         compiled(SceneKind("auto", False, by_area, spheres=True))
 
 
-def of_local_problems() -> None:
-    """Problems that are given by W alone."""
+def of_problems_alone() -> None:
+    """Problems that are given by W alone, and one without a joint."""
+    flat = LocalProblem(sparse.identity(4, format="csr"), -np.ones((2, 2)), np.full(2, 0.5))
     for name in SOLVERS:
-        SOLVERS[name](scenes.tower(2).to_local(), Options(tolerance=1e-6, max_iterations=2), None)
+        for problem in (scenes.tower(2).to_local(), flat, scenes.apart()):
+            SOLVERS[name](problem, UNREACHED, None)
 
 
-JOBS = {"plane": lambda: of_runs(True), "space": lambda: (of_runs(False), of_grains(), of_local_problems())}
+JOBS = {"plane": lambda: of_runs(True), "space": lambda: (of_runs(False), of_grains(), of_problems_alone())}
 
 
 def main(words: Sequence[str]) -> int:

@@ -120,6 +120,12 @@ def tower(blocks: int, **kwargs: float) -> FrictionProblem:
     return boxes(low, low + [1.0, 1.0, 0.5], **kwargs)
 
 
+def apart() -> FrictionProblem:
+    """A box that touches nothing."""
+    one = tower(1)
+    return replace(one, jacobian=np.zeros((0, 2, 3, 6)), bodies=np.zeros((0, 2), dtype=np.int64), offset=np.zeros((0, 3)), mu=np.zeros(0))
+
+
 def wall(columns: int, courses: int, **kwargs: float) -> FrictionProblem:
     """A wall in running bond of blocks 1 x 0.5 x 0.5 m, every second course with two half blocks at its ends."""
     low, high = [], []

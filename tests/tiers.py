@@ -3,7 +3,9 @@
 ``@pytest.mark.slow(reason="...")`` leaves a test to ``make test-all``. A test without the marker is meant to take ``ALLOWED`` seconds of
 processor time at the most, in its process and in those that it waited for. With ``--budget``, one whose call takes ``SLACK`` times that
 fails. Compiling says nothing about a test, so a call during which any process put a kernel into the store is not judged. In the end the
-seconds of each folder and of the tests that took most are printed, with those of fixtures.
+seconds of each folder and of the tests that took most are printed, with those of fixtures, and how much memory a process of pytest had.
+
+After each file what its tests have freed goes back to the system: pieces that stay in use, as modules and caches, else keep it in pieces.
 """
 
 from __future__ import annotations
@@ -18,12 +20,15 @@ from pathlib import Path, PurePosixPath
 import pytest
 from places import ROOT
 
+from masonry_cd.foundation.freed_memory import give_back_freed_memory
+
 ALLOWED = 5.0  # processor time of the call of a test without the marker [s]
 SLACK = 3.0  # times as much processor time takes a slow processor whose cores are shared, as seen between two runs of one machine
 LISTED = 40  # tests in the list of those that took most
 # which keep their compiled kernels, unless NUMBA_CACHE_DIR names a folder
 PACKAGES = ("masonry_cd", "structures", "loads", "reports", "tests")
 SECONDS = "processor seconds"  # the property of a report that holds those of its phase
+MEMORY = "resident memory"  # and the one that holds the most that its process has had until then [GB]
 BEGIN = pytest.StashKey[tuple[float, float]]()  # of a phase: the time of day and the processor time until then [s]
 
 
@@ -56,10 +61,13 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
-    """Note when the teardown begins."""
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> Generator[None, None, None]:
+    """Note when the teardown begins; give memory back after the last test of a file."""
     item.stash[BEGIN] = time.time(), processor_time()
-    return (yield)
+    result = yield
+    if nextitem is None or nextitem.path != item.path:
+        give_back_freed_memory()
+    return result
 
 
 @pytest.hookimpl(wrapper=True)
@@ -67,7 +75,7 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
     """Note what a phase took; fail a call that passed but took more than is allowed."""
     spent = processor_time() - item.stash[BEGIN][1]
     report = yield
-    report.user_properties.append((SECONDS, spent))
+    report.user_properties += [(SECONDS, spent), (MEMORY, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024e-9)]
     allowed = item.config.getoption("--budget")
     judged = allowed is not None and report.passed and call.when == "call" and item.get_closest_marker("slow") is None
     if judged and spent > SLACK * allowed and not kept_since(item.stash[BEGIN][0]):
@@ -77,18 +85,20 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
-    """Print the processor time of folders, and of the tests that took most of it."""
+    """Print the processor time of folders, and of the tests that took most of it, and the memory of the largest process."""
     if config.getoption("--budget") is None:
         return
-    tests, folders = Counter[str](), Counter[str]()
+    tests, folders, most = Counter[str](), Counter[str](), 0.0
     for report in (report for reports in terminalreporter.stats.values() for report in reports if isinstance(report, pytest.TestReport)):
-        spent = dict(report.user_properties).get(SECONDS, 0.0)
+        noted = dict(report.user_properties)
+        spent, most = noted.get(SECONDS, 0.0), max(most, noted.get(MEMORY, 0.0))
         tests[report.nodeid] += spent
         folders[str(PurePosixPath(report.nodeid.partition("::")[0]).parent)] += spent
     terminalreporter.section(f"processor time, of {sum(tests.values()):.0f} s")
     terminalreporter.line(", ".join(f"{folder} {spent:.0f} s" for folder, spent in folders.most_common()))
     for name, spent in tests.most_common(LISTED):
         terminalreporter.line(f"{spent:7.1f} s  {name}")
+    terminalreporter.line(f"resident memory of a process: {most:.2f} GB at most")
 
 
 def processor_time() -> float:

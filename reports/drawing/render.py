@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.freed_memory import give_back_freed_memory
 
 SAMPLES = 2  # of a picture, in each direction
 LIGHTS = (((-0.5, 0.6, 0.9), 0.50), ((0.9, 0.1, 0.5), 0.16), ((0.0, 0.0, 1.0), 0.12))  # towards the light (right, up, viewer), strength
@@ -163,6 +164,7 @@ class Canvas:
 
     def __exit__(self, *_: object) -> None:
         self._plotter.close()
+        give_back_freed_memory()
 
     def draw(self, layers: Sequence[Layer], window: Window) -> np.ndarray:
         """Draw layers into an image (height, width, 3) uint8 on white."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import platform
+import resource
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +12,7 @@ from made_run import at_rest, box, shifted, turned, write_run
 from pictures import COLUMN, opening_scale, pixels
 
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.freed_memory import keep_freed_memory
 from masonry_cd.io.results import Results
 from reports.drawing.render import Canvas, Surface, Window, view_named
 from reports.maps.framing import MapStyle, framing
@@ -93,3 +96,20 @@ def test_a_canvas_draws_each_picture_anew_and_once(monkeypatch):
             image = canvas.draw(layers, Window(0.0, 1.0, 0.0, 1.0))
             assert image[20, 20].tolist() == colour
             assert number == 0 or len(drawn) == before + 1  # the first picture opens OpenGL as well
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another allocator")
+def test_memory_of_pictures_goes_back_to_the_system() -> None:
+    """Of the 180 MB that a picture of 4.8 million samples takes, a process that keeps what its steps free has hardly any afterwards."""
+
+    def draw(pixels: tuple[int, int]) -> float:
+        """Resident memory after a picture [MB]."""
+        square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]])
+        layer = Surface(square, np.arange(4), np.array([0, 4]), np.array([[255, 0, 0]], np.uint8), lit=False)
+        with Canvas(view_named("front"), pixels) as canvas:
+            canvas.draw([layer], Window(0.0, 1.0, 0.0, 1.0))
+        return float(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * resource.getpagesize() / 1e6
+
+    keep_freed_memory()
+    first = draw((10, 10))  # opens OpenGL
+    assert draw((1200, 1000)) - first < 60.0

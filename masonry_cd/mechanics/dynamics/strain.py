@@ -112,11 +112,15 @@ class Strains:
         return bare.with_step(step)
 
     def with_step(self, step: float) -> Strains:
-        """The same in steps of length h [s]."""
+        """These strains in steps of length h [s], with the inverses (D, S, S) that belong to it."""
         theta, beta = self.deformation.theta, self.deformation.retardation
         implicit = (theta * step * (theta * step + beta))[:, None, None] * self.stiffness
         implicit += self.mass[:, :, None] * np.eye(len(self.columns))
-        return replace(self, step=step, inverse=inverses(implicit, size_tuple(len(self.columns))))
+        return replace(self, step=step, inverse=inverses(implicit, self._size()))
+
+    def _size(self) -> tuple[int, ...] | np.ndarray:
+        """What has the number of unknowns S for its length: an array for meshed blocks, so that all meshes share one kernel."""
+        return size_tuple(len(self.columns)) if self.warps is None else np.empty(len(self.columns))
 
     def with_room(self, strain: np.ndarray) -> np.ndarray:
         """Strains (B, 6) of a start, with warps that are zero (B, 6 + r)."""

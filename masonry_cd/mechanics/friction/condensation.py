@@ -74,10 +74,9 @@ def condense(problem: FrictionProblem, velocity: np.ndarray | None = None) -> Co
 
 @lru_cache(maxsize=4)
 def _identities(bodies: int, n: int) -> np.ndarray:
-    """Unit masses (B, n, n), the same for each step."""
+    """Unit masses (B, n, n), the same for each step. Nothing writes to them; were they marked so, every solver would be compiled again."""
     out = np.zeros((bodies, n, n))
     out[:, np.arange(n), np.arange(n)] = 1.0
-    out.flags.writeable = False
     return out
 
 

@@ -51,11 +51,11 @@ class Deformation:
     room: int = 0  # unknowns of a block at the least, where blocks are meshed
 
     def turned(self, rotation: np.ndarray) -> Deformation:
-        """The same with the body frames turned by (B, 3, 3)."""
+        """A deformation whose principal axes are turned with the body frames by (B, 3, 3)."""
         return replace(self, axes=rotation[self.block] @ self.axes)
 
     def without_swing(self) -> Deformation:
-        """The same with all motion damped that a step does not resolve, and without viscosity: for finding rest."""
+        """A deformation with all motion damped that a step does not resolve, and without viscosity: for finding rest."""
         return replace(self, theta=1.0, retardation=np.zeros_like(self.retardation))
 
     def maps(self, rotation: np.ndarray, strain: np.ndarray) -> np.ndarray:

@@ -18,7 +18,8 @@ from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.mean_stress import MeanStress, check_sums
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
 from masonry_cd.mechanics.dynamics.settings import Run
-from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
+from masonry_cd.mechanics.dynamics.strain import Strains, unknowns_of_strain
+from masonry_cd.mechanics.linalg.small_blocks import inverses
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 from masonry_cd.mechanics.model.materials import JointLaw
@@ -70,6 +71,17 @@ def test_uniform_stress_passes_between_meshes_that_do_not_match(planar: bool) ->
     for _ in range(25):
         machine.step()
     assert misfit(machine) < 1e-9
+
+
+def test_meshes_of_all_sizes_share_their_kernels() -> None:
+    """Another number of unknowns compiles nothing."""
+    blocks, seen = [ground(3.0), box("a", (-0.4, -0.2, 0.0), (0.4, 0.2, 0.5))], {}
+    for size in (0.5, 0.3):
+        strains = Strains.of(Assembly.from_blocks(blocks, 0.0, None, meshed(mesh_size=size)), None, 1e-3)
+        assert strains is not None
+        seen[len(strains.columns)] = len(inverses.signatures)
+    assert len(seen) == 2
+    assert len(set(seen.values())) == 1
 
 
 def test_corners_of_whole_faces_fail_the_patch_test() -> None:

@@ -81,7 +81,7 @@ def test_subtrees_of_a_level_are_independent(limit: int) -> None:
     np.testing.assert_array_equal(of_subtree[symbolic.target[is_ghost] - nodes - 1], mine[is_ghost])
 
 
-@pytest.mark.parametrize("n", [2, 6])
+@pytest.mark.parametrize("n", [3, 6])
 @pytest.mark.parametrize("symmetric", [True, False])
 @pytest.mark.parametrize("part", [40, SUBTREE])
 @pytest.mark.parametrize("graph", [grid(9, 14), comb(7, 9)], ids=["supernodes", "columns"])
@@ -121,8 +121,8 @@ def test_a_factorised_matrix_solves_as_a_dense_one_does(
 @pytest.mark.parametrize("graph", [grid(5, 5), comb(3, 3)], ids=["supernodes", "columns"])
 def test_a_singular_block_is_reported(graph: tuple[int, np.ndarray, np.ndarray]) -> None:
     nodes, first, second = graph
-    symbolic, size = Pattern.of(nodes, first, second).symbolic, (0, 0)
-    diagonal, lower = np.tile(np.eye(2), (nodes, 1, 1)), np.zeros((len(symbolic.row), 2, 2))
+    symbolic, size = Pattern.of(nodes, first, second).symbolic, (0, 0, 0)
+    diagonal, lower = np.tile(np.eye(3), (nodes, 1, 1)), np.zeros((len(symbolic.row), 3, 3))
     diagonal[4] = 0.0
     factor = allocate_factors(symbolic, size)
     assert factorise_ldu(BlockMatrix(diagonal, lower, lower), factor) == 0.0
