@@ -64,13 +64,14 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray)
         RunStopped: a velocity is not finite.
     """
     predicted, v = made.predicted, made.problem.body_velocity(impulse)
-    loads, state, momentum = predicted.loads, predicted.state.copy(), predicted.angular_momentum.copy()
-    state.time = (last.ticks + loads.ticks) * system.settings.dt
+    loads, middle, momentum = predicted.loads, predicted.state, predicted.angular_momentum.copy()
+    time = (last.ticks + loads.ticks) * system.settings.dt
+    state = State(time, middle.position.copy(), middle.orientation.copy(), middle.velocity.copy(), middle.strain)
     deepest = deepest_overlap(made)
     lifted = correct_overlaps(system, made, deepest, state)
     every = np.empty((max(1, len(made.found.gap)), system.rows))
-    end, time = EndOfStep(state.position, state.orientation, state.velocity, momentum, every), system.constants.step * system.settings.theta
-    kinetic = move_on(system.blocks, predicted.rotation, v, made.problem.v_free, loads.support_after, made.rows.active, impulse, time, end)
+    end, rest = EndOfStep(state.position, state.orientation, state.velocity, momentum, every), system.constants.step * system.settings.theta
+    kinetic = move_on(system.blocks, predicted.rotation, v, made.problem.v_free, loads.support_after, made.rows.active, impulse, rest, end)
     if not math.isfinite(kinetic):
         raise RunStopped(f"step {last.steps + 1}: {_what_broke(system, made, state.velocity, impulse)}")
     if system.strains is not None:
