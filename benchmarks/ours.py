@@ -46,6 +46,7 @@ class Measured:
     first_ms: float  # the first step starts cold
     first_iterations: int
     median_ms: float
+    processor_ms: float  # median, of the processor: other programs disturb it least
     mean_ms: float  # over the steps after the first
     instructions: float  # of the processor, mean over the steps after the first [1000]; nan where it does not count them
     cycles: float  # likewise
@@ -109,11 +110,15 @@ def measure(made: BenchScene, steps: int | None = None, solver: str = "auto", to
     machine = stepper(made, steps, solver, tolerance, **settings)
     clock, counters, reports, counts = _clocked(machine), Counters.open(), [], []
     for _ in range(steps):
-        before = counters.read() if counters else (nan, nan)
+        before = _spent(counters)
         reports.append(machine.step())
-        after = counters.read() if counters else (nan, nan)
-        counts.append((after[0] - before[0], after[1] - before[1]))
+        counts.append([end - begin for begin, end in zip(before, _spent(counters), strict=True)])
     return _summary(made, machine, reports, clock.seconds, np.array(counts, dtype=float))
+
+
+def _spent(counters: Counters | None) -> tuple[float, float, float]:
+    """Instructions, cycles and seconds of the processor so far; nan for what it does not count."""
+    return *(counters.read() if counters else (nan, nan)), time.process_time()
 
 
 def warm_up(solver: str, tolerance: float, settings: dict[str, Any]) -> None:
@@ -162,6 +167,7 @@ def _summary(made: BenchScene, machine: Stepper, reports: list[StepReport], dete
         first_iterations=reports[0].iterations,
         median_ms=1e3 * float(np.median(seconds)),
         mean_ms=1e3 * float((seconds[1:] if len(seconds) > 1 else seconds).mean()),
+        processor_ms=1e3 * float(np.median(counts[:, 2])),
         instructions=1e-3 * float(counts[1:, 0].mean()) if len(counts) > 1 else nan,
         cycles=1e-3 * float(counts[1:, 1].mean()) if len(counts) > 1 else nan,
         iterations=float(np.mean([r.iterations for r in reports])),

@@ -80,6 +80,11 @@ def ground(x0: float, x1: float, half_width: float) -> Block:
     return cuboid("ground", (x0, -half_width, -0.5), (x1, half_width, 0.0), fixed=True)
 
 
+def block(amplitude: float = 0.25) -> BenchScene:
+    """A slender block that rocks on the ground [m]: the least that a step can cost."""
+    return BenchScene("block", (ground(-2.0, 2.0, 0.5), cuboid("block", (-0.1, -0.2, 0.0), (0.1, 0.2, 0.8))), 2000, amplitude=amplitude)
+
+
 def tower(count: int, amplitude: float = 0.1, side: float = 0.5, height: float = 0.25) -> BenchScene:
     """Cuboids on top of each other [m]."""
     half = side / 2
@@ -137,6 +142,7 @@ def church(block_length: float, amplitude: float = 0.2) -> BenchScene:
 
 
 SCENES = {
+    "block": block,
     "arch27": lambda: arch(27),
     "tower50": lambda: tower(50),
     "tower50-rest": lambda: tower(50, amplitude=0.0),

@@ -37,6 +37,7 @@ import time
 from collections.abc import Callable, Iterator
 from functools import cache, cached_property, partial
 from importlib import import_module
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -135,8 +136,7 @@ class Kernel:
 class Entry(Kernel):
     """A function that Python calls, and other kernels too. The arguments are those of a Kernel."""
 
-    def __call__(self, *arguments: Any) -> Any:
-        return self._call(*arguments)
+    __call__ = property(attrgetter("_call"))  # a method would be one more frame of Python in each call
 
     @cached_property
     def _call(self) -> Callable[..., Any]:

@@ -28,7 +28,7 @@ def test_scenes_have_the_sizes_that_they_are_known_by():
     assert [len(scene(name).blocks) for name in ("tower50", "wall10x10", "arcade3", "arch27")] == [51, 106, 69, 28]
     assert len(arcade(50).blocks) == 1009
     assert len(scene("wall4x3").blocks) == 1 + 4 + 5 + 4
-    with pytest.raises(ValueError, match='no scene "wall4"; known: arch27'):
+    with pytest.raises(ValueError, match='no scene "wall4"; known: block, arch27'):
         scene("wall4")
 
 
@@ -42,6 +42,14 @@ def test_voussoirs_fill_the_ring():
     free = [block for block in arch(9, ratio=0.2).blocks if not block.fixed]
     volume = sum(mass_properties(block.vertices, block.faces).volume for block in free)
     assert volume == pytest.approx(0.5 * 9 * (5.5**2 - 4.5**2) * np.sin(np.pi / 9))  # nine straight-edged sectors
+
+
+def test_the_block_rocks_to_both_sides_and_stands():
+    machine, lean = stepper(scene("block"), 1000), []
+    for _ in range(1000):
+        machine.step()
+        lean.append(machine.state.orientation[1, 2])  # half the angle
+    assert -0.1 < min(lean) < -0.01 < 0.01 < max(lean) < 0.1  # half of the corner's lies at 0.12
 
 
 def test_a_peer_gets_the_same_blocks_and_a_base_that_starts_from_rest(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -46,6 +47,39 @@ def twice(x):
     return 2 * x
 
 
+class Shelf(NamedTuple):
+    upper: np.ndarray
+    lower: np.ndarray
+
+
+@kernel()
+def _filled(shelf, value):
+    if value < 0.0:
+        return np.empty(0)
+    room = np.full(2, value)
+    shelf.upper[:] = room[0]
+    shelf.lower[:] = room[0] + room[1]
+    return room
+
+
+@kernel()
+def _filled_twice(shelf):
+    return _filled(shelf, -1.0).sum() + _filled(shelf, 1.0).sum()
+
+
+@kernel()
+def _handed_on(shelf, x, times):
+    for _ in range(times):
+        x, shelf = shelf.lower, Shelf(x, shelf.upper)
+    return x, shelf
+
+
+@entry()
+def fill_and_turn(shelf: Shelf, x: np.ndarray, times: int) -> tuple[np.ndarray, Shelf]:
+    _filled_twice(shelf)
+    return _handed_on(shelf, x, times)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def empty_store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Kernels are compiled here: one that is loaded has no intermediate code to look at."""
@@ -88,6 +122,28 @@ def test_kernels_are_given_to_kernels_under_a_name_without_an_address() -> None:
     """Dispatcher._type, lower_constant."""
     assert plus_one(1.0) == 2.0
     assert numba.typeof(_plus.inner).name == f"{__name__}._plus"
+
+
+def test_no_references_are_counted_to_arguments() -> None:
+    """Lower.lower_assign, Lower.delvar."""
+    fill_and_turn(Shelf(np.zeros(2), np.zeros(2)), np.zeros(2), 0)
+    (version,) = _filled_twice.inner.overloads.values()
+    own = str(version.library._final_module.get_function(version.fndesc.mangled_name))
+    assert "_filled" in own and own.count("NRT_decref") == 2  # to the arrays that it gets
+    assert "NRT_incref" not in own
+
+
+def test_what_is_handed_on_or_assigned_anew_is_held() -> None:
+    """Three arrays that change places three times are in their own again; nothing is lost, and nothing stays behind."""
+    given = [np.full(2, value) for value in (3.0, 4.0, 5.0)]
+    fill_and_turn(Shelf(*given[:2]), given[2], 1)
+    counts = [sys.getrefcount(array) for array in given]
+    for times in range(300):
+        x, shelf = fill_and_turn(Shelf(*given[:2]), given[2], times)
+        places = [shelf.upper, shelf.lower, x]
+        assert [place[0] for place in places[times % 3 :] + places[: times % 3]] == [1.0, 2.0, 5.0]
+        del x, shelf, places
+    assert [sys.getrefcount(array) for array in given] == counts
 
 
 def test_settings_are_equal_as_numba_s_own_are() -> None:

@@ -14,6 +14,8 @@ correction is the work of lifting blocks out of overlaps, beside the balance.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from masonry_cd.foundation.jit import entry
@@ -44,28 +46,26 @@ def account(system: System, last: Motion, made: StepProblem, impulse: np.ndarray
     """Add the work and the losses of a step to the account of the run; ``impulse`` (C, m) is that of the step [N s]."""
     predicted, loads, totals, begun = made.predicted, made.predicted.loads, dict(last.energy.totals), last.energy.begun
     elastic = NONE_ELASTIC if made.springs is None else made.springs.elastic
-    before, after = Velocities(last.v, loads.support_before), Velocities(new.motion.v, loads.support_after)
-    friction, impact, base = dissipation(made.rows, elastic, impulse, before, after)
+    before, after = Velocities(last.v, loads.support_before), Velocities(new.v, loads.support_after)
+    weights = Weights(system.free_mass, loads.acceleration, last.state.position, new.state.position, new.lifted)
+    friction, impact, base, gravity, correction = works(made.rows, elastic, impulse, before, after, weights)
     if predicted.carried_impulse is not None:
-        impact -= 0.5 * float(np.sum(predicted.carried_impulse * (last.v + new.motion.v)))
+        impact -= 0.5 * float(np.sum(predicted.carried_impulse * (last.v + new.v)))
     if system.laws is not None:
         begun += new.springs.before if last.steps == 0 else 0.0
         _book_springs(totals, new, totals["elastic"] - new.strains.before if last.steps else new.springs.before)
     totals["elastic"] = new.springs.after + new.strains.elastic
     totals["damping"] += new.strains.lost
     begun += new.strains.before if last.steps == 0 else 0.0
-    moved = new.motion.state.position - last.state.position
-    if new.lifted is not None:
-        moved = moved - new.lifted
-        totals["correction"] -= work_of_weight(system.assembly.mass, new.lifted, loads.acceleration)
     totals["kinetic"] = new.kinetic
     totals["friction"] += friction
     totals["impact"] += impact
     totals["base_work"] += base
-    totals["gravity_work"] += work_of_weight(system.free_mass, moved, loads.acceleration)
+    totals["gravity_work"] += gravity
+    totals["correction"] -= correction
     if predicted.force_impulse is not None:
-        totals["force_work"] += 0.5 * float(np.sum(predicted.force_impulse * (last.v + new.motion.v)))
-    totals["balance"] = begun + sum(totals[name] for name in WORKS) - sum(totals[name] for name in LOSSES)
+        totals["force_work"] += 0.5 * float(np.sum(predicted.force_impulse * (last.v + new.v)))
+    totals["balance"] = begun + sum(map(totals.__getitem__, WORKS)) - sum(map(totals.__getitem__, LOSSES))
     return EnergyBalance(totals, begun)
 
 
@@ -76,20 +76,21 @@ def _book_springs(totals: dict[str, float], new: Update, elastic: float) -> None
     totals["damping"] += work.taken - work.friction - (work.after - elastic)
 
 
-@entry()
-def work_of_weight(mass: np.ndarray, moved: np.ndarray, acceleration: np.ndarray) -> float:
-    """Work [J] of a body acceleration (3,) on masses (B,) that are moved by (B, 3) [m]."""
-    work = 0.0
-    for b in range(len(mass)):
-        work += mass[b] * (moved[b, 0] * acceleration[0] + moved[b, 1] * acceleration[1] + moved[b, 2] * acceleration[2])
-    return work
+class Weights(NamedTuple):
+    """What a body acceleration works on: B blocks that have moved, lifted out of overlaps or not."""
+
+    mass: np.ndarray  # (B,) [kg]; 0: a support
+    acceleration: np.ndarray  # (3,) [m/s2]
+    begin: np.ndarray  # (B, 3) positions at the beginning of the step [m]
+    end: np.ndarray  # (B, 3) at its end
+    lifted: np.ndarray  # (B, 3) of that way out of overlaps; (0, 3): none was
 
 
 @entry()
-def dissipation(
-    rows: ContactRows, elastic: np.ndarray, impulse: np.ndarray, before: Velocities, after: Velocities
-) -> tuple[float, float, float]:
-    """What rigid contacts lost in friction and in impacts, and the work of the supports, over a step: three numbers [J].
+def works(
+    rows: ContactRows, elastic: np.ndarray, impulse: np.ndarray, before: Velocities, after: Velocities, weights: Weights
+) -> tuple[float, float, float, float, float]:
+    """What rigid contacts lost in friction and in impacts, the work of the supports, of the weights, and of these in lifting [J].
 
     elastic (C,) bool: springs, whose losses are not counted here, (0,) if there are none; impulses (C, m) [N s]; velocities at the
     beginning and the end of the step.
@@ -107,4 +108,12 @@ def dissipation(
                 else:
                     friction -= impulse[c, i] * (motion + base)
             base_work -= impulse[c, i] * base
-    return friction, impact, base_work
+    begin, end, lifted, a = weights.begin, weights.end, weights.lifted, weights.acceleration
+    work, lifting = 0.0, 0.0
+    for b in range(len(begin)):
+        x, y, z = end[b, 0] - begin[b, 0], end[b, 1] - begin[b, 1], end[b, 2] - begin[b, 2]
+        if len(lifted):
+            x, y, z = x - lifted[b, 0], y - lifted[b, 1], z - lifted[b, 2]
+            lifting += weights.mass[b] * (lifted[b, 0] * a[0] + lifted[b, 1] * a[1] + lifted[b, 2] * a[2])
+        work += weights.mass[b] * (x * a[0] + y * a[1] + z * a[2])
+    return friction, impact, base_work, work, lifting

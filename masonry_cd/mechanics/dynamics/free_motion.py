@@ -58,7 +58,8 @@ class Prediction(NamedTuple):
 
 def predict(system: System, last: Motion, loads: StepLoads) -> Prediction:
     """Move the blocks to q_m, and find their free velocities."""
-    h, blocks, state, momentum = system.constants.step, system.blocks, last.state.copy(), last.angular_momentum
+    h, blocks, now, momentum = system.constants.step, system.blocks, last.state, last.angular_momentum
+    state = State(now.time, now.position.copy(), now.orientation.copy(), now.velocity, now.strain)
     bodies, n = len(system.reach), system.unknowns
     rotation, inverse_mass, v_free = np.empty((len(momentum), 3, 3)), np.empty((bodies, n, n)), np.empty((bodies, n))
     at_q_m = Moved(state.position, state.orientation, rotation, inverse_mass, v_free)

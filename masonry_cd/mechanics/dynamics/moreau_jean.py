@@ -223,14 +223,17 @@ class Stepper:
         found = detect(system, self.detector, predicted, last.steps + 1)
         made = assemble(system, last, predicted, found)
         solved = solve(system, made, self.islands, last.steps + 1, self.watch)
-        new = update(system, last, made, solved.solution.impulse, solved.carried_impulse)
-        energy = account(system, last, made, solved.solution.impulse, new)
-        obeyed = solved.solution.impulse if solved.blow is None else solved.blow
-        violation, false_slip = find_violations(system, made, obeyed, new.motion.v, last.false_slip)
-        self.motion = new.motion._replace(energy=energy, false_slip=false_slip)
+        impulse = solved.solution.impulse
+        new = update(system, last, made, impulse)
+        energy = account(system, last, made, impulse, new)
+        violation, false_slip = find_violations(system, made, impulse if solved.blow is None else solved.blow, new.v, last.false_slip)
+        self.motion = Motion(
+            new.state, new.angular_momentum, new.v, new.impulse, solved.carried_impulse, false_slip, new.joints, predicted.tensions,
+            predicted.yielded, energy, last.steps + 1, last.ticks + ticks, last.span,
+        )  # fmt: skip
         self.last, self.solution = made, solved.solution
         self.load_step += ticks
-        return self._report(made, solved, new.deepest, begin)._replace(violation=violation)
+        return self._report(made, solved, new.deepest, violation, begin)
 
     def _set_length(self, ticks: int) -> None:
         """Make steps of some ticks from here on; the impulses that the next one starts from grow with its length."""
@@ -254,7 +257,7 @@ class Stepper:
         found = detect(self.system, deepcopy(self.detector), predicted, self.steps + 1)
         return assemble(self.system, self.motion, predicted, found)
 
-    def _report(self, made: StepProblem, solved: Solved, deepest: Overlap, begin: float) -> StepReport:
+    def _report(self, made: StepProblem, solved: Solved, deepest: Overlap, violation: Violation, begin: float) -> StepReport:
         """What the step cost that began at a reading of the clock."""
         met = solved.error <= self.settings.tolerance
         closing = None if met else still_closing(self.system, made, self.motion.v)
@@ -272,6 +275,7 @@ class Stepper:
             closing,
             not met and solved.error <= self.settings.accepted,
             largest_shortening(made),
+            violation,
         )
 
     @property

@@ -14,10 +14,12 @@ from masonry_cd.foundation.jit import entry
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays
 from masonry_cd.mechanics.dynamics.free_motion import drift, turned_tensor
 from masonry_cd.mechanics.dynamics.joint_history import SpringWork, carried_over
+from masonry_cd.mechanics.dynamics.joint_law import JointMemory
 from masonry_cd.mechanics.dynamics.overlaps import Overlap, correct_overlaps, deepest_overlap
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.strain import StrainWork
 from masonry_cd.mechanics.dynamics.system import Motion, System
+from masonry_cd.mechanics.model.state import State
 
 
 class RunStopped(RuntimeError):
@@ -25,17 +27,31 @@ class RunStopped(RuntimeError):
 
 
 class Update(NamedTuple):
-    """The end of a step."""
+    """The end of a step, but for its energies."""
 
-    motion: Motion  # whose energies are still those of the last step
+    state: State
+    angular_momentum: np.ndarray  # (B, 3) of the free blocks [kg m2/s]
+    v: np.ndarray  # (F, n)
+    impulse: np.ndarray  # (N, m) of all contacts found, one row at least [N s]
+    joints: JointMemory
     kinetic: float  # energy of the free blocks [J]
     deepest: Overlap  # at q_m
-    lifted: np.ndarray | None  # (B, 3) shifts that took overlaps away [m]
+    lifted: np.ndarray  # (B, 3) shifts that took overlaps away [m]; (0, 3): there were none
     springs: SpringWork
     strains: StrainWork
 
 
-def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray, carried: np.ndarray | None) -> Update:
+class EndOfStep(NamedTuple):
+    """What the kernel carries from q_m to the end of the step, for B blocks, and the impulses that it hands on."""
+
+    position: np.ndarray  # (B, 3) [m]
+    orientation: np.ndarray  # (B, 4)
+    velocity: np.ndarray  # (B, 6) [m/s, rad/s]
+    angular_momentum: np.ndarray  # (B, 3) [kg m2/s]
+    impulse: np.ndarray  # (N, m) of all contacts found [N s]
+
+
+def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray) -> Update:
     """Take the impulses of a step (C, m) [N s] into the state.
 
     Args:
@@ -43,34 +59,26 @@ def update(system: System, last: Motion, made: StepProblem, impulse: np.ndarray,
         last: motion before the step.
         made: the problem of the step.
         impulse: its solution.
-        carried: (F, n) generalised impulse for the next step.
 
     Raises:
         RunStopped: a velocity is not finite.
     """
-    predicted, h = made.predicted, system.constants.step
-    every = np.zeros((max(1, len(made.found.gap)), system.rows))
-    every[made.rows.active] = impulse
-    v, state, momentum = made.problem.body_velocity(impulse), predicted.state.copy(), predicted.angular_momentum.copy()
-    kinetic = take_velocities(
-        system.blocks, predicted.rotation, v, made.problem.v_free, predicted.loads.support_after, state.velocity, momentum
-    )
-    if not math.isfinite(kinetic):
-        raise RunStopped(f"step {last.steps + 1}: {_what_broke(system, made, state.velocity, impulse)}")
+    predicted, v = made.predicted, made.problem.body_velocity(impulse)
+    loads, middle, momentum = predicted.loads, predicted.state, predicted.angular_momentum.copy()
+    time = (last.ticks + loads.ticks) * system.settings.dt
+    state = State(time, middle.position.copy(), middle.orientation.copy(), middle.velocity.copy(), middle.strain)
     deepest = deepest_overlap(made)
     lifted = correct_overlaps(system, made, deepest, state)
-    drift(state.position, state.orientation, state.velocity, h * system.settings.theta)
+    every = np.empty((max(1, len(made.found.gap)), system.rows))
+    end, rest = EndOfStep(state.position, state.orientation, state.velocity, momentum, every), system.constants.step * system.settings.theta
+    kinetic = move_on(system.blocks, predicted.rotation, v, made.problem.v_free, loads.support_after, made.rows.active, impulse, rest, end)
+    if not math.isfinite(kinetic):
+        raise RunStopped(f"step {last.steps + 1}: {_what_broke(system, made, state.velocity, impulse)}")
     if system.strains is not None:
         state.strain = system.strains.after(state.strain, v)
-    ticks = predicted.loads.ticks
-    state.time = (last.ticks + ticks) * system.settings.dt
     joints, springs = carried_over(system, last, made, v, impulse)
-    motion = last._replace(
-        state=state, angular_momentum=momentum, v=v, impulse=every, carried_impulse=carried, joints=joints,
-        tensions=predicted.tensions, yielded=predicted.yielded, steps=last.steps + 1, ticks=last.ticks + ticks,
-    )  # fmt: skip
     strains = StrainWork() if system.strains is None else system.strains.work(last.state.strain, state.strain, last.v, v)
-    return Update(motion, kinetic + strains.kinetic, deepest, lifted, springs, strains)
+    return Update(state, momentum, v, every, joints, kinetic + strains.kinetic, deepest, lifted, springs, strains)
 
 
 def _what_broke(system: System, made: StepProblem, velocity: np.ndarray, impulse: np.ndarray) -> str:
@@ -94,24 +102,26 @@ def _worst_contact(system: System, made: StepProblem, impulse: np.ndarray) -> st
 
 
 @entry()
-def take_velocities(
+def move_on(
     blocks: BlockArrays,
     rotation: np.ndarray,
     v: np.ndarray,
     v_free: np.ndarray,
     support_velocity: np.ndarray,
-    velocity: np.ndarray,
-    momentum: np.ndarray,
+    active: np.ndarray,
+    impulse: np.ndarray,
+    time: float,
+    end: EndOfStep,
 ) -> float:
-    """Write velocities into the state: ``velocity`` (B, 6), and angular momenta (B, 3), to which I (w - w_free) is added.
+    """Move the blocks of ``end``, which are at q_m, for a time [s] by the velocities after contact, which it gets as well.
 
-    ``blocks``: BlockArrays; rotations (B, 3, 3) at q_m, velocities of the free blocks with contact and without (F, n), of the supports
-    (S, 3).
+    Rotations (B, 3, 3) at q_m, velocities of the free blocks with contact and without (F, n), of the supports (S, 3); impulses (C, m) and
+    the places of their contacts (C,) among all found. I (w - w_free) is added to the angular momenta.
 
     Returns:
         the kinetic energy of the free blocks [J].
     """
-    free_index, columns = blocks.free_index, blocks.columns
+    free_index, columns, velocity, momentum = blocks.free_index, blocks.columns, end.velocity, end.angular_momentum
     kinetic = 0.0
     world = np.empty((3, 3))
     change = np.zeros(6)
@@ -128,4 +138,9 @@ def take_velocities(
         for d in range(3):
             momentum[b, d] += world[d, 0] * change[3] + world[d, 1] * change[4] + world[d, 2] * change[5]
             kinetic += 0.5 * (blocks.mass[b] * velocity[b, d] ** 2 + momentum[b, d] * velocity[b, 3 + d])
+    drift(end.position, end.orientation, velocity, time)
+    end.impulse[:] = 0.0
+    for c in range(len(active)):
+        for i in range(impulse.shape[1]):
+            end.impulse[active[c], i] = impulse[c, i]
     return kinetic

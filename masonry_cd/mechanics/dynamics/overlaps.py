@@ -25,6 +25,7 @@ from masonry_cd.mechanics.model.state import State
 OVERLAP = 1e-6  # overlaps up to this share of the smallest width are left alone, or those of the joints as built
 CORRECTED = 0.2  # share of what is beyond that which one step takes away
 SWEEPS = 20  # of Gauss-Seidel
+NOT_LIFTED = np.zeros((0, 3))
 
 
 class Overlap(NamedTuple):
@@ -39,11 +40,12 @@ def left_alone(system: System) -> float:
     return max(OVERLAP * system.width, system.inexact)
 
 
-def correct_overlaps(system: System, made: StepProblem, deepest: Overlap, state: State) -> np.ndarray | None:
-    """Take a share of the overlaps away by moving the blocks of a state, in place; return the shifts (B, 3) [m], None for none."""
-    gap, problem, allowed = made.rigid_gap, made.problem, left_alone(system)
+def correct_overlaps(system: System, made: StepProblem, deepest: Overlap, state: State) -> np.ndarray:
+    """Take a share of the overlaps away by moving the blocks of a state, in place; return the shifts (B, 3) [m], (0, 3) for none."""
+    allowed = left_alone(system)
     if deepest.depth < allowed:
-        return None
+        return NOT_LIFTED
+    gap, problem = made.rigid_gap, made.problem
     if len(gap) < problem.contacts:
         problem = problem.subset(made.rigid)
     k = len(system.blocks.columns)  # no strain is changed

@@ -28,6 +28,8 @@ from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.system import System
 from masonry_cd.mechanics.linalg.threads import in_shares
 
+UNBONDED = np.zeros(0)
+
 
 class Violation(NamedTuple):
     """What a step leaves of the contact laws."""
@@ -72,7 +74,7 @@ def find_violations(
         before: false slip of all contacts of the last step [m].
     """
     p, count, h = made.problem, made.problem.contacts, system.constants.step
-    bond = np.zeros(0) if made.springs is None else made.springs.bond
+    bond = UNBONDED if made.springs is None else made.springs.bond
     laws = ContactLaws(p.bodies, p.jacobian, p.offset, p.mu, p.compliance, p.inverse_mass, bond)
     after = np.zeros((max(1, len(made.found.gap)), system.rows - 1))
     slips = FalseSlip(made.rows.active, made.found.previous, before, after)
