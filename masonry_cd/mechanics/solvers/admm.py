@@ -69,7 +69,7 @@ from masonry_cd.mechanics.linalg.ordering import FIELDS, Pattern
 from masonry_cd.mechanics.linalg.threads import run_by_team
 from masonry_cd.mechanics.solvers.admm_kernels import admm_bodies
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, allocate_workspace
-from masonry_cd.mechanics.solvers.contact_partition import partition_contacts
+from masonry_cd.mechanics.solvers.contact_partition import group_contacts
 from masonry_cd.mechanics.solvers.local_kernels import admm_local
 from masonry_cd.mechanics.solvers.options import Options
 
@@ -145,7 +145,7 @@ class Memory:
     bodies: np.ndarray  # (C, 2) of the contacts of the factors
     squares: np.ndarray  # of D^-1, flat, in single precision
     panels: np.ndarray  # of L, flat, in single precision
-    rho: np.ndarray  # (C,) R, subtree by subtree
+    rho: np.ndarray  # (C,) R
     tally: Tally
 
     @classmethod
@@ -195,14 +195,14 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     memory, index, block = recall(given, start)
     pattern, tally, k = memory.pattern, memory.tally, memory.tally.next_k()
     settings = AdmmSettings(k, (OPEN, SLIDES), tally.stale or k != tally.k, moving, tally.rate, options.tolerance, limit)
-    partition = partition_contacts(given, index, block, pattern.symbolic, size_of_twist(given.jacobian, given.bodies))
-    work = allocate_workspace(given, pattern, partition, (memory.squares, memory.panels, memory.rho))
+    groups = group_contacts(given, index, block, pattern.symbolic, size_of_twist(given.jacobian, given.bodies))
+    work = allocate_workspace(given, pattern, groups, (memory.squares, memory.panels, memory.rho))
     threads = min(options.threads, int(pattern.symbolic.level[1]))  # as many as there are subtrees at first, at most
     iterations, error, k_end, factorisations, tally.rate = run_by_team(
         admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity
     )
     tally.learn(k, k_end, iterations, factorisations)
-    return Solution(impulse, velocity, iterations, _reason(error, options, iterations < limit), memory.arrays())
+    return Solution(impulse, velocity, iterations, _reason(error, options, iterations < limit), memory.arrays(), error)
 
 
 def recall(given: ProblemArrays, start: Solution | None) -> tuple[Memory, np.ndarray, np.ndarray]:
