@@ -25,7 +25,7 @@ class Factors:
     bodies: np.ndarray  # (C, 2) of the contacts of the factors
     squares: np.ndarray  # of D^-1, flat, in single precision
     panels: np.ndarray  # of L, flat, in single precision
-    rho: np.ndarray  # (C,) R, subtree by subtree
+    rho: np.ndarray  # (C,) R
 
     @classmethod
     def empty(cls, pattern: Pattern, bodies: np.ndarray, n: int) -> Factors:

@@ -4,16 +4,20 @@ The compiler makes such instructions of loops along an array, but not of product
 spends most of its time. A kernel that loads, multiplies and stores four or eight entries at a time takes half of the time there, or less.
 Where the registers of a processor are shorter the compiler takes them apart; where it has no fused multiplication and addition it rounds
 twice.
+
+Python's operators work on lanes, place by place, and between lanes and a float. Where one place would take another branch than its
+neighbour both are computed, and :func:`where_at_most` picks.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import operator
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic, models, register_model
+from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
 
 from masonry_cd.foundation.jit import kernel
 from masonry_cd.mechanics.linalg.intrinsics import declared
@@ -40,6 +44,9 @@ class _InRegister(models.PrimitiveModel):
 
     def __init__(self, manager: Any, kind: Lanes) -> None:
         super().__init__(manager, kind, kind.vector)
+
+
+_DOUBLES = Lanes(types.float64, 4)
 
 
 def _filler(count: int) -> Callable[..., Any]:
@@ -142,6 +149,169 @@ def store_six(matrix, row, column, six):
     """Put six floats into a row of a contiguous matrix from a column on."""
     store_lanes(matrix, row, column, six[0])
     store_lanes(matrix, row, column + 4, six[1])
+
+
+# Four items side by side, each with its row of a matrix: their rows are gathered into lanes, one register a column, and lanes added to them.
+
+LANES = 4
+
+
+def _let_operate(operation: Callable[..., Any], instruction: str) -> None:
+    """Give an operator of Python between lanes, or lanes and a float."""
+
+    @type_callable(operation)
+    def typer_of(_: Any) -> Callable[..., Any]:
+        def typer(a: Any, b: Any) -> Any:
+            lanes = a if isinstance(a, Lanes) else b
+            return lanes if isinstance(lanes, Lanes) and all(kind in (lanes, lanes.dtype) for kind in (a, b)) else None
+
+        return typer
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        kind = signature.return_type.vector
+        return getattr(builder, instruction)(*(x if x.type == kind else _spread(builder, kind, x) for x in arguments))
+
+    for kinds in ((Lanes, Lanes), (Lanes, types.Float), (types.Float, Lanes)):
+        lower_builtin(operation, *kinds)(generate)
+
+
+for _operation, _instruction in (
+    (operator.add, "fadd"),
+    (operator.iadd, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _let_operate(_operation, _instruction)
+
+
+@intrinsic
+def root_of(typing: Any, lanes: Lanes) -> Any:
+    """Square roots."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        name = f"llvm.sqrt.v{lanes.count}f{lanes.dtype.bitwidth}"
+        return builder.call(declared(builder, ir.FunctionType(lanes.vector, [lanes.vector]), name), arguments)
+
+    return lanes(lanes), generate
+
+
+@intrinsic
+def where_at_most(typing: Any, x: Lanes, y: Lanes, yes: Lanes, no: Lanes) -> Any:
+    """The places of ``yes`` where x <= y, and of ``no`` elsewhere, where one of the two is not a number too."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.select(builder.fcmp_ordered("<=", arguments[0], arguments[1]), arguments[2], arguments[3])
+
+    return x(x, x, x, x), generate
+
+
+@intrinsic
+def sum_of(typing: Any, lanes: Lanes) -> Any:
+    """The sum of all places, one after the other."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        total, *others = (builder.extract_element(arguments[0], _INDEX(k)) for k in range(lanes.count))
+        for other in others:
+            total = builder.fadd(total, other)
+        return total
+
+    return lanes.dtype(lanes), generate
+
+
+@intrinsic
+def gather(typing: Any, matrix: types.Array, rows: types.Array, group: types.Integer, first: types.Integer, column: types.Integer) -> Any:
+    """Entries of a column of a contiguous matrix, in double precision, of the rows that stand in rows[group, first : first + LANES]."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        out = ir.Constant(_DOUBLES.vector, ir.Undefined)
+        for k, address in enumerate(_addresses(context, builder, signature, arguments)):
+            value = builder.load(address)
+            out = builder.insert_element(out, value if matrix.dtype == types.float64 else builder.fpext(value, ir.DoubleType()), _INDEX(k))
+        return out
+
+    return (_DOUBLES(matrix, rows, group, first, column), generate) if _is_plain(matrix) else None
+
+
+@intrinsic
+def scatter(
+    typing: Any, matrix: types.Array, rows: types.Array, group: types.Integer, first: types.Integer, column: types.Integer, lanes: Lanes
+) -> Any:
+    """Add lanes to the entries that :func:`gather` gives, one after the other: two of the rows may be the same."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        for k, address in enumerate(_addresses(context, builder, signature, arguments)):
+            builder.store(builder.fadd(builder.load(address), builder.extract_element(arguments[5], _INDEX(k))), address)
+        return context.get_dummy_value()
+
+    return (types.void(matrix, rows, group, first, column, lanes), generate) if _is_plain(matrix) else None
+
+
+@intrinsic
+def gather_six(typing: Any, matrix: types.Array, rows: types.Array, group: types.Integer, first: types.Integer) -> Any:
+    """The six columns of the rows that stand in rows[group, first : first + LANES], as :func:`gather` gives each."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        four, two = [], []
+        for address in _addresses(context, builder, signature, (*arguments, None)):
+            for parts, kind, at in ((four, Lanes(matrix.dtype, 4), 0), (two, Lanes(matrix.dtype, 2), 4)):
+                part = builder.bitcast(builder.gep(address, [_INDEX(at)]), kind.vector.as_pointer())
+                values = builder.load(part, align=matrix.dtype.bitwidth // 8)
+                parts.append(_cast(builder, values, Lanes(types.float64, kind.count).vector))
+        last = (_shuffled(builder, two[0], two[2], range(4)), _shuffled(builder, two[1], two[3], range(4)))
+        return context.make_tuple(builder, signature.return_type, [*_transposed(builder, four), *_pairs(builder, *last)])
+
+    return (types.UniTuple(_DOUBLES, 6)(matrix, rows, group, first), generate) if _is_plain(matrix) else None
+
+
+@intrinsic
+def scatter_six(
+    typing: Any, matrix: types.Array, rows: types.Array, group: types.Integer, first: types.Integer, six: types.UniTuple
+) -> Any:
+    """Add six columns of lanes to the rows of :func:`gather_six`, as :func:`scatter` adds one."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        columns = [builder.extract_value(arguments[4], k) for k in range(6)]
+        even, odd = _pairs(builder, columns[4], columns[5])
+        four = _transposed(builder, columns[:4])
+        two = [_shuffled(builder, pairs, pairs, part) for part in ((0, 1), (2, 3)) for pairs in (even, odd)]
+        for k, address in enumerate(_addresses(context, builder, signature, (*arguments[:4], None))):
+            for values, at in ((four[k], 0), (two[k], 4)):
+                part = builder.bitcast(builder.gep(address, [_INDEX(at)]), values.type.as_pointer())
+                builder.store(builder.fadd(builder.load(part, align=8), values), part, align=8)
+        return context.get_dummy_value()
+
+    return (types.void(matrix, rows, group, first, six), generate) if _is_plain(matrix) and matrix.dtype == types.float64 else None
+
+
+def _shuffled(builder: Any, a: Any, b: Any, places: Sequence[int]) -> Any:
+    """Some places of two vectors, counted through both."""
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INDEX, len(places)), list(places)))
+
+
+def _pairs(builder: Any, a: Any, b: Any) -> tuple[Any, Any]:
+    """The even and the odd places of four in a and b, in turn."""
+    return _shuffled(builder, a, b, (0, 4, 2, 6)), _shuffled(builder, a, b, (1, 5, 3, 7))
+
+
+def _transposed(builder: Any, rows: Sequence[Any]) -> list[Any]:
+    """The columns of four rows of four."""
+    (e0, o0), (e1, o1) = _pairs(builder, rows[0], rows[1]), _pairs(builder, rows[2], rows[3])
+    return [_shuffled(builder, a, b, part) for part in ((0, 1, 4, 5), (2, 3, 6, 7)) for a, b in ((e0, e1), (o0, o1))]
+
+
+def _addresses(context: Any, builder: Any, signature: Any, arguments: Any) -> list[Any]:
+    """Where the entries of :func:`gather` are, its arguments; those of column 0 where that is None."""
+    matrix, rows = (context.make_array(signature.args[k])(context, builder, arguments[k]) for k in range(2))
+    group, first = (context.cast(builder, arguments[k], signature.args[k], types.intp) for k in (2, 3))
+    at = builder.gep(rows.data, [builder.add(builder.mul(group, builder.extract_value(rows.shape, 1)), first)])
+    found = []
+    for k in range(LANES):
+        entry = builder.mul(builder.load(builder.gep(at, [_INDEX(k)])), builder.extract_value(matrix.shape, 1))
+        if arguments[4] is not None:
+            entry = builder.add(entry, context.cast(builder, arguments[4], signature.args[4], types.intp))
+        found.append(builder.gep(matrix.data, [entry]))
+    return found
 
 
 def _is_plain(matrix: Any) -> bool:

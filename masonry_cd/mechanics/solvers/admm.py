@@ -68,7 +68,7 @@ from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.threads import run_by_team
 from masonry_cd.mechanics.solvers.admm_kernels import admm_bodies
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, allocate_workspace
-from masonry_cd.mechanics.solvers.contact_partition import partition_contacts
+from masonry_cd.mechanics.solvers.contact_partition import group_contacts
 from masonry_cd.mechanics.solvers.local_kernels import admm_local
 from masonry_cd.mechanics.solvers.options import Options
 
@@ -126,14 +126,14 @@ def _solve_bodies(problem: FrictionProblem, options: Options, impulse: np.ndarra
     state, factors, index, block = recall(given, start)
     pattern, learnt, k = factors.pattern, state.learnt, next_k(state.learnt)
     settings = AdmmSettings(k, (OPEN, SLIDES), learnt.stale or k != learnt.k, moving, learnt.rate, options.tolerance, limit)
-    partition = partition_contacts(given, index, block, pattern.symbolic, size_of_twist(given.jacobian, given.bodies))
-    work = allocate_workspace(given, pattern, partition, (factors.squares, factors.panels, factors.rho))
+    groups = group_contacts(given, index, block, pattern.symbolic, size_of_twist(given.jacobian, given.bodies))
+    work = allocate_workspace(given, pattern, groups, (factors.squares, factors.panels, factors.rho))
     threads = min(options.threads, int(pattern.symbolic.level[1]))  # as many as there are subtrees at first, at most
     iterations, error, k_end, factorisations, rate = run_by_team(
         admm_bodies, threads, given, pattern.order, work, settings, impulse, velocity
     )
     state = replace(state, learnt=learn(replace(learnt, rate=rate), k, k_end, iterations, factorisations))
-    return Solution(impulse, velocity, iterations, _reason(error, options, iterations < limit), state)
+    return Solution(impulse, velocity, iterations, _reason(error, options, iterations < limit), state, error)
 
 
 def recall(given: ProblemArrays, start: Solution | None) -> tuple[SolverState, Factors, np.ndarray, np.ndarray]:

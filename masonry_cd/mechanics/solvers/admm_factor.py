@@ -5,17 +5,33 @@ from __future__ import annotations
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, kernel
-from masonry_cd.mechanics.friction.coulomb_law import tangent_length
-from masonry_cd.mechanics.friction.joint_twists import add_up_stiffness, rows_of_twist, twist_of, velocity_at
-from masonry_cd.mechanics.friction.operators import has_unit_masses, unknowns_at
+from masonry_cd.mechanics.friction.contact_groups import (
+    COMPLIANCE,
+    MU,
+    OFFSET,
+    SCALE,
+    STIFFNESS,
+    add_up_stiffness,
+    field,
+    length_of,
+    put_stiffness,
+    rows_of_twist,
+    three,
+    twist_of,
+    velocity_at,
+)
+from masonry_cd.mechanics.friction.operators import has_unit_masses
 from masonry_cd.mechanics.linalg.cholesky import factorise_by_team, factorise_cholesky
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of, share_of_subtrees
-from masonry_cd.mechanics.linalg.small_blocks import copy_flat, is_wide
+from masonry_cd.mechanics.linalg.small_blocks import add_outer_product, copy_flat, is_wide
 from masonry_cd.mechanics.linalg.supernodes import has_single_columns
 from masonry_cd.mechanics.linalg.threads import wait
+from masonry_cd.mechanics.linalg.triples import minus, plus, scaled
+from masonry_cd.mechanics.linalg.vectors import LANES, fill_four, root_of, sum_of, where_at_most
 from masonry_cd.mechanics.linalg.wide_columns import add_turned_product
 
 SLIDING = 300.0  # k below which much slides
+SAME = 1e-12  # square of how far apart two R may be by rounding, relative to them
 
 
 @kernel()
@@ -46,117 +62,119 @@ def factorise_augmented(team, work, k, shares, p):
 @borrower()
 def choose_stiffness(work, q, k, shares, p):
     """R of the contacts of subtree q: k / d_c for rigid ones that stick, less for others, softer for elastic ones; see admm.py."""
-    problem, joints, rho = work.problem, work.partition.joints, work.factor.rho
-    d, compliance = problem.d, problem.compliance
-    for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
-        twist = twist_of_joint(work, g)
-        for c in range(joints.start[g], joints.start[g + 1]):
-            if len(compliance):
-                soft = compliance[c].sum() / compliance.shape[1]
-                own = d[c] - soft
-                rho[c] = 1.0 / (own / k + soft / np.sqrt(1.0 + soft / own))
-            else:
-                rho[c] = k / d[c] * (share_of_contact(work, twist, c, k, shares, p) if k < SLIDING else 1.0)
+    groups, rho = work.groups, work.factor.rho
+    for g in range(groups.subtree[q], groups.subtree[q + 1]):
+        twist = twist_of(groups, g, work.iterates.v, work.problem)
+        for row in range(groups.start[g], groups.start[g + 1]):
+            put_stiffness(groups.table, row, stiffness_of(work, row, twist, k, shares, p))
+            for lane in range(LANES):
+                if groups.contact[row, lane] >= 0:
+                    rho[groups.contact[row, lane]] = groups.table[row, LANES * STIFFNESS + lane]
+
+
+@borrower()
+def recall_stiffness(work, q):
+    """R of the contacts of subtree q as it was when the matrix was factorised last."""
+    groups, rho = work.groups, work.factor.rho
+    for row in range(groups.start[groups.subtree[q]], groups.start[groups.subtree[q + 1]]):
+        for lane in range(LANES):
+            c = groups.contact[row, lane]
+            groups.table[row, LANES * STIFFNESS + lane] = rho[c] if c >= 0 else 0.0
+        put_stiffness(groups.table, row, field(groups.table, row, STIFFNESS))
 
 
 @borrower()
 def count_changes(work, q, k, shares, p):
     """How many contacts of subtree q would have another R at the same k."""
-    problem, joints, rho, changed = work.problem, work.partition.joints, work.factor.rho, 0
-    if k >= SLIDING or len(problem.compliance):
-        return changed
-    for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
-        twist = twist_of_joint(work, g)
-        for c in range(joints.start[g], joints.start[g + 1]):
-            changed += rho[c] != k / problem.d[c] * share_of_contact(work, twist, c, k, shares, p)
-    return changed
+    groups, one, zero, changed = work.groups, fill_four(1.0), fill_four(0.0), fill_four(0.0)
+    if k >= SLIDING or work.problem.elastic:
+        return 0.0
+    for g in range(groups.subtree[q], groups.subtree[q + 1]):
+        twist = twist_of(groups, g, work.iterates.v, work.problem)
+        for row in range(groups.start[g], groups.start[g + 1]):
+            rho = field(groups.table, row, STIFFNESS)
+            off = rho - stiffness_of(work, row, twist, k, shares, p)
+            changed += where_at_most(off * off, SAME * rho * rho, zero, one)
+    return sum_of(changed)
 
 
-@kernel(inline="always")
-def twist_of_joint(work, g):
-    """The relative twist of joint g."""
-    a, b = work.partition.place[g, 0], work.partition.place[g, 1]
-    return twist_of(work.partition.joints, g, work.iterates.v, a, b, unknowns_at(work.problem, a, b))
-
-
-@kernel(inline="always")
-def share_of_contact(work, twist, c, k, shares, p):
-    """The share of k / d_c that rigid contact c has, by what it does: open, sticking or sliding."""
-    problem, (un, u1, u2) = work.problem, velocity_at(work.partition.joints, twist, c)
-    offset, mu, r, m = problem.offset, problem.mu[c], k / problem.d[c], len(problem.m)
-    un, u1, p2 = un + offset[c, 0], u1 + offset[c, 1], 0.0
-    if m == 3:
-        u2, p2 = u2 + offset[c, 2], p[c, 2]
-    normal, tangent = p[c, 0] - r * (un + mu * tangent_length(u1, u2)), tangent_length(p[c, 1] - r * u1, p2 - r * u2)
-    if mu * tangent <= -normal:
-        return shares[0]
-    return 1.0 if tangent <= mu * normal else shares[1]
+@borrower(forceinline=True, fastmath={"contract"})
+def stiffness_of(work, row, twist, k, shares, p):
+    """R of a row of contacts by k, their compliance and, of rigid ones where much slides, what they do; 0 in empty places."""
+    table, problem, zero = work.groups.table, work.problem, fill_four(0.0)
+    d, share = field(table, row, SCALE), fill_four(1.0)
+    if problem.elastic:
+        c0, c1, c2 = three(table, row, COMPLIANCE)
+        soft = (c0 + c1 + c2) * (1.0 / len(problem.m))
+        own = d - soft
+        return where_at_most(d, zero, zero, 1.0 / (own / k + soft / root_of(1.0 + soft / own)))
+    if k < SLIDING:
+        mu, old = field(table, row, MU), three(p, row, 0)
+        un, u1, u2 = scaled(k / d, plus(velocity_at(work.groups, row, twist), three(table, row, OFFSET)))
+        xn, x1, x2 = minus(old, (un + mu * length_of(u1, u2), u1, u2))
+        tangent = length_of(x1, x2)
+        share = where_at_most(tangent, mu * xn, share, fill_four(shares[1]))
+        share = where_at_most(mu * tangent, -1.0 * xn, fill_four(shares[0]), share)
+    return where_at_most(d, zero, zero, k / d * share)
 
 
 @kernel(fastmath={"contract"})
 def augment(work, q):
     """Blocks of M + H^T R H in the columns of subtree q; what its contacts add to diagonal blocks of later ones goes to ghost rows."""
-    symbolic, mass, partition, diagonal, lower = (
+    symbolic, problem, groups, diagonal, lower = (
         work.factor.symbolic,
-        work.problem.mass,
-        work.partition,
+        work.problem,
+        work.groups,
         work.factor.diagonal,
         work.factor.lower,
     )
-    place, target, block, joints = partition.place, partition.target, partition.block, partition.joints
-    s, n, bodies, (first, last) = len(joints.s), len(work.problem.n), len(mass), nodes_of(symbolic, q)
-    stiffness, rows, turned = np.empty((s, s)), np.empty((2, s, n)), np.empty((2, s, n))
+    s, n, (first, last) = len(groups.s), len(problem.n), nodes_of(symbolic, q)
+    stiffness, rows, turned = np.empty((s, s * LANES)), np.empty((2, s, n)), np.empty((2, s, n))
     lower[symbolic.column[first] : symbolic.column[last]] = 0.0
     clear_ghosts(symbolic, q, diagonal)
     for b in range(first, last):
         for p in range(n):
             for r in range(n):
-                diagonal[b, n * p + r] = (1.0 if p == r else 0.0) if has_unit_masses(work.problem) else mass[b, p, r]
-    for g in range(partition.joint[q], partition.joint[q + 1]):
-        add_up_stiffness(joints, g, work.factor.rho, stiffness)
-        rows_of_twist(joints, g, rows)
-        for side in range(2):
-            for i in range(s):
-                for p in range(n):
-                    total = 0.0
-                    for k in range(s):
-                        total += stiffness[i, k] * rows[side, k, p]
-                    turned[side, i, p] = total
-        a, b = target[g, 0], target[g, 1]
-        if is_wide(work.problem.n):
-            add_wide_joint(work, g, rows, turned)
-            continue
-        low = 0 if place[g, 0] > place[g, 1] else 1
-        for i in range(s):
-            for p in range(n):
-                x, y = turned[0, i, p], turned[1, i, p]
-                for t in range(n):
-                    if a != bodies:
-                        diagonal[a, n * p + t] += x * rows[0, i, t]
-                    if b != bodies:
-                        diagonal[b, n * p + t] += y * rows[1, i, t]
-                    if a == b != bodies:
-                        diagonal[a, n * p + t] += x * rows[1, i, t] + y * rows[0, i, t]
-                    if block[g] >= 0:
-                        lower[block[g], p, t] += turned[low, i, p] * rows[1 - low, i, t]
+                diagonal[b, n * p + r] = (1.0 if p == r else 0.0) if has_unit_masses(problem) else problem.mass[b, p, r]
+    for g in range(groups.subtree[q], groups.subtree[q + 1]):
+        add_up_stiffness(groups, g, stiffness)
+        for lane in range(LANES):
+            if groups.contact[groups.start[g], lane] < 0:
+                break
+            rows_of_twist(groups, g, lane, rows)
+            for side in range(2):
+                for i in range(s):
+                    for p in range(n):
+                        total = 0.0
+                        for k in range(s):
+                            total += stiffness[i, LANES * k + lane] * rows[side, k, p]
+                        turned[side, i, p] = total
+            add_joint(work, g, lane, rows, turned)
 
 
 @borrower()
-def add_wide_joint(work, g, rows, turned):
-    """What joint g adds to the matrix where blocks are wide: rows of H and R H (2, s, n)."""
-    problem, n = work.problem, len(work.problem.n)
-    place, target, block = work.partition.place, work.partition.target, work.partition.block
-    s, unit = rows.shape[1], has_unit_masses(work.problem)
-    a, b = place[g, 0], place[g, 1]
+def add_joint(work, g, lane, rows, turned):
+    """What a joint of group g adds to the matrix: rows of H and R H (2, s, n)."""
+    problem, groups, n = work.problem, work.groups, len(work.problem.n)
+    a, b, block = groups.place[g, lane], groups.place[g, LANES + lane], groups.block[g, lane]
     diagonal = work.factor.diagonal.reshape((len(work.factor.diagonal), n, n))
     for side in range(2):
-        body = place[g, side]
+        body = b if side else a
         if body < len(problem.free):
-            width = problem.width[body] if unit else n
-            add_turned_product(turned[side], rows[side], s, (width, width), diagonal[target[g, side]])
+            own = diagonal[groups.target[g, LANES * side + lane]]
+            add_product(problem, turned[side], rows[side], body, body, own, groups.s)
             if a == b:
-                add_turned_product(turned[side], rows[1 - side], s, (width, width), diagonal[target[g, side]])
-    if block[g] >= 0:
+                add_product(problem, turned[side], rows[1 - side], body, body, own, groups.s)
+    if block >= 0:
         low = 0 if a > b else 1
-        own, other = (problem.width[place[g, low]], problem.width[place[g, 1 - low]]) if unit else (n, n)
-        add_turned_product(turned[low], rows[1 - low], s, (own, other), work.factor.lower[block[g]])
+        add_product(problem, turned[low], rows[1 - low], max(a, b), min(a, b), work.factor.lower[block], groups.s)
+
+
+@borrower()
+def add_product(problem, x, y, one, other, out, size_s):
+    """out (n, n) += x^T y of rows (s, n) of two bodies, as far as these have unknowns."""
+    if is_wide(problem.n):
+        unit, n = has_unit_masses(problem), len(problem.n)
+        add_turned_product(x, y, len(size_s), (problem.width[one], problem.width[other]) if unit else (n, n), out)
+    else:
+        add_outer_product(x, y, out, size_s, problem.n)

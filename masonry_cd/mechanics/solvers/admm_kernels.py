@@ -11,20 +11,22 @@ import math
 import numpy as np
 
 from masonry_cd.foundation.jit import borrower, entry, kernel
-from masonry_cd.mechanics.friction.natural_map import size_of
-from masonry_cd.mechanics.friction.operators import ProblemArrays, has_unit_masses, put_in_order, trace_of_contact
+from masonry_cd.mechanics.friction.contact_groups import fill_group
+from masonry_cd.mechanics.friction.joint_twists import NUMBERS
+from masonry_cd.mechanics.friction.operators import ProblemArrays, has_unit_masses, put_in_order
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, nodes_of, share_of_subtrees
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.supernodes import longest_line
 from masonry_cd.mechanics.linalg.threads import ThreadTeam, share_of, wait
-from masonry_cd.mechanics.solvers.admm_factor import SLIDING, count_changes, factorise_augmented
+from masonry_cd.mechanics.linalg.vectors import LANES
+from masonry_cd.mechanics.solvers.admm_factor import SLIDING, count_changes, factorise_augmented, recall_stiffness
 from masonry_cd.mechanics.solvers.admm_passes import (
     add_momentum,
     carry_impulses,
     clear_momentum,
-    contact_velocity,
     eliminate_subtree,
     squared_map_norm,
+    squared_size,
     update_subtree,
 )
 from masonry_cd.mechanics.solvers.admm_workspace import AdmmSettings, AdmmWorkspace
@@ -113,7 +115,7 @@ def start_iterates(team, given, order, work, settings, p_out, v_out):
 
     Returns |q / sqrt(d)|, by which errors are divided, and the natural map error of the start.
     """
-    problem, partition, iterates = work.problem, work.partition, work.iterates
+    problem, groups, iterates, sums = work.problem, work.groups, work.iterates, work.sums[2]
     b0, b1 = share_of(team, 0, len(order))
     begin, end = share_of_subtrees(team, work.factor.symbolic)
     put_in_order(given, order, b0, b1, problem.inverse, problem.mass, problem.free)
@@ -121,17 +123,20 @@ def start_iterates(team, given, order, work, settings, p_out, v_out):
     iterates.v[len(order)] = 0.0
     iterates.trial[len(order)] = 0.0
     iterates.correction[len(order)] = 0.0
+    scratch = np.empty(NUMBERS)
     wait(team)
     for q in range(begin, end):  # all of a subtree while it is in the cache
-        first, last = partition.start[q], partition.start[q + 1]
-        sort_contacts(given, work, p_out, first, last)
-        copy_flat(iterates.even[first:last], iterates.best[first:last])
-        measure_scales(given, work, q)
-        contact_velocity(work, q, iterates.v, iterates.carried)
+        for g in range(groups.subtree[q], groups.subtree[q + 1]):
+            fill_group(given, problem, groups, g, scratch)
+        read_impulses(work, q, p_out)
+        recall_stiffness(work, q)
+        sums[q] = squared_size(work, q, iterates.v)
         clear_momentum(work, q)
         add_momentum(work, q, iterates.even)
     velocity_of_momentum(team, work, iterates.v)
-    size = size_of(iterates.carried, problem.d)
+    size = np.sqrt(sums.sum())
+    size = size if size > 0.0 else 1.0
+    wait(team)
     error = map_norm(team, work, iterates.even, iterates.v) / size
     copy_flat(iterates.v[b0:b1], iterates.best_v[b0:b1])
     if settings.moving and error > 1.0:  # the impulses fit worse than none would
@@ -143,39 +148,15 @@ def start_iterates(team, given, order, work, settings, p_out, v_out):
 
 
 @borrower()
-def sort_contacts(given, work, p, first, end):
-    """Copy contacts first to end, in the order of the subtrees, from the arrays of the problem and from p (C, m).
-
-    Where there is one subtree the workspace has the arrays of the problem, and only p is copied.
-    """
-    offset, compliance = given.offset, given.compliance
-    problem, partition = work.problem, work.partition
-    m, moved = len(problem.m), len(partition.start) > 2
-    for c in range(first, end):
-        old = partition.contact[c]
-        for i in range(m):
-            work.iterates.even[c, i] = p[old, i]
-        if not moved:
-            continue
-        problem.mu[c] = given.mu[old]
-        for i in range(m):
-            problem.offset[c, i] = offset[old, i]
-            if len(compliance):
-                problem.compliance[c, i] = compliance[old, i]
-
-
-@borrower()
-def measure_scales(given, work, q):
-    """Fill d_c = trace(W_cc + C_cc) / m of the contacts of subtree q."""
-    problem, partition, joints, m = work.problem, work.partition, work.partition.joints, len(work.problem.m)
-    for g in range(partition.joint[q], partition.joint[q + 1]):
-        a, b = partition.place[g, 0], partition.place[g, 1]
-        for c in range(joints.start[g], joints.start[g + 1]):
-            trace = trace_of_contact(problem, given.jacobian, partition.contact[c], a, b)
-            if len(problem.compliance):
-                for i in range(m):
-                    trace += problem.compliance[c, i]
-            problem.d[c] = trace / m
+def read_impulses(work, q, p):
+    """Copy the impulses p (C, m) of the contacts of subtree q, to begin with."""
+    groups, even, best = work.groups, work.iterates.even, work.iterates.best
+    for row in range(groups.start[groups.subtree[q]], groups.start[groups.subtree[q + 1]]):
+        even[row] = 0.0
+        for lane in range(LANES):
+            for i in range(p.shape[1] if groups.contact[row, lane] >= 0 else 0):
+                even[row, LANES * i + lane] = p[groups.contact[row, lane], i]
+        copy_flat(even[row], best[row])
 
 
 @borrower()
@@ -216,7 +197,7 @@ def update(team, work, iterations, ahead, relaxation, p, new, line):
 
 @borrower()
 def measure_carried(team, work, relaxation, last, p):
-    """The impulses that belong to the velocities of an iteration from ``last`` to p, (C, m); returns the norm of their natural map."""
+    """The impulses that belong to the velocities of an iteration from ``last`` to p, (L, 12); returns the norm of their natural map."""
     begin, end = share_of_subtrees(team, work.factor.symbolic)
     for q in range(begin, end):
         clear_momentum(work, q)
@@ -249,7 +230,7 @@ def velocity_of_momentum(team, work, v):
 
 @borrower()
 def map_norm(team, work, p, v):
-    """Norm of the natural map residual of impulses p (C, m) and velocities v (N + 1, n)."""
+    """Norm of the natural map residual of impulses p (L, 12) and velocities v (N + 1, n)."""
     sums, (begin, end) = work.sums[2], share_of_subtrees(team, work.factor.symbolic)
     for q in range(begin, end):
         sums[q] = squared_map_norm(work, q, p, v)
@@ -301,7 +282,7 @@ def share_of_changes(team, work, k, shares, p):
     for q in range(begin, end):
         sums[q] = count_changes(work, q, k, shares, p)
     wait(team)
-    total = sums.sum() / len(p)
+    total = sums.sum() / work.problem.contacts
     wait(team)
     return total
 
@@ -309,12 +290,13 @@ def share_of_changes(team, work, k, shares, p):
 @borrower()
 def write_answer(team, order, work, p_out, v_out):
     """Copy the best impulses and velocities, in the order of the problem, into p_out (C, m) and v_out (N, n)."""
-    c0, c1 = share_of(team, 0, len(p_out))
+    groups, best = work.groups, work.iterates.best
+    first, last = share_of(team, 0, len(best))
     b0, b1 = share_of(team, 0, len(order))
-    for c in range(c0, c1):
-        old = work.partition.contact[c]
-        for i in range(len(work.problem.m)):
-            p_out[old, i] = work.iterates.best[c, i]
+    for row in range(first, last):
+        for lane in range(LANES):
+            for i in range(p_out.shape[1] if groups.contact[row, lane] >= 0 else 0):
+                p_out[groups.contact[row, lane], i] = best[row, LANES * i + lane]
     for b in range(b0, b1):
         for i in range(len(work.problem.n)):
             v_out[order[b], i] = work.iterates.best_v[b, i]

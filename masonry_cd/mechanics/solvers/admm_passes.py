@@ -3,19 +3,40 @@
 from __future__ import annotations
 
 from masonry_cd.foundation.jit import borrower
-from masonry_cd.mechanics.friction.coulomb_law import tangent_length
-from masonry_cd.mechanics.friction.joint_twists import add_to_wrench, add_wrench, twist_of, velocity_at
-from masonry_cd.mechanics.friction.natural_map import project_stretched, project_to_cone, squared_residual
-from masonry_cd.mechanics.friction.operators import missing_momentum_of, unknowns_at
+from masonry_cd.mechanics.friction.contact_groups import (
+    MU,
+    NORMAL,
+    OFFSET,
+    SCALE,
+    SHARE,
+    STIFFNESS,
+    STRETCH,
+    TANGENT,
+    add_to_wrench,
+    add_wrench,
+    field,
+    law_velocity,
+    length_of,
+    no_wrench,
+    project_lanes,
+    put_three,
+    squared_residuals,
+    three,
+    twist_of,
+    velocity_at,
+)
+from masonry_cd.mechanics.friction.operators import missing_momentum_of
 from masonry_cd.mechanics.linalg.ghost_rows import add_ghosts, clear_ghosts, nodes_of
 from masonry_cd.mechanics.linalg.intrinsics import prefetch
 from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.triangular import backward_substitution, forward_substitution
+from masonry_cd.mechanics.linalg.triples import inner, minus, plus, scaled
+from masonry_cd.mechanics.linalg.vectors import fill_four, sum_of, where_at_most
 
 
 @borrower()
 def eliminate_subtree(work, q, coming, relaxation, p, new, line):
-    """The contacts of subtree q, p to new (C, m), and L^-1 of the momentum that they leave; returns the squared scaled change of p.
+    """The contacts of subtree q, p to new (L, 12), and L^-1 of the momentum that they leave; returns the squared scaled change of p.
 
     ``coming`` is the subtree of the next backward substitution, or -1; ``line`` is room for :func:`longest_line` numbers.
     """
@@ -63,39 +84,26 @@ def meet_contacts(work, q, relaxation, p, new, ahead):
     There is more to calculate than to fetch, so the panels between the two entries ``ahead``, which the next backward substitution needs,
     are fetched on the way. Returns the squared scaled change of p.
     """
-    problem, partition, rho, panels, joints = work.problem, work.partition, work.factor.rho, work.factor.panels, work.partition.joints
-    v, momentum = work.iterates.v, work.iterates.momentum
-    offset, mu, compliance, d = problem.offset, problem.mu, problem.compliance, problem.d
-    m, place, target = len(problem.m), partition.place, partition.target
+    problem, groups, panels, table = work.problem, work.groups, work.factor.panels, work.groups.table
+    begin, stop = groups.subtree[q], groups.subtree[q + 1]
     line, end = ahead
-    change, count = 0.0, max(partition.joint[q + 1] - partition.joint[q], 1)
+    change, count = fill_four(0.0), max(stop - begin, 1)
     share = (end - line + count - 1) // count
-    for g in range(partition.joint[q], partition.joint[q + 1]):
+    for g in range(begin, stop):
         for entry in range(line, min(line + share, end), 16):
             prefetch(panels, entry)
         line += share
-        n = unknowns_at(problem, place[g, 0], place[g, 1])
-        twist, wrench = twist_of(joints, g, v, place[g, 0], place[g, 1], n), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        for c in range(joints.start[g], joints.start[g + 1]):
-            r, (un, u1, u2) = rho[c], velocity_at(joints, twist, c)
-            un, u1, pn, p1, p2 = un + offset[c, 0], u1 + offset[c, 1], p[c, 0], p[c, 1], 0.0
-            if m == 3:
-                u2, p2 = u2 + offset[c, 2], p[c, 2]
-            if len(compliance):
-                un += compliance[c, 0] * pn
-                u1 += compliance[c, 1] * p1
-                u2 += compliance[c, m - 1] * p2
-                s, r = r / (1.0 + r * max(compliance[c, 1], compliance[c, m - 1])), r / (1.0 + r * compliance[c, 0])
-                xn, x1, x2 = project_stretched(pn - r * (un + mu[c] * tangent_length(u1, u2)), p1 - s * u1, p2 - s * u2, mu[c], r / s)
-            else:
-                xn, x1, x2 = project_to_cone(pn - r * (un + mu[c] * tangent_length(u1, u2)), p1 - r * u1, p2 - r * u2, mu[c])
-            new[c, 0], new[c, 1] = pn + relaxation * (xn - pn), p1 + relaxation * (x1 - p1)
-            if m == 3:
-                new[c, 2] = p2 + relaxation * (x2 - p2)
-            change += d[c] * ((xn - pn) * (xn - pn) + (x1 - p1) * (x1 - p1) + (x2 - p2) * (x2 - p2))
-            wrench = add_to_wrench(joints, wrench, c, 2.0 * xn - pn, 2.0 * x1 - p1, 2.0 * x2 - p2)
-        add_wrench(joints, g, wrench, target[g, 0], target[g, 1], momentum, n)
-    return change
+        twist, wrench = twist_of(groups, g, work.iterates.v, problem), no_wrench()
+        for row in range(groups.start[g], groups.start[g + 1]):
+            old, mu, tangent = three(p, row, 0), field(table, row, MU), field(table, row, TANGENT)
+            wn, w1, w2 = law_velocity(groups, row, twist, old)
+            step = field(table, row, NORMAL) * (wn + mu * length_of(w1, w2)), tangent * w1, tangent * w2
+            gain = minus(project_lanes(minus(old, step), mu, field(table, row, STRETCH), field(table, row, SHARE)), old)
+            put_three(new, row, 0, plus(old, scaled(relaxation, gain)))
+            change += field(table, row, SCALE) * inner(gain, gain)
+            wrench = add_to_wrench(groups, row, wrench, plus(old, scaled(2.0, gain)))
+        add_wrench(groups, g, wrench, work.iterates.momentum, problem)
+    return sum_of(change)
 
 
 @borrower()
@@ -106,65 +114,53 @@ def clear_momentum(work, q):
     clear_ghosts(work.factor.symbolic, q, work.iterates.momentum)
 
 
-@borrower()
+@borrower(fastmath={"contract"})
 def add_momentum(work, q, p):
     """momentum += H^T p of the contacts of subtree q."""
-    joints, place, target = work.partition.joints, work.partition.place, work.partition.target
-    for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
-        wrench, n = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), unknowns_at(work.problem, place[g, 0], place[g, 1])
-        for c in range(joints.start[g], joints.start[g + 1]):
-            wrench = add_to_wrench(joints, wrench, c, p[c, 0], p[c, 1], p[c, 2] if p.shape[1] == 3 else 0.0)
-        add_wrench(joints, g, wrench, target[g, 0], target[g, 1], work.iterates.momentum, n)
+    groups = work.groups
+    for g in range(groups.subtree[q], groups.subtree[q + 1]):
+        wrench = no_wrench()
+        for row in range(groups.start[g], groups.start[g + 1]):
+            wrench = add_to_wrench(groups, row, wrench, three(p, row, 0))
+        add_wrench(groups, g, wrench, work.iterates.momentum, work.problem)
 
 
 @borrower(fastmath={"contract"})
-def contact_velocity(work, q, v, u):
-    """u = H v + b (C, m) of the contacts of subtree q for body velocities v (N + 1, n)."""
-    joints, place, offset = work.partition.joints, work.partition.place, work.problem.offset
-    for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
-        n = unknowns_at(work.problem, place[g, 0], place[g, 1])
-        twist = twist_of(joints, g, v, place[g, 0], place[g, 1], n)
-        for c in range(joints.start[g], joints.start[g + 1]):
-            velocity = velocity_at(joints, twist, c)
-            for i in range(len(work.problem.m)):
-                u[c, i] = offset[c, i] + velocity[i]
+def squared_size(work, q, v):
+    """Squared norm of (H v + b) / sqrt(d) of the contacts of subtree q for body velocities v (N + 1, n)."""
+    groups, total, zero = work.groups, fill_four(0.0), fill_four(0.0)
+    for g in range(groups.subtree[q], groups.subtree[q + 1]):
+        twist = twist_of(groups, g, v, work.problem)
+        for row in range(groups.start[g], groups.start[g + 1]):
+            u, d = plus(velocity_at(groups, row, twist), three(groups.table, row, OFFSET)), field(groups.table, row, SCALE)
+            total += where_at_most(d, zero, zero, inner(u, u) / d)
+    return sum_of(total)
 
 
 @borrower(fastmath={"contract"})
 def squared_map_norm(work, q, p, v):
-    """Square of the norm of the natural map residual of the contacts of subtree q, for impulses p (C, m) and velocities v (N + 1, n)."""
-    problem, joints, place = work.problem, work.partition.joints, work.partition.place
-    offset, compliance, m, total = problem.offset, problem.compliance, len(problem.m), 0.0
-    for g in range(work.partition.joint[q], work.partition.joint[q + 1]):
-        n = unknowns_at(problem, place[g, 0], place[g, 1])
-        twist = twist_of(joints, g, v, place[g, 0], place[g, 1], n)
-        for c in range(joints.start[g], joints.start[g + 1]):
-            un, u1, u2 = velocity_at(joints, twist, c)
-            un, u1, p2 = un + offset[c, 0], u1 + offset[c, 1], 0.0
-            if m == 3:
-                u2, p2 = u2 + offset[c, 2], p[c, 2]
-            if len(compliance):
-                un += compliance[c, 0] * p[c, 0]
-                u1 += compliance[c, 1] * p[c, 1]
-                u2 += compliance[c, m - 1] * p2
-            total += squared_residual(p[c, 0], p[c, 1], p2, un, u1, u2, problem.mu[c], problem.d[c])
-    return total
+    """Square of the norm of the natural map residual of the contacts of subtree q, for impulses p (L, 12) and velocities v (N + 1, n)."""
+    groups, total = work.groups, fill_four(0.0)
+    for g in range(groups.subtree[q], groups.subtree[q + 1]):
+        twist = twist_of(groups, g, v, work.problem)
+        for row in range(groups.start[g], groups.start[g + 1]):
+            old = three(p, row, 0)
+            total += squared_residuals(groups, row, law_velocity(groups, row, twist, old), old)
+    return sum_of(total)
 
 
 @borrower(fastmath={"contract"})
 def carry_impulses(work, q, relaxation, last, p):
     """carried = 2 p+ - last - R H (v+ - v), the impulses whose velocities an iteration has found, and momentum += H^T carried.
 
-    For the contacts of subtree q; last (C, m) and p = last + relaxation (p+ - last) are the impulses before and after the iteration.
+    For the contacts of subtree q; last (L, 12) and p = last + relaxation (p+ - last) are the impulses before and after the iteration.
     """
-    partition, joints, rho = work.partition, work.partition.joints, work.factor.rho
-    step, carried, place, target = work.iterates.correction, work.iterates.carried, partition.place, partition.target
-    for g in range(partition.joint[q], partition.joint[q + 1]):
-        n = unknowns_at(work.problem, place[g, 0], place[g, 1])
-        twist, wrench = twist_of(joints, g, step, place[g, 0], place[g, 1], n), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        for c in range(joints.start[g], joints.start[g + 1]):
-            gain = velocity_at(joints, twist, c)
-            for i in range(len(work.problem.m)):
-                carried[c, i] = last[c, i] + 2.0 / relaxation * (p[c, i] - last[c, i]) - rho[c] * gain[i]
-            wrench = add_to_wrench(joints, wrench, c, carried[c, 0], carried[c, 1], carried[c, 2] if carried.shape[1] == 3 else 0.0)
-        add_wrench(joints, g, wrench, target[g, 0], target[g, 1], work.iterates.momentum, n)
+    groups = work.groups
+    for g in range(groups.subtree[q], groups.subtree[q + 1]):
+        twist, wrench = twist_of(groups, g, work.iterates.correction, work.problem), no_wrench()
+        for row in range(groups.start[g], groups.start[g + 1]):
+            old, turn = three(last, row, 0), scaled(field(groups.table, row, STIFFNESS), velocity_at(groups, row, twist))
+            carried = minus(plus(old, scaled(2.0 / relaxation, minus(three(p, row, 0), old))), turn)
+            put_three(work.iterates.carried, row, 0, carried)
+            wrench = add_to_wrench(groups, row, wrench, carried)
+        add_wrench(groups, g, wrench, work.iterates.momentum, work.problem)

@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from masonry_cd.mechanics.friction.contact_groups import ContactGroups
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.linalg.ordering import Pattern
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
-from masonry_cd.mechanics.solvers.contact_partition import ContactPartition
+from masonry_cd.mechanics.linalg.vectors import LANES
 
 
 class AdmmSettings(NamedTuple):
@@ -25,27 +26,29 @@ class AdmmSettings(NamedTuple):
 
 
 class SortedProblem(NamedTuple):
-    """A friction problem with its bodies in order of elimination and its contacts subtree by subtree; the partition has their joints."""
+    """The bodies of a friction problem in order of elimination; the groups have its contacts."""
 
     inverse: np.ndarray  # (N, n, n) M^-1
     mass: np.ndarray  # (N, n, n) M
     free: np.ndarray  # (N, n) v_free
-    offset: np.ndarray  # (C, m)
-    mu: np.ndarray  # (C,)
-    compliance: np.ndarray  # (C, m) or (0, m)
     width: np.ndarray  # (N + 1,) or (0,), see operators.OrderedProblem
-    d: np.ndarray  # (C,) trace(W_cc + C_cc) / m
+    contacts: int  # C
+    elastic: bool  # whether some have a compliance
     m: tuple[int, ...]  # m zeros
     n: tuple[int, ...]  # n zeros
 
 
 class Iterates(NamedTuple):
-    """Impulses, velocities and what leads from one to the other; after the N bodies a row for the supports, then E ghost rows."""
+    """Impulses and velocities, and what leads from one to the other.
 
-    even: np.ndarray  # (C, m) p after an even number of iterations
-    odd: np.ndarray  # (C, m) p after an odd number
-    carried: np.ndarray  # (C, m) p^, the impulses that belong to the velocities
-    best: np.ndarray  # (C, m) the p^ of the smallest error
+    Impulses are matrices of lanes of three fields, as the table of the groups: normal and tangents, the second one zero in a plane. Of the
+    velocities there is, after the N bodies, a row for the supports, then E ghost rows.
+    """
+
+    even: np.ndarray  # (L, 3 * 4) p after an even number of iterations
+    odd: np.ndarray  # (L, 3 * 4) p after an odd number
+    carried: np.ndarray  # (L, 3 * 4) p^, the impulses that belong to the velocities
+    best: np.ndarray  # (L, 3 * 4) the p^ of the smallest error
     v: np.ndarray  # (N + 1, n)
     trial: np.ndarray  # (N + 1, n) velocities of p^
     best_v: np.ndarray  # (N + 1, n) those of the smallest error
@@ -59,7 +62,7 @@ class AdmmFactor(NamedTuple):
     symbolic: SymbolicFactor
     squares: np.ndarray  # of D^-1, flat, in single precision
     panels: np.ndarray  # of L, flat, in single precision
-    rho: np.ndarray  # (C,) R, contacts subtree by subtree
+    rho: np.ndarray  # (C,) R by contact
     diagonal: np.ndarray  # (N + 1 + E, n n) blocks of the matrix
     lower: np.ndarray  # (B, n, n) below the diagonal
     double_squares: np.ndarray  # in double precision, for single columns only; otherwise empty
@@ -70,38 +73,34 @@ class AdmmWorkspace(NamedTuple):
     """All that the threads of a team work on."""
 
     problem: SortedProblem
-    partition: ContactPartition  # its contacts by subtree and joint, and where they were
+    groups: ContactGroups
     iterates: Iterates
     factor: AdmmFactor
     sums: np.ndarray  # (3, K) partial sums of the subtrees: changes of p after even and odd iterations, squared residuals
 
 
 def allocate_workspace(
-    given: ProblemArrays, pattern: Pattern, partition: ContactPartition, kept: tuple[np.ndarray, np.ndarray, np.ndarray]
+    given: ProblemArrays, pattern: Pattern, groups: ContactGroups, kept: tuple[np.ndarray, np.ndarray, np.ndarray]
 ) -> AdmmWorkspace:
     """Arrays to work in; untouched memory costs nothing.
 
     Args:
-        given: the problem. The arrays of its contacts serve as they are where there is one subtree.
+        given: the problem.
         pattern: of M + H^T R H.
-        partition: of the contacts.
+        groups: of its contacts.
         kept: squares, panels and rho of a factorisation.
     """
-    offset, mu, compliance = given.offset, given.mu, given.compliance
-    symbolic, count, (contacts, _, m, n) = pattern.symbolic, pattern.nodes, given.jacobian.shape
+    symbolic, count, n = pattern.symbolic, pattern.nodes, given.v_free.shape[1]
     rows = count + 1 + len(symbolic.node_ghost)
-    if len(symbolic.subtree) > 2:
-        offset, mu, compliance = (np.empty_like(array) for array in (offset, mu, compliance))
-    blocks, bodies, impulses, subtrees = (count, n, n), (count + 1, n), (contacts, m), len(symbolic.subtree) - 1
+    blocks, bodies, impulses, subtrees = (count, n, n), (count + 1, n), (len(groups.table), 3 * LANES), len(symbolic.subtree) - 1
     width = np.append(symbolic.width, 0) if len(symbolic.width) else symbolic.width
     doubles = [n * n * int(starts[-1]) if pattern.has_single_columns else 0 for starts in (symbolic.square, symbolic.panel)]
-    problem = SortedProblem(
-        np.empty(blocks), np.empty(blocks), np.empty((count, n)), offset, mu, compliance, width, np.empty(contacts), given.m, given.n
-    )
+    contacts, elastic = len(given.mu), len(given.compliance) > 0
+    problem = SortedProblem(np.empty(blocks), np.empty(blocks), np.empty((count, n)), width, contacts, elastic, given.m, given.n)
     iterates = Iterates(
         np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(bodies), np.empty(bodies),
         np.empty(bodies), np.empty((rows, n)), np.empty((rows, n), dtype=np.float32),
     )  # fmt: skip
     matrix = np.empty((rows, n * n)), np.empty((len(symbolic.row), n, n))
     factor = AdmmFactor(symbolic, *kept, *matrix, *(np.empty(size) for size in doubles))
-    return AdmmWorkspace(problem, partition, iterates, factor, np.empty((3, subtrees)))
+    return AdmmWorkspace(problem, groups, iterates, factor, np.empty((3, subtrees)))

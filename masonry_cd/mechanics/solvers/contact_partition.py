@@ -1,36 +1,26 @@
-"""Contacts by subtree of the elimination tree and by joint, and where their bodies stand in the order of elimination."""
+"""Contacts by subtree of the elimination tree, by joint, and by groups of four joints, and where their bodies stand in the order of
+elimination."""
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 
 from masonry_cd.foundation.jit import entry, kernel
-from masonry_cd.mechanics.friction.joint_twists import NUMBERS, JointTwists, fill_frame, find_arm
+from masonry_cd.mechanics.friction.contact_groups import FIELDS, ContactGroups
+from masonry_cd.mechanics.friction.joint_twists import NUMBERS, shares_frame
 from masonry_cd.mechanics.friction.operators import ProblemArrays
 from masonry_cd.mechanics.linalg.ghost_rows import nodes_of
-from masonry_cd.mechanics.linalg.small_blocks import copy_flat
 from masonry_cd.mechanics.linalg.symbolic import SymbolicFactor
-
-
-class ContactPartition(NamedTuple):
-    """The contacts subtree by subtree: each belongs to that of the one of its two bodies that is eliminated first."""
-
-    contact: np.ndarray  # (C,) number of each contact in the problem
-    start: np.ndarray  # (K + 1,) first contact of each subtree
-    joint: np.ndarray  # (K + 1,) first joint of each subtree
-    place: np.ndarray  # (J, 2) places of the bodies of each joint in the order of elimination; supports: N
-    target: np.ndarray  # (J, 2) rows that stand for them: the bodies themselves, or their ghosts in the subtree
-    block: np.ndarray  # (J,) blocks of the matrix that couple them, or -1
-    joints: JointTwists
+from masonry_cd.mechanics.linalg.vectors import LANES
 
 
 @entry()
-def partition_contacts(
+def group_contacts(
     given: ProblemArrays, index: np.ndarray, block: np.ndarray, symbolic: SymbolicFactor, size_s: tuple[int, ...]
-) -> ContactPartition:
-    """Assign contacts to subtrees, and in these to joints; contacts between supports go to the last subtree.
+) -> ContactGroups:
+    """Assign contacts to groups of joints, within subtrees; contacts between supports go to the last subtree.
+
+    The frames and the table are to be filled by :func:`masonry_cd.mechanics.friction.contact_groups.fill_group`.
 
     Args:
         given: the problem.
@@ -39,56 +29,79 @@ def partition_contacts(
         symbolic: of the matrix.
         size_s: as many zeros as a twist has components.
     """
-    contact, start = sort_by_subtree(index, symbolic)
-    joints = split_into_joints(given, index, contact, start, size_s)
-    first, count = joints.start, len(joints.start) - 1
-    place = np.empty((count, 2), dtype=np.int64)
-    target, own_block = np.empty((count, 2), dtype=np.int64), np.empty(count, dtype=np.int64)
-    joint = np.zeros(len(start), dtype=np.int64)
-    row = np.arange(len(symbolic.column))  # that stands for each place, seen from subtree q
-    g = 0
-    for q in range(len(start) - 1):
+    (contact, begin), s, size = sort_by_subtree(index, symbolic), len(size_s), len(symbolic.column) - 1
+    shared = s > given.jacobian.shape[2]
+    first, joint = split_into_joints(given, contact, begin, shared)
+    order, subtree, start = group_joints(first, joint)
+    groups, rows = len(start) - 1, start[-1]
+    contact_of, block_of = np.full((rows, LANES), -1, dtype=np.int64), np.full((groups, LANES), -1, dtype=np.int64)
+    place, target = np.full((groups, 2 * LANES), size, dtype=np.int64), np.full((groups, 2 * LANES), size, dtype=np.int64)
+    row = np.arange(size + 1)  # that stands for each place, seen from subtree q
+    for q in range(len(begin) - 1):
         _, end = nodes_of(symbolic, q)
         for t in range(symbolic.start[symbolic.subtree[q]], symbolic.start[symbolic.subtree[q + 1]]):
             row[symbolic.below[t]] = symbolic.target[t]
-        while g < count and first[g] < start[q + 1]:
-            c = contact[first[g]]
-            own_block[g] = block[c]
+        for k in range(joint[q], joint[q + 1]):
+            g, lane, j = subtree[q] + (k - joint[q]) // LANES, (k - joint[q]) % LANES, order[k]
+            for t in range(first[j + 1] - first[j]):
+                contact_of[start[g] + t, lane] = contact[first[j] + t]
+            c = contact[first[j]]
+            block_of[g, lane] = block[c]
             for side in range(2):
                 b = index[c, side]
-                place[g, side] = b
-                target[g, side] = row[b] if b >= end else b
-            g += 1
-        joint[q + 1] = g
-    return ContactPartition(contact, start, joint, place, target, own_block, joints)
+                place[g, LANES * side + lane] = b
+                target[g, LANES * side + lane] = row[b] if b >= end else b
+    of_h = 0 if shared else groups
+    return ContactGroups(
+        subtree, start, contact_of, place, target, block_of, np.empty((groups - of_h, NUMBERS * LANES)),
+        np.empty((of_h, 2 * s * len(given.n) * LANES)), np.empty((rows, FIELDS * LANES)), size_s,
+    )  # fmt: skip
 
 
 @kernel()
-def split_into_joints(given, index, contact, start, size_s):
-    """The :class:`JointTwists` of contacts in the order of ``contact`` (C,), which no joint leaves at the starts of subtrees."""
-    contacts, bodies, m, shared = len(contact), len(given.v_free), len(given.m), len(size_s) > len(given.m)
-    if not shared:
-        rows = given.jacobian
-        if len(start) > 2:  # of one subtree they are in this order
-            rows = np.empty((contacts, 2, m, len(given.n)))
-            for c in range(contacts):
-                copy_flat(given.jacobian[contact[c]], rows[c])
-        return JointTwists(np.arange(contacts + 1), np.empty((0, NUMBERS)), np.empty((0, 3)), rows, size_s)
-    first, frame, arm = np.empty(contacts + 1, dtype=np.int64), np.empty((contacts, NUMBERS)), np.empty((contacts, 3))
-    joints, q = 0, 0
-    for c in range(contacts):
-        begins = c == start[q]
-        while c == start[q]:
-            q += 1
-        own, last = contact[c], joints - 1
-        if not begins and find_arm(given.jacobian, index, bodies, contact[first[last]], own, frame[last], arm[c]):
-            continue
-        fill_frame(given.jacobian, index, bodies, own, frame[joints])
-        arm[c] = 0.0
-        first[joints] = c
-        joints += 1
+def split_into_joints(given, contact, begin, shared):
+    """First contact (J + 1,) of each joint, of contacts in the order of ``contact`` (C,), and the first joint (K + 1,) of each subtree.
+
+    Each contact is a joint of its own if they are not ``shared``.
+    """
+    contacts, bodies = len(contact), given.bodies
+    first, joint, joints = np.empty(contacts + 1, dtype=np.int64), np.empty(len(begin), dtype=np.int64), 0
+    for q in range(len(begin) - 1):
+        joint[q] = joints
+        for c in range(begin[q], begin[q + 1]):
+            if not shared or c == begin[q] or not shares_frame(given.jacobian, bodies, -1, contact[first[joints - 1]], contact[c]):
+                first[joints] = c
+                joints += 1
     first[joints] = contacts
-    return JointTwists(first[: joints + 1], frame[:joints], arm, np.empty((0, 2, m, len(given.n))), size_s)
+    joint[-1] = joints
+    return first[: joints + 1], joint
+
+
+@kernel()
+def group_joints(first, joint):
+    """Joints (J,) subtree by subtree, those of most contacts first, and what fours of them make: ``subtree`` and ``start`` of the groups."""
+    order, subtree, groups = np.empty(len(first) - 1, dtype=np.int64), np.zeros(len(joint), dtype=np.int64), 0
+    for q in range(len(joint) - 1):
+        subtree[q + 1] = subtree[q] + (joint[q + 1] - joint[q] + LANES - 1) // LANES
+    start = np.zeros(subtree[-1] + 1, dtype=np.int64)
+    for q in range(len(joint) - 1):
+        most = 0
+        for j in range(joint[q], joint[q + 1]):
+            most = max(most, first[j + 1] - first[j])
+        at = np.zeros(most + 1, dtype=np.int64)  # by number of contacts: where the joints with fewer begin
+        for j in range(joint[q], joint[q + 1]):
+            at[first[j + 1] - first[j] - 1] += 1
+        at[most] = joint[q]
+        for k in range(most - 1, -1, -1):
+            at[k] += at[k + 1]
+        for j in range(joint[q], joint[q + 1]):
+            count = first[j + 1] - first[j]
+            order[at[count]] = j
+            at[count] += 1
+        for k in range(joint[q], joint[q + 1], LANES):
+            start[groups + 1] = start[groups] + first[order[k] + 1] - first[order[k]]
+            groups += 1
+    return order, subtree, start
 
 
 @kernel()

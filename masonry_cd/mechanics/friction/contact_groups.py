@@ -1,0 +1,298 @@
+r"""Contacts side by side: u = H v and H^T p of four joints at once, in the lanes of the processor's registers (linalg/vectors.py).
+
+Contacts wait for divisions and roots; four joints in lanes take hardly longer than one. All contacts of a joint in space lie on the same
+two rigid faces and have one frame d = (n, t1, t2). With the relative motion of the two blocks at the first of them, r_a and r_b from their
+centres, its velocity t and rate of rotation omega in this frame, its twist, are
+
+    t_i = d_i . (v_a + omega_a x r_a - v_b - omega_b x r_b),        omega_i = d_i . (omega_a - omega_b),
+
+and a contact that lies at a from there, in the frame too, has the velocity u = t + omega x a. Its impulse p adds (p, a x p) to the wrench
+of the joint, which goes back to the blocks in the same way. So a contact needs three numbers in place of the 36 of its rows of H, and a
+joint fifteen: of four contacts, a sixth of the data and a quarter of the operations.
+
+In a plane, where a joint has two contacts, nothing would be won; blocks that deform, and problems from files whose H is not that of rigid
+bodies, have no such frames. There each contact is a joint of its own, with its rows of H, and its twist is its velocity.
+
+A matrix of lanes has four columns for each of its fields. Where a group has fewer than four joints, or a joint fewer contacts than its
+neighbours, places stay empty: they have no number, scale, stiffness or impulse, and stand for contacts between supports.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from masonry_cd.foundation.jit import borrower
+from masonry_cd.mechanics.friction.joint_twists import fill_arm, fill_frame
+from masonry_cd.mechanics.friction.operators import trace_of_contact, unknowns_at
+from masonry_cd.mechanics.linalg.small_blocks import EPSILON
+from masonry_cd.mechanics.linalg.triples import cross, in_axes, inner, minus, out_of_axes, plus, scaled, times
+from masonry_cd.mechanics.linalg.vectors import (
+    LANES,
+    fill_four,
+    gather,
+    gather_six,
+    load_four,
+    root_of,
+    scatter,
+    scatter_six,
+    store_lanes,
+    where_at_most,
+)
+
+# Fields of the table of contacts: a [m], b [m/s], C, mu, d = trace(W_cc + C_cc) / m, R; then what the law needs of them, see put_stiffness
+ARM, OFFSET, COMPLIANCE, MU, SCALE, STIFFNESS, NORMAL, TANGENT, STRETCH, SHARE, FIELDS = 0, 3, 6, 9, 10, 11, 12, 13, 14, 15, 16
+AXES, ARMS = 0, 9  # fields of a frame: d_0, d_1, d_2, and r_a, r_b
+
+
+class ContactGroups(NamedTuple):
+    """C contacts by their joints, and these by fours: G groups, whose contacts have L rows of the table, four in each.
+
+    A twist has s components: 6, or where each contact is a joint of its own as many as that has rows.
+    """
+
+    subtree: np.ndarray  # (K + 1,) first group of each subtree; a joint belongs to that of the one of its two bodies eliminated first
+    start: np.ndarray  # (G + 1,) first row of each group in the table
+    contact: np.ndarray  # (L, 4) number of each contact in the problem, -1: none
+    place: np.ndarray  # (G, 2 * 4) places of the bodies of each joint in the order of elimination; supports: N
+    target: np.ndarray  # (G, 2 * 4) rows that stand for them: the bodies themselves, or their ghosts in the subtree
+    block: np.ndarray  # (G, 4) blocks of the matrix that couple them, or -1
+    frame: np.ndarray  # (G, 15 * 4) where joints have frames, or else (0, 60)
+    rows: np.ndarray  # (G, 2 s n * 4) H where they have none, or else (0, ...)
+    table: np.ndarray  # (L, 16 * 4)
+    s: tuple[int, ...]  # s zeros
+
+
+@borrower(forceinline=True)
+def field(matrix, row, k):
+    """Field k of a row of a matrix of lanes."""
+    return load_four(matrix, row, LANES * k)
+
+
+@borrower(forceinline=True)
+def three(matrix, row, k):
+    """Three fields of a row of a matrix of lanes from field k on."""
+    return field(matrix, row, k), field(matrix, row, k + 1), field(matrix, row, k + 2)
+
+
+@borrower(forceinline=True)
+def put_three(matrix, row, k, values):
+    """Store what :func:`three` gives."""
+    for i in range(3):
+        store_lanes(matrix, row, LANES * (k + i), values[i])
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def length_of(x, y):
+    """Lengths of tangential vectors."""
+    return root_of(x * x + y * y)
+
+
+@borrower(forceinline=True)
+def row_of_h(groups, g, side, i, k, n):
+    """Component i of the twists by unknown k, of n, of their bodies on one side, where joints have no frames."""
+    return field(groups.rows, g, (side * len(groups.s) + i) * n + k)
+
+
+@borrower(fastmath={"contract"})
+def twist_of(groups, g, v, problem):
+    """The relative twists t, omega of the bodies of group g, three components each, for body velocities v (N + 1, n)."""
+    t0 = t1 = t2 = nothing = fill_four(0.0)
+    if len(groups.s) > 3:
+        a, b, frame = gather_six(v, groups.place, g, 0), gather_six(v, groups.place, g, LANES), groups.frame
+        axes = three(frame, g, AXES), three(frame, g, AXES + 3), three(frame, g, AXES + 6)
+        moves_a, turns_a, moves_b, turns_b = (a[0], a[1], a[2]), (a[3], a[4], a[5]), (b[0], b[1], b[2]), (b[3], b[4], b[5])
+        moves_a, moves_b = plus(moves_a, cross(turns_a, three(frame, g, ARMS))), plus(moves_b, cross(turns_b, three(frame, g, ARMS + 3)))
+        return in_axes(axes, minus(moves_a, moves_b)), in_axes(axes, minus(turns_a, turns_b))
+    n = len(problem.n)
+    for side in range(2):
+        for k in range(unknowns_of(groups, g, problem)):
+            x = gather(v, groups.place, g, LANES * side, k)
+            t0 += row_of_h(groups, g, side, 0, k, n) * x
+            t1 += row_of_h(groups, g, side, 1, k, n) * x
+            if len(groups.s) == 3:
+                t2 += row_of_h(groups, g, side, 2, k, n) * x
+    return (t0, t1, t2), (nothing, nothing, nothing)
+
+
+@borrower(fastmath={"contract"})
+def add_wrench(groups, g, wrench, out, problem):
+    """out (., n) += H^T p of the joints of group g, given by their wrenches: force and moment."""
+    force, moment = wrench
+    if len(groups.s) > 3:
+        frame = groups.frame
+        axes = three(frame, g, AXES), three(frame, g, AXES + 3), three(frame, g, AXES + 6)
+        force, moment = out_of_axes(axes, force), out_of_axes(axes, moment)
+        of_a, of_b = plus(moment, cross(three(frame, g, ARMS), force)), plus(moment, cross(three(frame, g, ARMS + 3), force))
+        scatter_six(out, groups.target, g, 0, (force[0], force[1], force[2], of_a[0], of_a[1], of_a[2]))
+        force, of_b = scaled(-1.0, force), scaled(-1.0, of_b)
+        scatter_six(out, groups.target, g, LANES, (force[0], force[1], force[2], of_b[0], of_b[1], of_b[2]))
+        return
+    n = len(problem.n)
+    for side in range(2):
+        for k in range(unknowns_of(groups, g, problem)):
+            x = row_of_h(groups, g, side, 0, k, n) * force[0] + row_of_h(groups, g, side, 1, k, n) * force[1]
+            if len(groups.s) == 3:
+                x += row_of_h(groups, g, side, 2, k, n) * force[2]
+            scatter(out, groups.target, g, LANES * side, k, x)
+
+
+@borrower(forceinline=True)
+def unknowns_of(groups, g, problem):
+    """Unknowns that the bodies of group g have, the most of all."""
+    most, place = 0, groups.place
+    for lane in range(LANES):
+        most = max(most, unknowns_at(problem, place[g, lane], place[g, LANES + lane]))
+    return most
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def velocity_at(groups, row, twist):
+    """H v of the contacts of a row, whose joints have these twists."""
+    return plus(twist[0], cross(twist[1], three(groups.table, row, ARM))) if len(groups.s) > 3 else twist[0]
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def law_velocity(groups, row, twist, p):
+    """w = H v + b + C p of the contacts of a row with impulses p."""
+    u = plus(velocity_at(groups, row, twist), three(groups.table, row, OFFSET))
+    return plus(u, times(three(groups.table, row, COMPLIANCE), p))
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def add_to_wrench(groups, row, wrench, p):
+    """Wrenches of joints and the impulses p of their contacts of a row."""
+    moment = plus(wrench[1], cross(three(groups.table, row, ARM), p)) if len(groups.s) > 3 else wrench[1]
+    return plus(wrench[0], p), moment
+
+
+@borrower(forceinline=True)
+def no_wrench():
+    """Wrenches of joints without impulses."""
+    x = fill_four(0.0)
+    return (x, x, x), (x, x, x)
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def project_lanes(x, mu, stretch, share):
+    """Project x onto Coulomb's cones |x_t| <= mu x_n in the norm sqrt(mu x_n^2 + stretch |x_t|^2); ``share`` is 1 / (1 + mu stretch).
+
+    All three answers are computed, with one division and one root.
+    """
+    tangent, zero = length_of(x[1], x[2]), fill_four(0.0)
+    reach = stretch * tangent + x[0]
+    height = reach * share
+    scale = mu * height / tangent
+    height, scale = where_at_most(tangent, mu * x[0], x[0], height), where_at_most(tangent, mu * x[0], fill_four(1.0), scale)
+    height, scale = where_at_most(reach, zero, zero, height), where_at_most(reach, zero, zero, scale)  # last: see project_to_cone
+    return height, scale * x[1], scale * x[2]
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def squared_residuals(groups, row, w, p):
+    """Squared natural map residuals of the contacts of a row, none of empty places; see natural_map.squared_residual."""
+    mu, d = field(groups.table, row, MU), field(groups.table, row, SCALE)
+    x = minus(scaled(d, p), (w[0] + mu * length_of(w[1], w[2]), w[1], w[2]))
+    e = minus(scaled(d, p), project_lanes(x, mu, mu, 1.0 / (1.0 + mu * mu)))
+    hidden = EPSILON * d
+    return where_at_most(d, fill_four(0.0), fill_four(0.0), (inner(e, e) + hidden * hidden * inner(p, p)) / d)
+
+
+@borrower(forceinline=True, fastmath={"contract"})
+def put_stiffness(table, row, r):
+    """Set R of a row of contacts, and S^-1 = R^-1 + C of the normal and of the tangents, the softer one for both.
+
+    The projection in the norm of S^-1 stretches a cone by S_n / S_t.
+    """
+    c0, c1, c2 = three(table, row, COMPLIANCE)
+    normal, tangent, mu = 1.0 + r * c0, 1.0 + r * where_at_most(c1, c2, c2, c1), field(table, row, MU)
+    stretch = mu * tangent / normal
+    store_lanes(table, row, LANES * STIFFNESS, r)
+    store_lanes(table, row, LANES * NORMAL, r / normal)
+    store_lanes(table, row, LANES * TANGENT, r / tangent)
+    store_lanes(table, row, LANES * STRETCH, stretch)
+    store_lanes(table, row, LANES * SHARE, 1.0 / (1.0 + mu * stretch))
+
+
+@borrower()
+def fill_group(given, problem, groups, g, scratch):
+    """Fill the frames or rows and the table of group g, but for the stiffness; ``problem`` has its bodies in order, scratch is (15,)."""
+    frame, table, contact, jacobian = groups.frame, groups.table, groups.contact, given.jacobian
+    first, end, n, m, shared = groups.start[g], groups.start[g + 1], len(problem.n), jacobian.shape[2], len(groups.s) > 3
+    table[first:end] = 0.0
+    for lane in range(LANES):
+        one = contact[first, lane]
+        if shared:
+            scratch[:] = 0.0
+            if one >= 0:
+                fill_frame(jacobian, given.bodies, -1, one, scratch)
+            for k in range(len(scratch)):
+                frame[g, LANES * k + lane] = scratch[k]
+        else:
+            for k in range(2 * m * n):
+                groups.rows[g, LANES * k + lane] = jacobian[one, k // (m * n), k // n % m, k % n] if one >= 0 else 0.0
+        for row in range(first, end):
+            c = contact[row, lane]
+            if c < 0:
+                break
+            if shared:
+                fill_arm(jacobian, given.bodies, -1, one, c, scratch)
+                for i in range(3):
+                    table[row, LANES * (ARM + i) + lane] = scratch[9 + i]
+            table[row, LANES * MU + lane] = given.mu[c]
+            trace = trace_of_contact(problem, jacobian, c, groups.place[g, lane], groups.place[g, LANES + lane])
+            for i in range(m):
+                table[row, LANES * (OFFSET + i) + lane] = given.offset[c, i]
+                if len(given.compliance):
+                    table[row, LANES * (COMPLIANCE + i) + lane] = given.compliance[c, i]
+                    trace += given.compliance[c, i]
+            table[row, LANES * SCALE + lane] = trace / m
+
+
+@borrower()
+def rows_of_twist(groups, g, lane, rows):
+    """Fill rows (2, s, n) of the twist of a joint of group g by the velocities of its bodies."""
+    s, n, frame, of_h = rows.shape[1], rows.shape[2], groups.frame, groups.rows
+    for side in range(2):
+        sign, at = 1.0 - 2.0 * side, ARMS + 3 * side
+        for i in range(s if s <= 3 else 0):
+            for k in range(n):
+                rows[side, i, k] = of_h[g, LANES * ((side * s + i) * n + k) + lane]
+        for i in range(3 if s > 3 else 0):
+            for k in range(3):
+                j, l = (k + 1) % 3, (k + 2) % 3  # noqa: E741
+                turn = frame[g, LANES * (at + j) + lane] * frame[g, LANES * (3 * i + l) + lane]
+                rows[side, i, k] = sign * frame[g, LANES * (3 * i + k) + lane]
+                rows[side, i, 3 + k] = sign * (turn - frame[g, LANES * (at + l) + lane] * frame[g, LANES * (3 * i + j) + lane])
+                rows[side, 3 + i, k], rows[side, 3 + i, 3 + k] = 0.0, rows[side, i, k]
+
+
+@borrower(fastmath={"contract"})
+def add_up_stiffness(groups, g, stiffness):
+    """S (s, 4 s), matrices of lanes: the sums of A_c^T R_c A_c over the contacts of joints: u = A_c (t, omega), A_c = (I, -a x) or I."""
+    s, table = len(groups.s), groups.table
+    nothing, turns = no_wrench()
+    total, (squares, products) = nothing[0], no_wrench()
+    for row in range(groups.start[g], groups.start[g + 1]):
+        r, a = field(table, row, STIFFNESS), three(table, row, ARM)
+        total += r
+        if s > 3:
+            b = scaled(r, a)
+            turns, squares, products = plus(turns, b), plus(squares, times(b, a)), plus(products, times(b, (a[1], a[2], a[0])))
+    for i in range(s):
+        for k in range(s):
+            store_lanes(stiffness, i, LANES * k, total if i == k and i < 3 else nothing[0])
+    for i in range(s - 3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        put_both(stiffness, i, 3 + j, turns[k])
+        put_both(stiffness, j, 3 + i, -1.0 * turns[k])
+        put_both(stiffness, 3 + i, 3 + i, squares[j] + squares[k])
+        put_both(stiffness, 3 + i, 3 + j, -1.0 * products[i])
+
+
+@borrower(forceinline=True)
+def put_both(matrix, i, k, lanes):
+    """Set an entry of a symmetric matrix of lanes."""
+    store_lanes(matrix, i, LANES * k, lanes)
+    store_lanes(matrix, k, LANES * i, lanes)
