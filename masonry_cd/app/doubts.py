@@ -18,6 +18,7 @@ from loads.kinds.forces import one_block
 from masonry_cd.app.ranges import PLAIN, RANGES, G
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.scene_text import is_within, keys_of, parse_toml
+from masonry_cd.app.scene_units import scene_in_si
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Block
 
@@ -30,7 +31,7 @@ Doubt = tuple[str, str]  # key and line
 
 def structure_doubts(scene: Scene) -> list[str]:
     """What ``masonry-cd build`` says: of the tables [structure] and [material]."""
-    tables = parse_toml(scene.text, scene.origin.path)
+    tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
     mine: dict[str, Any] = {key: tables[key] for key in ("structure", "structures", "material") if key in tables}
     return _spoken([*_plain(mine), *_ties(mine)], scene.quiet_checks)
 
@@ -43,7 +44,7 @@ def doubts(scene: Scene, assembly: Assembly, summaries: Sequence[Mapping[str, An
         assembly: its blocks.
         summaries: of its loads as they are built, where they are; a limit analysis builds none.
     """
-    tables = parse_toml(scene.text, scene.origin.path)
+    tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
     size = math.hypot(*scene.run.gravity)
     found = [*_plain(tables), *_ties(tables), *_doubt("run.gravity", size, "gravity", f"{size / G:.3g} g")]
     for i, table in enumerate(tables.get("loads", [])):

@@ -27,6 +27,7 @@ from masonry_cd.analysis.modal.shapes import RigidShapes
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
@@ -52,8 +53,8 @@ class VibrationOptions(BaseModel):
     """Modes to compare."""
     sweep: Literal["x", "y", "z"] | None = None
     """Direction of the base in a sweep; none when not given."""
-    velocity: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
-    """C of the sweep [m/s]; when not given, what makes 1/1000 g at the mode that moves most in its direction."""
+    velocity: Annotated[float, Unit("m/s"), Field(gt=0, allow_inf_nan=False)] | None = None
+    """C of the sweep; when not given, what makes 1/1000 g at the mode that moves most in its direction."""
 
 
 @dataclass(frozen=True, eq=False)
