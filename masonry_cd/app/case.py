@@ -191,7 +191,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = structure.falling if gravity else []
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
-    unusual = doubts(scene, assembly, loading.summary["tables"])
+    unusual = doubts(scene, assembly, joints, loading.summary["tables"])
     warnings = (*structure.odd_size, *unusual, *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
     notes = structure.notes
     if built > REPORTED * assembly.width:
