@@ -14,7 +14,7 @@ joints without compression are at work, and in a strong one opening and sliding:
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import itemgetter
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -96,6 +96,7 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
         refuse_spheres(blocks, "structure: the modal check")
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         companion = linear_modes(assembly, max(asked.modes, MODES if asked.sweep else 0))
+        assembly = replace(assembly, laws=assembly.laws.damped_at(float(companion.frequencies[0])))
         rows = free_vibration(assembly, scene.run, companion, asked.modes)
         rest = at_rest_summary(joints_at_rest(_at_rest(assembly, scene.run, scene.run.dt, np.zeros((2, 1, 3)))))
         found: dict[str, Any] = {"title": scene.title, "modes": rows, "joints_at_rest": rest, "lines": _mode_lines(rows)}

@@ -99,7 +99,6 @@ def test_joint_laws_by_pairs_of_groups_or_one_for_all(write):
             "[material.joints]\nnormal_stiffness = 5e-324",
             "material.joints.default.normal_stiffness: input should be greater than or equal to 1",
         ),
-        ("[material.joints]\nnormal_stiffness = 1e9\ndamping = 0.05", "material.joints.default: damping needs damping_frequency beside it"),
         (
             "[material.joints]\nnormal_stiffness = 1e9\ndamping_frequency = 5",
             "material.joints.default: damping_frequency needs damping beside",

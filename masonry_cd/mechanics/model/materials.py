@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, TypeVar
 
 import numpy as np
@@ -47,18 +47,15 @@ class JointLaw(Table):
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
     """Of the spring over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
     damping: Annotated[Number, Field(ge=0, le=10)] = 0.0
-    """Of a dashpot beside the spring, as a share of the critical damping of a vibration of ``damping_frequency``; proportional to the
-    frequency of others."""
+    """Of a dashpot beside the spring, as a share of the critical damping of a vibration at the first elastic period of the structure, or of
+    ``damping_frequency`` where that is given; proportional to the frequency of others."""
     damping_frequency: Annotated[Number, Unit("Hz"), Field(gt=0, le=1e6)] | None = None
-    """At which ``damping`` holds."""
+    """At which ``damping`` holds; that of the first mode of the blocks on their elastic joints when not given."""
 
     @model_validator(mode="after")
     def _damps_at_a_frequency(self) -> JointLaw:
-        both = "beside it: a share of critical, and the frequency at which it is that share"
-        if self.damping > 0.0 and self.damping_frequency is None:
-            raise ValueError(f"damping needs damping_frequency {both}")
         if self.damping_frequency is not None and "damping" not in self.model_fields_set:  # damping = 0 says none, as a study may
-            raise ValueError(f"damping_frequency needs damping {both}")
+            raise ValueError("damping_frequency needs damping beside it: the share of critical that it is at that frequency")
         if self.damping > 0.0 and self.normal_stiffness is None:
             raise ValueError("damping needs normal_stiffness beside it: a rigid joint does not vibrate")
         return self
@@ -81,7 +78,8 @@ class JointLaw(Table):
 
     @property
     def retardation(self) -> float:
-        """Of the dashpot, its coefficient over the stiffness [s]: 2 damping / omega, as Rayleigh's stiffness-proportional damping."""
+        """Of the dashpot, its coefficient over the stiffness [s]: 2 damping / omega, as Rayleigh's stiffness-proportional damping; zero as
+        long as the frequency is not known."""
         return 0.0 if self.damping_frequency is None else self.damping / (math.pi * self.damping_frequency)
 
 
@@ -166,11 +164,17 @@ class JointLaws:
     apex: np.ndarray  # tension at the tip of the Mohr-Coulomb cone, cohesion / mu [Pa]; 0: no bond
     theta: np.ndarray  # of the spring over the step, 1/2 to 1
     retardation: np.ndarray  # coefficient of the dashpot over the stiffness [s]
+    at_first_period: np.ndarray  # share of critical of dashpots whose retardation follows from the first elastic period; 0 elsewhere
 
     @property
     def by_area(self) -> np.ndarray:
         """(G, G) bool: joints whose law goes by area, elastic ones and bonded ones."""
         return (self.normal_stiffness > 0.0) | (self.apex > 0.0)
+
+    def damped_at(self, frequency: float) -> JointLaws:
+        """The laws where the first elastic frequency is known [Hz]."""
+        beta = self.at_first_period / (math.pi * frequency)
+        return replace(self, retardation=np.where(self.at_first_period > 0.0, beta, self.retardation))
 
     @property
     def stretch(self) -> float:
@@ -226,6 +230,7 @@ def joint_table(laws: Mapping[str, JointLaw], groups: Sequence[str], friction: n
         out.apex[i, j] = _apex(law, float(friction[i, j]), f"{groups[i]}-{groups[j]}")
         out.tension[i, j] = out.apex[i, j] if law.tension is None else law.tension
         out.theta[i, j], out.retardation[i, j] = law.theta, law.retardation
+        out.at_first_period[i, j] = law.damping if law.damping_frequency is None else 0.0
     return out
 
 
