@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 from pydantic import BaseModel
 
 if TYPE_CHECKING:
+    from pint import Unit as BaseUnit
     from pint import UnitRegistry
     from pydantic.fields import FieldInfo
 
@@ -136,6 +137,8 @@ def number_in(text: str, unit: str) -> float:
     if not found.group(2):
         raise UnitError(f'"{text}" states no unit; {_as_written(unit)}')
     value = float(found.group(1))
+    if len(found.group(2)) > LONGEST_UNIT:
+        raise UnitError(f'"{found.group(2)}" is no known unit; {_as_written(unit)}')
     if value != 0.0 and not SMALLEST <= abs(value) <= LARGEST:
         raise UnitError(f'"{text}" is beyond the range of numbers')
     number = Decimal(found.group(1)) if value else Decimal(0)
@@ -224,19 +227,19 @@ def models_in(annotation: Any) -> Iterator[type[BaseModel]]:
 def _of_another_dimension(number: Decimal, given: str, unit: str) -> str:
     """What is wrong with a number in a unit that does not measure what the key asks for; a weight in place of a mass is divided by g."""
     kind, wanted = KINDS[unit], _in_base(unit, unit)
-    size, of_mass = _in_base(f"{given}/{GRAVITY}", "")
-    if of_mass == wanted[1]:
+    size, over_gravity = _in_base(f"{given}/{GRAVITY}", "")
+    if unit.startswith("kg") and over_gravity == wanted[1]:
         mass = number * size / wanted[0]
         return f'"{given}" is of a weight, not of a {kind.what}; over g = 9.80665 m/s2 that is "{mass:.5g} {unit}"'
     return f'"{given}" is no unit of a{"n" if kind.what[0] in "aeiou" else ""} {kind.what}{_twin(given, unit)}; {_as_written(unit)}'
 
 
 @cache
-def _in_base(given: str, unit: str) -> tuple[Decimal, dict[str, Any]]:
+def _in_base(given: str, unit: str) -> tuple[Decimal, BaseUnit]:
     """Size and dimension of a unit in base units; radians are a dimension here, so that rad/s is no Hz."""
     registry = _registry()
-    base = registry.Quantity(Decimal(1), registry.parse_units(_expression(given, unit))).to_root_units()
-    return Decimal(base.magnitude), dict(base._units)
+    size, base = registry.get_root_units(registry.parse_units(_expression(given, unit), as_delta=False))
+    return Decimal(size or 1), base  # decibels and degrees Celsius have no size, and no key is in such
 
 
 def _expression(given: str, unit: str) -> str:
@@ -246,7 +249,7 @@ def _expression(given: str, unit: str) -> str:
         UnitError: it is no product of known units.
     """
     plain = re.sub(r"\s*([*/·⋅.])\s*|\s+", lambda sign: "/" if sign.group(1) == "/" else "*", given.translate(_RAISED).replace("**", "^"))
-    terms = re.split(r"([*/])", plain) if len(given) <= LONGEST_UNIT else [given]
+    terms = re.split(r"([*/])", plain)
     made = []
     for i, term in enumerate(terms):
         found = _FACTOR.fullmatch(term)

@@ -33,6 +33,8 @@ REFUSED = [
     ("6 rad/s", "Hz", '"rad/s" is no unit of a frequency'),
     ("6 rpm", "Hz", '"rpm" is no unit of a frequency'),
     ("20 degC", "m", '"degC" is no unit of a length'),
+    ("20 degC/m", "m", '"degC/m" is no unit of a length'),
+    ("20 dB", "Hz", '"dB" is no unit of a frequency'),
     ("3 %", "m", '"%" is no known unit'),
     ("2 m/", "m", '"m/" is no known unit'),
     ("1 m**9999", "m", '"m^9999" is no known unit'),
