@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from json_schema import faults
+from places import EXAMPLES
 from pydantic import BaseModel
 from typer.testing import CliRunner
 
@@ -20,7 +23,7 @@ from masonry_cd.app.case import prepare
 from masonry_cd.app.limit_case import case_of
 from masonry_cd.app.scene import parse_scene
 from masonry_cd.app.scene_schema import scene_schema
-from masonry_cd.app.scene_text import parse_toml
+from masonry_cd.app.scene_text import dump_toml, parse_toml
 from masonry_cd.app.scene_units import scene_in_si, unit_of_key
 from masonry_cd.cli.app import app
 from masonry_cd.foundation.units import KINDS
@@ -97,6 +100,54 @@ def test_a_scene_with_units_is_the_scene_with_numbers() -> None:
     assert [block.vertices.tolist() for block in one.assembly.blocks] == [block.vertices.tolist() for block in other.assembly.blocks]
     assert one.joints.polygon.tolist() == other.joints.polygon.tolist()
     assert faults(parse_toml(WITH_UNITS, Path("a")), scene_schema()) == []
+
+
+def stated(value: Any, tables: dict[str, Any], key: str = "") -> Any:
+    """Tables whose numbers state the unit of their key, where it has one."""
+    if isinstance(value, dict):
+        return {name: stated(item, tables, f'{key}."{name}"' if key else name) for name, item in value.items()}
+    if isinstance(value, list):
+        return [stated(item, tables, f"{key}[{i}]") for i, item in enumerate(value)]
+    unit = unit_of_key(tables, key) if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value) else ""
+    return f"{value!r} {unit}" if unit else value
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
+def test_every_number_of_the_examples_may_state_its_unit(path: Path) -> None:
+    tables = parse_toml(path.read_text(), path)
+    made = stated(tables, tables)
+    assert scene_in_si(made) == tables
+    assert "design" in tables or '"' in json.dumps(made["run"]["duration"])
+    if "design" not in tables:
+        assert parse_scene(dump_toml(made), path).run == parse_scene(path.read_text(), path).run
+
+
+PURE = {
+    *("accept", "tolerance", "theta", "strain_theta"),  # of errors and of the scheme
+    *("friction", "rolling_friction", "poisson", "damping", "drift", "lost", "core_shares", "shares"),
+    *("axis", "direction", "push", "tilt"),  # vectors of any length
+    *("cycles", "scale", "calibration", "initial", "peak"),  # initial is an angle in a tilt and a share in a push
+    *("behaviour_factor", "building_damping", "confidence_factor", "f0", "participation"),
+}
+"""Keys whose numbers have no unit."""
+
+
+def test_every_key_takes_a_unit_or_has_none() -> None:
+    assert set(bare(scene_schema())) == PURE
+
+
+def bare(schema: Any, key: str = "") -> Iterator[str]:
+    """The keys that take numbers alone."""
+    if isinstance(schema, list):
+        for choice in schema:
+            yield from bare(choice, key)
+    elif isinstance(schema, dict):
+        if schema.get("type") == "number":
+            yield key
+        for word in ("anyOf", "oneOf", "items", "additionalProperties"):
+            yield from bare(schema.get(word), key)
+        for name, inner in schema.get("properties", {}).items():
+            yield from bare(inner, name)
 
 
 REFUSED = [
