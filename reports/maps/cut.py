@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from masonry_cd.analysis.deformed import Solids
-from masonry_cd.foundation.errors import InputError, values_in_si
+from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import finite_number
-from masonry_cd.foundation.units import begins_as_number
+from masonry_cd.foundation.units import UnitError, begins_as_number, number_in
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import clip_loops, next_in_loop
 from reports.drawing.render import Lines, Surface, View
@@ -85,7 +85,10 @@ def _parse(text: str) -> tuple[str, float | None]:
     if known and (number is not None or not equals):
         return axis, number
     if known and begins_as_number(place):
-        return axis, float(values_in_si(place, lambda: "m", "cut"))
+        try:
+            return axis, number_in(place, "m")
+        except UnitError as fault:
+            raise InputError(f'cut: "{text}" is no plane: {fault}') from None
     raise InputError(f'cut: "{text}" is no plane; write x, y or z for the middle, or y=1.5 for a place, in m or with its unit, "y=150 cm"')
 
 
