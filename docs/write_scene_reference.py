@@ -17,8 +17,9 @@ from structures.site import PlaceTable
 PAGE = Path(__file__).with_name("scene_reference.md")
 HEAD = """# Every key of a scene
 
-Written from the JSON schema of the scene file by `python docs/write_scene_reference.py`. Units are SI. *Needed* keys have no default; those
-without either may be left out.
+Written from the JSON schema of the scene file by `python docs/write_scene_reference.py`. A number is in the unit in
+brackets; a text may state another, `"30 mm"`, see [Units](scene_file.md#units). *Needed* keys have no default; those without either may be
+left out.
 """
 SITE = """Several structures side by side, in place of `[structure]`: each has the keys of its kind, as above, and those below. Blocks and
 groups are named `NAME.block` and `NAME.group`; pairs of groups in `[material]` may be patterns, as `"*arch-*base"`. Structures that touch

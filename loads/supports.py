@@ -20,6 +20,7 @@ from pydantic import BaseModel, Field, model_validator
 from loads.motion import DirectionKey, LoadTable, RunGrid, strict
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import Instant
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
 
 
@@ -30,10 +31,10 @@ class Delay(BaseModel):
 
     direction: DirectionKey | None = None
     """In which the motion travels."""
-    speed: Annotated[float, Field(gt=0.0)] | None = None
-    """Apparent, along the direction [m/s]."""
+    speed: Annotated[float, Unit("m/s"), Field(gt=0.0)] | None = None
+    """Apparent, along the direction."""
     seconds: dict[str, Instant] | None = None
-    """Lag by names of supports or groups; none for those not named [s]."""
+    """Lag by names of supports or groups; none for those not named."""
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -58,7 +59,7 @@ class ShakingTable(LoadTable):
     """What all loads have in common that move the base to and fro."""
 
     start: Instant = 0.0
-    """Time of the run at which the motion begins [s]."""
+    """Time of the run at which the motion begins."""
     delay: Delay | None = None
     """Lag from support to support; all move together when not given."""
 

@@ -7,8 +7,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from masonry_cd.analysis.damage.grades import Grades
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.fields import Flag, Number, Table
+from masonry_cd.foundation.table_schema import table_of_its_own
+from masonry_cd.foundation.units import Unit
 from reports.extra import EXTRA
 
 
@@ -65,22 +68,22 @@ class Report(Table):
     """From where."""
     scale: Annotated[Number, Field(gt=0)] | None = None
     """Amplification of the displacements in it; picked so that they are visible when not given."""
-    opened: Annotated[Number, Field(gt=0)] = 1e-4
-    """Smallest opening of a joint that counts as opened [m]."""
-    slid: Annotated[Number, Field(gt=0)] = 1e-4
-    """Smallest sliding of a joint that counts as slid [m]."""
+    opened: Annotated[Number, Unit("m"), Field(gt=0)] = 1e-4
+    """Smallest opening of a joint that counts as opened."""
+    slid: Annotated[Number, Unit("m"), Field(gt=0)] = 1e-4
+    """Smallest sliding of a joint that counts as slid."""
     damage: Flag = False
     """Write the damage by part: damage.csv, damage_history.csv, hinges.csv, drift.csv, damage.json."""
-    grades: dict[str, Any] = Field(default_factory=dict)
+    grades: Annotated[dict[str, Any], Field(json_schema_extra=table_of_its_own(Grades))] = Field(default_factory=dict)
     """Thresholds and labels of the grades D0 to D5; checked by the package reports."""
-    largest: Annotated[Number, Field(gt=0)] = 0.05
-    """Where the last class of the crack map's colours begins [m]."""
+    largest: Annotated[Number, Unit("m"), Field(gt=0)] = 0.05
+    """Where the last class of the crack map's colours begins."""
     cut: str = ""
-    """Plane by which the crack map is cut: "y=1.5" [m], or "y" for the middle."""
+    """Plane by which the crack map is cut: "y=1.5", in m, "y=150 cm", or "y" for the middle."""
     thrust: Flag = False
     """Draw the line of thrust in it."""
-    times: Annotated[tuple[Annotated[Number, Field(ge=0)], ...], BeforeValidator(_list_of_numbers)] = ()
-    """Draw crack maps at these times as well [s]."""
+    times: Annotated[tuple[Annotated[Number, Field(ge=0)], ...], Unit("s"), BeforeValidator(_list_of_numbers)] = ()
+    """Draw crack maps at these times as well."""
     animation: Flag = False
     """Draw crack_map.gif."""
     html: Flag = False

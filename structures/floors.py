@@ -18,17 +18,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures.geometry.checks import check
 from structures.geometry.prism import box
 from structures.layout.rooms import Boxes, Side, room
 from structures.layout.seats import without_box
-from structures.schema import Height, Length, Place, Table
+from structures.schema import ArealMass, Height, Length, Place, Table
 from structures.ties import MODULI, MOST, Anchor, Bar, Solids, TieRowTable, anchors_at, bar_between
 
 KEY = "floors"
@@ -39,27 +41,27 @@ AT = 1e-6  # [m]
 class AnchorTable(Table):
     """The table ``anchors`` of a floor."""
 
-    spacing: Length = Field(1.5, description="of the anchors along each wall with a seat [m]")
-    diameter: Length = Field(0.016, description="of their rods [m]")
-    length: Length = Field(1.0, description="by which they reach into the floor [m]")
-    plate: Length | None = Field(None, description="side of their square plates on the outer face of the wall [m]")
-    modulus: float = Field(MODULI["steel"], gt=0.0, description="Young's modulus [Pa]")
-    yield_force: float | None = Field(None, gt=0.0, description="at which one yields or pulls out; by default never [N]")
+    spacing: Length = Field(1.5, description="of the anchors along each wall with a seat")
+    diameter: Length = Field(0.016, description="of their rods")
+    length: Length = Field(1.0, description="by which they reach into the floor")
+    plate: Length | None = Field(None, description="side of their square plates on the outer face of the wall")
+    modulus: Annotated[float, Unit("Pa")] = Field(MODULI["steel"], gt=0.0, description="Young's modulus")
+    yield_force: Annotated[float, Unit("N")] | None = Field(None, gt=0.0, description="at which one yields or pulls out; by default never")
     damping: float = Field(0.02, ge=0.0, lt=1.0, description="share of the critical damping")
 
 
 class FloorTable(Table):
     """One entry ``[[structure.floors]]``."""
 
-    height: Place = Field(description="z of its top [m]")
-    thickness: Length = Field(description="[m]")
-    mass: Length = Field(description="with what it carries, over its own plan [kg/m2]")
+    height: Place = Field(description="z of its top")
+    thickness: Length = Field()
+    mass: ArealMass = Field(description="with what it carries, over its own plan")
     walls: tuple[str, ...] = Field(strict=False, min_length=1, description="groups or blocks in which it has seats; * stands for anything")
     inside: tuple[Place, Place] | None = Field(
-        None, strict=False, description="a point [x, y] of its room; by default the middle of the walls [m]"
+        None, strict=False, description="a point [x, y] of its room; by default the middle of the walls"
     )
-    bearing: Length = Field(0.2, description="depth of its seats in the walls [m]")
-    gap: Height = Field(0.01, description="to walls that are not named [m]")
+    bearing: Length = Field(0.2, description="depth of its seats in the walls")
+    gap: Height = Field(0.01, description="to walls that are not named")
     anchors: AnchorTable | None = Field(None, description="which tie it to the walls, { spacing = 1.5, diameter = 0.016 }")
     name: str | None = Field(None, max_length=80, description="of its block and group; by default floor1, floor2 ...")
 

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from masonry_cd.foundation.units import Unit
+
 LONGEST = 1e6  # measure [m]: rounding then parts corners that are computed twice by 1e-9 m, far less than what is taken for one corner
 SHORTEST = 1e-12  # measure [m]: what is shorter divides to more than numbers hold; each kind has bounds of its own above it
 
@@ -16,12 +18,13 @@ def _not_lost(value: float) -> float:
     return value
 
 
-Length = Annotated[float, Field(gt=0, le=LONGEST, allow_inf_nan=False), AfterValidator(_not_lost)]
-Area = Annotated[float, Field(gt=0, le=LONGEST, allow_inf_nan=False)]
-Height = Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False), AfterValidator(_not_lost)]
-Density = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
+Length = Annotated[float, Unit("m"), Field(gt=0, le=LONGEST, allow_inf_nan=False), AfterValidator(_not_lost)]
+Area = Annotated[float, Unit("m2"), Field(gt=0, le=LONGEST, allow_inf_nan=False)]
+Height = Annotated[float, Unit("m"), Field(ge=0, le=LONGEST, allow_inf_nan=False), AfterValidator(_not_lost)]
+Density = Annotated[float, Unit("kg/m3"), Field(gt=0, le=1e6, allow_inf_nan=False)]
+ArealMass = Annotated[float, Unit("kg/m2"), Field(gt=0, le=1e6, allow_inf_nan=False)]
 Share = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Place = Annotated[float, Field(allow_inf_nan=False)]
+Place = Annotated[float, Unit("m"), Field(allow_inf_nan=False)]
 HeadShape = Literal["lintel", "flat", "segmental", "round"]
 
 
@@ -34,11 +37,11 @@ class Table(BaseModel):
 class OpeningTable(Table):
     """One entry ``[[structure.openings]]``: a door or a window."""
 
-    centre: Place = Field(description="along the wall, from the middle of the wall [m]")
-    width: Length = Field(1.0, description="clear [m]")
-    sill: Height = Field(0.0, description="height of the sill above the foot of the wall [m]")
-    height: Length = Field(2.0, description="clear, from the sill to the crown of the intrados [m]")
+    centre: Place = Field(description="along the wall, from the middle of the wall")
+    width: Length = Field(1.0, description="clear")
+    sill: Height = Field(0.0, description="height of the sill above the foot of the wall")
+    height: Length = Field(2.0, description="clear, from the sill to the crown of the intrados")
     head: HeadShape = Field("lintel", description="what closes it at the top")
-    depth: Length | None = Field(None, description="of the lintel or of the arch; by default a course or a fifth of the width [m]")
-    rise: Length | None = Field(None, description="of a segmental arch; by default a sixth of the width [m]")
-    bearing: Length | None = Field(None, description="of a lintel on each jamb; by default a third of a block [m]")
+    depth: Length | None = Field(None, description="of the lintel or of the arch; by default a course or a fifth of the width")
+    rise: Length | None = Field(None, description="of a segmental arch; by default a sixth of the width")
+    bearing: Length | None = Field(None, description="of a lintel on each jamb; by default a third of a block")

@@ -26,6 +26,7 @@ from scipy.spatial import ConvexHull
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import is_number
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.components import connected_components
 from masonry_cd.mechanics.model.geometry import Polyhedron
@@ -60,11 +61,11 @@ class PlaceTable(Table):
     name: str = Field(
         pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40, description="of letters and digits, put before its blocks and groups"
     )
-    at: Annotated[tuple[float, float, float], BeforeValidator(_place), WithJsonSchema(_POINT)] = Field(
-        (0.0, 0.0, 0.0), description="where its origin lies [m]"
+    at: Annotated[tuple[float, float, float], Unit("m"), BeforeValidator(_place), WithJsonSchema(_POINT)] = Field(
+        (0.0, 0.0, 0.0), description="where its origin lies"
     )
-    rotate: float = Field(
-        0.0, ge=-360.0, le=360.0, description="about the upright axis through its origin, counter-clockwise seen from above [degrees]"
+    rotate: Annotated[float, Unit("degrees")] = Field(
+        0.0, ge=-360.0, le=360.0, description="about the upright axis through its origin, counter-clockwise seen from above"
     )
 
 

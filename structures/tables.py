@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
 
 from masonry_cd.foundation.table_schema import rows
 from structures.floors import FloorTable
 from structures.layout.foundations import FoundationsTable
+from structures.layout.ground import HEIGHT
 from structures.noise import NoiseTable
 from structures.schema import Table
 from structures.size import MOST
@@ -25,9 +26,9 @@ class CommonTable(Table):
     foundations: Literal["whole", "corners", "parts"] | FoundationsTable = Field(
         "whole", description="in pieces, which may settle by themselves: corners, parts, or strips { x = 4 }"
     )
-    ground: bool | float | None = Field(
+    ground: bool | Annotated[float, HEIGHT] | None = Field(
         None,
-        description="a fixed slab under a structure, for what falls: true, false, or the height of its top [m]; "
+        description="a fixed slab under a structure, for what falls: true, false, or the height of its top; "
         "by default under supports with nothing between them, but not for kind file",
     )
     floors: tuple[dict[str, Any], ...] = Field(
@@ -36,7 +37,7 @@ class CommonTable(Table):
     ties: tuple[dict[str, Any], ...] = Field(
         (), strict=False, json_schema_extra=rows(TieRowTable), description="rods and beams that tie parts together, [[structure.ties]] each"
     )
-    noise: NoiseTable | None = Field(None, description="seeded noise on all corners, { size = 1e-6, seed = 0 } [m]")
+    noise: NoiseTable | None = Field(None, description="seeded noise on all corners, { size = 1e-6, seed = 0 }")
 
 
 def table_of(kind: str) -> type[BaseModel] | None:

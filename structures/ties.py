@@ -22,13 +22,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from itertools import product
-from typing import Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import check_tension
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.polygon import loop_planes
 from structures.schema import Area, Length, Place, Table
@@ -47,24 +48,28 @@ class TieRowTable(Table):
     """One entry ``[[structure.ties]]``."""
 
     along: Literal["x", "y"] = Field(description="the axis that it lies along")
-    height: Place = Field(description="z of its line, in the coordinates of the structure [m]")
-    at: tuple[Place, ...] | None = Field(None, strict=False, min_length=1, description="where along the other axis [m]")
+    height: Place = Field(description="z of its line, in the coordinates of the structure")
+    at: tuple[Place, ...] | None = Field(None, strict=False, min_length=1, description="where along the other axis")
     number: int | None = Field(None, ge=1, le=MOST, description="or so many, evenly over the parts; by default one in the middle")
-    spacing: Length | None = Field(None, description="or as many as fit at this distance [m]")
+    spacing: Length | None = Field(None, description="or as many as fit at this distance")
     parts: tuple[str, ...] | None = Field(
         None, strict=False, min_length=1, max_length=2,
         description="groups or blocks on whose outermost faces it ends, one name for each end or for both; * stands for anything; by "
         "default whatever is outermost",
     )  # fmt: skip
     anchor: Literal["face", "middle"] = Field("face", description="where in the block it ends: on the outer face, or halfway through")
-    plate: Length | None = Field(None, description="side of its square anchor plates, which spread the pull over blocks [m]")
-    diameter: Length | None = Field(None, description="of its section [m]")
-    area: Area | None = Field(None, description="or the area of its section [m2]")
-    section: tuple[Length, Length] | None = Field(None, strict=False, description="or width and depth of its section [m]")
+    plate: Length | None = Field(None, description="side of its square anchor plates, which spread the pull over blocks")
+    diameter: Length | None = Field(None, description="of its section")
+    area: Area | None = Field(None, description="or the area of its section")
+    section: tuple[Length, Length] | None = Field(None, strict=False, description="or width and depth of its section")
     material: Literal["steel", "timber"] = Field("steel", description="which sets the modulus")
-    modulus: float | None = Field(None, gt=0.0, description="Young's modulus; by default 2.1e11 of steel, 1.1e10 of timber [Pa]")
-    yield_force: float | None = Field(None, gt=0.0, description="at which it yields, or its anchorage does; by default never [N]")
-    tension: float = Field(0.0, ge=0.0, description="at the start [N]")
+    modulus: Annotated[float, Unit("Pa")] | None = Field(
+        None, gt=0.0, description="Young's modulus; by default 2.1e11 of steel, 1.1e10 of timber"
+    )
+    yield_force: Annotated[float, Unit("N")] | None = Field(
+        None, gt=0.0, description="at which it yields, or its anchorage does; by default never"
+    )
+    tension: Annotated[float, Unit("N")] = Field(0.0, ge=0.0, description="at the start")
     damping: float = Field(0.02, ge=0.0, lt=1.0, description="share of the critical damping")
     name: str | None = Field(None, max_length=80, description="for reports; by default tie1, tie2 ...")
 

@@ -28,7 +28,9 @@ def faults(value: Any, schema: Schema | bool, where: str = "") -> list[str]:
 def _of_itself(value: Any, schema: Schema, where: str) -> list[str]:
     """Faults by type, constant and bound."""
     kind = schema.get("type")
-    wrong = kind is not None and (not isinstance(value, TYPES[kind]) or (isinstance(value, bool) and kind != "boolean"))
+    kinds = kind if isinstance(kind, list) else [kind]
+    fits = any(isinstance(value, TYPES[one]) and not (isinstance(value, bool) and one != "boolean") for one in kinds if one)
+    wrong = kind is not None and not fits
     found = [f"{where}: no {kind}"] if wrong else []
     if "const" in schema and value != schema["const"]:
         found.append(f"{where}: not {schema['const']}")

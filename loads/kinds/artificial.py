@@ -33,6 +33,7 @@ from loads.supports import ShakingTable
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Span, is_number
+from masonry_cd.foundation.units import Unit
 
 STEP = 0.005  # [s] of the accelerogram
 DAMPING = 0.05  # for which code spectra stand
@@ -62,22 +63,22 @@ class SpectrumMatch(SiteSpectrum):
 
     spectrum: Literal["EC8", "NTC"]
     """Of Eurocode 8 or of the Italian code NTC."""
-    ag: Positive
-    """Peak ground acceleration on rock [m/s2]."""
+    ag: Annotated[Positive, Unit("m/s2")]
+    """Peak ground acceleration on rock."""
     vertical: bool = False
     """Match the vertical spectrum."""
     period: Span | None = None
-    """T1 of the structure: the spectrum is met from 0.2 to 2 T1 [s]."""
-    periods: Annotated[tuple[float, float] | None, BeforeValidator(_range)] = None
-    """Or the range in which it is met, [from, to]; 0.15 to 2 when not given [s]."""
+    """T1 of the structure: the spectrum is met from 0.2 to 2 T1."""
+    periods: Annotated[tuple[float, float] | None, Unit("s"), BeforeValidator(_range)] = None
+    """Or the range in which it is met, [from, to]; 0.15 to 2 when not given."""
     tolerance: Annotated[float, Field(ge=0.03, le=0.5)] = 0.10
     """Of the ratio of the spectrum to its target."""
     rise: Span = 2.0
-    """Of the envelope, to its full value [s]."""
+    """Of the envelope, to its full value."""
     level: Span = 10.0
-    """Of the envelope, at its full value [s]."""
-    duration: Annotated[float, Field(gt=0.0, le=LONGEST_MOTION)] = 25.0
-    """Of the whole motion [s]."""
+    """Of the envelope, at its full value."""
+    duration: Annotated[float, Unit("s"), Field(gt=0.0, le=LONGEST_MOTION)] = 25.0
+    """Of the whole motion."""
     seed: Annotated[int, Field(ge=0)] = 0
     """Of the noise from which it is made."""
 

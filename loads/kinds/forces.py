@@ -22,6 +22,7 @@ from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, check_tension, is_number
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.place_on_block import require_on_block
 
@@ -74,14 +75,14 @@ class PointTable(LoadTable):
     kind: Literal["point"] = "point"
     block: str
     """Its name."""
-    force: VectorKey
-    """A vector [N]."""
-    point: Annotated[Vector | None, BeforeValidator(_vector)] = None
-    """Of attack, as built, in the world; the centre of mass when not given [m]."""
+    force: Annotated[VectorKey, Unit("N")]
+    """A vector."""
+    point: Annotated[Vector | None, Unit("m"), BeforeValidator(_vector)] = None
+    """Of attack, as built, in the world; the centre of mass when not given."""
     start: Instant = 0.0
-    """When the force begins [s]."""
+    """When the force begins."""
     ramp: Instant = 0.0
-    """Time in which it grows linearly [s]."""
+    """Time in which it grows linearly."""
 
 
 class TieTable(LoadTable):
@@ -90,18 +91,18 @@ class TieTable(LoadTable):
     kind: Literal["tie"] = "tie"
     blocks: Annotated[tuple[str, str], BeforeValidator(_pair)]
     """Names of the two blocks."""
-    points: Annotated[tuple[Vector, Vector] | None, BeforeValidator(_points)] = None
-    """Its ends, as built; the centres of mass when not given [m]."""
-    diameter: Positive | None = None
-    """Of its section [m]."""
-    area: Positive | None = None
-    """Or the area of its section [m2]."""
-    modulus: Positive = 2.1e11
-    """Young's modulus, by default that of steel [Pa]."""
-    tension: NotNegative = 0.0
-    """At the start [N]."""
-    yield_force: Positive | None = None
-    """At which it yields: beyond, it stretches for good and pulls no more than this; it never yields when not given [N]."""
+    points: Annotated[tuple[Vector, Vector] | None, Unit("m"), BeforeValidator(_points)] = None
+    """Its ends, as built; the centres of mass when not given."""
+    diameter: Annotated[Positive, Unit("m")] | None = None
+    """Of its section."""
+    area: Annotated[Positive, Unit("m2")] | None = None
+    """Or the area of its section."""
+    modulus: Annotated[Positive, Unit("Pa")] = 2.1e11
+    """Young's modulus, by default that of steel."""
+    tension: Annotated[NotNegative, Unit("N")] = 0.0
+    """At the start."""
+    yield_force: Annotated[Positive, Unit("N")] | None = None
+    """At which it yields: beyond, it stretches for good and pulls no more than this; it never yields when not given."""
     name: str | None = None
     """For reports; the names of its blocks when not given."""
     damping: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.02
@@ -142,7 +143,14 @@ def point(table: PointTable, grid: RunGrid, where: str) -> Part:
     return Part(
         forces=(load,),
         lines=(f'{where} point load of {size:.4g} N on "{table.block}"{relation}',),
-        summary={"kind": "point", "block": table.block, "force": list(table.force), "start": table.start, "ramp": table.ramp},
+        summary={
+            "kind": "point",
+            "block": table.block,
+            "force": list(table.force),
+            "point": None if table.point is None else list(table.point),
+            "start": table.start,
+            "ramp": table.ramp,
+        },
     )
 
 

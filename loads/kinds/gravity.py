@@ -19,7 +19,7 @@ class GravityTable(LoadTable):
 
     kind: Literal["gravity"] = "gravity"
     ramp: Instant = 0.0
-    """Time in which gravity smoothly comes to its full value [s]."""
+    """Time in which gravity smoothly comes to its full value."""
 
 
 def gravity(table: GravityTable, grid: RunGrid, where: str) -> Part:

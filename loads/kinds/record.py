@@ -12,7 +12,7 @@ component then acts along its direction turned about the vertical, which is the 
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from loads.signal.accelerogram import Accelerogram, Scaled, describe_both, proce
 from loads.signal.baseline import History
 from loads.signal.plausible import doubts
 from loads.supports import ShakingTable
+from masonry_cd.foundation.units import Unit
 
 FADE = 1.0  # [s] in which the velocity of an uncorrected record goes to zero after its end
 
@@ -31,8 +32,8 @@ class RecordTable(Scaled, Accelerogram, ShakingTable):
     kind: Literal["record"] = "record"
     direction: DirectionKey
     """Axis ("x", "-y" ...) or vector along which the base moves."""
-    rotate: float = 0.0
-    """Turns the direction about z, counter-clockwise seen from above [degrees]."""
+    rotate: Annotated[float, Unit("degrees")] = 0.0
+    """Turns the direction about z, counter-clockwise seen from above."""
 
 
 def record(table: RecordTable, grid: RunGrid, where: str) -> Part:

@@ -33,6 +33,7 @@ from loads.supports import ShakingTable
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.fields import Span, is_number
 from masonry_cd.foundation.table_schema import rows
+from masonry_cd.foundation.units import Unit
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -67,8 +68,8 @@ class ShockTable(Scaled):
     """Of the shock, in tables and closing lines."""
     components: Annotated[list[dict[str, Any]], Field(min_length=1, json_schema_extra=rows(Recorded, Artificial))]
     """Each with a direction, and the keys of a record or of an artificial accelerogram."""
-    rotate: float = 0.0
-    """Turns all directions about z, counter-clockwise seen from above [degrees]."""
+    rotate: Annotated[float, Unit("degrees")] = 0.0
+    """Turns all directions about z, counter-clockwise seen from above."""
 
 
 class SequenceTable(ShakingTable):
@@ -77,14 +78,14 @@ class SequenceTable(ShakingTable):
     kind: Literal["sequence"] = "sequence"
     shocks: Annotated[list[ShockTable], Field(min_length=1)]
     """In their order in time."""
-    rest: Annotated[float | str, BeforeValidator(_rest)] = "still"
-    """After each shock [s], or "still": until the structure is."""
+    rest: Annotated[float | str, Unit("s"), BeforeValidator(_rest)] = "still"
+    """After each shock, or "still": until the structure is."""
     longest_rest: Span = 20.0
-    """At most, where it waits for the structure to be still [s]."""
-    still: Positive = 1e-3
-    """Speed below which a block counts as still [m/s]."""
+    """At most, where it waits for the structure to be still."""
+    still: Annotated[Positive, Unit("m/s")] = 1e-3
+    """Speed below which a block counts as still."""
     hold: Span = 0.5
-    """How long all blocks have to be still [s]."""
+    """How long all blocks have to be still."""
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Motion, P
 from loads.supports import select_supports, structure
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import MOST_STEPS, Instant, Span
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
 
 FEWEST_STEPS = 10  # of the run in a pulse
@@ -53,12 +54,12 @@ class SettlementTable(LoadTable):
     """Names of fixed blocks or groups; * stands for any letters."""
     direction: Annotated[DirectionKey, Field(json_schema_extra={"default": "-z"})] = Direction((0.0, 0.0, -1.0), "-z")
     """Axis or vector along which they move."""
-    displacement: float
-    """How far they move [m]."""
+    displacement: Annotated[float, Unit("m")]
+    """How far they move."""
     start: Instant = 0.0
-    """When they begin to move [s]."""
+    """When they begin to move."""
     duration: Span
-    """How long they move [s]."""
+    """How long they move."""
 
 
 class SpreadingTable(LoadTable):
@@ -69,12 +70,12 @@ class SpreadingTable(LoadTable):
     """Names of fixed blocks or groups; all when not given."""
     direction: DirectionKey
     """Axis or vector along which the ground stretches."""
-    displacement: float
-    """By which the outermost supports part [m]."""
+    displacement: Annotated[float, Unit("m")]
+    """By which the outermost supports part."""
     start: Instant = 0.0
-    """When they begin to move [s]."""
+    """When they begin to move."""
     duration: Span
-    """How long they move [s]."""
+    """How long they move."""
 
 
 def settlement(table: SettlementTable, grid: RunGrid, where: str) -> Part:

@@ -22,6 +22,7 @@ from loads.supports import ShakingTable
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, Span
+from masonry_cd.foundation.units import Unit
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -35,16 +36,16 @@ class SinusoidalTable(ShakingTable):
     kind: Literal["sinusoidal"] = "sinusoidal"
     direction: DirectionKey
     """Axis ("x", "-y" ...) or vector along which the base moves."""
-    amplitude: float
-    """C, of the velocity [m/s]."""
-    frequency: Positive
-    """f [Hz]."""
+    amplitude: Annotated[float, Unit("m/s")]
+    """C, of the velocity."""
+    frequency: Annotated[Positive, Unit("Hz")]
+    """f."""
     cycles: Positive | None = None
     """How many; give cycles or duration."""
     duration: Span | None = None
-    """How long, instead of cycles [s]."""
+    """How long, instead of cycles."""
     ramp: Instant = 0.0
-    """Smooth rise and fall of the amplitude at either end [s]."""
+    """Smooth rise and fall of the amplitude at either end."""
 
     @model_validator(mode="after")
     def _one_length(self) -> Self:

@@ -26,6 +26,7 @@ from loads.motion import Direction, DirectionKey, LoadKind, LoadTable, Part, Run
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant
+from masonry_cd.foundation.units import Unit
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -39,14 +40,14 @@ class TiltTable(LoadTable):
     """To which the structure leans."""
     axis: DirectionKey | None = None
     """Or: about which gravity turns, by the right-hand rule."""
-    rate: Positive
-    """Of the angle [degrees/s]."""
-    initial: Annotated[float, Field(ge=0.0, lt=90.0)] = 0.0
-    """Angle from the first step on [degrees]."""
-    angle: Annotated[float, Field(gt=0.0, le=90.0)] | None = None
-    """At which it stops [degrees]."""
+    rate: Annotated[Positive, Unit("degrees/s")]
+    """Of the angle."""
+    initial: Annotated[float, Unit("degrees"), Field(ge=0.0, lt=90.0)] = 0.0
+    """Angle from the first step on."""
+    angle: Annotated[float, Unit("degrees"), Field(gt=0.0, le=90.0)] | None = None
+    """At which it stops."""
     start: Instant = 0.0
-    """When it begins [s]."""
+    """When it begins."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -63,14 +64,14 @@ class PushTable(LoadTable):
     kind: Literal["push"] = "push"
     direction: DirectionKey
     """Axis or vector along which the body force acts."""
-    rate: Positive
-    """Of lambda, the share of the weight [1/s]."""
+    rate: Annotated[Positive, Unit("1/s")]
+    """Of lambda, the share of the weight."""
     initial: NotNegative = 0.0
     """Lambda from the first step on."""
     peak: Positive | None = None
     """Lambda at which it stops."""
     start: Instant = 0.0
-    """When it begins [s]."""
+    """When it begins."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

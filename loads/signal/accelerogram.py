@@ -24,6 +24,7 @@ from loads.signal.intensity import arias, in_words, intensity
 from loads.signal.series import Keys, accelerations
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Instant, is_number
+from masonry_cd.foundation.units import Unit
 
 FEWEST = 8  # samples
 LEVEL = 1e-9  # of the largest sample: a record that varies by less is an offset and rounding
@@ -66,10 +67,10 @@ def _resampling(value: object) -> float | str | None:
     raise ValueError('must be a time step above zero, in seconds, or "run" for that of the run')
 
 
-Window = Annotated[tuple[float, float], BeforeValidator(_window)]
-Band = Annotated[tuple[float, float], BeforeValidator(_band)]
+Window = Annotated[tuple[float, float], Unit("s"), BeforeValidator(_window)]
+Band = Annotated[tuple[float, float], Unit("Hz"), BeforeValidator(_band)]
 Column = Annotated[str | int | None, BeforeValidator(_column)]
-Resampling = Annotated[float | str | None, BeforeValidator(_resampling)]
+Resampling = Annotated[float | str | None, Unit("s"), BeforeValidator(_resampling)]
 
 
 class Accelerogram(BaseModel):
@@ -91,16 +92,16 @@ class Accelerogram(BaseModel):
     """Of a table of numbers that could be read in several ways: side by side, or one series, or (time, value) pairs, several to a line."""
     calibration: Annotated[float, Field(gt=0.0)] | None = None
     """What one count means, in units; miniSEED only."""
-    time_step: Positive | None = None
-    """Where the file has no times [s]."""
+    time_step: Annotated[Positive, Unit("s")] | None = None
+    """Where the file has no times."""
     window: Window | None = None
-    """Part of the record to use, [from, to], in its own time [s]."""
+    """Part of the record to use, [from, to], in its own time."""
     taper: Instant = 0.0
-    """Over which the acceleration rises and falls at the ends of the window [s]."""
+    """Over which the acceleration rises and falls at the ends of the window."""
     resample: Resampling = None
-    """To this time step [s], or to that of the "run", without aliasing."""
+    """To this time step, or to that of the "run", without aliasing."""
     band: Band | None = None
-    """Corners of a zero-phase Butterworth band-pass, [from, to] [Hz]."""
+    """Corners of a zero-phase Butterworth band-pass, [from, to]."""
     band_order: Annotated[int, Field(ge=1, le=8)] = 4
     """Order of the band-pass."""
     correction: Literal["none", "linear", "quadratic", "cubic"] = "quadratic"
@@ -159,8 +160,8 @@ class Scaled(BaseModel):
 
     scale: float | None = None
     """Factor on the motion."""
-    target_pga: Positive | None = None
-    """Or the peak acceleration wanted [m/s2]."""
+    target_pga: Annotated[Positive, Unit("m/s2")] | None = None
+    """Or the peak acceleration wanted."""
 
     @model_validator(mode="after")
     def _one_size(self) -> Self:

@@ -9,6 +9,7 @@ from pydantic import BaseModel, Field, model_validator
 from loads.motion import strict
 from loads.signal.code_spectrum import CodeSpectrum, ec8, ntc
 from masonry_cd.foundation.fields import Span
+from masonry_cd.foundation.units import Unit
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -20,8 +21,8 @@ class SiteSpectrum(BaseModel):
 
     spectrum: Literal["EC8", "NTC"] | None = None
     """Of Eurocode 8 or of the Italian code NTC."""
-    ag: Positive | None = None
-    """Peak ground acceleration on rock [m/s2]."""
+    ag: Annotated[Positive, Unit("m/s2")] | None = None
+    """Peak ground acceleration on rock."""
     ground: Literal["A", "B", "C", "D", "E"] = "A"
     """Ground type."""
     type: Literal[1, 2] | None = None
@@ -29,7 +30,7 @@ class SiteSpectrum(BaseModel):
     f0: Positive | None = None
     """Largest amplification at the site, NTC only."""
     tc_star: Span | None = None
-    """Where the constant velocity of the spectrum begins at the site, NTC only [s]."""
+    """Where the constant velocity of the spectrum begins at the site, NTC only."""
     topography: Literal["T1", "T2", "T3", "T4"] | None = None
     """Category of the site, NTC only; T1 when not given."""
 

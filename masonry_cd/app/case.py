@@ -184,6 +184,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     planar, by_area, spheres = plane is not None, bool(assembly.laws.by_area.any()), bool(assembly.shapes.rounding.any())
     with compiling(SceneKind(scene.run.solver, planar, by_area, scene.stress, strained, spheres)):
         joints, built = structure.joints, structure.built_gap
+    assembly, damping = _damped(scene, assembly, plane)
     failure = lost()
     if failure is not None:
         _say_once(f"compiled kernels could not be kept, the next run compiles them again: {in_plain_words(failure)}")
@@ -191,9 +192,9 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     coarse = time_step_checks.before_run(assembly, loading.support_velocity, gravity, scene.run.dt)
     falling = structure.falling if gravity else []
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
-    unusual = doubts(scene, assembly, loading.summary["tables"])
+    unusual = doubts(scene, assembly, joints, loading.summary["tables"])
     warnings = (*structure.odd_size, *unusual, *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
-    notes = structure.notes
+    notes = (*structure.notes, *damping)
     if built > REPORTED * assembly.width:
         notes = (*notes, f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
     still = _still_speed(scene.run, joints)
@@ -203,6 +204,24 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
         raise scene.at_fault(error) from None
     steps = len(loading.acceleration) - 1
     return Case(scene, assembly, joints, loading, steps, still, notes, warnings, tuple(coarse), built, time.perf_counter() - begin)
+
+
+def _damped(scene: Scene, assembly: Assembly, plane: Plane | None) -> tuple[Assembly, list[str]]:
+    """The blocks with dashpots that are stated by the first elastic period, and a line on that period.
+
+    Raises:
+        InputError: there is no such period.
+    """
+    if not assembly.laws.at_first_period.any():
+        return assembly, []
+    from masonry_cd.analysis.modal.first_period import KEY, damped_at_first_period
+
+    try:
+        damped, period = damped_at_first_period(assembly, None if plane is None else plane.axis)
+    except InputError as error:
+        raise scene.at_fault(error) from None
+    share = float(assembly.laws.at_first_period.max())
+    return damped, [f"{KEY}: {share:g} of critical at the first elastic period, {period:.4g} s ({1.0 / period:.4g} Hz)"]
 
 
 @cache

@@ -1,69 +1,87 @@
 """Values of a scene that are likely in another unit: a line each, and never a refusal.
 
-The line names the key, its value and what that means, and the unit in which it would be usual; the key of a scene ``quiet_checks`` lists
-keys whose values are meant so. The ranges, and why they are such, are in :mod:`masonry_cd.app.ranges`.
+The line names the key, its value and what that means, and how it is written in the unit in which it would be usual; the key of a scene
+``quiet_checks`` lists keys whose values are meant so. The ranges, and why they are such, are in :mod:`masonry_cd.app.ranges`.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
-from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from loads.kinds.forces import one_block
-from masonry_cd.app.ranges import PLAIN, RANGES, G
+from loads.supports import select
+from masonry_cd.app.ranges import RANGES, G, range_of
 from masonry_cd.app.scene import Scene
 from masonry_cd.app.scene_text import is_within, keys_of, parse_toml
+from masonry_cd.app.scene_units import scene_in_si, unit_of_key
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.mechanics.model.blocks import Block
 
 if TYPE_CHECKING:
     from masonry_cd.mechanics.model.blocks import Assembly
+    from masonry_cd.mechanics.model.joints import Joints
 
 PEAK = 1.875  # largest speed of the pulse of a settlement over its mean
-Doubt = tuple[str, str]  # key and line
 
 
-def structure_doubts(scene: Scene) -> list[str]:
+class Doubt(NamedTuple):
+    """A value that is not usual."""
+
+    key: str
+    value: float | None  # None: the words say it all
+    words: str  # what the value comes to, and why that is not usual
+    meant: str = ""  # how it would be written in another unit
+
+
+def structure_doubts(scene: Scene, blocks: Sequence[Block]) -> list[str]:
     """What ``masonry-cd build`` says: of the tables [structure] and [material]."""
-    tables = parse_toml(scene.text, scene.origin.path)
+    tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
     mine: dict[str, Any] = {key: tables[key] for key in ("structure", "structures", "material") if key in tables}
-    return _spoken([*_plain(mine), *_ties(mine)], scene.quiet_checks)
+    return _spoken([*_plain(mine), *_ties(mine), *_carried(mine, blocks)], tables, scene.quiet_checks)
 
 
-def doubts(scene: Scene, assembly: Assembly, summaries: Sequence[Mapping[str, Any]] = ()) -> list[str]:
+def doubts(scene: Scene, assembly: Assembly, joints: Joints, summaries: Sequence[Mapping[str, Any]] = ()) -> list[str]:
     """A line for each doubtful value of a scene.
 
     Args:
         scene: a checked one.
         assembly: its blocks.
+        joints: between them, at rest.
         summaries: of its loads as they are built, where they are; a limit analysis builds none.
     """
-    tables = parse_toml(scene.text, scene.origin.path)
+    tables = scene_in_si(parse_toml(scene.text, scene.origin.path))
     size = math.hypot(*scene.run.gravity)
-    found = [*_plain(tables), *_ties(tables), *_doubt("run.gravity", size, "gravity", f"{size / G:.3g} g")]
+    found = [*_plain(tables), *_ties(tables), *_carried(tables, assembly.blocks), *_doubt("run.gravity", size, "gravity", _in_g(size))]
     for i, table in enumerate(tables.get("loads", [])):
         where, kind = f"loads[{i}]", table.get("kind")
         if kind == "point":
             found += _point(table, where, assembly, size)
         elif kind in ("settlement", "spreading"):
-            found += _moved(table, where, assembly.blocks)
+            found += _moved(table, where, assembly, joints)
         elif i < len(summaries):
             found += _shaken(table, where, summaries[i])
-    return _spoken(found, scene.quiet_checks)
+    return _spoken(found, tables, scene.quiet_checks)
 
 
-def _spoken(found: Sequence[Doubt], quiet: Sequence[str]) -> list[str]:
+def _spoken(found: Sequence[Doubt], tables: Mapping[str, Any], quiet: Sequence[str]) -> list[str]:
     """The lines but for those of keys that are meant so."""
-    return [line for key, line in found if not any(is_within(key, name) for name in quiet)]
+    return [_line(doubt, tables) for doubt in found if not any(is_within(doubt.key, name) for name in quiet)]
+
+
+def _line(doubt: Doubt, tables: Mapping[str, Any]) -> str:
+    """A doubt in words: ``ag = 0.25 m/s2 is 0.025 g: ...; if g is meant: "0.25 g"; if it is meant so, ...``"""
+    unit = unit_of_key(tables, doubt.key)
+    said = doubt.words if doubt.value is None else f"{doubt.key} = {doubt.value:g}{f' {unit}' if unit else ''}{doubt.words}"
+    return "; ".join([said, *([doubt.meant] if doubt.meant else []), f'if it is meant so, quiet_checks = ["{doubt.key}"] says so'])
 
 
 def _doubt(key: str, value: float, name: str, means: str = "", per: float = 1.0) -> list[Doubt]:
-    """The line on a value that is not usual.
+    """The doubt of a value that is not usual.
 
     Args:
         key: its place in the scene.
@@ -75,39 +93,65 @@ def _doubt(key: str, value: float, name: str, means: str = "", per: float = 1.0)
     usual = RANGES[name]
     if not per > 0.0 or usual.holds(value / per):
         return []
-    unit = f" {usual.unit}" if usual.unit else ""
-    other = next(((word, size) for word, size in usual.others if usual.holds(value * size / per)), None)
-    meant = f"; if {value:g} {other[0]} is meant, write {value * other[1]:.4g}" if other else ""
-    said = f"{key} = {value:g}{unit}{f' is {means}' if means else ''}: {usual.reason}{meant}"
-    return [(key, f'{said}; if it is meant so, quiet_checks = ["{key}"] says so')]
+    return [Doubt(key, value, f"{f' is {means}' if means else ''}: {usual.reason}", usual.meant(value, per))]
+
+
+def _in_g(acceleration: float) -> str:
+    return f"{acceleration / G:.3g} g"
 
 
 def _plain(tables: Mapping[str, Any]) -> list[Doubt]:
     """Values that are compared by themselves."""
     found: list[Doubt] = []
     for key, value in keys_of(tables):
-        if not is_number(value):
-            continue
-        path = re.sub(r"\[\d+\]", "", key).replace("structures.", "structure.", 1)
-        name = next((name for pattern, name in PLAIN.items() if fnmatchcase(path, pattern)), None)
-        if name is not None:
-            means = f"{float(value) / G:.3g} g" if RANGES[name].unit == "m/s2" else ""
-            found += _doubt(key, float(value), name, means)
+        name = range_of(re.sub(r"\[\d+\]", "", key).replace("structures.", "structure.", 1)) if is_number(value) else ""
+        if name:
+            found += _doubt(key, float(value), name, _in_g(float(value)) if unit_of_key(tables, key) == "m/s2" else "")
     return found
+
+
+def _structures(tables: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
+    """The tables of what stands, with their places in the scene."""
+    several = [(f"structures[{i}]", table) for i, table in enumerate(tables.get("structures", []))]
+    return several or [("structure", tables.get("structure", {}))]
+
+
+def _carried(tables: Mapping[str, Any], blocks: Sequence[Block]) -> Iterator[Doubt]:
+    """What a roof and floors weigh, against the masonry that bears them."""
+    for where, table in _structures(tables):
+        name = f"{table['name']}." if where != "structure" else ""
+        floors = {
+            f"{name}{floor.get('name', f'floor{i + 1}')}": (f"{where}.floors[{i}].mass", floor["mass"])
+            for i, floor in enumerate(table.get("floors", []))
+        }
+        if "roof_mass" in table:
+            floors[f"{name}roof"] = (f"{where}.roof_mass", table["roof_mass"])
+        own = [block for block in blocks if not block.fixed and (not name or block.structure == table["name"])]
+        borne = math.fsum(_mass(block) for block in own if block.group not in floors)
+        for group, (key, value) in floors.items():
+            mass = math.fsum(_mass(block) for block in own if block.group == group)
+            if mass and borne:
+                yield from _doubt(key, value, "carried", f"{mass / 1e3:.3g} t on {borne / 1e3:.3g} t of masonry", value * borne / mass)
+
+
+def _mass(block: Block) -> float:
+    return block.density * block.mass_properties.volume
 
 
 def _point(table: Mapping[str, Any], where: str, assembly: Assembly, gravity: float) -> list[Doubt]:
     """A point load against the weight and the section of its block."""
     block, size = one_block(table["block"], assembly, f"{where}.block"), math.hypot(*table["force"])
     weight, section = float(assembly.mass[block]) * gravity, float(assembly.volume[block]) ** (2.0 / 3.0)
-    light = _doubt(f"{where}.force", size, "force", f"{size / weight:.2g} times the weight of its block" if weight else "", weight)
-    return light or _doubt(f"{where}.force", size, "pressure", f"{size / section / 1e6:.3g} MPa on its block", section)
+    whole = float(assembly.mass[~assembly.fixed].sum()) * gravity
+    key = f"{where}.force"
+    light = _doubt(key, size, "force", f"{size / weight:.2g} times the weight of its block" if weight else "", weight)
+    heavy = _doubt(key, size, "pressure", f"{size / section / 1e6:.3g} MPa on its block", section)
+    return light or heavy or _doubt(key, size, "overload", f"{size / whole:.3g} times the weight of all blocks" if whole else "", whole)
 
 
 def _ties(tables: Mapping[str, Any]) -> list[Doubt]:
     """What ties pull at the start and where they yield, by how far that stretches them."""
-    one = [("structure", tables.get("structure", {}))]
-    places = [*one, *((f"structures[{i}]", table) for i, table in enumerate(tables.get("structures", [])))]
+    places = _structures(tables)
     ties = [(f"{where}.ties[{i}]", tie) for where, table in places for i, tie in enumerate(table.get("ties", []))]
     ties += [
         (f"{where}.floors[{i}].anchors", floor["anchors"])
@@ -132,14 +176,44 @@ def _stretched(where: str, tie: Mapping[str, Any]) -> list[Doubt]:
     return found
 
 
-def _moved(table: Mapping[str, Any], where: str, blocks: Sequence[Block]) -> list[Doubt]:
-    """A settlement against the size of the structure, and by its speed."""
+def _moved(table: Mapping[str, Any], where: str, assembly: Assembly, joints: Joints) -> list[Doubt]:
+    """A settlement against the size of the structure, against the joints on its supports, and by its speed."""
+    blocks = assembly.blocks
     corners = np.concatenate([block.vertices for block in blocks if not block.fixed] or [block.vertices for block in blocks])
     extent, key, value = np.ptp(corners, axis=0), f"{where}.displacement", float(table["displacement"])
     speed = PEAK * abs(value) / table["duration"]
     size, what = (float(extent[2]), "height") if table["kind"] == "settlement" else (float(extent.max()), "largest extent")
     means = f"{abs(value) / size:.2g} times the {what} of the structure, at up to {speed:.2g} m/s"
-    return _doubt(key, value, table["kind"], means, size) or _doubt(key, value, "speed", means, float(table["duration"]) / PEAK)
+    depth = _depth(table, where, assembly, joints)
+    parted = f"{abs(value) / depth:.3g} times the depth of the deepest joint on those supports, {depth:.3g} m" if depth else ""
+    return (
+        _doubt(key, value, table["kind"], means, size)
+        or _doubt(key, value, "apart", parted, depth)
+        or _doubt(key, value, "speed", means, float(table["duration"]) / PEAK)
+    )
+
+
+def _depth(table: Mapping[str, Any], where: str, assembly: Assembly, joints: Joints) -> float:
+    """Depth of the deepest joint on the supports of a load that moves apart from others [m]: across it, the shorter way; zero of none."""
+    bearing = np.zeros(assembly.count, dtype=bool)
+    bearing[np.concatenate([joints.block_a, joints.block_b])] = True
+    bearing &= assembly.fixed
+    names = table.get("supports", "*")
+    moving = select([names] if isinstance(names, str) else names, assembly, f"{where}.supports") & assembly.fixed
+    if table["kind"] == "settlement" and moving[bearing].all():  # the structure goes down as a whole
+        return 0.0
+    on = np.flatnonzero((moving & bearing)[joints.block_a] | (moving & bearing)[joints.block_b])
+    return max((_across(joints.polygon[joints.polygon_start[j] : joints.polygon_start[j + 1]]) for j in on), default=0.0)
+
+
+def _across(polygon: np.ndarray) -> float:
+    """Least width of a polygon (n, 3) in its plane [m]: between two lines along one of its sides."""
+    sides = np.roll(polygon, -1, axis=0) - polygon
+    normal = np.cross(sides[:-1], sides[1:]).sum(axis=0)
+    across = np.cross(normal, sides)
+    across = across[np.abs(across).max(axis=1) > 0.0]
+    across /= np.sqrt((across * across).sum(axis=1))[:, None]
+    return float(np.ptp(np.einsum("si,pi->sp", across, polygon), axis=1).min())
 
 
 def _shaken(table: Mapping[str, Any], where: str, summary: Mapping[str, Any]) -> list[Doubt]:
@@ -162,7 +236,7 @@ def _recorded(table: Mapping[str, Any], where: str, made: Sequence[Mapping[str, 
     key = next((name for name in ("scale", "units", "path") if name in table), "components")  # of which a shock has several
     given = f" = {table[key]:g}" if key == "scale" else ""
     line = unusual_pga(pga, f"{where}.{key}{given} makes a")
-    return [(f"{where}.{key}", f'{line}; if it is meant so, quiet_checks = ["{where}.{key}"] says so')] if line else []
+    return [Doubt(f"{where}.{key}", None, line)] if line else []
 
 
 def unusual_pga(pga: float, what: str) -> str:

@@ -113,7 +113,7 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
         notes += analysis.remarks
     except InputError as error:
         raise scene.at_fault(error) from None
-    notes += doubts(scene, assembly)
+    notes += doubts(scene, assembly, joints)
     loose = loose_contacts(assembly)
     if loose:
         notes.append(f"{loose} pairs of blocks touch along a line or in a point only: these contacts bear nothing here")

@@ -22,6 +22,8 @@ from masonry_cd.analysis.modal.measured_modes import MeasuredMode, Pair, fit_fac
 from masonry_cd.analysis.modal.modes import METHODS, Modes, modal
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.fields import finite_number
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -35,22 +37,22 @@ class ModalOptions(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    young: Positive | dict[str, Positive] | None = None
-    """Modulus of the masonry, or moduli by group of blocks and ``default`` [Pa]; not needed when it is fitted."""
+    young: Annotated[Positive | dict[str, Positive], Unit("Pa")] | None = None
+    """Modulus of the masonry, or moduli by group of blocks and ``default``; not needed when it is fitted."""
     poisson: Annotated[float, Field(ge=0, lt=0.5)] = 0.2
     """Poisson's ratio."""
     method: Literal["both", "continuum", "joints"] = "both"
     """Which model."""
     modes: Annotated[int, Field(ge=1, le=500)] = 6
     """Modes to compute; as many more as are measured."""
-    mesh_size: Positive | None = None
-    """Of the tetrahedra [m]; about the thickness of the structure when not given."""
-    convergence: tuple[Positive, ...] = ()
-    """Sizes of tetrahedra to compare [m]."""
-    normal_stiffness: Positive | None = None
-    """Of all joints, instead of E / block length [Pa/m]."""
-    tangential_stiffness: Positive | None = None
-    """Of all joints; k_n / (2 (1 + nu)) when not given [Pa/m]."""
+    mesh_size: Annotated[Positive, Unit("m")] | None = None
+    """Of the tetrahedra; about the thickness of the structure when not given."""
+    convergence: Annotated[tuple[Positive, ...], Unit("m")] = ()
+    """Sizes of tetrahedra to compare."""
+    normal_stiffness: Annotated[Positive, Unit("N/m3")] | None = None
+    """Of all joints, instead of E / block length."""
+    tangential_stiffness: Annotated[Positive, Unit("N/m3")] | None = None
+    """Of all joints; k_n / (2 (1 + nu)) when not given."""
     restraint: dict[str, str] = {}
     """By group of supports, the directions that they hold; all when not given."""
     reference: Path | None = None
@@ -80,19 +82,25 @@ class ModalOptions(BaseModel):
         return self.normal_stiffness, self.tangential_stiffness or self.normal_stiffness / (2.0 * (1.0 + self.poisson))
 
 
-def by_group(texts: Sequence[str], key: str) -> str | dict[str, str]:
-    """What the command line gives for one value, ``3e9``, or for several groups, ``pier=4e9 default=2e9``.
+def by_group(texts: Sequence[str], key: str) -> float | str | dict[str, float | str]:
+    """What the command line gives for one value, ``3e9`` or "3 GPa", or for several groups, ``pier=4e9 default=2e9``.
 
     Raises:
         InputError: several values of which one names no group.
     """
     pairs = [text.partition("=") for text in texts]
     if len(pairs) == 1 and not pairs[0][1]:
-        return pairs[0][0]
+        return _number_or_text(pairs[0][0])
     wrong = next((text for text, (group, equals, value) in zip(texts, pairs, strict=True) if not (group and equals and value)), None)
     if wrong is not None:
         raise InputError(f"modal.{key}: write one value, or GROUP=VALUE for each group, got {wrong!r}")
-    return {group: value for group, _, value in pairs}
+    return {group: _number_or_text(value) for group, _, value in pairs}
+
+
+def _number_or_text(text: str) -> float | str:
+    """A number, or what may be one with a unit."""
+    number = finite_number(text)
+    return text if number is None else number
 
 
 @dataclass(frozen=True, eq=False)

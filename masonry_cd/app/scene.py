@@ -11,7 +11,7 @@
     quiet_checks = ["limit.check.ag"] # optional: values that are meant as they are, however unusual
 
 A run is a pure function of its scene, so the text of the scene, with what ``--set`` changed in it, goes into the results.
-All quantities are in SI units.
+A number is in the SI unit of its key; a text may state another, "30 mm" (:mod:`masonry_cd.foundation.units`).
 """
 
 from __future__ import annotations

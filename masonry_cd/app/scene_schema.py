@@ -10,7 +10,6 @@ import ast
 import importlib.util
 from pathlib import Path
 
-from masonry_cd.analysis.damage.grades import Grades
 from masonry_cd.app.scene import SceneTables
 from masonry_cd.foundation.table_schema import DRAFT, Schema, as_text, table_schema
 from masonry_cd.mechanics.dynamics.settings import Run
@@ -34,7 +33,7 @@ def scene_schema() -> Schema:
     keys["loads"]["items"] = {"type": "object", "required": ["kind"], "oneOf": [load_schema(kind) for kind in LOADS]}
     keys["material"] |= table_schema(Material)
     keys["run"] |= table_schema(Run)
-    keys["report"] |= report_schema()
+    keys["report"] |= table_schema(Report)
     keys["limit"] |= limit_schema()
     for table in ("structure", "material", "run", "report", "limit"):
         if keys[table].get(REFUSED) is True:
@@ -45,13 +44,6 @@ def scene_schema() -> Schema:
     density = {"properties": {"material": {"required": ["density"]}}}  # only blocks of a file may bring their own
     one = [{"required": ["structure"]}, {"required": ["structures"]}]
     return {"$schema": DRAFT, "title": TITLE, **top, "oneOf": one, "if": of_file, "else": density}
-
-
-def report_schema() -> Schema:
-    """The schema of ``[report]``, with the keys of its table ``grades``."""
-    made = table_schema(Report)
-    made["properties"]["grades"] = table_schema(Grades) | {"description": made["properties"]["grades"]["description"]}
-    return made
 
 
 def limit_schema() -> Schema:

@@ -19,7 +19,7 @@ TOO_DEEP = "lists or tables nested too deep"
 SLIPS = (  # common ones in the value of a key, and their remedies
     (r"[+-]?\d+,\d", "a number has a decimal point: 0.25"),
     (r"[+-]?\.\d|[+-]?\d+\.(?:\D|$)", "a number has digits on both sides of its point: 0.5"),
-    (r"[+-]?[\d.]+(?:e[+-]?\d+)?\s*[A-Za-z%]", "numbers stand without a unit; all are in SI units"),
+    (r"[+-]?[\d.]+(?:e[+-]?\d+)?\s*[A-Za-z%]", 'a number with its unit stands in quotes: "30 mm"'),
     (r"(?:True|TRUE|yes|on|False|FALSE|no|off)\b", "yes and no are written true and false"),
     (r'"[^"]*\\', "a path is written with /, or in single quotes"),
     (r"(?!true|false)[A-Za-z_]", 'a text stands in quotes: "x"'),
@@ -223,8 +223,11 @@ def keys_of(value: object, key: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def is_within(key: str, table: str) -> bool:
-    """Whether a key such as ``run.dt`` is, or lies in, another such as ``run``."""
+    """Whether a key such as ``run.dt`` is, or lies in, another such as ``run``; all places of a list lie in the list."""
     wanted, above = _key_path(key), _key_path(table)
+    last = len(above) - 1
+    if above and last < len(wanted) and not table.rstrip().endswith("]"):
+        above[last] = (above[last][0], wanted[last][1])
     return bool(above) and wanted[: len(above)] == above
 
 

@@ -12,12 +12,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from masonry_cd.app.scene_schema import TITLE, limit_schema, load_schema, report_schema, schema_text, structure_schema
+from masonry_cd.app.scene_schema import TITLE, limit_schema, load_schema, schema_text, structure_schema
 from masonry_cd.app.scene_text import toml_text
 from masonry_cd.foundation.errors import InputError, one_line, suggest
 from masonry_cd.foundation.table_schema import Schema, table_schema
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import Material
+from reports.settings import Report
 
 SCHEMA = "masonry-cd.schema.json"  # beside the scene, so that both may be moved and shared
 COLUMN, WIDTH = 36, 138  # where texts begin and end
@@ -93,7 +94,7 @@ def starter(kind: str, path: Path) -> str:
         *_table("material", table_schema(Material), MATERIAL),
         *_table("loads", load_schema("sinusoidal"), LOAD, row=True),
         *_table("run", table_schema(Run), RUN),
-        *_table("report", report_schema(), REPORT),
+        *_table("report", table_schema(Report), REPORT),
         *_table("limit", limit_schema(), {}),
     ]
     return "\n".join(lines) + "\n"

@@ -30,6 +30,7 @@ from masonry_cd.analysis.code_check.table import CheckTable
 from masonry_cd.analysis.limit.problem import Arms, Bars, Loads
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import Count, Table
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
 
 NO_STEP = 1e-12  # of a grid that has none [s]: no tie is too stiff for it
@@ -44,8 +45,8 @@ class CurveTable(Table):
     """Block whose centre of mass is followed along the load; the one that moves fastest when not given."""
     steps: Annotated[Count, Field(ge=10, le=400)] = 40
     """From start to end, about."""
-    displacement: Annotated[float, Field(gt=0.0)] | None = None
-    """Of the control block, at which to stop [m]; where the factor vanishes when not given."""
+    displacement: Annotated[float, Unit("m"), Field(gt=0.0)] | None = None
+    """Of the control block, at which to stop; where the factor vanishes when not given."""
     dynamics: bool = False
     """Judge five points of the curve by rigid-block dynamics: released from rest there, which factor drives the structure on?"""
 

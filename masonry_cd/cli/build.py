@@ -61,7 +61,7 @@ def build(
             raise
         made = structures.report(blocks)
         typer.echo("\n".join([*summary.lines(made), *notes]))
-        warn([*summary.warnings(made), *structure_doubts(asked)])
+        warn([*summary.warnings(made), *structure_doubts(asked, blocks)])
         output.mkdir(parents=True, exist_ok=True)
         written = [output / f"blocks.{name}" for name in formats]
         for path in written:

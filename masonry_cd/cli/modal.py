@@ -18,7 +18,7 @@ def modal(
     set_: Changes = None,
     young: Annotated[
         list[str] | None,
-        typer.Option(metavar="E", help="Modulus [Pa]: 3e9, or by group of blocks: pier=4e9, default=2e9."),
+        typer.Option(metavar="E", help='Modulus [Pa], 3e9 or "3 GPa", or by group of blocks: pier=4e9, default=2e9.'),
     ] = None,
     poisson: Annotated[float, typer.Option(metavar="NU", help="Poisson's ratio.")] = 0.2,
     method: Annotated[str, typer.Option(metavar="NAME", help="continuum, joints or both.")] = "both",

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, TypeVar, get_args
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
+
+from masonry_cd.foundation.units import UnitError, in_si, models_in, read_values
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -57,16 +59,41 @@ def parse_table(model: type[Model], table: Mapping[str, Any], where: str) -> Mod
 
     Args:
         model: the pydantic model of the table, with ``extra="forbid"``.
-        table: the table as read from TOML.
+        table: the table as read from TOML; a key with a unit takes a text with another, "30 mm" (:mod:`.units`).
         where: the table's name in the file, as the user writes it, e.g. ``structure`` or ``loads[0]``.
 
     Raises:
         InputError: one line that names the first offending key as ``where.key``.
     """
+    table = table_in_si((model,), table, where)
     try:
-        return model.model_validate(dict(table))
+        return model.model_validate(table)
     except ValidationError as failure:
         raise InputError(_first_line(failure, model, where)) from None
+
+
+def table_in_si(models: Sequence[type[BaseModel]], table: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """A table of a scene file with the texts of all keys that have a unit as numbers in it, see :func:`masonry_cd.foundation.units.in_si`.
+
+    Raises:
+        InputError: names the key whose text has an unknown unit, one of another dimension, or none.
+    """
+    try:
+        return in_si(models, table)
+    except UnitError as fault:
+        raise InputError(f"{_path(where, fault.parts)}: {fault}") from None
+
+
+def values_in_si(value: Any, unit: Callable[[], str], where: str) -> Any:
+    """A value, or values in lists, with its texts as numbers in a unit that is asked for only where there is one.
+
+    Raises:
+        InputError: names the value as ``where``.
+    """
+    try:
+        return read_values(value, unit)
+    except UnitError as fault:
+        raise InputError(f"{_path(where, fault.parts)}: {fault}") from None
 
 
 def _first_line(failure: ValidationError, model: type[BaseModel], where: str) -> str:
@@ -97,13 +124,5 @@ def _keys(model: type[BaseModel], parts: Sequence[str | int]) -> list[str]:
     """The keys of the table that is found by following keys and places from a model."""
     for part in parts:
         if isinstance(part, str) and part in model.model_fields:
-            model = next(_models(model.model_fields[part].annotation), model)
+            model = next(models_in(model.model_fields[part].annotation), model)
     return [field.alias or name for name, field in model.model_fields.items()]
-
-
-def _models(annotation: Any) -> Iterator[type[BaseModel]]:
-    """The models inside an annotation such as ``list[Opening] | None``."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield annotation
-    for inner in get_args(annotation):
-        yield from _models(inner)

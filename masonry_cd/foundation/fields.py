@@ -9,13 +9,15 @@ from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 
+from masonry_cd.foundation.units import Unit
+
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Count = Annotated[int, Strict()]
 Flag = Annotated[bool, Strict()]
 LONGEST = 1e6  # time in a scene [s]: eleven days
 MOST_STEPS = 2e7  # of a run: some 4 GB of loads
-Instant = Annotated[float, Field(ge=0.0, le=LONGEST)]  # [s]
-Span = Annotated[float, Field(gt=0.0, le=LONGEST)]  # [s]
+Instant = Annotated[float, Unit("s"), Field(ge=0.0, le=LONGEST)]  # [s]
+Span = Annotated[float, Unit("s"), Field(gt=0.0, le=LONGEST)]  # [s]
 
 
 def finite_number(text: str) -> float | None:

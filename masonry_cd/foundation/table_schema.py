@@ -1,7 +1,7 @@
 """The JSON schema of a table of the scene file, drawn from its pydantic model, in the form that editors of TOML read (draft 7).
 
-The text of a key is the description of its field, or the docstring under it. Tables inside a table are written in their place, without
-references; TOML has no null, so a key that may be left out has no such value.
+The text of a key is the description of its field, or the docstring under it, and the unit that the field declares, in brackets. Tables
+inside a table are written in their place, without references; TOML has no null, so a key that may be left out has no such value.
 """
 
 from __future__ import annotations
@@ -17,8 +17,11 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 
+from masonry_cd.foundation.units import PATTERN, in_brackets, unit_of
+
 Schema = dict[str, Any]
 
+INSIDE = ("anyOf", "items", "prefixItems", "additionalProperties")  # of a schema, where further ones stand
 DRAFT = "http://json-schema.org/draft-07/schema#"
 
 
@@ -30,34 +33,55 @@ def table_schema(model: type[BaseModel]) -> Schema:
 
 
 def key_texts(model: type[BaseModel]) -> dict[str, str]:
-    """What is said of each key of a model; those without a word are left out."""
+    """What is said of each key of a model, its unit in brackets behind it; those without a word or a unit are left out."""
     texts: dict[str, str] = {}
     for part in reversed(model.__mro__):
         if part is not BaseModel and issubclass(part, BaseModel):
             texts |= _docstrings(part)
     texts |= {name: field.description for name, field in model.model_fields.items() if field.description}
-    return {name: " ".join(text.replace("``", "").split()) for name, text in texts.items() if name in model.model_fields}
+    plain = {name: " ".join(texts.get(name, "").replace("``", "").split()) for name in model.model_fields}
+    said = {name: in_brackets(text, unit_of(model.model_fields[name])) for name, text in plain.items()}
+    return {name: text for name, text in said.items() if text}
 
 
-def rows(*models: type[BaseModel]) -> Callable[[Schema], None]:
-    """For ``json_schema_extra`` of a list of tables that are checked later: each of them is of one of these models."""
+class Later:
+    """For ``json_schema_extra`` of a key whose tables are checked later: of which models they are, and what the schema says of them."""
 
-    def add(schema: Schema) -> None:
-        made = [table_schema(model) for model in models]
+    def __init__(self, models: tuple[type[BaseModel], ...], add: Callable[[Schema, list[Schema]], None]) -> None:
+        self.models = models  # which is where units of such tables are looked for
+        self._add = add
+
+    def __call__(self, schema: Schema) -> None:
+        """Complete the schema of the key."""
+        self._add(schema, [table_schema(model) for model in self.models])
+
+
+def rows(*models: type[BaseModel]) -> Later:
+    """Of a list of tables, each of them of one of these models."""
+
+    def add(schema: Schema, made: list[Schema]) -> None:
         schema["items"] = made[0] if len(made) == 1 else {"anyOf": made}
 
-    return add
+    return Later(models, add)
 
 
-def one_or_by_name(model: type[BaseModel]) -> Callable[[Schema], None]:
-    """For ``json_schema_extra`` of a table that holds the keys of one model, or tables of it by name."""
+def table_of_its_own(model: type[BaseModel]) -> Later:
+    """Of a table."""
 
-    def add(schema: Schema) -> None:
-        made = table_schema(model)
+    def add(schema: Schema, made: list[Schema]) -> None:
+        schema |= made[0] | {key: schema[key] for key in ("description",) if key in schema}
+
+    return Later((model,), add)
+
+
+def one_or_by_name(model: type[BaseModel]) -> Later:
+    """Of a table that holds the keys of one model, or tables of it by name."""
+
+    def add(schema: Schema, made: list[Schema]) -> None:
         schema.pop("additionalProperties", None)
-        schema["anyOf"] = [made, {"type": "object", "additionalProperties": made}]
+        schema["anyOf"] = [made[0], {"type": "object", "additionalProperties": made[0]}]
 
-    return add
+    return Later((model,), add)
 
 
 def _docstrings(model: type[BaseModel]) -> dict[str, str]:
@@ -89,7 +113,20 @@ class _WithTexts(GenerateJsonSchema):
         made = super().model_schema(schema)
         for name, text in key_texts(schema["cls"]).items():
             made["properties"][name]["description"] = text
+        for name, field in schema["cls"].model_fields.items():
+            if unit_of(field):
+                made["properties"][field.alias or name] = _or_text(made["properties"][field.alias or name])
         return made
+
+
+def _or_text(schema: Any) -> Any:
+    """The schema of a key that has a unit: each of its numbers may be a text with another."""
+    if isinstance(schema, list):
+        return [_or_text(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    made = {key: _or_text(value) if key in INSIDE else value for key, value in schema.items()}
+    return made | {"type": ["number", "string"], "pattern": PATTERN} if schema.get("type") == "number" else made
 
 
 def _plain(schema: Any, definitions: Schema) -> Any:
@@ -133,7 +170,13 @@ def _is_finite(value: object) -> bool:
 
 def _is_single(value: object, choices: list[Schema]) -> bool:
     """Whether a list of one stands for its only value."""
-    return isinstance(value, (list, tuple)) and len(value) == 1 and any(choice.get("type") in ("number", "integer") for choice in choices)
+    return isinstance(value, (list, tuple)) and len(value) == 1 and any({"number", "integer"} & {*_types(choice)} for choice in choices)
+
+
+def _types(schema: Schema) -> list[str]:
+    """The types of value that a schema takes."""
+    types = schema.get("type", [])
+    return types if isinstance(types, list) else [types]
 
 
 def as_text(schema: Schema) -> str:

@@ -14,7 +14,7 @@ joints without compression are at work, and in a strong one opening and sliding:
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import itemgetter
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -27,6 +27,7 @@ from masonry_cd.analysis.modal.shapes import RigidShapes
 from masonry_cd.app.scene import Scene, read_scene
 from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
@@ -52,8 +53,8 @@ class VibrationOptions(BaseModel):
     """Modes to compare."""
     sweep: Literal["x", "y", "z"] | None = None
     """Direction of the base in a sweep; none when not given."""
-    velocity: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
-    """C of the sweep [m/s]; when not given, what makes 1/1000 g at the mode that moves most in its direction."""
+    velocity: Annotated[float, Unit("m/s"), Field(gt=0, allow_inf_nan=False)] | None = None
+    """C of the sweep; when not given, what makes 1/1000 g at the mode that moves most in its direction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +96,7 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
         refuse_spheres(blocks, "structure: the modal check")
         assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
         companion = linear_modes(assembly, max(asked.modes, MODES if asked.sweep else 0))
+        assembly = replace(assembly, laws=assembly.laws.damped_at(float(companion.frequencies[0])))
         rows = free_vibration(assembly, scene.run, companion, asked.modes)
         rest = at_rest_summary(joints_at_rest(_at_rest(assembly, scene.run, scene.run.dt, np.zeros((2, 1, 3)))))
         found: dict[str, Any] = {"title": scene.title, "modes": rows, "joints_at_rest": rest, "lines": _mode_lines(rows)}

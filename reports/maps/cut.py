@@ -9,13 +9,14 @@ the plane are taken to lie a little behind it, so no case is left over.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import numpy as np
 
 from masonry_cd.analysis.deformed import Solids
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.fields import finite_number
+from masonry_cd.foundation.units import UnitError, begins_as_number, number_in
 from masonry_cd.mechanics.model.joints import Joints
 from masonry_cd.mechanics.model.polygon import clip_loops, next_in_loop
 from reports.drawing.render import Lines, Surface, View
@@ -78,13 +79,17 @@ def cut_named(text: str, solids: Solids, view: View) -> Cut:
 
 
 def _parse(text: str) -> tuple[str, float | None]:
-    found = re.fullmatch(r"\s*([xyz])\s*(?:=\s*([-+0-9.eE]+)\s*)?", text)
-    try:
-        if found:
-            return found[1], None if found[2] is None else float(found[2])
-    except ValueError:
-        pass
-    raise InputError(f'cut: "{text}" is no plane; write x, y or z for the middle, or y=1.5 for a place [m]')
+    axis, equals, place = (part.strip() for part in text.partition("="))
+    number = finite_number(place)
+    known = axis in tuple(AXES)
+    if known and (number is not None or not equals):
+        return axis, number
+    if known and begins_as_number(place):
+        try:
+            return axis, number_in(place, "m")
+        except UnitError as fault:
+            raise InputError(f'cut: "{text}" is no plane: {fault}') from None
+    raise InputError(f'cut: "{text}" is no plane; write x, y or z for the middle, or y=1.5 for a place, in m or with its unit, "y=150 cm"')
 
 
 def clipped(surface: Surface, cut: Cut) -> Surface:

@@ -8,8 +8,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from masonry_cd.analysis.damage.grades import DESCRIPTIONS, LABELS, NAMES, REFERENCE, Grades, percent
+from masonry_cd.foundation.errors import parse_table, table_in_si
 from masonry_cd.foundation.quantities import counted
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.materials import JointLaw, Material
 from reports.drawing.figure import in_metres
 from reports.page.findings import section, table
@@ -31,7 +33,7 @@ def limits(context: PageContext) -> str:
 def assumptions(context: PageContext) -> list[str]:
     """What holds in the model, a sentence or two each, as HTML."""
     material = context.tables.get("material")
-    found = Material.model_validate(material) if material else None
+    found = parse_table(Material, material, "material") if material else None
     return [
         _blocks(context, found),
         *([_friction(found.friction), *_joints(found.joints)] if found else []),
@@ -222,7 +224,7 @@ def _base(context: PageContext) -> str:
 
 def _gravity(context: PageContext) -> list[str]:
     """Gravity, where it is not that of the earth, straight down."""
-    gravity = context.tables.get("run", {}).get("gravity", [0.0, 0.0, -9.81])
+    gravity = table_in_si((Run,), context.tables.get("run", {}), "run").get("gravity", [0.0, 0.0, -9.81])
     down = gravity[:2] == [0.0, 0.0] or gravity[:2] == [0, 0]
     if down and abs(gravity[2] + 9.81) < 0.02:
         return []

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from masonry_cd.foundation.quantities import force
+from masonry_cd.foundation.units import begins_as_number
 from reports.drawing.figure import in_metres
 from reports.page.findings import section, table
 from reports.page.words import PageContext, escaped, number
@@ -22,13 +23,24 @@ def loads(context: PageContext) -> str:
     for k, load in enumerate(tables):
         known = amounts[k] if k < len(amounts) and amounts[k].get("kind") == load.get("kind") else {}
         if load.get("kind") in ROWS:
-            rows.append([f"load {k + 1}, {load['kind']}", *ROWS[load["kind"]](load, known)])
+            said = ROWS[load["kind"]]({**load, **known}, known) if known or not any(map(_has_unit, load.values())) else _as_written(load)
+            rows.append([f"load {k + 1}, {load['kind']}", *said])
     return section("loads", "Loads in the model", _table(("load", "on", "how much", "when"), rows) + _motions(context))
 
 
 def point_loads(context: PageContext) -> int:
     """How many point loads the scene has."""
     return sum(load.get("kind") == "point" for load in context.tables.get("loads", []))
+
+
+def _has_unit(value: object) -> bool:
+    """Whether a value of a scene is a text with a unit; the summary of a run has its number."""
+    return (isinstance(value, str) and begins_as_number(value)) or (isinstance(value, list) and any(map(_has_unit, value)))
+
+
+def _as_written(load: Mapping[str, Any]) -> list[str]:
+    """The keys of a load of a run without a summary."""
+    return ["", ", ".join(f"{escaped(key)} {escaped(str(value))}" for key, value in load.items() if key != "kind"), ""]
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -85,7 +97,8 @@ def _body(load: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
 def _tie(load: Mapping[str, Any], _: Mapping[str, Any]) -> list[str]:
     """A bar between two blocks."""
     first, second = load["blocks"]
-    section_of = f"diameter {in_metres(load['diameter'])}" if "diameter" in load else f"section {1e6 * load.get('area', 0.0):.4g} mm²"
+    area = load.get("section") or load.get("area") or 0.25 * math.pi * float(load["diameter"]) ** 2
+    section_of = f"diameter {in_metres(math.sqrt(4.0 * area / math.pi))}" if "diameter" in load else f"section {1e6 * area:.4g} mm²"
     yields = f", yields at {force(load['yield_force'])}" if load.get("yield_force") else ""
     return [f"{escaped(first)} to {escaped(second)}", f"{section_of}, {force(load.get('tension', 0.0))} at the start{yields}", "throughout"]
 

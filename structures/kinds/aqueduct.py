@@ -23,6 +23,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from masonry_cd.mechanics.model.polygon import polygon_centroid
 from structures import size
@@ -59,7 +60,7 @@ def _one_or_many(kind: str) -> dict[str, Any]:
     return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1, "maxItems": 3}]}
 
 
-Lengths = Annotated[tuple[float, ...], BeforeValidator(_per_tier(" [m]", float)), WithJsonSchema(_one_or_many("number"))]
+Lengths = Annotated[tuple[float, ...], Unit("m"), BeforeValidator(_per_tier(" [m]", float)), WithJsonSchema(_one_or_many("number"))]
 Counts = Annotated[tuple[int, ...], BeforeValidator(_per_tier("", int)), WithJsonSchema(_one_or_many("integer"))]
 
 
@@ -70,20 +71,20 @@ class AqueductTable(BaseModel):
 
     tiers: int = Field(1, ge=1, le=3, description="rows of arches on one another")
     spans: Counts = Field((3,), description="number of arches")
-    clear_span: Lengths = Field((5.0,), description="between the faces of the piers [m]")
-    pier_width: Lengths = Field((2.0,), description="along the aqueduct [m]")
+    clear_span: Lengths = Field((5.0,), description="between the faces of the piers")
+    pier_width: Lengths = Field((2.0,), description="along the aqueduct")
     pier_courses: Counts = Field((8,), description="below the springings")
     pier_blocks: int = Field(2, ge=1, le=2, description="blocks to a course of a pier; 2 stand in alternating bond")
-    course_height: Length = Field(0.5, description="[m]")
-    ring_thickness: Lengths = Field((0.6,), description="of the arches [m]")
+    course_height: Length = Field(0.5)
+    ring_thickness: Lengths = Field((0.6,), description="of the arches")
     voussoirs: Counts | None = Field(None, description="to an arch; by default their length is that of 1.2 courses")
-    cover: Lengths | None = Field(None, description="from the crown of the extrados to the level top; by default 1.5 courses [m]")
-    width: Lengths = Field((2.0,), description="across the aqueduct, along y [m]")
-    unit_length: Length | None = Field(None, description="of the blocks in the spandrels; by default 2 courses [m]")
+    cover: Lengths | None = Field(None, description="from the crown of the extrados to the level top; by default 1.5 courses")
+    width: Lengths = Field((2.0,), description="across the aqueduct, along y")
+    unit_length: Length | None = Field(None, description="of the blocks in the spandrels; by default 2 courses")
     ends: Literal["pier", "abutment"] = Field("pier", description="what holds the last arches")
-    channel_width: Length | None = Field(None, description="clear, of a channel on top; by default there is none [m]")
-    channel_height: Length | None = Field(None, description="clear, of the channel; by default its width [m]")
-    base_margin: Length | None = Field(None, description="of the base around the feet; by default half the height [m]")
+    channel_width: Length | None = Field(None, description="clear, of a channel on top; by default there is none")
+    channel_height: Length | None = Field(None, description="clear, of the channel; by default its width")
+    base_margin: Length | None = Field(None, description="of the base around the feet; by default half the height")
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> list[Block]:

@@ -20,6 +20,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import is_number
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.geometry.checks import check
@@ -44,14 +45,14 @@ _ABUTMENT: dict[str, Any] = {"anyOf": [{"type": "boolean"}, {"type": "number", "
 class ArchTable(RingTable):
     """The [structure] table of an arch."""
 
-    width: Length = Field(1.0, description="across the arch, along y [m]")
-    abutment: Annotated[float | None, BeforeValidator(_abutment), WithJsonSchema(_ABUTMENT)] = Field(
+    width: Length = Field(1.0, description="across the arch, along y")
+    abutment: Annotated[float | None, Unit("m"), BeforeValidator(_abutment), WithJsonSchema(_ABUTMENT)] = Field(
         math.nan,
-        description="true: fixed blocks at the springings; a number: their depth [m]; false: none",
+        description="true: fixed blocks at the springings; a number: their depth; false: none",
         json_schema_extra={"default": True},
     )
-    buttress_width: Length | None = Field(None, description="along x; with it the arch stands on buttresses [m]")
-    buttress_height: Length | None = Field(None, description="below the springing; by default twice the width of the buttress [m]")
+    buttress_width: Length | None = Field(None, description="along x; with it the arch stands on buttresses")
+    buttress_height: Length | None = Field(None, description="below the springing; by default twice the width of the buttress")
     buttress_courses: int | None = Field(None, ge=1, le=1000, description="by default blocks half as high as wide")
 
 

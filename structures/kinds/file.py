@@ -30,7 +30,7 @@ class FileTable(BaseModel):
     up: Literal["y", "z"] | None = Field(None, description="which axis of such a file points upwards")
     fixed: tuple[str, ...] = Field((), strict=False, description="names of the supports in such a file; * stands for anything")
     repair: bool = Field(False, description="mend duplicate corners and the orientation of faces of such a file")
-    gaps: Length | None = Field(None, description="close gaps up to this width between blocks of any file [m]")
+    gaps: Length | None = Field(None, description="close gaps up to this width between blocks of any file")
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:

@@ -20,13 +20,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.files import is_file
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.files import foreign
@@ -49,14 +50,14 @@ class SolidTable(BaseModel):
     path: str = Field(description="of the solid, relative to the scene file")
     units: Literal["m", "cm", "mm"] | None = Field(None, description="of a .geo or .brep file, which does not say")
     up: Literal["y", "z"] = Field("z", description="which axis of the file points upwards")
-    course_height: Length = Field(description="aimed at: the height is divided into whole courses [m]")
-    unit_length: Length | None = Field(None, description="of a stone; by default two courses [m]")
+    course_height: Length = Field(description="aimed at: the height is divided into whole courses")
+    unit_length: Length | None = Field(None, description="of a stone; by default two courses")
     bond: Literal["running", "stack"] = Field("running", description="running: every second course is shifted by half a stone")
-    chord: Length | None = Field(None, description="how far a flat facet may be off the curved face that it stands for [m]")
-    tolerance: Length = Field(1e-6, description="corners this close to a joint's plane lie in it [m]")
+    chord: Length | None = Field(None, description="how far a flat facet may be off the curved face that it stands for")
+    tolerance: Length = Field(1e-6, description="corners this close to a joint's plane lie in it")
     trusted: bool = Field(False, description="run a .geo file, which is a program: it may start others, read and write files")
-    time_limit: float = Field(SECONDS, gt=0, le=DAY, description="processor time that reading and cutting may take [s]")
-    base_depth: Length | None = Field(None, description="of the fixed block underneath; by default a course [m]")
+    time_limit: Annotated[float, Unit("s")] = Field(SECONDS, gt=0, le=DAY, description="processor time that reading and cutting may take")
+    base_depth: Length | None = Field(None, description="of the fixed block underneath; by default a course")
 
 
 def build(table: Mapping[str, Any], density: float, folder: Path) -> tuple[list[Block], list[str]]:

@@ -22,13 +22,14 @@ The intrados springs at z = 0 and is centred on x = 0. Joints are listed from th
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.units import Unit
 from structures.schema import LONGEST, Length, Table
 
 AGREE = 1e-6  # relative difference up to which redundant keys agree
@@ -39,14 +40,14 @@ class RingTable(Table):
     """The keys of a ring of voussoirs."""
 
     shape: Literal["circular", "pointed", "three-centred", "flat"] = Field("circular", description="of the intrados")
-    span: Length | None = Field(None, description="clear, between the springings of the intrados [m]")
-    radius: Length | None = Field(None, description="of the middle line [m]")
-    rise: Length | None = Field(None, description="clear, from the springing to the crown of the intrados [m]")
-    embrace: float | None = Field(None, gt=0, le=180, description="angle between the springing joints [degrees]")
-    skew: float | None = Field(
-        None, gt=0, le=45, description="of the outermost joints of a flat arch to the upright; by default 20 [degrees]"
+    span: Length | None = Field(None, description="clear, between the springings of the intrados")
+    radius: Length | None = Field(None, description="of the middle line")
+    rise: Length | None = Field(None, description="clear, from the springing to the crown of the intrados")
+    embrace: Annotated[float, Unit("degrees")] | None = Field(None, gt=0, le=180, description="angle between the springing joints")
+    skew: Annotated[float, Unit("degrees")] | None = Field(
+        None, gt=0, le=45, description="of the outermost joints of a flat arch to the upright; by default 20"
     )
-    thickness: Length = Field(description="of the ring [m]")
+    thickness: Length = Field(description="of the ring")
     voussoirs: int = Field(27, ge=2, le=2000, description="to the ring")
 
 

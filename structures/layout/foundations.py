@@ -14,11 +14,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
 from masonry_cd.foundation.errors import InputError, parse_table
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures import size
 from structures.geometry.convex import halves
@@ -36,8 +38,8 @@ Cuts = tuple[float, ...]
 class FoundationsTable(Table):
     """The table ``structure.foundations``."""
 
-    x: int | list[float] | None = Field(None, description="number of strips along x, or where to cut [m]")
-    y: int | list[float] | None = Field(None, description="likewise along y")
+    x: int | Annotated[list[float], Unit("m")] | None = Field(None, description="number of strips along x, or where to cut")
+    y: int | Annotated[list[float], Unit("m")] | None = Field(None, description="likewise along y")
 
 
 def in_pieces(blocks: Sequence[Block], asked: object) -> list[Block]:

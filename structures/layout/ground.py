@@ -10,12 +10,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, values_in_si
 from masonry_cd.foundation.fields import is_number
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Block
 from structures.layout.wall_plan import ground
 
 KEY = "ground"
+HEIGHT = Unit("m")  # of its top
 DEPTH = 0.1  # of the slab, as a share of the height above it
 
 
@@ -38,6 +40,7 @@ def with_ground(blocks: Sequence[Block], asked: object) -> list[Block]:
     Raises:
         InputError: no such value, a structure that has a ground already, or a top above the lowest corner.
     """
+    asked = values_in_si(asked, lambda: HEIGHT.name, f"structure.{KEY}")
     if asked is False:
         return list(blocks)
     if asked is not True and not is_number(asked):

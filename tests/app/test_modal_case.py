@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from models import box, wall
 
-from masonry_cd.app.modal_case import by_group, modal_case
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.app.modal_case import ModalOptions, by_group, modal_case
+from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.mechanics.model.blocks import Block
 
 ARCH = """\
@@ -129,7 +129,9 @@ def test_wrong_options_write_nothing(options: dict[str, object], message: str, t
 
 
 def test_values_by_group() -> None:
-    assert by_group(["3e9"], "young") == "3e9"
-    assert by_group(["pier=4e9", "default=2e9"], "young") == {"pier": "4e9", "default": "2e9"}
+    assert by_group(["3e9"], "young") == 3e9
+    assert by_group(["pier=4 GPa", "default=2e9"], "young") == {"pier": "4 GPa", "default": 2e9}
+    made = parse_table(ModalOptions, {"young": by_group(["pier=4 GPa", "default=2e9"], "young")}, "modal")
+    assert made.young == {"pier": 4e9, "default": 2e9}
     with pytest.raises(InputError, match=r"modal.young: write one value, or GROUP=VALUE for each group, got '2e9'"):
         by_group(["pier=4e9", "2e9"], "young")

@@ -99,7 +99,6 @@ def test_joint_laws_by_pairs_of_groups_or_one_for_all(write):
             "[material.joints]\nnormal_stiffness = 5e-324",
             "material.joints.default.normal_stiffness: input should be greater than or equal to 1",
         ),
-        ("[material.joints]\nnormal_stiffness = 1e9\ndamping = 0.05", "material.joints.default: damping needs damping_frequency beside it"),
         (
             "[material.joints]\nnormal_stiffness = 1e9\ndamping_frequency = 5",
             "material.joints.default: damping_frequency needs damping beside",
@@ -171,7 +170,7 @@ def test_toml_written_reads_back_the_same():
         (("[run]", "[rnu]"), 'rnu: unknown key (did you mean "run"?)'),
         (("dt = 1e-3", "dt = -1e-3"), "scene.toml:18: run.dt: input should be greater than 0, got -0.001"),
         (("dt = 1e-3", "dt = 1"), "run.dt: input should be less than or equal to 0.1"),
-        (("dt = 1e-3", 'dt = "1 ms"'), "run.dt: input should be a valid number, got '1 ms'"),
+        (("dt = 1e-3", 'dt = "1 mm"'), 'run.dt: "mm" is no unit of a time; write a number in s, or one with its unit, "5 ms"'),
         (("dt = 1e-3", "dt = nan"), "run.dt: input should be"),
         (("dt = 1e-3", "dt = true"), "run.dt: input should be a valid number"),
         (("duration = 8.0", "duration = 1e-4"), "shorter than one step"),
@@ -197,7 +196,7 @@ def test_toml_written_reads_back_the_same():
             "run.max_iterations: input should be less than or equal to 1000000000, got",
         ),
         (("[run]\ndt", "[run]\ngravity = -9.81\ndt"), "run.gravity: should be three numbers [x, y, z], got -9.81"),
-        (("radius = 10.0", "radius = 10.0 m"), "statement (numbers stand without a unit; all are in SI units)"),
+        (("radius = 10.0", "radius = 10.0 m"), 'statement (a number with its unit stands in quotes: "30 mm")'),
         (
             ("radius = 10.0", "radius = 10,0"),
             "scene.toml:4: not valid TOML: expected newline or end of document after a statement (a number has a",

@@ -108,7 +108,7 @@ def test_the_examples_fit(schema, path):
         ("structure", "kind", "arc"),
         ("structure", "spann", 4.0),
         ("structure", "span", -4.0),
-        ("structure", "span", "4 m"),
+        ("structure", "span", "wide"),
         ("structure", "openings", []),  # of a wall
         ("structure", "foundations", "corner"),
         ("structure", "noise", {"seed": 1}),

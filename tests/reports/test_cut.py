@@ -34,6 +34,7 @@ def areas(points: np.ndarray, loops: np.ndarray, start: np.ndarray) -> list[floa
 def test_a_cut_keeps_what_lies_behind_it_and_closes_the_blocks() -> None:
     solids = Solids.from_blocks(STACK)
     cut = cut_named("y=0.2", solids, FRONT)
+    assert cut_named("y = 20 cm", solids, FRONT).value == cut.value == 0.2
     caps = caps_of(solids, solids.vertices, cut)
     assert caps.block.tolist() == [0, 1, 2, 3]
     np.testing.assert_allclose(areas(caps.points, caps.loops, caps.loop_start), [4 * 0.5, 1.0, 1.0, 1.0])

@@ -55,6 +55,49 @@ def test_ranges_are_even_and_whole_where_they_are_written_so(tmp_path: Path) -> 
     assert [run.asked.values["run.seed"] for run in plan.runs[:3]] == [1, 2, 3]
 
 
+def test_values_levels_and_bounds_may_state_their_unit(tmp_path: Path) -> None:
+    keys = '"loads[0].start" = {from = "10 ms", to = "40 ms", count = 4}\n"loads[0].amplitude" = ["30 cm/s", 0.4]\n'
+    keys += '"material.density" = {distribution = "uniform", low = "1.9 t/m3", high = 2100.0}'
+    text = RECORDS.replace("levels = [1.0, 2.0, 4.0]", 'levels = ["0.1 g", "200 cm/s2"]').replace("above = 1e-3", 'above = "5 mm"')
+    assert text.count("0.1 g") == text.count("5 mm") == 1
+    plan = with_records(tmp_path, f"{text}\n[vary]\n{keys}\n")
+    study, first = plan.maker.study, plan.runs[0].asked
+    assert study.tables.intensity is not None
+    assert study.tables.intensity.levels == [0.980665, 2.0]
+    assert study.tables.limit_states["slid"].above == 0.005
+    assert study.varied.lists == {"loads[0].start": pytest.approx([0.01, 0.02, 0.03, 0.04]), "loads[0].amplitude": [0.3, 0.4]}
+    assert study.varied.random["material.density"].low == 1900.0
+    assert plan.maker.tables(first)["loads"][0]["amplitude"] == 0.3
+
+
+def test_a_scene_with_units_is_varied_and_perturbed_as_numbers(tmp_path: Path) -> None:
+    study = write_study(tmp_path, 'scene = "scene.toml"\ndesign = "ensemble"\n[ensemble]\nmembers = 2\n')
+    write_scene(tmp_path, SCENE.replace("amplitude = 0.4", 'amplitude = "40 cm/s"').replace("dt = 1e-2", 'dt = "10 ms"'))
+    made = plan_of(study)
+    assert [made.maker.tables(run.asked)["loads"][0]["amplitude"] for run in made.runs] == pytest.approx([0.4, 0.4], rel=1e-8)
+    assert made.runs[0].weight == 50.0
+
+
+AMPLITUDES = '"loads[0].amplitude" = [0.3, 0.4, 0.6]'
+LEVELS = '[intensity]\nkey = "loads[0].frequency"\nlevels = ["5 m"]\n[limit_states]'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (AMPLITUDES, '"loads[0].amplitude" = ["30 cm"]', 'vary."loads[0].amplitude"[0]: "cm" is no unit of a speed'),
+        ("above = 1e-3", 'above = "5 N"', 'limit_states.slid.above: "N" is no unit of a length'),
+        ("[limit_states]", LEVELS, 'intensity.levels[0]: "m" is no unit of a frequency'),
+    ],
+)
+def test_a_text_of_another_dimension_is_refused_by_its_key(tmp_path: Path, old: str, new: str, said: str) -> None:
+    write_scene(tmp_path)
+    (tmp_path / "study.toml").write_text(GRID.replace(old, new))
+    with pytest.raises(InputError) as failure:
+        plan_of(tmp_path / "study.toml")
+    assert said in str(failure.value)
+
+
 def test_stripes_are_all_motions_at_all_levels(tmp_path: Path) -> None:
     plan = with_records(tmp_path)
     assert [(run.asked.motion, run.asked.level) for run in plan.runs] == [

@@ -9,8 +9,9 @@ from pydantic import Field, model_validator
 from loads.signal.accelerogram import Accelerogram, Scaled
 from loads.signal.site_spectrum import SiteSpectrum
 from masonry_cd.foundation.fields import Span
+from masonry_cd.foundation.units import Unit
 
-Height = Annotated[float, Field(gt=0.0, le=1000.0)]
+Height = Annotated[float, Unit("m"), Field(gt=0.0, le=1000.0)]
 Damping = Annotated[float, Field(gt=0.0, le=0.3)]
 
 
@@ -33,12 +34,12 @@ class CheckTable(SiteSpectrum):
     """Check SLV and SLC by displacements, too: the mechanism is then followed to its end, some forty limit analyses."""
     record: CheckRecord | None = None
     """In place of a spectrum: path, units, scale and so on, as of a load of kind record."""
-    height: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0
-    """Of the lines at which the mechanism is held, above the foundation of a building whose part it is [m]; 0 on the ground."""
+    height: Annotated[float, Unit("m"), Field(ge=0.0, le=1000.0)] = 0.0
+    """Of the lines at which the mechanism is held, above the foundation of a building whose part it is; 0 on the ground."""
     building_height: Height | None = None
-    """H of that building, above the foundation [m]."""
+    """H of that building, above the foundation."""
     building_period: Span | None = None
-    """T1 of it, in the direction of the push [s]."""
+    """T1 of it, in the direction of the push."""
     building_damping: Damping = 0.05
     """xi1 of it, equivalent viscous; 0.1 to 0.2 where it is damaged as well."""
     storeys: Annotated[int, Field(ge=1, le=200)] | None = None
@@ -46,7 +47,7 @@ class CheckTable(SiteSpectrum):
     participation: Annotated[float, Field(gt=0.0, le=3.0)] | None = None
     """Or its coefficient of participation."""
     element_period: Span | None = None
-    """T0 of a part that is free to vibrate before it gives way, as a parapet or a pinnacle [s]; rigid when not given."""
+    """T0 of a part that is free to vibrate before it gives way, as a parapet or a pinnacle; rigid when not given."""
 
     @model_validator(mode="after")
     def _one_motion(self) -> Self:

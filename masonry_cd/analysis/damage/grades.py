@@ -29,6 +29,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, field_validator
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.fields import is_number
 from masonry_cd.foundation.quantities import length
+from masonry_cd.foundation.units import Unit
 
 INF = float("inf")
 NAMES = ("D0", "D1", "D2", "D3", "D4", "D5")
@@ -76,8 +77,8 @@ class Grades(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    width: Five = (1e-4, 5e-3, 15e-3, 25e-3, INF)
-    """Residual opening or sliding [m]."""
+    width: Annotated[Five, Unit("m")] = (1e-4, 5e-3, 15e-3, 25e-3, INF)
+    """Residual opening or sliding."""
     drift: Five = (INF, 3e-3, 6e-3, 1e-2, INF)
     """Residual drift of the part."""
     lost: Five = (INF, INF, 1e-9, 0.05, 0.5)

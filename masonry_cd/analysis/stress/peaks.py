@@ -23,9 +23,10 @@ from typing import Any
 
 import numpy as np
 
-from masonry_cd.foundation.errors import InputError
+from masonry_cd.foundation.errors import InputError, table_in_si
 from masonry_cd.io.layout import EDGE_STRESS, MEAN_NORMAL_FORCE
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.model.materials import Material
 from masonry_cd.mechanics.model.strength import strength_by_group
 
 NOTHING = 1e-6  # share of the largest compression below which a tension is rounding
@@ -123,7 +124,8 @@ def principal(six: np.ndarray) -> np.ndarray:
 
 def strengths(results: Results) -> tuple[np.ndarray, np.ndarray]:
     """The strength of each block (B,) and joint (J,) by the scene of a run [Pa]; NaN where there is none."""
-    given: Any = tomllib.loads(results.scene).get("material", {}).get("compressive_strength")
+    table = tomllib.loads(results.scene).get("material", {})
+    given: Any = table_in_si((Material,), table, "material").get("compressive_strength")
     named = [block.group for block in results.blocks]
     groups = list(dict.fromkeys(named))
     of_group = strength_by_group(given, groups)

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from pydantic import Field, WithJsonSchema, model_validator
 
 from masonry_cd.foundation.fields import MOST_STEPS, Count, Flag, Number, Table, Vector, is_number
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.solvers.options import LARGEST_SEED, MOST_ITERATIONS
 from masonry_cd.mechanics.solvers.solver_name import SolverName
 
@@ -24,8 +25,8 @@ ADAPTIVE_KEYS = ("dt_min", "dt_max", "dt_tolerance")
 class FirstVelocities(Table):
     """Velocities that the blocks begin with, drawn at random: tiny ones show how far a chaotic run spreads."""
 
-    size: Annotated[Number, Field(gt=0, le=1)]
-    """Largest in each direction [m/s]; in a scene that moves in its plane, in the two of that plane."""
+    size: Annotated[Number, Unit("m/s"), Field(gt=0, le=1)]
+    """Largest in each direction; in a scene that moves in its plane, in the two of that plane."""
     seed: Annotated[Count, Field(ge=0, le=LARGEST_SEED)] = 0
     """Of the draw."""
 
@@ -33,20 +34,20 @@ class FirstVelocities(Table):
 class Run(Table):
     """The table ``[run]``: time, solver and output."""
 
-    dt: Annotated[Number, Field(gt=0, le=0.1), WithJsonSchema(_STEP)]
-    """Time step [s], or "auto": it adapts between dt_min and dt_max, and this is the shortest, by which the loads are sampled."""
-    dt_min: Annotated[Number, Field(gt=0, le=0.1)] | None = None
-    """No step is shorter [s]; with dt = "auto" only. Steps are dt_max halved as often as stays above it; 5 times when not given."""
-    dt_max: Annotated[Number, Field(gt=0, le=0.1)] | None = None
-    """The longest step [s]; with dt = "auto" only, 0.01 when not given."""
-    dt_tolerance: Annotated[Number, Field(gt=0)] | None = None
-    """Local error of a step that is aimed at, root mean square over the blocks [m]; with dt = "auto" only."""
-    duration: Annotated[Number, Field(gt=0)]
-    """How long to compute [s]."""
+    dt: Annotated[Number, Unit("s"), Field(gt=0, le=0.1), WithJsonSchema(_STEP)]
+    """Time step, or "auto": it adapts between dt_min and dt_max, and this is the shortest, by which the loads are sampled."""
+    dt_min: Annotated[Number, Unit("s"), Field(gt=0, le=0.1)] | None = None
+    """No step is shorter; with dt = "auto" only. Steps are dt_max halved as often as stays above it; 5 times when not given."""
+    dt_max: Annotated[Number, Unit("s"), Field(gt=0, le=0.1)] | None = None
+    """The longest step; with dt = "auto" only, 0.01 when not given."""
+    dt_tolerance: Annotated[Number, Unit("m"), Field(gt=0)] | None = None
+    """Local error of a step that is aimed at, root mean square over the blocks; with dt = "auto" only."""
+    duration: Annotated[Number, Unit("s"), Field(gt=0)]
+    """How long to compute."""
     until_still: Flag | None = None
     """Go on after the duration, with the base at rest, until all standing blocks are still; true by default where damage is graded."""
-    longest: Annotated[Number, Field(gt=0)] | None = None
-    """When such a run ends in any case [s]; twice the duration plus 5 s when not given."""
+    longest: Annotated[Number, Unit("s"), Field(gt=0)] | None = None
+    """When such a run ends in any case; twice the duration plus 5 s when not given."""
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.5
     """Of the Moreau-Jean step: 0.5 keeps the energy of a free motion, 1 damps it."""
     solver: SolverName = "auto"
@@ -61,10 +62,10 @@ class Run(Table):
     """Of the order in which contacts are swept."""
     threads: Annotated[Count, Field(ge=1, le=10_000)] | None = None
     """Cores to use; as many as pay for the size of the scene when not given. It changes no bit."""
-    frames_per_second: Annotated[Number, Field(gt=0)] = 50.0
-    """Frames written per second of the simulated time [1/s]."""
-    checkpoint_every: Annotated[Number, Field(ge=0)] = 10.0
-    """Time of the clock between two checkpoints [s]."""
+    frames_per_second: Annotated[Number, Unit("1/s"), Field(gt=0)] = 50.0
+    """Frames written per second of the simulated time."""
+    checkpoint_every: Annotated[Number, Unit("s"), Field(ge=0)] = 10.0
+    """Time of the clock between two checkpoints."""
     planar: Flag = True
     """Solve a scene that moves in its plane with half the contacts and three unknowns per block; the answer is the same."""
     islands: Flag = True
@@ -73,8 +74,8 @@ class Run(Table):
     """Let elastic joints take up the weight and the tension of ties before the run; else both come upon them at once, and they swing."""
     first_velocities: FirstVelocities | None = None
     """Velocities that the blocks begin with, drawn at random, {size, seed}; at rest when not given."""
-    gravity: Vector = (0.0, 0.0, -9.81)
-    """Acceleration of gravity, a vector [m/s2]."""
+    gravity: Annotated[Vector, Unit("m/s2")] = (0.0, 0.0, -9.81)
+    """Acceleration of gravity, a vector."""
 
     @model_validator(mode="before")
     @classmethod

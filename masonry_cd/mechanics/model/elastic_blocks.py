@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.foundation.fields import Number, Table
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.by_group import by_group, numbers, of_group
 
 RIGID, UNIFORM, TETRAHEDRA = KINDS = ("rigid", "uniform", "tetrahedra")  # of blocks
@@ -32,17 +33,17 @@ class ElasticBlocks(Table):
     """"rigid"; "uniform": one strain per block, as in discontinuous deformation analysis; or "tetrahedra": blocks cut into elements of one
     strain each, triangles where the scene moves in a plane. One value, or values by group, ``deformable.arch = "uniform"``, and
     ``default``. Where "rigid" is given for all, the keys below have no effect."""
-    mesh_size: Annotated[Value, *numbers(1e-6, 1e6)] | None = None
-    """Size of the elements of tetrahedra [m], one value or values by group; larger than a block: as few as it can have."""
-    young: Annotated[Value, *numbers(SOFTEST, STIFFEST, "Pa (1.5 GPa is 1.5e9)")] | None = None
-    """Young's modulus of blocks that deform [Pa], one value or values by group."""
+    mesh_size: Annotated[Value, Unit("m"), *numbers(1e-6, 1e6)] | None = None
+    """Size of the elements of tetrahedra, one value or values by group; larger than a block: as few as it can have."""
+    young: Annotated[Value, Unit("Pa"), *numbers(SOFTEST, STIFFEST, "Pa (1.5 GPa is 1.5e9)")] | None = None
+    """Young's modulus of blocks that deform, one value or values by group."""
     poisson: Annotated[Value, *numbers(0.0, 0.49)] = POISSON
     """Poisson's ratio of blocks that deform, one value or values by group."""
     damping: Annotated[Value, *numbers(0.0, 10.0)] = 0.0
     """Viscous damping of blocks that deform, as a share of the critical damping of a vibration of ``damping_frequency``; proportional to
     the frequency of others. One value or values by group."""
-    damping_frequency: Annotated[Value, *numbers(1e-3, 1e6)] | None = None
-    """At which ``damping`` of the blocks holds [Hz], one value or values by group."""
+    damping_frequency: Annotated[Value, Unit("Hz"), *numbers(1e-3, 1e6)] | None = None
+    """At which ``damping`` of the blocks holds, one value or values by group."""
     strain_theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
     """Of the strains over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
 

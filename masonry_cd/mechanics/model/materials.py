@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, TypeVar
 
 import numpy as np
@@ -17,6 +17,7 @@ from pydantic import Field, WithJsonSchema, field_validator, model_validator
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import Number, Table, is_number
 from masonry_cd.foundation.table_schema import one_or_by_name
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.by_group import ANY, members
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
 from masonry_cd.mechanics.model.strength import Strength
@@ -29,35 +30,32 @@ _FRICTION: dict[str, Any] = {"anyOf": [_COEFFICIENT, {"type": "object", "minProp
 NO_SHARE = "an arm over a radius should be a number between 0 and 1"
 _SHARE = {"type": "number", "minimum": 0, "maximum": 1}
 _ROLLING: dict[str, Any] = {"anyOf": [_SHARE, {"type": "object", "minProperties": 1, "additionalProperties": _SHARE}]}
-Stiffness = Annotated[Number, Field(ge=1.0, le=1e20)]  # on 1 Pa such joints shorten by a metre, and by less than rounding
+Stiffness = Annotated[Number, Unit("N/m3"), Field(ge=1.0, le=1e20)]  # on 1 Pa such joints shorten by a metre, and by less than rounding
 
 
 class JointLaw(Table):
     """The law of a joint, a table ``[material.joints]`` or ``[material.joints.arch-base]``."""
 
     normal_stiffness: Stiffness | None = None
-    """Elastic force per area and shortening [N/m3]; rigid when not given."""
+    """Elastic force per area and shortening; rigid when not given."""
     tangential_stiffness: Stiffness | None = None
-    """Elastic force per area and slip [N/m3]; the normal one over 2.4, as of a material with Poisson's ratio 0.2, when not given."""
-    cohesion: Annotated[Number, Field(ge=0)] = 0.0
-    """Shear strength without compression, of a joint that has not broken yet [Pa]."""
-    tension: Annotated[Number, Field(ge=0)] | None = None
-    """Tensile strength of a joint that has not broken yet [Pa]; when not given, cohesion / friction, where Mohr-Coulomb's line ends."""
+    """Elastic force per area and slip; the normal one over 2.4, as of a material with Poisson's ratio 0.2, when not given."""
+    cohesion: Annotated[Number, Unit("Pa"), Field(ge=0)] = 0.0
+    """Shear strength without compression, of a joint that has not broken yet."""
+    tension: Annotated[Number, Unit("Pa"), Field(ge=0)] | None = None
+    """Tensile strength of a joint that has not broken yet; when not given, cohesion / friction, where Mohr-Coulomb's line ends."""
     theta: Annotated[Number, Field(ge=0.5, le=1)] = 0.6
     """Of the spring over the time step: 0.5 does not damp; above, a mode of frequency f is damped by (2 theta - 1) pi f dt."""
     damping: Annotated[Number, Field(ge=0, le=10)] = 0.0
-    """Of a dashpot beside the spring, as a share of the critical damping of a vibration of ``damping_frequency``; proportional to the
-    frequency of others."""
-    damping_frequency: Annotated[Number, Field(gt=0, le=1e6)] | None = None
-    """At which ``damping`` holds [Hz]."""
+    """Of a dashpot beside the spring, as a share of the critical damping of a vibration at the first elastic period of the structure, or of
+    ``damping_frequency`` where that is given; proportional to the frequency of others."""
+    damping_frequency: Annotated[Number, Unit("Hz"), Field(gt=0, le=1e6)] | None = None
+    """At which ``damping`` holds; that of the first mode of the blocks on their elastic joints when not given."""
 
     @model_validator(mode="after")
     def _damps_at_a_frequency(self) -> JointLaw:
-        both = "beside it: a share of critical, and the frequency at which it is that share"
-        if self.damping > 0.0 and self.damping_frequency is None:
-            raise ValueError(f"damping needs damping_frequency {both}")
         if self.damping_frequency is not None and "damping" not in self.model_fields_set:  # damping = 0 says none, as a study may
-            raise ValueError(f"damping_frequency needs damping {both}")
+            raise ValueError("damping_frequency needs damping beside it: the share of critical that it is at that frequency")
         if self.damping > 0.0 and self.normal_stiffness is None:
             raise ValueError("damping needs normal_stiffness beside it: a rigid joint does not vibrate")
         return self
@@ -80,22 +78,23 @@ class JointLaw(Table):
 
     @property
     def retardation(self) -> float:
-        """Of the dashpot, its coefficient over the stiffness [s]: 2 damping / omega, as Rayleigh's stiffness-proportional damping."""
+        """Of the dashpot, its coefficient over the stiffness [s]: 2 damping / omega, as Rayleigh's stiffness-proportional damping; zero as
+        long as the frequency is not known."""
         return 0.0 if self.damping_frequency is None else self.damping / (math.pi * self.damping_frequency)
 
 
 class Material(ElasticBlocks):
     """The table ``[material]``."""
 
-    density: Annotated[Number, WithJsonSchema({"type": "number", "minimum": LIGHTEST, "maximum": HEAVIEST})] | None = None
-    """Of every block that brings none of its own [kg/m3]; a block file whose blocks all state theirs needs none."""
+    density: Annotated[Number, Unit("kg/m3"), WithJsonSchema({"type": "number", "minimum": LIGHTEST, "maximum": HEAVIEST})] | None = None
+    """Of every block that brings none of its own; a block file whose blocks all state theirs needs none."""
     friction: Annotated[Number | dict[str, Number], WithJsonSchema(_FRICTION)]
     """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
     rolling_friction: Annotated[Number | dict[str, Number], WithJsonSchema(_ROLLING)] = 0.0
     """Of spheres: the arm of the moment that resists rolling, over the radius R, or over R_a R_b / (R_a + R_b) of two spheres; one value,
     or values by pair of groups, as friction. Pairs without a value roll freely."""
     compressive_strength: Strength = None
-    """Of the blocks [Pa], with which reports compare their stress: one value, or values by group, ``compressive_strength.arch = 5e6``,
+    """Of the blocks, with which reports compare their stress: one value, or values by group, ``compressive_strength.arch = 5e6``,
     which may be patterns, and ``default``. Nothing crushes: the run itself does not know of it."""
     joints: Annotated[dict[str, JointLaw], Field(json_schema_extra=one_or_by_name(JointLaw))] = Field(default_factory=dict)
     """Laws of the joints by pair of groups, ``[material.joints.arch-base]``, and ``default``, which plain keys stand for. A joint
@@ -165,11 +164,17 @@ class JointLaws:
     apex: np.ndarray  # tension at the tip of the Mohr-Coulomb cone, cohesion / mu [Pa]; 0: no bond
     theta: np.ndarray  # of the spring over the step, 1/2 to 1
     retardation: np.ndarray  # coefficient of the dashpot over the stiffness [s]
+    at_first_period: np.ndarray  # share of critical of dashpots whose retardation follows from the first elastic period; 0 elsewhere
 
     @property
     def by_area(self) -> np.ndarray:
         """(G, G) bool: joints whose law goes by area, elastic ones and bonded ones."""
         return (self.normal_stiffness > 0.0) | (self.apex > 0.0)
+
+    def damped_at(self, frequency: float) -> JointLaws:
+        """The laws where the first elastic frequency is known [Hz]."""
+        beta = self.at_first_period / (math.pi * frequency)
+        return replace(self, retardation=np.where(self.at_first_period > 0.0, beta, self.retardation))
 
     @property
     def stretch(self) -> float:
@@ -225,6 +230,7 @@ def joint_table(laws: Mapping[str, JointLaw], groups: Sequence[str], friction: n
         out.apex[i, j] = _apex(law, float(friction[i, j]), f"{groups[i]}-{groups[j]}")
         out.tension[i, j] = out.apex[i, j] if law.tension is None else law.tension
         out.theta[i, j], out.retardation[i, j] = law.theta, law.retardation
+        out.at_first_period[i, j] = law.damping if law.damping_frequency is None else 0.0
     return out
 
 

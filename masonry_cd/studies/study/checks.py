@@ -10,9 +10,10 @@ from masonry_cd.app.case import prepare, structure_of
 from masonry_cd.app.scene import Origin, Scene, scene_of
 from masonry_cd.app.scene_text import dump_toml
 from masonry_cd.foundation.errors import InputError, parse_table
-from masonry_cd.studies.study.plan import ROTATE, Maker, Plan
+from masonry_cd.studies.study.plan import Maker, Plan
 from masonry_cd.studies.study.space import Asked, Space
 from masonry_cd.studies.study.study_file import Study
+from masonry_cd.studies.study.study_units import ROTATE
 
 MOST_TRIED = 20  # values of a list for which structures are built
 BUILT = ("structure.", "structures[")  # beginnings of keys for which blocks are built

@@ -21,10 +21,10 @@ from masonry_cd.studies.study.designs import ida
 from masonry_cd.studies.study.perturb import perturb, set_in_motion
 from masonry_cd.studies.study.space import Asked, Space
 from masonry_cd.studies.study.study_file import EnsembleTable, Study
+from masonry_cd.studies.study.study_units import ROTATE
 
 DESIGNS: Extensions[Any] = Extensions("masonry_cd.studies.study.designs", "runs")
 THRESHOLDS = ("opened", "slid", "grades")  # keys of [report] that change the numbers of a run
-ROTATE = "records.rotate"  # varies as keys of the scene do
 NAME_LENGTH = 16  # hexadecimal digits of a run's name: two of a million runs share one with a chance of 3e-8
 
 

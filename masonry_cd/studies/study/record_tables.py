@@ -10,6 +10,7 @@ from pydantic import Field, field_validator, model_validator
 from loads.signal.accelerogram import Accelerogram
 from masonry_cd.foundation.errors import parse_table
 from masonry_cd.foundation.fields import Instant, Number, Table
+from masonry_cd.foundation.units import Unit
 
 GROUPS = ("motion", "component")
 PASSED_ON = (  # to each load of kind "record"
@@ -24,9 +25,9 @@ class Trim(Table):
     arias: list[Annotated[Number, Field(ge=0, le=1)]]
     """[from, to], shares of the end value, as [0.001, 0.999]; of all components that shake, added up."""
     before: Instant = 0.0
-    """More before it [s]."""
+    """More before it."""
     after: Instant = 0.0
-    """More after it [s]."""
+    """More after it."""
 
     @field_validator("arias")
     @classmethod
@@ -53,12 +54,12 @@ class RecordsTable(Table):
     """Axes along which the base moves; all that are given. Measures may take the others too."""
     exclude: list[str] = Field(default_factory=list)
     """Motions that are left out; * stands for anything."""
-    rotate: Number = 0.0
-    """Turns the horizontal pair about z, counter-clockwise seen from above [degrees]; [vary] may vary "records.rotate"."""
+    rotate: Annotated[Number, Unit("degrees")] = 0.0
+    """Turns the horizontal pair about z, counter-clockwise seen from above; [vary] may vary "records.rotate"."""
     scale: Annotated[Number, Field(gt=0)] = 1.0
     """Factor on all motions that are not scaled to a level."""
-    dt: Annotated[Number, Field(gt=0)] | None = None
-    """Time step, where the files have no times [s]."""
+    dt: Annotated[Number, Unit("s"), Field(gt=0)] | None = None
+    """Time step, where the files have no times."""
     units: str | None = None
     """Of the values, where the files do not say: "m/s2", "g"."""
     quantity: Literal["acceleration", "velocity", "displacement"] | None = None
@@ -69,20 +70,20 @@ class RecordsTable(Table):
     """Of the files; recognised by their content when "auto"."""
     column: str | int | None = None
     """Of files with several: a heading, or a place counted from 0."""
-    window: list[Number] | None = None
-    """Part of all motions to use, [from, to] [s]."""
+    window: Annotated[list[Number], Unit("s")] | None = None
+    """Part of all motions to use, [from, to]."""
     trim: Trim | None = None
     """Or part of each motion by its Arias intensity."""
     rest: Instant = 0.0
-    """How long each run goes on after its motion [s]."""
+    """How long each run goes on after its motion."""
     duration: Literal["record", "scene"] = "record"
     """Whether runs last as long as their motions, or as run.duration of the scene."""
     taper: Instant = 0.0
-    """Over which the acceleration rises and falls at the ends of the window [s]."""
-    resample: Number | Literal["run"] | None = None
-    """To this time step [s], or to that of the "run"."""
-    band: list[Number] | None = None
-    """Corners of a band-pass, [from, to] [Hz]."""
+    """Over which the acceleration rises and falls at the ends of the window."""
+    resample: Annotated[Number | Literal["run"], Unit("s")] | None = None
+    """To this time step, or to that of the "run"."""
+    band: Annotated[list[Number], Unit("Hz")] | None = None
+    """Corners of a band-pass, [from, to]."""
     band_order: Annotated[int, Field(strict=True, ge=1, le=8)] = 4
     """Order of the band-pass."""
     correction: Literal["none", "linear", "quadratic", "cubic"] = "quadratic"

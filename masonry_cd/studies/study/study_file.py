@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -23,11 +24,14 @@ from loads.signal.directions import RULES
 from masonry_cd.analysis.damage.grades import NAMES as GRADES
 from masonry_cd.app.scene import Origin, Scene, read_scene, scene_of
 from masonry_cd.app.scene_text import dump_toml, parse_toml, read_text
+from masonry_cd.app.scene_units import scene_in_si, unit_of_key
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import Count, Number, Table
 from masonry_cd.foundation.files import is_file
+from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.solvers.options import LARGEST_SEED
 from masonry_cd.studies.study.record_tables import RecordsTable
+from masonry_cd.studies.study.study_units import study_in_si
 from masonry_cd.studies.study.varied import Correlation, Varied, read_varied
 
 FORMAT = 1
@@ -128,8 +132,8 @@ class EnsembleTable(Table):
     """How many; the first is the scene itself."""
     perturb: Literal["loads", "friction", "velocities"] = "loads"
     """The size of the loads, the friction, or the velocities that the blocks begin with."""
-    size: Annotated[Number, Field(ge=1e-12, le=1e-3)] = 1e-9
-    """Largest relative change; of velocities, the largest in each direction [m/s]."""
+    size: Annotated[Number, Unit("m/s"), Field(ge=1e-12, le=1e-3)] = 1e-9
+    """Largest relative change; of velocities, the largest in each direction."""
 
 
 class RunTable(Table):
@@ -137,14 +141,14 @@ class RunTable(Table):
 
     workers: Annotated[Count, Field(ge=1, le=10_000)] | None = None
     """Processes of this machine, one thread each; as many as there are cores when not given."""
-    timeout: Annotated[Number, Field(gt=0, le=MOST_SECONDS)] = 3600.0
-    """The time of the clock that the steps of a run may take [s]; then it ends after its step and counts as no data."""
-    grace: Annotated[Number, Field(gt=0, le=MOST_SECONDS)] = 300.0
-    """A run that takes longer than the timeout and this, set-up included, hangs: its worker is ended, and it counts as no data [s]."""
+    timeout: Annotated[Number, Unit("s"), Field(gt=0, le=MOST_SECONDS)] = 3600.0
+    """The time of the clock that the steps of a run may take; then it ends after its step and counts as no data."""
+    grace: Annotated[Number, Unit("s"), Field(gt=0, le=MOST_SECONDS)] = 300.0
+    """A run that takes longer than the timeout and this, set-up included, hangs: its worker is ended, and it counts as no data."""
     keep: Literal["none", "summary", "all"] = "none"
     """What is kept of each run beside its row: nothing, its summary and joints.csv, or its whole folder."""
-    memory: Positive | None = None
-    """Of each worker at most [GB]; its share of the machine's when not given."""
+    memory: Annotated[Positive, Unit("GB")] | None = None
+    """Of each worker at most; its share of the machine's when not given."""
 
 
 class StudyTables(Table):
@@ -188,7 +192,7 @@ class Study:
     text: str
     tables: StudyTables
     scene: Scene
-    scene_tables: dict[str, Any]  # as they stand in the file of the scene
+    scene_tables: dict[str, Any]  # as they stand in the file of the scene, in SI units
     scene_name: str
     varied: Varied
     origin: Origin
@@ -231,10 +235,11 @@ def parse_study(text: str, path: Path, called: str = "") -> Study:
     """
     origin = Origin("" if called else text, Path(called) if called else path)
     tables = parse_toml(text, origin.path)
+    of_scene = _UnitsOfScene(tables.get("scene"), path)
     try:
-        top = parse_table(StudyTables, tables, "")
+        top = parse_table(StudyTables, study_in_si(tables, of_scene), "")
         _check_design(top)
-        varied = read_varied(top.vary, top.correlation)
+        varied = read_varied(top.vary, top.correlation, of_scene)
     except InputError as error:
         raise InputError(f"{origin.of(str(error).partition(':')[0])}: {error}") from None
     if isinstance(top.scene, str):
@@ -242,9 +247,35 @@ def parse_study(text: str, path: Path, called: str = "") -> Study:
         if not is_file(file):
             raise InputError(f"{origin.of('scene')}: scene: {file}: no such scene file")
         scene, own = read_scene(file), parse_toml(read_text(file), file)
-        return Study(path, text, top, scene, own, top.scene, varied, origin)
+        return Study(path, text, top, scene, _in_si(own, scene), top.scene, varied, origin)
     inner = Origin(origin.text, origin.path, within="scene.")
-    return Study(path, text, top, scene_of(top.scene, dump_toml(top.scene), path, inner), top.scene, path.name, varied, origin)
+    scene = scene_of(top.scene, dump_toml(top.scene), path, inner)
+    return Study(path, text, top, scene, _in_si(top.scene, scene), path.name, varied, origin)
+
+
+def _in_si(tables: Mapping[str, Any], scene: Scene) -> dict[str, Any]:
+    """The tables of a scene as numbers: runs change some of them, and compute with others."""
+    try:
+        return scene_in_si(tables)
+    except InputError as error:
+        raise scene.at_fault(error) from None
+
+
+class _UnitsOfScene:
+    """The units of the keys of a study's scene, which is read where one is asked for; what is wrong with it is said elsewhere."""
+
+    def __init__(self, scene: object, path: Path) -> None:
+        self._scene, self._path = scene, path
+
+    def __call__(self, key: str) -> str:
+        """The unit of a key; empty where it has none."""
+        return unit_of_key(self._tables, key)
+
+    @cached_property
+    def _tables(self) -> Mapping[str, Any]:
+        file = self._path.parent / self._scene if isinstance(self._scene, str) else None
+        found = self._scene if file is None else parse_toml(read_text(file), file) if is_file(file) else {}
+        return found if isinstance(found, Mapping) else {}
 
 
 def _study_text(path: Path) -> str:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -27,6 +27,7 @@ from pydantic import Field, model_validator
 
 from masonry_cd.foundation.errors import InputError, parse_table, suggest
 from masonry_cd.foundation.fields import Count, Number, Table
+from masonry_cd.studies.study.study_units import varied_in_si
 
 FAR = 1e-6  # quantile that stands for the end of a distribution without bounds
 NEEDED = {"uniform": ("low", "high"), "normal": ("mean", "std"), "lognormal": ("median", "beta")}
@@ -171,15 +172,20 @@ def _factor(group: Correlation) -> np.ndarray:
     return np.linalg.cholesky(np.full((n, n), group.rho) + (1.0 - group.rho) * np.eye(n))
 
 
-def read_varied(table: Mapping[str, Any], correlations: Sequence[Correlation]) -> Varied:
+def read_varied(table: Mapping[str, Any], correlations: Sequence[Correlation], unit_of_key: Callable[[str], str] = lambda _: "") -> Varied:
     """Read ``[vary]``.
+
+    Args:
+        table: as it stands in the file.
+        correlations: between its keys.
+        unit_of_key: of the scene, for values that are texts with a unit.
 
     Raises:
         InputError: names the key as ``vary.KEY``.
     """
     lists: dict[str, list[Any]] = {}
     random: dict[str, Distribution] = {}
-    for key, given in _flat(table):
+    for key, given in varied_in_si(_flat(table), unit_of_key):
         where = f'vary."{key}"'
         if isinstance(given, list):
             if not given:
