@@ -151,7 +151,7 @@ def store_six(matrix, row, column, six):
     store_lanes(matrix, row, column + 4, six[1])
 
 
-# Four items side by side, each with its row of a matrix: their rows are gathered into lanes, one register a column, and lanes added to them.
+# Four items side by side, each with its row of a matrix: rows are gathered into lanes, one register a column, and lanes added to them.
 
 LANES = 4
 
@@ -252,7 +252,8 @@ def gather_six(typing: Any, matrix: types.Array, rows: types.Array, group: types
     """The six columns of the rows that stand in rows[group, first : first + LANES], as :func:`gather` gives each."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        four, two = [], []
+        four: list[Any] = []
+        two: list[Any] = []
         for address in _addresses(context, builder, signature, (*arguments, None)):
             for parts, kind, at in ((four, Lanes(matrix.dtype, 4), 0), (two, Lanes(matrix.dtype, 2), 4)):
                 part = builder.bitcast(builder.gep(address, [_INDEX(at)]), kind.vector.as_pointer())

@@ -79,7 +79,7 @@ def split_into_joints(given, contact, begin, shared):
 
 @kernel()
 def group_joints(first, joint):
-    """Joints (J,) subtree by subtree, those of most contacts first, and what fours of them make: ``subtree`` and ``start`` of the groups."""
+    """Joints (J,) subtree by subtree, those of most contacts first, and what fours make: ``subtree`` and ``start`` of the groups."""
     order, subtree, groups = np.empty(len(first) - 1, dtype=np.int64), np.zeros(len(joint), dtype=np.int64), 0
     for q in range(len(joint) - 1):
         subtree[q + 1] = subtree[q] + (joint[q + 1] - joint[q] + LANES - 1) // LANES
