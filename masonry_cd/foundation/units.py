@@ -239,7 +239,7 @@ def _in_base(given: str, unit: str) -> tuple[Decimal, BaseUnit]:
     """Size and dimension of a unit in base units; radians are a dimension here, so that rad/s is no Hz."""
     registry = _registry()
     size, base = registry.get_root_units(registry.parse_units(_expression(given, unit), as_delta=False))
-    return Decimal(size or 1), base  # decibels and degrees Celsius have no size, and no key is in such
+    return Decimal(str(size or 1)), base  # decibels and degrees Celsius have no size, and no key is in such
 
 
 def _expression(given: str, unit: str) -> str:
