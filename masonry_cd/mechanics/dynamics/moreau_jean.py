@@ -221,7 +221,7 @@ class Stepper:
         system, last = self.system, self.motion
         predicted = predict(system, last, system.loads.of_step(self.load_step, ticks))
         found = detect(system, self.detector, predicted, last.steps + 1)
-        made = assemble(system, last, predicted, found)
+        made = assemble(system, last, predicted, found, self.detector.pairs)
         solved = solve(system, made, self.islands, last.steps + 1, self.watch)
         new = update(system, last, made, solved.solution.impulse, solved.carried_impulse)
         energy = account(system, last, made, solved.solution.impulse, new)
@@ -251,8 +251,9 @@ class Stepper:
     def friction_problem(self) -> StepProblem:
         """The friction problem of the next step, were it as long as the last. Asking for it changes nothing."""
         predicted = predict(self.system, self.motion, self.system.loads.of_step(self.load_step))
-        found = detect(self.system, deepcopy(self.detector), predicted, self.steps + 1)
-        return assemble(self.system, self.motion, predicted, found)
+        detector = deepcopy(self.detector)
+        found = detect(self.system, detector, predicted, self.steps + 1)
+        return assemble(self.system, self.motion, predicted, found, detector.pairs)
 
     def _report(self, made: StepProblem, solved: Solved, deepest: Overlap, begin: float) -> StepReport:
         """What the step cost that began at a reading of the clock."""
