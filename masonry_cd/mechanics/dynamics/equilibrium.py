@@ -7,7 +7,8 @@ from rest. It has settled when a swing is short, or begins as fast as the last o
 when it ends where a former one did: a stone then rattles between its neighbours, by no more than ROUND_TRIP.
 
 Ties pull with their first tension however the structure gives way, as held by a jack, and are locked as long as they then are: so the run
-begins with that tension, and without a jolt. Their stiffness comes with the run, and so do point loads.
+begins with that tension, and without a jolt. Their stiffness comes with the run, and so do point loads. Ties that are there from the start
+pull by their stretch meanwhile, in steps no longer than those of the run, which are short enough for their stiffness.
 """
 
 from __future__ import annotations
@@ -48,7 +49,8 @@ def settle(stepper: Stepper) -> int:
     trial = _trial(stepper)
     begin, steps, sunk, first, still = trial.state.position.copy(), 0, 0.0, np.inf, False
     ends: list[np.ndarray] = []
-    while not still and steps < STEPS and sunk <= SUNK * stepper.width:
+    most = STEPS * max(1.0, _step(stepper) / trial.settings.dt)
+    while not still and steps < most and sunk <= SUNK * stepper.width:
         before, last = trial.state.position.copy(), first
         taken, first = _swing(trial)
         steps, sunk = steps + taken, _farthest(trial, begin)
@@ -58,10 +60,17 @@ def settle(stepper: Stepper) -> int:
     if not still:
         block = assembly.names[int(np.abs(trial.state.position - begin).max(axis=1).argmax())]
         under = "its weight and the tension of ties" if trial.tensions.any() else "its weight"
-        raise InputError(f'run.settle: block "{block}" does not come to rest under {under}; settle = false starts the run without')
+        tied = "; a tie with from_start = true holds it meanwhile" if _jacked(stepper).any() else ""
+        raise InputError(f'run.settle: block "{block}" does not come to rest under {under}; settle = false starts the run without{tied}')
     stepper.begin_from(trial, stepper.settings.dt / trial.settings.dt)
     stepper.lock_ties()
     return steps
+
+
+def _jacked(stepper: Stepper) -> np.ndarray:
+    """Which ties keep their first tension while it settles, (T,) bool."""
+    forces = stepper.system.loads.forces
+    return np.ones(0, dtype=bool) if forces is None else forces.jacked
 
 
 def _farthest(trial: Stepper, since: np.ndarray) -> float:
@@ -90,7 +99,7 @@ def _trial(stepper: Stepper) -> Stepper:
     a, settings = stepper.assembly, stepper.settings
     tolerance = max(SHARE * settings.tolerance, FINEST)
     own = {
-        "dt": _step(stepper),
+        "dt": _step(stepper) if _jacked(stepper).all() else min(_step(stepper), settings.dt),
         "theta": 1.0,
         "tolerance": tolerance,
         "accept": tolerance,

@@ -320,21 +320,22 @@ class Stepper:
         self.load_step = 0
 
     def lock_ties(self) -> None:
-        """Have the ties pull with their first tension where the blocks now are."""
+        """Have the ties that are jacked pull with their first tension where the blocks now are."""
         forces, m = self.system.loads.forces, self.motion
         if forces is not None:
             maps = body_maps(self.assembly, m.state.orientation, m.state.strain)
-            self.motion = m._replace(yielded=forces.stretches(m.state.position, maps))
+            self.motion = m._replace(yielded=np.where(forces.jacked, forces.stretches(m.state.position, maps), m.yielded))
 
     def begin_from(self, other: Stepper, share: float) -> None:
         """Begin in the state of another stepper of the same blocks and plane, with a share of the impulses of its last step.
 
         The share is that of the step, or the shortest, over the other's.
         """
-        m = other.motion
+        m, forces = other.motion, self.system.loads.forces
+        tensions = self.tensions if forces is None else np.where(forces.jacked, self.tensions, m.tensions)
         energy = at_start(self.system, m.state, m.angular_momentum)
         self.motion = m._replace(
-            impulse=share * m.impulse, false_slip=np.zeros_like(m.false_slip), tensions=self.tensions, yielded=self.motion.yielded,
+            impulse=share * m.impulse, false_slip=np.zeros_like(m.false_slip), tensions=tensions, yielded=m.yielded,
             energy=energy,
         )  # fmt: skip
         self.detector, self.last = other.detector, other.last

@@ -62,6 +62,11 @@ class JointMeasures:
     contact_area: np.ndarray
     gap: np.ndarray
 
+    def since(self, rest: JointMeasures, area: np.ndarray) -> JointMeasures:
+        """What has come on top of the measures of a state of rest, of joints of some areas (J,) [m2]; closing again does not count."""
+        grown = [np.maximum(0.0, getattr(self, name) - getattr(rest, name)) for name in ("opening", "sliding", "rotation")]
+        return JointMeasures(*grown, np.minimum(area, self.contact_area + area - rest.contact_area), self.gap - np.maximum(0.0, rest.gap))
+
 
 class JointPeaks:
     """The largest measures of each joint so far, over all steps and not only the frames."""
