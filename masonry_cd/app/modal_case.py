@@ -131,10 +131,13 @@ def modal_case(
 
     asked = parse_table(ModalOptions, options, "modal")
     measured = read_measured(asked.reference) if asked.reference else []
-    scene = read_scene(source, changes) if isinstance(source, Path | str) else None
-    blocks, title = (list(source), title) if scene is None else (build_blocks(scene), scene.title)
+    if isinstance(source, Path | str):
+        scene = read_scene(source, changes)
+        blocks, title, material = build_blocks(scene), scene.title, scene.material
+    else:
+        blocks, material = list(source), None
     refuse_spheres(blocks, "structure: the modal check")
-    asked, stiffness = _of_masonry(asked, blocks, None if scene is None else scene.material)
+    asked, stiffness = _of_masonry(asked, blocks, material)
     results = [_result(blocks, method, asked, measured, stiffness) for method in (METHODS if asked.method == "both" else (asked.method,))]
     results = [results[0], *(Result(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
     young = results[0].modes.young if asked.method != "joints" else asked.young or START

@@ -38,7 +38,7 @@ def elastic_period(
     """
     young, shear = moduli or (YOUNG, SHEAR)
     stiffness = joint_stiffness(assembly, joints, np.full(assembly.count, young), np.full(assembly.count, shear))
-    acceleration, best = np.diff(velocity, axis=0) / dt, {"amplification": 0.0}
+    acceleration, best = np.diff(velocity, axis=0) / dt, dict[str, Any](amplification=0.0)
     for direction in _directions(acceleration):
         period = _rounded(period_along(assembly, joints, stiffness, direction))
         along = np.einsum("ki,i->k", acceleration, direction)

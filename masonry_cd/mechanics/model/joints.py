@@ -64,8 +64,13 @@ class JointMeasures:
 
     def since(self, rest: JointMeasures, area: np.ndarray) -> JointMeasures:
         """What has come on top of the measures of a state of rest, of joints of some areas (J,) [m2]; closing again does not count."""
-        grown = [np.maximum(0.0, getattr(self, name) - getattr(rest, name)) for name in ("opening", "sliding", "rotation")]
-        return JointMeasures(*grown, np.minimum(area, self.contact_area + area - rest.contact_area), self.gap - np.maximum(0.0, rest.gap))
+        return JointMeasures(
+            opening=np.maximum(0.0, self.opening - rest.opening),
+            sliding=np.maximum(0.0, self.sliding - rest.sliding),
+            rotation=np.maximum(0.0, self.rotation - rest.rotation),
+            contact_area=np.minimum(area, self.contact_area + area - rest.contact_area),
+            gap=self.gap - np.maximum(0.0, rest.gap),
+        )
 
 
 class JointPeaks:

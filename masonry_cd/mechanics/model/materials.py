@@ -272,8 +272,8 @@ def joint_table(
     Raises:
         InputError: an unknown group, cohesion without friction, or a tensile strength beyond the tip of the cone.
     """
-    out = JointLaws(*(np.zeros((len(groups), len(groups))) for _ in range(TABLES)), moduli)
-    laws = laws if moduli is None else {"default": JointLaw()} | laws
+    out = JointLaws(*np.zeros((TABLES, len(groups), len(groups))), moduli=moduli)
+    laws = laws if moduli is None else {"default": JointLaw(), **laws}
     for i, j, law in _by_pair(laws, groups, "material.joints"):
         out.normal_stiffness[i, j], out.tangential_stiffness[i, j] = law.stiffness
         out.apex[i, j] = _apex(law, float(friction[i, j]), f"{groups[i]}-{groups[j]}")
