@@ -22,7 +22,7 @@ MPA = 1e6  # [Pa]
 KN_PER_M3 = 1e3 / 9.80665  # density of what weighs a kilonewton per cubic metre [kg/m3]
 CONFIDENCE = {"LC1": 1.35, "LC2": 1.20, "LC3": 1.00}  # factor FC by which the code divides strengths, by level of knowledge
 RIGID = "rigid"
-UNTOLD = "the tables have none for it: give the value itself"
+NO_FACTOR = "the tables have none for it: give the value itself"
 
 
 class Range(NamedTuple):
@@ -150,7 +150,7 @@ class Masonry(Table):
             if name not in BETTER:
                 raise ValueError(f'better: "{name}" is none of {", ".join(BETTER)}')
             if KINDS[self.kind].factors[list(BETTER).index(name)] is None:
-                raise ValueError(f'better: "{name}" of {self.kind}: {UNTOLD}')
+                raise ValueError(f'better: "{name}" of {self.kind}: {NO_FACTOR}')
             if name in BESIDE_PLASTER and "reinforced plaster" in self.better:
                 raise ValueError(f'better: "{name}" does not count beside "reinforced plaster"')
         if self.shear_bond and self.bed_strength is None and KINDS[self.kind].sliding is None:

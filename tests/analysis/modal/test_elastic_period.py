@@ -53,7 +53,7 @@ def test_a_long_sine_at_the_period_is_amplified_by_half_the_inverse_of_the_dampi
     assert found["amplification"] == pytest.approx((1.0 - np.exp(-2.0 * np.pi * DAMPING * cycles)) / (2.0 * DAMPING), rel=0.02)
 
 
-def test_of_two_directions_that_which_is_amplified_more_is_told():
+def test_of_two_directions_that_which_is_amplified_more_is_reported():
     assembly, joints = parts(wall(4, 6))
     across = elastic_period(assembly, joints, sine(1.0, 2, [0.0, 1.0, 0.0]), DT, None)
     assert across["elastic_basis"]["young"] == YOUNG and not across["elastic_basis"]["named"]
