@@ -25,11 +25,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.sitting import HERE, head, sitting
-from masonry_cd.analysis.modal.elastic_joints import joint_stiffness
 from masonry_cd.app.case import prepare, structure_of
 from masonry_cd.app.run_case import run_case
 from masonry_cd.app.scene import Scene, parse_scene
 from masonry_cd.io.results import Results
+from masonry_cd.mechanics.model.joint_stiffness import joint_stiffness
 from masonry_cd.studies.study.numbers import of_run
 
 POISSON = 0.2
@@ -100,7 +100,7 @@ def runs(name: str, moduli: list[float], kinds: Collection[str]) -> Iterator[Row
     rigid = scene(name)
     yield row("rigid", np.inf, rigid)
     made = structure_of(rigid)
-    unit = float(np.median(joint_stiffness(made.assembly, made.joints, np.ones(made.assembly.count), POISSON)[0]))
+    unit = float(np.median(joint_stiffness(made.assembly, made.joints, *np.ones((2, made.assembly.count)))[0]))
     for young in moduli:
         elastic = (f"young={young}", f"poisson={POISSON}", *DAMPED)
         keys = {

@@ -50,6 +50,7 @@ class Tie:
     damping: float  # c [N s/m]
     limit: float = math.inf  # N_y [N]
     name: str = ""  # for reports; bars of one name are one tie, spread over the blocks that its plates cover
+    from_start: bool = False  # there while the structure takes up its weight; else drawn by a jack then, to N_0 however it gives way
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +106,11 @@ class Forces:
     def stretches(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """L - L_0 of each tie, (T,) [m]."""
         return self._lines(position, rotation)[1] - self._bars["length"]
+
+    @cached_property
+    def jacked(self) -> np.ndarray:
+        """Which ties keep their first tension while the structure settles, (T,) bool."""
+        return np.array([not tie.from_start for tie in self.ties], dtype=bool)
 
     def yields(self, position: np.ndarray, rotation: np.ndarray, yielded: np.ndarray) -> np.ndarray:
         """By how much each tie has stretched for good, (T,) [m], after ``yielded`` (T,) before."""

@@ -71,6 +71,7 @@ class TieRowTable(Table):
     )
     tension: Annotated[float, Unit("N")] = Field(0.0, ge=0.0, description="at the start")
     damping: float = Field(0.02, ge=0.0, lt=1.0, description="share of the critical damping")
+    from_start: bool = Field(False, description="there while elastic joints take up the weight; else it keeps its tension meanwhile")
     name: str | None = Field(None, max_length=80, description="for reports; by default tie1, tie2 ...")
 
     @model_validator(mode="after")
@@ -96,7 +97,7 @@ class Bar(NamedTuple):
     where: str  # the table that asked for it
     blocks: tuple[str, str]
     points: np.ndarray  # (2, 3) [m]
-    keys: Mapping[str, Any]  # name, area, modulus, tension, yield_force, damping, as a load of kind "tie" takes them
+    keys: Mapping[str, Any]  # name, area, modulus, tension, yield_force, damping, from_start, as a load of kind "tie" takes them
 
     def load(self) -> dict[str, Any]:
         """The table of a load."""
@@ -213,6 +214,7 @@ def bar_between(solids: Solids, keys: TieRowTable, a: Anchor, b: Anchor, where: 
         "area": share * keys.size,
         "modulus": keys.modulus or MODULI[keys.material],
         "tension": share * keys.tension,
+        "from_start": keys.from_start,
         "damping": keys.damping,
     }
     limit = {} if keys.yield_force is None else {"yield_force": share * keys.yield_force}

@@ -37,12 +37,12 @@ def tower(count: int, side: float = 0.5, height: float = 0.25, density: float = 
     return [ground(2.0)] + [box(f"b{k}", (-half, -half, k * height), (half, half, (k + 1) * height), density=density) for k in range(count)]
 
 
-def wall(columns: int, courses: int, length: float = 0.4, height: float = 0.2, width: float = 0.2) -> list[Block]:
-    """A running bond: odd courses start and end with half units."""
+def wall(columns: int, courses: int, length: float = 0.4, height: float = 0.2, width: float = 0.2, running: bool = True) -> list[Block]:
+    """A running bond: odd courses start and end with half units; or straight joints from bottom to top."""
     blocks = [ground(1.0 + columns * length)]
     for course in range(courses):
         inner = (np.arange(columns) + 0.5) * length
-        edges = np.arange(columns + 1) * length if course % 2 == 0 else np.concatenate([[0.0], inner, [columns * length]])
+        edges = np.arange(columns + 1) * length if course % 2 == 0 or not running else np.concatenate([[0.0], inner, [columns * length]])
         for k, (x0, x1) in enumerate(pairwise(edges)):
             low, high = (x0, -width / 2, course * height), (x1, width / 2, (course + 1) * height)
             blocks.append(box(f"c{course}.{k}", low, high))

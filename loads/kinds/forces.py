@@ -21,7 +21,7 @@ from loads.bars import Forces, PointLoad, Tie
 from loads.motion import LoadKind, LoadTable, Part, RunGrid
 from loads.supports import select
 from masonry_cd.foundation.errors import InputError
-from masonry_cd.foundation.fields import Instant, check_tension, is_number
+from masonry_cd.foundation.fields import Flag, Instant, check_tension, is_number
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.blocks import Assembly
 from masonry_cd.mechanics.model.place_on_block import require_on_block
@@ -103,6 +103,8 @@ class TieTable(LoadTable):
     """At the start."""
     yield_force: Annotated[Positive, Unit("N")] | None = None
     """At which it yields: beyond, it stretches for good and pulls no more than this; it never yields when not given."""
+    from_start: Flag = False
+    """There while elastic joints take up the weight, so that its stretch then counts; else it keeps its tension meanwhile, as by a jack."""
     name: str | None = None
     """For reports; the names of its blocks when not given."""
     damping: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.02
@@ -190,7 +192,8 @@ def bar(table: TieTable, grid: RunGrid, where: str) -> Part:
     _check_phase(omega, table.damping, grid, f"{where}:", "for its", "between these blocks")
     damping = 2.0 * table.damping * stiffness / omega  # 2 xi sqrt(k m_e)
     limit = math.inf if table.yield_force is None else table.yield_force
-    made = Tie(ends, points - centres, length, table.section, stiffness, table.tension, damping, limit, table.name or "")
+    name, early = table.name or "", table.from_start
+    made = Tie(ends, points - centres, length, table.section, stiffness, table.tension, damping, limit, name, early)
     yields = "" if table.yield_force is None else f", yields at {limit:g} N"
     about = f"{length:.4g} m, {stiffness:.4g} N/m, {table.tension:g} N{yields}"
     return Part(

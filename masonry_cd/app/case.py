@@ -28,6 +28,7 @@ from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.strain import unknowns_of_strain
 from masonry_cd.mechanics.model.blocks import Assembly, Block
 from masonry_cd.mechanics.model.joints import Joints
+from masonry_cd.mechanics.model.masonry_kinds import in_words
 from masonry_cd.mechanics.model.state import State
 from masonry_cd.mechanics.model.strength import strength_by_group
 from masonry_cd.mechanics.solvers import cores
@@ -103,7 +104,8 @@ def structure_of(scene: Scene) -> Structure:
     blocks, notes, bars = make_structures(scene)
     material = scene.material
     try:
-        assembly = Assembly.from_blocks(blocks, material.friction, material.joints, material, material.rolling_friction)
+        moduli = material.joint_moduli
+        assembly = Assembly.from_blocks(blocks, material.friction, material.joint_laws, material, material.rolling_friction, moduli)
         return Structure(blocks, tuple(notes), bars, assembly)
     except InputError as error:
         raise scene.at_fault(error) from None
@@ -135,10 +137,10 @@ def make_structures(scene: Scene) -> Made:
     try:
         with np.errstate(all="ignore"):  # blocks that are not finite are refused by name
             if not scene.structures:
-                return structures.make(scene.structure, scene.material.density, scene.folder)
+                return structures.make(scene.structure, scene.material.block_density, scene.folder)
             from structures import site
 
-            return site.build(scene.structures, scene.material.density, scene.folder)
+            return site.build(scene.structures, scene.material.block_density, scene.folder)
     except InputError as error:
         raise scene.at_fault(error) from None
 
@@ -163,7 +165,7 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
             from masonry_cd.app.static_loads import limit_table
 
             limit_table(scene.limit)
-        strength_by_group(scene.material.compressive_strength, structure.assembly.groups)
+        strength_by_group(scene.material.strength, structure.assembly.groups)
         if scene.report.asks or scene.report.grades or scene.report.cut:
             from reports import outputs
 
@@ -194,7 +196,8 @@ def prepare(scene: Scene, structure: Structure | None = None) -> Case:
     stands_in = [IN_SPACE] if scene.run.solver == "pivoting" and not planar else []
     unusual = doubts(scene, assembly, joints, loading.summary["tables"])
     warnings = (*structure.odd_size, *unusual, *loading.warnings, *falling, *coarse, *stands_in, *_beyond_machine(scene.run.threads))
-    notes = (*structure.notes, *damping)
+    masonry = () if scene.material.masonry is None else (in_words(scene.material.masonry),)
+    notes = (*structure.notes, *masonry, *damping)
     if built > REPORTED * assembly.width:
         notes = (*notes, f"joints as built have gaps or overlaps of up to {built:.2g} m, which count as none")
     still = _still_speed(scene.run, joints)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,10 @@ from masonry_cd.foundation.errors import InputError
 from masonry_cd.io.layout import JOINT_PEAKS
 from masonry_cd.mechanics.dynamics.adaptive import AdaptiveSteps
 from masonry_cd.mechanics.dynamics.element_stress import elements_of
+from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.mean_stress import check_sums
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.model.joints import JointMeasures
 
 NUMBERS = {"frames": int, "quiet": int, "mark": str, "rows": dict, "report": dict, "format": int}
 
@@ -50,6 +53,11 @@ def check_content(arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any], 
         peaks.real(name, joints, finite=name != "first_opening_time")
     peaks.nothing_else()
     _check_step_peaks(stored.part("step_peaks"), stepper, joints)
+    if settles(stepper.assembly):
+        rest = stored.part("rest")
+        for measure in fields(JointMeasures):
+            rest.real(measure.name, joints)
+        rest.nothing_else()
     if stress:
         check_sums(stored.part("stress"), stepper.assembly.count, joints, elements_of(stepper.system.strains))
     if stepper.settings.adaptive:

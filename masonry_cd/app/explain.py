@@ -91,9 +91,8 @@ def _solver(scene: Scene, report: RunReport) -> str:
 def _laws(stepper: Stepper) -> list[str]:
     """Parts of the contact law that no joint needs."""
     laws = stepper.assembly.laws
-    lines = (
-        [] if np.any(laws.normal_stiffness) else ["springs in joints: none, joints are rigid (no normal_stiffness in [material.joints])"]
-    )
+    rigid = "springs in joints: none, joints are rigid (no masonry in [material], no normal_stiffness in [material.joints])"
+    lines = [] if np.any(laws.elastic) else [rigid]
     if stepper.assembly.deformation is None:
         lines.append("strains of blocks: none, blocks are rigid (no deformable in [material])")
     return lines if np.any(laws.apex) else [*lines, "cohesion: none, joints are dry"]

@@ -95,7 +95,7 @@ def case_of(scene: Scene, curve: bool = False) -> LimitCase:
     try:
         refuse_spheres(blocks, "structure: limit analysis")
         asked = limit_table(scene.limit)
-        assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
+        assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joint_laws)
         loads = static_loads(scene.loads, asked, scene.run.gravity, scene.folder, assembly, [(bar.where, bar.load()) for bar in bars])
         if asked.check is not None:
             suits(loads, scene.run.gravity)

@@ -24,8 +24,10 @@ from masonry_cd.foundation.csv_files import write_csv
 from masonry_cd.foundation.errors import InputError, parse_table
 from masonry_cd.foundation.fields import finite_number
 from masonry_cd.foundation.units import Unit
-from masonry_cd.mechanics.model.blocks import Block, refuse_spheres
+from masonry_cd.mechanics.model.blocks import Assembly, Block, refuse_spheres
+from masonry_cd.mechanics.model.materials import Material
 
+JointStiffness = tuple[float, float] | tuple[np.ndarray, np.ndarray]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 START = 1e9  # modulus from which a fit starts where none is given [Pa]
 ALIKE = 0.8  # MAC below which a pair is reported as doubtful
@@ -38,7 +40,7 @@ class ModalOptions(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     young: Annotated[Positive | dict[str, Positive], Unit("Pa")] | None = None
-    """Modulus of the masonry, or moduli by group of blocks and ``default``; not needed when it is fitted."""
+    """Modulus of the masonry, or moduli by group of blocks and ``default``; that of the scene's masonry when not given."""
     poisson: Annotated[float, Field(ge=0, lt=0.5)] = 0.2
     """Poisson's ratio."""
     method: Literal["both", "continuum", "joints"] = "both"
@@ -68,8 +70,6 @@ class ModalOptions(BaseModel):
     def _fit_needs_measured(self) -> ModalOptions:
         if self.fit and self.reference is None:
             raise ValueError("fit needs the measured modes: give reference")
-        if self.young is None and not self.fit:
-            raise ValueError("no modulus of elasticity: give young in Pa, or fit it to measured modes")
         if self.tangential_stiffness is not None and self.normal_stiffness is None:
             raise ValueError("tangential_stiffness needs normal_stiffness beside it")
         return self
@@ -134,11 +134,19 @@ def modal_case(
     Raises:
         InputError: a wrong option, scene, or file of measured modes.
     """
+    from masonry_cd.app.case import build_blocks
+    from masonry_cd.app.scene import read_scene
+
     asked = parse_table(ModalOptions, options, "modal")
     measured = read_measured(asked.reference) if asked.reference else []
-    blocks, title = (list(source), title) if not isinstance(source, Path | str) else _blocks(source, changes)
+    if isinstance(source, Path | str):
+        scene = read_scene(source, changes)
+        blocks, title, material = build_blocks(scene), scene.title, scene.material
+    else:
+        blocks, material = list(source), None
     refuse_spheres(blocks, "structure: the modal check")
-    results = [_result(blocks, method, asked, measured) for method in (METHODS if asked.method == "both" else (asked.method,))]
+    asked, stiffness = _of_masonry(asked, blocks, material)
+    results = [_result(blocks, method, asked, measured, stiffness) for method in (METHODS if asked.method == "both" else (asked.method,))]
     results = [results[0], *(Result(_turned_like(r.modes, results[0].modes), r.pairs, r.factor) for r in results[1:])]
     young = results[0].modes.young if asked.method != "joints" else asked.young or START
     table = convergence(blocks, young, asked) if asked.convergence else []
@@ -148,17 +156,28 @@ def modal_case(
     return out
 
 
-def _blocks(source: Path | str, changes: Sequence[str]) -> tuple[list[Block], str]:
-    """The blocks of a scene, and its title."""
-    from masonry_cd.app.case import build_blocks
-    from masonry_cd.app.scene import read_scene
+def _of_masonry(asked: ModalOptions, blocks: Sequence[Block], material: Material | None) -> tuple[ModalOptions, JointStiffness | None]:
+    """What is asked for, with the modulus of the scene's masonry where none is given, and then also the stiffness of its joints.
 
-    scene = read_scene(source, changes)
-    return build_blocks(scene), scene.title
+    Raises:
+        InputError: there is no modulus at all.
+    """
+    if asked.young is not None or material is None or material.joint_moduli is None:
+        if asked.young is None and not asked.fit:
+            raise InputError("modal: no modulus of elasticity: give young in Pa, name material.masonry, or fit it to measured modes")
+        return asked, asked.joint_stiffness
+    from masonry_cd.mechanics.contact.find_joints import find_joints
+    from masonry_cd.mechanics.dynamics.pair_stiffness import stiffness_of_joints
+
+    assembly = Assembly.from_blocks(blocks, material.friction, material.joint_laws, moduli=material.joint_moduli)
+    asked = asked.model_copy(update={"young": material.joint_moduli[0]})
+    return asked, asked.joint_stiffness or stiffness_of_joints(assembly, find_joints(assembly))
 
 
-def _result(blocks: Sequence[Block], method: str, asked: ModalOptions, measured: Sequence[MeasuredMode]) -> Result:
-    """Compute one model, fit it where asked, and pair it with what was measured."""
+def _result(
+    blocks: Sequence[Block], method: str, asked: ModalOptions, measured: Sequence[MeasuredMode], stiffness: JointStiffness | None
+) -> Result:
+    """Compute one model, fit it where asked, and pair it with what was measured; ``stiffness`` of the joints where it is not by E."""
     spare = 4 if any(mode.has_shape for mode in measured) else 0  # a measured mode may answer to a higher one
     modes = modal(
         blocks,
@@ -167,7 +186,7 @@ def _result(blocks: Sequence[Block], method: str, asked: ModalOptions, measured:
         method=method,
         modes=max(asked.modes, max((mode.mode for mode in measured), default=0) + spare),
         size=asked.mesh_size,
-        stiffness=asked.joint_stiffness,
+        stiffness=stiffness,
         restraint=asked.restraint,
     )
     factor = fit_factor(modes, measured) if asked.fit else 1.0

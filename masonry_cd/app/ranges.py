@@ -66,16 +66,21 @@ RANGES = {
     "carried": Range(0.0, 1.0, (), "roofs and floors weigh less than the masonry that bears them"),  # over its mass
     # masonry
     "density": Range(
-        400.0, 3500.0, _DENSITY, "masonry has 400 (foamed) to 3500 kg/m3 (basalt)", ("material.density", "structure.core_density")
+        400.0, 3500.0, _DENSITY, "masonry has 400 (foamed) to 3500 kg/m3 (basalt)",
+        ("material.density", "material.masonry.density", "structure.core_density"),
     ),
     "friction": Range(0.0, 1.2, (), "dry joints have 0.3 to 1.2; an angle is given by its tangent", ("material.friction*",)),
-    "young": Range(1e7, 2.5e11, _PA, "from adobe, 0.01 GPa, to steel, 210 GPa", ("material.young*",)),
+    "young": Range(
+        1e7, 2.5e11, _PA, "from adobe, 0.01 GPa, to steel, 210 GPa", ("material.young*", "material.masonry.E", "material.masonry.G"),
+    ),
     "stiffness": Range(1e8, 1e15, _STIFFNESS, "joints of masonry have 1e8 to 1e13 N/m3", ("material.joints*_stiffness",)),
     "compression": Range(
-        1e5, 5e8, _STRENGTH, "from rubble, 0.1 MPa, to the hardest stone, 500", ("material.compressive_strength*",)
+        1e5, 5e8, _STRENGTH, "from rubble, 0.1 MPa, to the hardest stone, 500",
+        ("material.compressive_strength*", "material.masonry.compressive_strength"),
     ),
     "bond": Range(
-        1e3, 2e7, _STRENGTH, "mortar and bricks have 0.001 to 20 MPa", ("material.joints*tension", "material.joints*cohesion")
+        1e3, 2e7, _STRENGTH, "mortar and bricks have 0.001 to 20 MPa",
+        ("material.joints*tension", "material.joints*cohesion", "material.masonry.bed_strength"),
     ),
     # ties
     "tie_modulus": Range(

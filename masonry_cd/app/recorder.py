@@ -23,6 +23,7 @@ from masonry_cd.io.meshes import Meshes
 from masonry_cd.io.result_writer import ResultWriter
 from masonry_cd.mechanics.contact.find_joints import joint_parts
 from masonry_cd.mechanics.dynamics.energy import ENERGIES
+from masonry_cd.mechanics.dynamics.equilibrium import settles
 from masonry_cd.mechanics.dynamics.mean_stress import MeanStress
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper, StepReport
 from masonry_cd.mechanics.dynamics.pauses import ALIKE, Aftermath
@@ -51,6 +52,7 @@ class Recorder:
 
     def __init__(self, writer: ResultWriter, stepper: Stepper, joints: Joints, shocks: bool = False, stress: bool = False) -> None:
         self._writer, self._stepper, self._joints = writer, stepper, joints
+        self.rest = self._measured() if settles(stepper.assembly) else None  # of the joints; what opened before the run is no damage
         self.frames = 0
         self.peaks = JointPeaks(joints)
         self.stress = MeanStress(stepper, joints) if stress else None
@@ -81,12 +83,20 @@ class Recorder:
         self._tensions.append(stepper.tensions)
         if len(self._rows) == ROWS_AT_ONCE:
             self._to_writer()
-        now = measure_joints(self._joints, stepper.assembly, stepper.state)
+        now = self.now()
         self.peaks.update(now, stepper.state.time)
         self.step_peaks.update(now, stepper.state)
         if self.stress is not None:
             self.stress.take_step(self._joint_of_pairs())
         return now
+
+    def now(self) -> JointMeasures:
+        """The measures of the joints, since the rest that they began from where something has settled."""
+        found = self._measured()
+        return found if self.rest is None else found.since(self.rest, self._joints.area)
+
+    def _measured(self) -> JointMeasures:
+        return measure_joints(self._joints, self._stepper.assembly, self._stepper.state)
 
     def frame(self, now: JointMeasures) -> None:
         """Write the state and the joints."""

@@ -27,7 +27,7 @@ from masonry_cd.mechanics.dynamics.adaptive import AdaptedStep, AdaptiveSteps
 from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper, StepReport
 from masonry_cd.mechanics.dynamics.pauses import Aftermath, Pauses, Shock
 from masonry_cd.mechanics.dynamics.snapshot import part, prefixed
-from masonry_cd.mechanics.model.joints import Joints, measure_joints
+from masonry_cd.mechanics.model.joints import JointMeasures, Joints
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def run(
     if checkpoints is not None and checkpoints.resume:
         loop.resume(checkpoints.path)
     else:
-        recorder.frame(measure_joints(joints, stepper.assembly, stepper.state))
+        recorder.frame(recorder.now())
         writer.flush()
     try:
         while stepper.load_step < plan.steps and not loop.report.stopped:
@@ -165,6 +165,7 @@ class _Loop:
         rows, mark = self.recorder.flushed_rows()
         arrays = self.stepper.snapshot() | prefixed("peaks", vars(self.recorder.peaks))
         arrays |= prefixed("step_peaks", self.recorder.step_peaks.arrays)
+        arrays |= {} if self.recorder.rest is None else prefixed("rest", vars(self.recorder.rest))
         arrays |= {} if self.recorder.stress is None else prefixed("stress", self.recorder.stress.snapshot())
         arrays |= {} if self.pace is None else prefixed("pace", self.pace.snapshot())
         numbers = {"report": asdict(self.report), "rows": rows, "mark": mark, "frames": self.recorder.frames}
@@ -186,6 +187,8 @@ class _Loop:
             self.pace.restore(part("pace", arrays))
         vars(self.recorder.peaks).update(part("peaks", arrays))
         self.recorder.step_peaks.restore(part("step_peaks", arrays))
+        if self.recorder.rest is not None:
+            self.recorder.rest = JointMeasures(**part("rest", arrays))
         if self.recorder.stress is not None:
             self.recorder.stress.restore(part("stress", arrays))
         self.recorder.frames = numbers["frames"]

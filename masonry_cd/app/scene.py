@@ -245,5 +245,5 @@ def _check_structures(top: SceneTables) -> None:
     if top.structure is not None and top.structures:
         raise InputError("structures: there is a [structure] as well; where there are several, each is headed [[structures]]")
     every = top.structures or [top.structure or {}]
-    if "density" not in top.material and any(table.get("kind") != "file" for table in every):
+    if not {"density", "masonry"} & top.material.keys() and any(table.get("kind") != "file" for table in every):
         raise InputError("material.density: missing")  # only blocks of a file may bring their own

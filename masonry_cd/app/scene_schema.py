@@ -41,7 +41,8 @@ def scene_schema() -> Schema:
     keys["structure"]["required"] = ["kind"]
     file = {"properties": {"kind": {"const": "file"}}}
     of_file = {"properties": {"structure": file, "structures": {"items": file}}}
-    density = {"properties": {"material": {"required": ["density"]}}}  # only blocks of a file may bring their own
+    either = [{"required": ["density"]}, {"required": ["masonry"]}]
+    density = {"properties": {"material": {"anyOf": either}}}  # only blocks of a file may bring their own
     one = [{"required": ["structure"]}, {"required": ["structures"]}]
     return {"$schema": DRAFT, "title": TITLE, **top, "oneOf": one, "if": of_file, "else": density}
 

@@ -37,6 +37,8 @@ FIRST: dict[str, dict[str, Any]] = {
 }
 """What is set of the keys of a kind."""
 MATERIAL = {"density": 2200.0, "friction": 0.6}
+MASONRY = {"wall": "squared stone", "tower": "squared stone", "church": "split stone"}
+"""Of kinds whose elasticity decides how they are shaken; the others keep rigid joints, as the method has them."""
 LOAD = {"kind": "sinusoidal", "direction": "x", "amplitude": 0.2, "frequency": 2.0, "cycles": 5}
 RUN = {"dt": 2e-3, "duration": 4.0, "tolerance": 1e-6}
 REPORT = {"crack_map": True, "html": True}
@@ -91,13 +93,18 @@ def starter(kind: str, path: Path) -> str:
         "# Units are SI. Keys behind a # hold as they stand there; without a value they are not given, or follow from others.",
         *_line("title", f"A first scene: {kind}", "Of pictures and closing lines."),
         *_table("structure", structure, {"kind": kind} | FIRST.get(kind, {})),
-        *_table("material", table_schema(Material), MATERIAL),
+        *_table("material", table_schema(Material), _material(kind)),
         *_table("loads", load_schema("sinusoidal"), LOAD, row=True),
         *_table("run", table_schema(Run), RUN),
         *_table("report", table_schema(Report), REPORT),
         *_table("limit", limit_schema(), {}),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _material(kind: str) -> dict[str, Any]:
+    """What is set of the material of a kind."""
+    return {"masonry": MASONRY[kind], "friction": MATERIAL["friction"]} if kind in MASONRY else MATERIAL
 
 
 def _table(name: str, schema: Schema, given: Mapping[str, Any], row: bool = False) -> list[str]:

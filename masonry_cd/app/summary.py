@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from masonry_cd import __version__
+from masonry_cd.analysis.modal.left_out import left_out_lines
+from masonry_cd.app.left_out import elasticity_left_out
 from masonry_cd.app.load_factor import joints_in_words, outcome_lines
 from masonry_cd.app.run_report import RunReport
 from masonry_cd.app.time_step_summary import steps_in_words, time_step_lines, time_step_summary
@@ -17,6 +19,7 @@ from masonry_cd.foundation.atomic import replacing
 from masonry_cd.foundation.quantities import in_words, length
 from masonry_cd.io.summary_file import FORMAT
 from masonry_cd.mechanics.dynamics.adaptive import error_tolerance
+from masonry_cd.mechanics.model.masonry_kinds import facts
 from masonry_cd.mechanics.solvers import threads_that_pay
 
 if TYPE_CHECKING:
@@ -81,6 +84,8 @@ def run_summary(case: Case, report: RunReport) -> dict[str, Any]:
             "lift_share": report.lift_share,
         },
         "loads": case.loading.summary,
+        **({} if case.scene.material.masonry is None else {"masonry": facts(case.scene.material.masonry)}),
+        **elasticity_left_out(case),
         **steps,
     }
 
@@ -134,6 +139,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         f"error {solver['error_mean']:.1e} on average, {solver['error_max']:.1e} at most",
         *_violation_lines(solver),
         f"energy: balance closed to {_balance(energy)}{lift}",
+        *left_out_lines(s),
     ]
 
 

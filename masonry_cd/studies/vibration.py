@@ -31,6 +31,7 @@ from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.dynamics.equilibrium import settle
 from masonry_cd.mechanics.dynamics.moreau_jean import Stepper
+from masonry_cd.mechanics.dynamics.pair_stiffness import stiffness_of_joints
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.model.blocks import Assembly, refuse_spheres
 from masonry_cd.studies.joints_at_rest import at_rest_lines, at_rest_summary, joints_at_rest
@@ -94,7 +95,8 @@ def vibration_case(scene_path: Path | str, options: Mapping[str, Any], folder: P
     blocks = build_blocks(scene)
     try:
         refuse_spheres(blocks, "structure: the modal check")
-        assembly = Assembly.from_blocks(blocks, scene.material.friction, scene.material.joints)
+        material = scene.material
+        assembly = Assembly.from_blocks(blocks, material.friction, material.joint_laws, moduli=material.joint_moduli)
         companion = linear_modes(assembly, max(asked.modes, MODES if asked.sweep else 0))
         assembly = replace(assembly, laws=assembly.laws.damped_at(float(companion.frequencies[0])))
         rows = free_vibration(assembly, scene.run, companion, asked.modes)
@@ -127,13 +129,12 @@ def linear_modes(assembly: Assembly, count: int) -> Companion:
     """
     if assembly.deformation is not None:
         raise InputError('material.deformable: these modes are those of rigid blocks on elastic joints; set it to "rigid" for them')
-    joints, laws, group = find_joints(assembly), assembly.laws, assembly.group_of
-    pair = (group[joints.block_a], group[joints.block_b])
-    normal, tangential = laws.normal_stiffness[pair], laws.tangential_stiffness[pair]
+    joints, group = find_joints(assembly), assembly.group_of
+    normal, tangential = stiffness_of_joints(assembly, joints)
     rigid = np.flatnonzero(normal == 0.0)
     if len(rigid):
-        a, b = (assembly.groups[int(side[rigid[0]])] for side in pair)
-        raise InputError(f"material.joints: joints {a}-{b} are rigid, a vibration needs elastic ones: give normal_stiffness")
+        a, b = (assembly.groups[int(group[side[rigid[0]]])] for side in (joints.block_a, joints.block_b))
+        raise InputError(f"material.joints: joints {a}-{b} are rigid, a vibration needs elastic ones: give normal_stiffness, or masonry")
     free = np.flatnonzero(~assembly.fixed)
     found = joint_modes(assembly.blocks, np.ones(assembly.count), 0.0, min(count, 6 * len(free)), stiffness=(normal, tangential))
     field = found["field"]
@@ -280,7 +281,7 @@ def _linear_response(assembly: Assembly, companion: Companion, axis: int, block:
     """Displacement of a block relative to the base [m] by the linear modes, damped as theta and dashpots of the joints do, (N,)."""
     from scipy.signal import lsim
 
-    laws, elastic = assembly.laws, assembly.laws.normal_stiffness > 0.0
+    laws, elastic = assembly.laws, assembly.laws.elastic
     per_omega = (laws.theta[elastic].mean() - 0.5) * dt + 0.5 * laws.retardation[elastic].mean()  # [s]
     time, out = dt * np.arange(len(velocity)), np.zeros(len(velocity))
     push = -np.gradient(velocity, dt)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from masonry_cd.analysis.damage.grades import DESCRIPTIONS, LABELS, NAMES, REFERENCE, Grades, percent
+from masonry_cd.analysis.modal.left_out import left_out_lines
 from masonry_cd.foundation.errors import parse_table, table_in_si
 from masonry_cd.foundation.quantities import counted
 from masonry_cd.io.results import Results
@@ -36,7 +37,7 @@ def assumptions(context: PageContext) -> list[str]:
     found = parse_table(Material, material, "material") if material else None
     return [
         _blocks(context, found),
-        *([_friction(found.friction), *_joints(found.joints)] if found else []),
+        *([_friction(found.friction), *_joints(found)] if found else []),
         "Blocks hit one another without rebound: an impact takes out what energy it can, and leaves no damage on the blocks.",
         _base(context),
         *_gravity(context),
@@ -59,6 +60,7 @@ def not_modelled(context: PageContext) -> list[str]:
         "The ground: supports move as prescribed, without soil beneath them that yields, sinks or radiates energy."
         + ("" if {"settlement", "spreading"} & set(kinds) else " They do not settle."),
     ]
+    lines += [f"{said[0].upper()}{said[1:]}." for said in map(escaped, left_out_lines(context.summary))]
     moving = moving_axes(context.results)
     if moving and "z" not in moving:
         lines.append("The vertical component of the motion: the base moves along " + " and ".join(moving) + " only.")
@@ -178,22 +180,32 @@ def _pair(pair: str) -> str:
     return "all other joints" if pair == "default" else pair
 
 
-def _joints(laws: dict[str, JointLaw]) -> list[str]:
+def _joints(material: Material) -> list[str]:
     """Dry joints, or the mortar of each pair of groups."""
-    dry = "Joints are dry and rigid: they bear no tension, pass on any pressure, and have no cohesion"
+    laws, otherwise = material.joint_laws, _otherwise(material)
+    dry = f"are {otherwise} and dry: they bear no tension, pass on any pressure, and have no cohesion."
     if not laws:
-        return [f"{dry}."]
-    lines = [f"Joints of {escaped(_pair(pair))}: {_law(law)}." for pair, law in list(laws.items())[:PAIRS] if pair != "default"]
+        return [f"Joints {dry}"]
+    lines = [f"Joints of {escaped(_pair(pair))}: {_law(law, otherwise)}." for pair, law in list(laws.items())[:PAIRS] if pair != "default"]
     if "default" in laws:
         others = "Joints" if len(laws) == 1 else "All other joints"
-        return [*lines, f"{others}: {_law(laws['default'])}."]
-    return [*lines, "All other joints are dry and rigid: they bear no tension, pass on any pressure, and have no cohesion."]
+        return [*lines, f"{others}: {_law(laws['default'], otherwise)}."]
+    return [*lines, f"All other joints {dry}"]
 
 
-def _law(law: JointLaw) -> str:
+def _otherwise(material: Material) -> str:
+    """What joints without a stiffness of their own are."""
+    moduli = material.joint_moduli
+    if moduli is None or material.masonry is None:
+        return "rigid"
+    young, shear = (number(float(f"{modulus / 1e9:.3g}"), "GPa") for modulus in moduli)
+    return f"elastic, as stiff as masonry of E {young} and G {shear} ({escaped(material.masonry.kind)})"
+
+
+def _law(law: JointLaw, otherwise: str) -> str:
     """A joint's law in words."""
     normal, shear = law.stiffness
-    words = [f"elastic, {_giga(normal)} across and {_giga(shear)} along" if normal else "rigid"]
+    words = [f"elastic, {_giga(normal)} across and {_giga(shear)} along" if normal else otherwise]
     if not (law.cohesion or law.tension):
         return f"{words[0]}, dry: without tension and cohesion"
     tension = f"a tensile strength of {_kilo(law.tension)}" if law.tension is not None else "a tensile strength of cohesion over friction"

@@ -112,7 +112,7 @@ def test_lines_and_warnings(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({}, "modal: no modulus of elasticity: give young in Pa, or fit it to measured modes"),
+        ({}, "modal: no modulus of elasticity: give young in Pa, name material.masonry, or fit it to measured modes"),
         ({"fit": True}, "modal: fit needs the measured modes: give reference"),
         ({"yung": 1e9}, 'modal.yung: unknown key \\(did you mean "young"'),
         ({"young": -1.0}, "modal.young"),

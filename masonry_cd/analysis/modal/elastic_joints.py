@@ -1,12 +1,7 @@
 r"""Modes of rigid blocks on elastic joints: what a rigid-block model keeps of the elasticity of its stones.
 
-The deformation of two blocks is gathered in the joint between them. A column of length l = l_a + l_b, the distances of both centroids from
-the joint along its normal, gives the stiffnesses per area
-
-    k_n = 1 / (l_a / E_a + l_b / E_b),        k_t = k_n / (2 (1 + nu)),
-
-k_n = E / l where both are of one stone (Lemos, Int. J. Archit. Herit. 1, 2007, for the springs of masonry in discrete
-elements). Supports do not deform: their l counts nothing. With d(x) = u_b - u_a the relative displacement of the faces,
+The deformation of two blocks is gathered in the joint between them, by :mod:`masonry_cd.mechanics.model.joint_stiffness`, with
+G = E / (2 (1 + nu)). With d(x) = u_b - u_a the relative displacement of the faces,
 u = v + theta x (x - c), the energy of a joint is 1/2 int d^T (k_t (1 - n n^T) + k_n n n^T) d dA. Its integrand is
 quadratic, and the midpoints of the sides of each triangle of the polygon integrate it exactly.
 """
@@ -20,14 +15,16 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from masonry_cd.analysis.modal.eigen import lowest_modes, participation
+from masonry_cd.analysis.modal.eigen import SHIFT, Cholesky, lowest_modes, participation
 from masonry_cd.analysis.modal.shapes import RigidShapes
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
 from masonry_cd.mechanics.model.blocks import Assembly, Block
+from masonry_cd.mechanics.model.joint_stiffness import joint_stiffness
 from masonry_cd.mechanics.model.joints import Joints
 
 Stiffness = tuple[np.ndarray, np.ndarray]
+ITERATIONS, CLOSE = 8, 0.01  # of the search for one period, and the share of the eigenvalue that ends it: half a per cent of the period
 
 
 def joint_modes(
@@ -59,8 +56,9 @@ def joint_modes(
     assembly = Assembly.from_blocks(blocks, 0.0)
     joints = find_joints(assembly)
     _check_supported(assembly, joints)
-    normal, tangential = joint_stiffness(assembly, joints, young, poisson)
-    if stiffness:
+    if stiffness is None:
+        normal, tangential = joint_stiffness(assembly, joints, young, young / (2.0 * (1.0 + poisson)))
+    else:
         normal, tangential = (np.broadcast_to(np.asarray(value, dtype=float), joints.count) for value in stiffness)
     free = np.flatnonzero(~assembly.fixed)
     unknown = (6 * free[:, None] + np.arange(6)).ravel()
@@ -84,15 +82,27 @@ def joint_modes(
     return {"frequencies": pairs.frequencies, "participation": participation(pairs, carried, total), "field": field, "facts": facts}
 
 
-def joint_stiffness(assembly: Assembly, joints: Joints, young: np.ndarray, poisson: float) -> Stiffness:
-    """Normal and tangential stiffness per area of each joint, (J,) each [Pa/m]."""
-    middle = joints.centres()
-    softness = np.zeros(joints.count)
-    for side in (joints.block_a, joints.block_b):
-        length = np.abs(np.einsum("ji,ji->j", middle - assembly.centre[side], joints.normal))
-        softness += np.where(assembly.fixed[side], 0.0, length / young[side])
-    normal = 1.0 / softness
-    return normal, normal / (2.0 * (1.0 + poisson))
+def period_along(assembly: Assembly, joints: Joints, stiffness: Stiffness, direction: np.ndarray) -> float:
+    """Period of the lowest mode that a motion of the base along a direction (3,) excites [s]; 0 where joints tie no block to a support.
+
+    Inverse iterations from the rigid shift of all blocks, the first of which gives their deflection under a uniform acceleration, with one
+    factor; the last Rayleigh quotient errs by the square of what the shape does.
+    """
+    free = np.flatnonzero(~assembly.fixed & _tied(assembly, joints))
+    if not len(free):
+        return 0.0
+    unknown = (6 * free[:, None] + np.arange(6)).ravel()
+    matrix = _stiffness(assembly, joints, *stiffness, np.ones((joints.count, 3)))[unknown][:, unknown]
+    mass = _mass(assembly)[unknown][:, unknown]
+    factor = Cholesky(matrix + SHIFT * _scale(assembly, joints, stiffness[0]) * mass)
+    shape, value, last = np.tile([*direction, 0.0, 0.0, 0.0], len(free)), 1.0, np.inf
+    for _ in range(ITERATIONS):
+        shape = factor.solve(mass @ shape)
+        shape /= np.sqrt(np.einsum("i,i", shape, mass @ shape))
+        value, last = float(np.einsum("i,i", shape, matrix @ shape)), value
+        if abs(value - last) < CLOSE * value:
+            break
+    return 2.0 * np.pi / float(np.sqrt(value))
 
 
 def _stiffness(assembly: Assembly, joints: Joints, normal: np.ndarray, tangential: np.ndarray, directions: np.ndarray) -> sparse.csr_matrix:
@@ -167,8 +177,13 @@ def _check_supported(assembly: Assembly, joints: Joints) -> None:
     """Where there are supports, joints must tie every block to one."""
     if not assembly.fixed.any():
         return
-    graph = sparse.coo_matrix((np.ones(joints.count), (joints.block_a, joints.block_b)), (assembly.count,) * 2)
-    _, label = connected_components(graph, directed=False)
-    loose = np.flatnonzero(~np.isin(label, label[assembly.fixed]))
+    loose = np.flatnonzero(~_tied(assembly, joints))
     if len(loose):
         raise InputError(f'modal: block "{assembly.names[loose[0]]}" is tied to no support, neither itself nor through others')
+
+
+def _tied(assembly: Assembly, joints: Joints) -> np.ndarray:
+    """Which blocks joints tie to a support, (B,) bool; supports are."""
+    graph = sparse.coo_matrix((np.ones(joints.count), (joints.block_a, joints.block_b)), (assembly.count,) * 2)
+    _, label = connected_components(graph, directed=False)
+    return np.isin(label, label[assembly.fixed])

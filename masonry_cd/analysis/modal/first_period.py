@@ -15,6 +15,7 @@ from masonry_cd.analysis.modal.elastic_joints import joint_modes
 from masonry_cd.analysis.modal.shapes import RigidShapes
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.contact.find_joints import find_joints
+from masonry_cd.mechanics.dynamics.pair_stiffness import stiffness_of_joints
 from masonry_cd.mechanics.model.blocks import Assembly
 
 KEY = "material.joints.damping"
@@ -48,9 +49,7 @@ def first_frequency(assembly: Assembly, across: int | None = None) -> float:
     Raises:
         InputError: no joint has a stiffness, or a block is tied to no support.
     """
-    joints, laws, group = find_joints(assembly), assembly.laws, assembly.group_of
-    pair = (group[joints.block_a], group[joints.block_b])
-    normal, tangential = laws.normal_stiffness[pair], laws.tangential_stiffness[pair]
+    normal, tangential = stiffness_of_joints(assembly, find_joints(assembly))
     if not normal.any():
         raise InputError("no joint is elastic")
     stiff = AS_RIGID * float(normal.max())

@@ -67,7 +67,7 @@ def modal(
     modes: int = 6,
     size: float | None = None,
     order: int = 2,
-    stiffness: tuple[float, float] | None = None,
+    stiffness: tuple[float, float] | tuple[np.ndarray, np.ndarray] | None = None,
     restraint: Mapping[str, str] | None = None,
 ) -> Modes:
     """The lowest elastic modes of a structure.
@@ -80,7 +80,7 @@ def modal(
         modes: how many.
         size: of the tetrahedra of the continuum [m]; about the thickness of the structure when not given.
         order: of the tetrahedra, 2 or 1.
-        stiffness: normal and tangential stiffness of all joints [Pa/m], instead of those from the modulus.
+        stiffness: normal and tangential stiffness of all joints, or of each (J,) [Pa/m], instead of those from the modulus.
         restraint: by group of supports the directions that they hold, such as ``{"base": "xyz", "roller": "z"}``; all when not given.
 
     Raises:
@@ -104,8 +104,10 @@ def modal(
     else:
         from masonry_cd.analysis.modal.elastic_joints import joint_modes
 
-        if stiffness and not all(0.0 < value < np.inf for value in stiffness):
-            raise InputError(f"modal: stiffnesses of joints must be above 0 Pa/m, got {stiffness[0]:g} and {stiffness[1]:g}")
+        for value in stiffness or ():
+            least, most = float(np.min(value)), float(np.max(value))
+            if not 0.0 < least <= most < np.inf:
+                raise InputError(f"modal: stiffnesses of joints must be above 0 Pa/m, got {least:g}")
         found = joint_modes(blocks, moduli, poisson, modes, stiffness=stiffness, held=held)
     return _modes(method, young, poisson, blocks, found)
 

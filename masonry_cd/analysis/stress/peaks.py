@@ -19,14 +19,13 @@ from __future__ import annotations
 import tomllib
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from masonry_cd.foundation.errors import InputError, table_in_si
 from masonry_cd.io.layout import EDGE_STRESS, MEAN_NORMAL_FORCE
 from masonry_cd.io.results import Results
-from masonry_cd.mechanics.model.materials import Material
+from masonry_cd.mechanics.model.materials import Material, given_strength
 from masonry_cd.mechanics.model.strength import strength_by_group
 
 NOTHING = 1e-6  # share of the largest compression below which a tension is rounding
@@ -124,8 +123,7 @@ def principal(six: np.ndarray) -> np.ndarray:
 
 def strengths(results: Results) -> tuple[np.ndarray, np.ndarray]:
     """The strength of each block (B,) and joint (J,) by the scene of a run [Pa]; NaN where there is none."""
-    table = tomllib.loads(results.scene).get("material", {})
-    given: Any = table_in_si((Material,), table, "material").get("compressive_strength")
+    given = given_strength(table_in_si((Material,), tomllib.loads(results.scene).get("material", {}), "material"))
     named = [block.group for block in results.blocks]
     groups = list(dict.fromkeys(named))
     of_group = strength_by_group(given, groups)

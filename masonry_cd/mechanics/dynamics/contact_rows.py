@@ -28,8 +28,8 @@ from masonry_cd.mechanics.linalg.threads import in_shares
 from masonry_cd.mechanics.model.deformation import STRAINS
 
 
-def assemble(system: System, last: Motion, predicted: Prediction, found: ContactSet) -> StepProblem:
-    """The friction problem of the contacts found, and the impulses and velocities of the last step to start from."""
+def assemble(system: System, last: Motion, predicted: Prediction, found: ContactSet, pairs: np.ndarray) -> StepProblem:
+    """The friction problem of contacts found between pairs of parts (P, 2), and impulses and velocities of the last step to start from."""
     warps, now = None if system.strains is None else system.strains.warps, predicted.state
     touch = None
     if warps is not None:
@@ -49,7 +49,7 @@ def assemble(system: System, last: Motion, predicted: Prediction, found: Contact
     none = rows.offset[:0]  # (0, m)
     rigid = FrictionProblem(predicted.inverse_mass, predicted.v_free, rows.bodies, rows.jacobian, rows.offset, rows.mu, compliance=none)
     made = StepProblem(predicted, found, rows, None, rigid, Solution(rows.start, last.v, 0))
-    return made if system.laws is None else with_springs(system, system.laws, last, made)
+    return made if system.laws is None else with_springs(system, system.laws, last, made, pairs)
 
 
 @entry()

@@ -3,10 +3,12 @@
 Implicit steps (theta = 1), long for the swing of a block on its joint or on itself, with the supports held and the gravity of the first
 instant. Where the kinetic energy falls the motion has passed equilibrium: it is taken out, and the next swing begins from rest (kinetic
 damping, Barnes, Comput. Struct. 30, 1988). What is low comes to rest in a step or two; a tall tower would creep in steps that each began
-from rest. It has settled when a swing is short, or begins as fast as the last one did: that is rounding, or a slope without friction.
+from rest. It has settled when a swing is short, or begins as fast as the last one did: that is rounding, or a slope without friction; or
+when it ends where a former one did: a stone then rattles between its neighbours, by no more than ROUND_TRIP.
 
 Ties pull with their first tension however the structure gives way, as held by a jack, and are locked as long as they then are: so the run
-begins with that tension, and without a jolt. Their stiffness comes with the run, and so do point loads.
+begins with that tension, and without a jolt. Their stiffness comes with the run, and so do point loads. Ties that are there from the start
+pull by their stretch meanwhile, in steps no longer than those of the run, which are short enough for their stiffness.
 """
 
 from __future__ import annotations
@@ -18,12 +20,21 @@ import numpy as np
 from masonry_cd.foundation import libm
 from masonry_cd.foundation.errors import InputError
 from masonry_cd.mechanics.dynamics.moreau_jean import RunStopped, Stepper
+from masonry_cd.mechanics.dynamics.pair_stiffness import softest_spring
+from masonry_cd.mechanics.model.blocks import Assembly
 
 RADIANS, STEPS = 30.0, 400  # step of settling, in radians of the swing of a block on its joint, and most steps
+ROUND_TRIP = 1e-2  # share of all of the settling by which swings that go round and round may move a block
+REMEMBERED = 8  # swings, to one of whose ends such a swing comes back
 LONGEST = 40  # steps of a swing: a slower one goes on from rest, and still comes closer by a hundredth if it takes eleven times as many
 SETTLED, ROUNDED = 1e-6, 1e-3  # at rest: the last swing is this share of all of it; or its first step this, and these shrink no more
 SHARE, FINEST = 1e-2, 1e-12  # of the run's tolerance, to which steps of settling are solved, and the finest
 SUNK = 0.1  # share of the smallest width that no block sinks by while it settles
+
+
+def settles(assembly: Assembly) -> bool:
+    """Whether anything of an assembly is elastic, and so can take up the weight."""
+    return assembly.deformation is not None or bool(assembly.laws.elastic.any())
 
 
 def settle(stepper: Stepper) -> int:
@@ -33,22 +44,33 @@ def settle(stepper: Stepper) -> int:
         InputError: the structure does not come to rest, or its motion is not finite.
     """
     assembly = stepper.assembly
-    if assembly.deformation is None and not assembly.laws.normal_stiffness.any():
+    if not settles(assembly):
         return 0
     trial = _trial(stepper)
     begin, steps, sunk, first, still = trial.state.position.copy(), 0, 0.0, np.inf, False
-    while not still and steps < STEPS and sunk <= SUNK * stepper.width:
+    ends: list[np.ndarray] = []
+    most = STEPS * max(1.0, _step(stepper) / trial.settings.dt)
+    while not still and steps < most and sunk <= SUNK * stepper.width:
         before, last = trial.state.position.copy(), first
         taken, first = _swing(trial)
         steps, sunk = steps + taken, _farthest(trial, begin)
-        still = _farthest(trial, before) <= SETTLED * sunk or (first <= ROUNDED * sunk and first > 0.99 * last)
+        moved, ends = _farthest(trial, before), [*ends, before][-REMEMBERED:]
+        back = moved <= ROUND_TRIP * sunk and any(_farthest(trial, end) <= SETTLED * sunk for end in ends)
+        still = back or (first <= ROUNDED * sunk and first > 0.99 * last)
     if not still:
         block = assembly.names[int(np.abs(trial.state.position - begin).max(axis=1).argmax())]
         under = "its weight and the tension of ties" if trial.tensions.any() else "its weight"
-        raise InputError(f'run.settle: block "{block}" does not come to rest under {under}; settle = false starts the run without')
+        tied = "; a tie with from_start = true holds it meanwhile" if _jacked(stepper).any() else ""
+        raise InputError(f'run.settle: block "{block}" does not come to rest under {under}; settle = false starts the run without{tied}')
     stepper.begin_from(trial, stepper.settings.dt / trial.settings.dt)
     stepper.lock_ties()
     return steps
+
+
+def _jacked(stepper: Stepper) -> np.ndarray:
+    """Which ties keep their first tension while it settles, (T,) bool."""
+    forces = stepper.system.loads.forces
+    return np.ones(0, dtype=bool) if forces is None else forces.jacked
 
 
 def _farthest(trial: Stepper, since: np.ndarray) -> float:
@@ -77,7 +99,7 @@ def _trial(stepper: Stepper) -> Stepper:
     a, settings = stepper.assembly, stepper.settings
     tolerance = max(SHARE * settings.tolerance, FINEST)
     own = {
-        "dt": _step(stepper),
+        "dt": _step(stepper) if _jacked(stepper).all() else min(_step(stepper), settings.dt),
         "theta": 1.0,
         "tolerance": tolerance,
         "accept": tolerance,
@@ -97,7 +119,7 @@ def _step(stepper: Stepper) -> float:
     """Step in which the heaviest block would swing by RADIANS on the softest joint, or on a block as soft as the softest [s]."""
     a, free = stepper.assembly, ~stepper.assembly.fixed
     size = libm.cbrt(a.volume)
-    soft = [float(a.laws.normal_stiffness[a.laws.normal_stiffness > 0.0].min(initial=np.inf))]
+    soft = [softest_spring(a.laws, stepper.system.masonry)]
     if a.deformation is not None:
         own = a.deformation
         soft.append(float((own.stiffness[:, 0, 0] / own.volume / size[own.block]).min()))

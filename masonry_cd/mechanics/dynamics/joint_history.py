@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from masonry_cd.mechanics.dynamics.contact_arrays import Velocities
+from masonry_cd.mechanics.dynamics.contact_arrays import ContactRows, Velocities
 from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, Springs, bonded_area, load_springs, unload_springs
 from masonry_cd.mechanics.dynamics.step_problem import StepProblem
 from masonry_cd.mechanics.dynamics.system import Motion, System
@@ -30,9 +30,10 @@ class SpringWork(NamedTuple):
     before: float = 0.0  # and before it
 
 
-def with_springs(system: System, laws: JointLawArrays, last: Motion, rigid: StepProblem) -> StepProblem:
-    """Give contacts of elastic and bonded joints their law in a problem of rigid contacts."""
-    springs, loads, rows = Springs.none(rigid.problem), rigid.predicted.loads, rigid.rows
+def with_springs(system: System, laws: JointLawArrays, last: Motion, rigid: StepProblem, pairs: np.ndarray) -> StepProblem:
+    """Give contacts of elastic and bonded joints their law in a problem of rigid contacts, found between pairs of parts (P, 2)."""
+    loads, rows = rigid.predicted.loads, rigid.rows
+    springs = Springs.none(rigid.problem, _stiffness(system, rows, pairs))
     bonding = max(AT_START * system.width, system.inexact) if last.steps == 0 else -1.0
     load_springs(
         laws, rigid.found, rows, system.constants, rigid.predicted.rotation,
@@ -40,6 +41,15 @@ def with_springs(system: System, laws: JointLawArrays, last: Motion, rigid: Step
     )  # fmt: skip
     problem = replace(rigid.problem, compliance=springs.compliance, offset=springs.offset)
     return rigid._replace(springs=springs, problem=problem)
+
+
+def _stiffness(system: System, rows: ContactRows, pairs: np.ndarray) -> np.ndarray:
+    """k_n and k_t of the contacts, (C, 2) [N/m3]: of the law of their groups, or else of the masonry."""
+    laws, group = system.assembly.laws, tuple(rows.groups.T)
+    own = np.stack([laws.normal_stiffness[group], laws.tangential_stiffness[group]], axis=1)
+    if system.masonry is None:
+        return own
+    return np.where(own[:, :1] > 0.0, own, system.masonry.of_contacts(pairs[rows.pair], rows.blocks))
 
 
 def carried_over(system: System, last: Motion, made: StepProblem, v: np.ndarray, impulse: np.ndarray) -> tuple[JointMemory, SpringWork]:

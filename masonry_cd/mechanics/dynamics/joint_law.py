@@ -62,10 +62,8 @@ AT_LIMIT = 1e-6  # an impulse this close to the cone, as a share of it, is on it
 
 
 class JointLawArrays(NamedTuple):
-    """The joint laws between G groups, (G, G) each."""
+    """The joint laws between G groups, (G, G) each, but for the stiffness, which each contact has of its own."""
 
-    normal_stiffness: np.ndarray  # k_n [N/m3]; 0: rigid
-    tangential_stiffness: np.ndarray  # k_t [N/m3]
     apex: np.ndarray  # tau, tension at the tip of the cone [Pa]; 0: no bond
     tension: np.ndarray  # tensile strength [Pa]
     theta: np.ndarray  # of the spring over the step
@@ -88,6 +86,7 @@ class Springs(NamedTuple):
     """The contacts of a friction problem whose law goes by area; C contacts with m rows each."""
 
     area: np.ndarray  # (C,) [m2], that of mirror images in a plane included
+    stiffness: np.ndarray  # (C, 2) k_n and k_t [N/m3]; 0: rigid
     elastic: np.ndarray  # (C,) bool
     bonded: np.ndarray  # (C,) bool: intact in this step
     bond: np.ndarray  # (C,) h tau A of intact contacts, else 0 [N s]
@@ -97,12 +96,12 @@ class Springs(NamedTuple):
     offset: np.ndarray  # (C, m) b [m/s]
 
     @classmethod
-    def none(cls, problem: FrictionProblem) -> Springs:
-        """Contacts that are all rigid and dry, to be filled."""
+    def none(cls, problem: FrictionProblem, stiffness: np.ndarray) -> Springs:
+        """Contacts of a stiffness (C, 2) that are all rigid and dry, to be filled."""
         c, m = problem.contacts, problem.dimension
         off = np.zeros(c, dtype=np.bool_)
         return cls(
-            np.zeros(c), off, off.copy(), np.zeros(c), np.zeros((c, m - 1)), np.zeros((c, m)), np.zeros((c, m)),
+            np.zeros(c), stiffness, off, off.copy(), np.zeros(c), np.zeros((c, m - 1)), np.zeros((c, m)), np.zeros((c, m)),
             problem.offset.copy(),
         )  # fmt: skip
 
@@ -114,7 +113,7 @@ class Springs(NamedTuple):
 
 def law_arrays(laws: JointLaws) -> JointLawArrays:
     """The tables of the laws for the kernels."""
-    return JointLawArrays(laws.normal_stiffness, laws.tangential_stiffness, laws.apex, laws.tension, laws.theta, laws.retardation)
+    return JointLawArrays(laws.apex, laws.tension, laws.theta, laws.retardation)
 
 
 @entry()
@@ -144,7 +143,7 @@ def load_springs(
         if found.area[k] == 0.0:
             continue
         area = springs.area[c] = _whole_area(found.area, found.point, k, constants)
-        apex, k_n, k_t = laws.apex[first, second], laws.normal_stiffness[first, second], laws.tangential_stiffness[first, second]
+        apex, k_n, k_t = laws.apex[first, second], springs.stiffness[c, 0], springs.stiffness[c, 1]
         old, gap = found.previous[k], found.gap[k]
         if apex > 0.0:
             springs.bonded[c] = memory.bonded[old] if old >= 0 else gap <= bonding
@@ -243,7 +242,7 @@ def unload_springs(
             continue
         k, area, theta = rows.active[c], springs.area[c], laws.theta[groups[c, 0], groups[c, 1]]
         bonded, before, p = memory.bonded[k], springs.before[c], impulse[c]
-        k_n, k_t = laws.normal_stiffness[groups[c, 0], groups[c, 1]] * area, laws.tangential_stiffness[groups[c, 0], groups[c, 1]] * area
+        k_n, k_t = springs.stiffness[c, 0] * area, springs.stiffness[c, 1] * area
         work[3] += _stored(k_n, found.gap[k] - (1.0 - theta) * constants.step * before[0], springs.bonded[c])
         work[2] += _stored(k_n, found.gap[k] + theta * constants.step * u[c, 0], bonded)
         work[0] -= 0.5 * p[0] * (before[0] + u[c, 0])

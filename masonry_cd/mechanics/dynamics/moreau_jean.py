@@ -221,7 +221,7 @@ class Stepper:
         system, last = self.system, self.motion
         predicted = predict(system, last, system.loads.of_step(self.load_step, ticks))
         found = detect(system, self.detector, predicted, last.steps + 1)
-        made = assemble(system, last, predicted, found)
+        made = assemble(system, last, predicted, found, self.detector.pairs)
         solved = solve(system, made, self.islands, last.steps + 1, self.watch)
         impulse = solved.solution.impulse
         new = update(system, last, made, impulse)
@@ -254,8 +254,9 @@ class Stepper:
     def friction_problem(self) -> StepProblem:
         """The friction problem of the next step, were it as long as the last. Asking for it changes nothing."""
         predicted = predict(self.system, self.motion, self.system.loads.of_step(self.load_step))
-        found = detect(self.system, deepcopy(self.detector), predicted, self.steps + 1)
-        return assemble(self.system, self.motion, predicted, found)
+        detector = deepcopy(self.detector)
+        found = detect(self.system, detector, predicted, self.steps + 1)
+        return assemble(self.system, self.motion, predicted, found, detector.pairs)
 
     def _report(self, made: StepProblem, solved: Solved, deepest: Overlap, violation: Violation, begin: float) -> StepReport:
         """What the step cost that began at a reading of the clock."""
@@ -323,21 +324,22 @@ class Stepper:
         self.load_step = 0
 
     def lock_ties(self) -> None:
-        """Have the ties pull with their first tension where the blocks now are."""
+        """Have the ties that are jacked pull with their first tension where the blocks now are."""
         forces, m = self.system.loads.forces, self.motion
         if forces is not None:
             maps = body_maps(self.assembly, m.state.orientation, m.state.strain)
-            self.motion = m._replace(yielded=forces.stretches(m.state.position, maps))
+            self.motion = m._replace(yielded=np.where(forces.jacked, forces.stretches(m.state.position, maps), m.yielded))
 
     def begin_from(self, other: Stepper, share: float) -> None:
         """Begin in the state of another stepper of the same blocks and plane, with a share of the impulses of its last step.
 
         The share is that of the step, or the shortest, over the other's.
         """
-        m = other.motion
+        m, forces = other.motion, self.system.loads.forces
+        tensions = self.tensions if forces is None else np.where(forces.jacked, self.tensions, m.tensions)
         energy = at_start(self.system, m.state, m.angular_momentum)
         self.motion = m._replace(
-            impulse=share * m.impulse, false_slip=np.zeros_like(m.false_slip), tensions=self.tensions, yielded=self.motion.yielded,
+            impulse=share * m.impulse, false_slip=np.zeros_like(m.false_slip), tensions=tensions, yielded=m.yielded,
             energy=energy,
         )  # fmt: skip
         self.detector, self.last = other.detector, other.last

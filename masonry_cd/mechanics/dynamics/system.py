@@ -11,6 +11,7 @@ from masonry_cd.mechanics.contact.facets import Facets
 from masonry_cd.mechanics.contact.find_joints import built_gap
 from masonry_cd.mechanics.dynamics.block_arrays import BlockArrays, StepConstants
 from masonry_cd.mechanics.dynamics.joint_law import JointLawArrays, JointMemory, law_arrays
+from masonry_cd.mechanics.dynamics.pair_stiffness import PairStiffness, most_stretched
 from masonry_cd.mechanics.dynamics.planar import Plane, find_plane
 from masonry_cd.mechanics.dynamics.settings import Run
 from masonry_cd.mechanics.dynamics.strain import Strains
@@ -66,6 +67,7 @@ class System:
     blocks: BlockArrays
     constants: StepConstants
     laws: JointLawArrays | None  # of elastic and bonded joints; None: all joints are rigid and dry
+    masonry: PairStiffness | None  # stiffness of joints that follow from masonry; None: no masonry gives them one
     strains: Strains | None  # of blocks that deform; None: all are rigid
     reach: np.ndarray  # (F,) farthest corner of each free block from its centre [m]
     width: float  # of the thinnest free block [m]
@@ -82,6 +84,7 @@ class System:
         free = ~assembly.fixed
         width, inexact = assembly.width, SLACK * built_gap(assembly)
         axis, at = (-1, 0.0) if plane is None else (plane.axis, float(plane.at))
+        masonry = PairStiffness.of(assembly)
         blocks = BlockArrays(
             mass=assembly.mass,
             inertia=assembly.inertia,
@@ -100,13 +103,14 @@ class System:
             blocks=blocks,
             constants=StepConstants(float(settings.dt), axis, at, max(TOUCHING * width, inexact)),
             laws=law_arrays(assembly.laws) if assembly.laws.by_area.any() else None,
+            masonry=masonry,
             strains=Strains.of(assembly, plane, float(settings.dt)),
             reach=assembly.reach[free],
             width=width,
             inexact=inexact,
             gravity=float(np.linalg.norm(loads.acceleration, axis=1).max()),
             free_mass=np.where(assembly.fixed, 0.0, assembly.mass),
-            stretch=assembly.laws.stretch,
+            stretch=most_stretched(assembly.laws, masonry),
             support=int(np.argmax(assembly.fixed)) if assembly.fixed.any() else -1,
             rows=3 if plane is None else 2,
         )

@@ -48,6 +48,10 @@ class BlockForces(Protocol):
     def spread(self, step: int, ticks: int, mass: np.ndarray) -> float:
         """Largest acceleration [m/s2] by which forces given in time differ from their mean over some steps; masses (B,) [kg]."""
 
+    @property
+    def jacked(self) -> np.ndarray:
+        """Which ties keep their first tension while the structure settles, (T,) bool; the others are there by then."""
+
     def ties_alone(self) -> BlockForces:
         """The forces without those that are given in time."""
 

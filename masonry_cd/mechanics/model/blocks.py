@@ -172,6 +172,7 @@ class Assembly:
         joints: Mapping[str, JointLaw] | None = None,
         material: ElasticBlocks | None = None,
         rolling: float | Mapping[str, float] = 0.0,
+        moduli: tuple[float, float] | None = None,
     ) -> Assembly:
         """Collect blocks into an assembly.
 
@@ -181,6 +182,7 @@ class Assembly:
             joints: laws of the joints by pair of groups, likewise; a pair without one is rigid and dry.
             material: which blocks deform, and how; None: all are rigid.
             rolling: rolling friction of spheres, arm over radius, as ``friction``; a pair without a value rolls freely.
+            moduli: E and G of the masonry [Pa], which make joints without a stiffness of their own elastic.
 
         Raises:
             InputError: a name given twice, no free block, a pair that names an unknown group, a law that friction does not allow, spheres
@@ -216,7 +218,7 @@ class Assembly:
             volume=volume,
             friction=coefficients,
             rolling=_rolling(blocks, rolling, groups),
-            laws=joint_table(joints or {}, groups, coefficients),
+            laws=joint_table(joints or {}, groups, coefficients, moduli),
             shapes=Shapes.of(blocks, centre),
             deformation=None if material is None else deformation_of(fixed, group_of, groups, inertia, volume, material),
         )

@@ -62,6 +62,16 @@ class JointMeasures:
     contact_area: np.ndarray
     gap: np.ndarray
 
+    def since(self, rest: JointMeasures, area: np.ndarray) -> JointMeasures:
+        """What has come on top of the measures of a state of rest, of joints of some areas (J,) [m2]; closing again does not count."""
+        return JointMeasures(
+            opening=np.maximum(0.0, self.opening - rest.opening),
+            sliding=np.maximum(0.0, self.sliding - rest.sliding),
+            rotation=np.maximum(0.0, self.rotation - rest.rotation),
+            contact_area=np.minimum(area, self.contact_area + area - rest.contact_area),
+            gap=self.gap - np.maximum(0.0, rest.gap),
+        )
+
 
 class JointPeaks:
     """The largest measures of each joint so far, over all steps and not only the frames."""

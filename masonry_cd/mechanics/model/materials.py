@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any, TypeVar
 
 import numpy as np
-from pydantic import Field, WithJsonSchema, field_validator, model_validator
+from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
 from masonry_cd.foundation.errors import InputError, suggest
 from masonry_cd.foundation.fields import Number, Table, is_number
@@ -20,7 +20,8 @@ from masonry_cd.foundation.table_schema import one_or_by_name
 from masonry_cd.foundation.units import Unit
 from masonry_cd.mechanics.model.by_group import ANY, members
 from masonry_cd.mechanics.model.elastic_blocks import ElasticBlocks
-from masonry_cd.mechanics.model.strength import Strength
+from masonry_cd.mechanics.model.masonry_kinds import Masonry, MasonryKey
+from masonry_cd.mechanics.model.strength import KEY, Strength
 
 Value = TypeVar("Value")
 LIGHTEST, HEAVIEST = 0.1, 1e6  # density [kg/m3], what numbers bear; what masonry has is in masonry_cd/app/ranges.py
@@ -30,6 +31,7 @@ _FRICTION: dict[str, Any] = {"anyOf": [_COEFFICIENT, {"type": "object", "minProp
 NO_SHARE = "an arm over a radius should be a number between 0 and 1"
 _SHARE = {"type": "number", "minimum": 0, "maximum": 1}
 _ROLLING: dict[str, Any] = {"anyOf": [_SHARE, {"type": "object", "minProperties": 1, "additionalProperties": _SHARE}]}
+TABLES = 7  # of JointLaws
 Stiffness = Annotated[Number, Unit("N/m3"), Field(ge=1.0, le=1e20)]  # on 1 Pa such joints shorten by a metre, and by less than rounding
 
 
@@ -37,7 +39,7 @@ class JointLaw(Table):
     """The law of a joint, a table ``[material.joints]`` or ``[material.joints.arch-base]``."""
 
     normal_stiffness: Stiffness | None = None
-    """Elastic force per area and shortening; rigid when not given."""
+    """Elastic force per area and shortening; that of the masonry when not given, and without masonry rigid."""
     tangential_stiffness: Stiffness | None = None
     """Elastic force per area and slip; the normal one over 2.4, as of a material with Poisson's ratio 0.2, when not given."""
     cohesion: Annotated[Number, Unit("Pa"), Field(ge=0)] = 0.0
@@ -53,18 +55,18 @@ class JointLaw(Table):
     """At which ``damping`` holds; that of the first mode of the blocks on their elastic joints when not given."""
 
     @model_validator(mode="after")
-    def _damps_at_a_frequency(self) -> JointLaw:
+    def _damps_at_a_frequency(self, info: ValidationInfo) -> JointLaw:
         if self.damping_frequency is not None and "damping" not in self.model_fields_set:  # damping = 0 says none, as a study may
             raise ValueError("damping_frequency needs damping beside it: the share of critical that it is at that frequency")
-        if self.damping > 0.0 and self.normal_stiffness is None:
+        if self.damping > 0.0 and self.normal_stiffness is None and not _of_masonry(info):
             raise ValueError("damping needs normal_stiffness beside it: a rigid joint does not vibrate")
         return self
 
     @model_validator(mode="after")
-    def _both_stiffnesses_or_none(self) -> JointLaw:
+    def _both_stiffnesses_or_none(self, info: ValidationInfo) -> JointLaw:
         if self.tangential_stiffness is not None and self.normal_stiffness is None:
             raise ValueError("tangential_stiffness needs normal_stiffness beside it")
-        if self.tension is not None and self.normal_stiffness is None:
+        if self.tension is not None and self.normal_stiffness is None and not _of_masonry(info):
             raise ValueError(
                 "tension needs normal_stiffness: how a rigid joint spreads its stress is not unique, it parts at cohesion / friction"
             )
@@ -72,7 +74,7 @@ class JointLaw(Table):
 
     @property
     def stiffness(self) -> tuple[float, float]:
-        """Normal and tangential [N/m3]; zeros stand for a rigid joint."""
+        """Normal and tangential [N/m3]; zeros stand for none of its own."""
         normal = self.normal_stiffness or 0.0
         return normal, self.tangential_stiffness or normal / 2.4
 
@@ -83,11 +85,20 @@ class JointLaw(Table):
         return 0.0 if self.damping_frequency is None else self.damping / (math.pi * self.damping_frequency)
 
 
+def _of_masonry(info: ValidationInfo) -> bool:
+    """Whether the law is read beside a kind of masonry, which makes its joint elastic."""
+    return bool(info.data) and info.data.get("masonry") is not None
+
+
 class Material(ElasticBlocks):
     """The table ``[material]``."""
 
+    masonry: MasonryKey = None
+    """Kind of existing masonry, which gives density, stiffness of the joints, and strength where stress is reported, by tables C8.5.I and
+    C8.5.II of Circolare 7/2019: its name, or a table. Other keys of [material] and [material.joints] win."""
     density: Annotated[Number, Unit("kg/m3"), WithJsonSchema({"type": "number", "minimum": LIGHTEST, "maximum": HEAVIEST})] | None = None
-    """Of every block that brings none of its own; a block file whose blocks all state theirs needs none."""
+    """Of every block that brings none of its own; that of the masonry when not given; a block file whose blocks all state theirs needs
+    none."""
     friction: Annotated[Number | dict[str, Number], WithJsonSchema(_FRICTION)]
     """Coefficient of friction: one value, or values by pair of groups, ``friction.arch-base = 0.7``, and ``default``."""
     rolling_friction: Annotated[Number | dict[str, Number], WithJsonSchema(_ROLLING)] = 0.0
@@ -98,7 +109,7 @@ class Material(ElasticBlocks):
     which may be patterns, and ``default``. Nothing crushes: the run itself does not know of it."""
     joints: Annotated[dict[str, JointLaw], Field(json_schema_extra=one_or_by_name(JointLaw))] = Field(default_factory=dict)
     """Laws of the joints by pair of groups, ``[material.joints.arch-base]``, and ``default``, which plain keys stand for. A joint
-    without a law is rigid and dry."""
+    without a law is dry, and rigid where no masonry is named."""
 
     @field_validator("density")
     @classmethod
@@ -118,6 +129,37 @@ class Material(ElasticBlocks):
             raise ValueError(f'holds keys of one law ("{plain[0]}") and tables by pair; put the keys under [material.joints.default]')
         return {"default": value} if plain else value
 
+    @model_validator(mode="after")
+    def _tension_is_stated(self) -> Material:
+        """The tables of masonry have no tensile strength: cohesion over friction would be invented."""
+        bonded = self.masonry is not None and self.masonry.shear_bond
+        if bonded and any(law.tension is None and not law.cohesion for law in (self.joints or {"default": JointLaw()}).values()):
+            raise ValueError("masonry.shear_bond needs joints.tension beside it: the tensile strength of the bond [Pa], 0 for none")
+        return self
+
+    @property
+    def block_density(self) -> float | None:
+        """Density of every block that brings none of its own [kg/m3]; None: all have to."""
+        return self.density if self.density is not None or self.masonry is None else self.masonry.mean_density
+
+    @property
+    def strength(self) -> float | dict[str, float] | None:
+        """Compressive strength of the blocks, where it is known [Pa]."""
+        return self.compressive_strength if self.compressive_strength is not None or self.masonry is None else self.masonry.strength
+
+    @property
+    def joint_laws(self) -> dict[str, JointLaw]:
+        """The laws of the joints, with the bond that masonry gives them."""
+        if self.masonry is None or not self.masonry.cohesion:
+            return self.joints
+        bond = self.masonry.cohesion
+        return {pair: law if law.cohesion else law.model_copy(update={"cohesion": bond}) for pair, law in self.joints.items()}
+
+    @property
+    def joint_moduli(self) -> tuple[float, float] | None:
+        """E and G of the masonry that joints without a stiffness of their own follow [Pa]; None: they are rigid."""
+        return None if self.masonry is None else self.masonry.moduli
+
     @field_validator("rolling_friction", mode="before")
     @classmethod
     def _shares(cls, value: Any) -> Any:
@@ -127,6 +169,14 @@ class Material(ElasticBlocks):
     @classmethod
     def _coefficients(cls, value: Any) -> Any:
         return _numbers_by_pair(value, _no_coefficient)
+
+
+def given_strength(table: Mapping[str, Any]) -> Any:
+    """Compressive strength that a table [material] gives, as its key or by its masonry [Pa]; None: neither does."""
+    masonry = table.get("masonry")
+    if KEY in table or masonry is None:
+        return table.get(KEY)
+    return Masonry.model_validate({"kind": masonry} if isinstance(masonry, str) else masonry).strength
 
 
 def _numbers_by_pair(value: Any, wrong: Callable[[Any, str], str]) -> float | dict[str, float]:
@@ -158,29 +208,29 @@ def _is_number(value: Any) -> bool:
 class JointLaws:
     """The joint laws between G groups, (G, G) symmetric tables; zeros: rigid and dry."""
 
-    normal_stiffness: np.ndarray  # [N/m3]; 0: rigid
+    normal_stiffness: np.ndarray  # [N/m3]; 0: by the moduli, or else rigid
     tangential_stiffness: np.ndarray  # [N/m3]
     tension: np.ndarray  # tensile strength [Pa]
     apex: np.ndarray  # tension at the tip of the Mohr-Coulomb cone, cohesion / mu [Pa]; 0: no bond
     theta: np.ndarray  # of the spring over the step, 1/2 to 1
     retardation: np.ndarray  # coefficient of the dashpot over the stiffness [s]
     at_first_period: np.ndarray  # share of critical of dashpots whose retardation follows from the first elastic period; 0 elsewhere
+    moduli: tuple[float, float] | None = None  # E and G of the masonry, whose joints are as stiff as joint_stiffness.py has it [Pa]
+
+    @property
+    def elastic(self) -> np.ndarray:
+        """(G, G) bool: joints that are not rigid."""
+        return (self.normal_stiffness > 0.0) | (self.moduli is not None)
 
     @property
     def by_area(self) -> np.ndarray:
         """(G, G) bool: joints whose law goes by area, elastic ones and bonded ones."""
-        return (self.normal_stiffness > 0.0) | (self.apex > 0.0)
+        return self.elastic | (self.apex > 0.0)
 
     def damped_at(self, frequency: float) -> JointLaws:
         """The laws where the first elastic frequency is known [Hz]."""
         beta = self.at_first_period / (math.pi * frequency)
         return replace(self, retardation=np.where(self.at_first_period > 0.0, beta, self.retardation))
-
-    @property
-    def stretch(self) -> float:
-        """How far an intact joint can be drawn apart at the most [m]."""
-        elastic = self.normal_stiffness > 0.0
-        return float((self.apex[elastic] / self.normal_stiffness[elastic]).max(initial=0.0))
 
 
 def friction_table(friction: float | Mapping[str, float], groups: Sequence[str]) -> np.ndarray:
@@ -213,18 +263,22 @@ def rolling_table(rolling: float | Mapping[str, float], groups: Sequence[str]) -
     return table
 
 
-def joint_table(laws: Mapping[str, JointLaw], groups: Sequence[str], friction: np.ndarray) -> JointLaws:
-    """The joint laws between groups; a pair without an entry is rigid and dry.
+def joint_table(
+    laws: Mapping[str, JointLaw], groups: Sequence[str], friction: np.ndarray, moduli: tuple[float, float] | None = None
+) -> JointLaws:
+    """The joint laws between groups; a pair without an entry is dry, and rigid where no moduli are given.
 
     Args:
         laws: by pair of groups ``"arch-base"``, with ``"default"`` for the rest.
         groups: G names.
         friction: (G, G) coefficients, which with the cohesion fix the tip of the cone.
+        moduli: E and G of the masonry [Pa], by which joints without a stiffness of their own are elastic.
 
     Raises:
         InputError: an unknown group, cohesion without friction, or a tensile strength beyond the tip of the cone.
     """
-    out = JointLaws(*(np.zeros((len(groups), len(groups))) for _ in JointLaws.__dataclass_fields__))
+    out = replace(JointLaws(*np.zeros((TABLES, len(groups), len(groups)))), moduli=moduli)
+    laws = laws if moduli is None else {"default": JointLaw(), **laws}
     for i, j, law in _by_pair(laws, groups, "material.joints"):
         out.normal_stiffness[i, j], out.tangential_stiffness[i, j] = law.stiffness
         out.apex[i, j] = _apex(law, float(friction[i, j]), f"{groups[i]}-{groups[j]}")

@@ -20,13 +20,13 @@ STEPS, STIFFNESS, TENSION = 40, 1e8, 2e4  # N/m3 of a joint, N
 AREA, WEIGHT = 0.25, 2000.0 * 0.25 * 0.25 * GRAVITY  # of a block of a tower
 
 
-def tied(tension: float, stiffness: float = STIFFNESS, young: float | None = None) -> Stepper:
+def tied(tension: float, stiffness: float = STIFFNESS, young: float | None = None, from_start: bool = False) -> Stepper:
     """Two blocks on elastic joints, held down from the ground through their middle; a point load comes with the run."""
     joints = {"default": JointLaw(normal_stiffness=stiffness, tangential_stiffness=stiffness)}
     material = None if young is None else ElasticBlocks.model_validate({"deformable": "uniform", "young": young, "poisson": 0.0})
     assembly = Assembly.from_blocks(tower(2), 0.6, joints, material)
     ends = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.5]]) - assembly.centre[[0, 2]]
-    tie = Tie((0, 2), ends, 0.5, 1e-4, 4e7, tension, 0.0)
+    tie = Tie((0, 2), ends, 0.5, 1e-4, 4e7, tension, 0.0, from_start=from_start)
     late = PointLoad(2, np.zeros(3), np.array([0.0, 0.0, -1e4]), np.r_[np.zeros(2), np.ones(STEPS - 1)])
     run = Run.model_validate({"dt": 1e-3, "duration": 1e3, "solver": "auto", "tolerance": 1e-12})
     return Stepper(assembly, still(STEPS), gravity(STEPS), run, forces=Forces((late,), (tie,)))
@@ -64,3 +64,32 @@ def test_the_run_begins_at_rest_with_the_first_tension() -> None:
     top = machine.state.position[2, 2] - at_rest[2, 2]
     assert machine.tensions == pytest.approx([TENSION + 4e7 * top], rel=0.05)
     assert top < -1e-4
+
+
+def test_a_tie_that_is_there_from_the_start_shortens_with_the_joints() -> None:
+    """Its tension is N = N_0 - k s of the sinking s = (3 W + 2 N) / K of the top."""
+    machine = tied(TENSION, from_start=True)
+    settle(machine)
+    joint = STIFFNESS * AREA
+    expected = (TENSION - 4e7 * 3.0 * WEIGHT / joint) / (1.0 + 4e7 * 2.0 / joint)
+    sunk = machine.assembly.centre[2, 2] - machine.state.position[2, 2]
+    assert sunk == pytest.approx((3.0 * WEIGHT + 2.0 * expected) / joint, rel=1e-4)
+    at_rest = machine.state.position.copy()
+    machine.step()
+    assert machine.tensions == pytest.approx([expected], rel=1e-4)
+    assert np.abs(machine.state.position - at_rest).max() < 1e-7
+
+
+def test_what_stands_by_its_tie_alone_settles_with_it() -> None:
+    """A block without friction under a pull to the side, on a tie that has no tension before."""
+    assembly = Assembly.from_blocks(tower(1), 0.0, {"default": JointLaw(normal_stiffness=STIFFNESS)})
+    ends = np.array([[-3.0, 0.0, 0.125], [0.0, 0.0, 0.125]]) - assembly.centre
+    side = 0.3 * GRAVITY
+    run = Run.model_validate({"dt": 1e-3, "duration": 1e3, "solver": "auto", "tolerance": 1e-12})
+    forces = Forces((), (Tie((0, 1), ends, 3.0, 1e-4, 1e7, 0.0, 0.0, from_start=True),))
+    machine = Stepper(assembly, still(STEPS), gravity(STEPS, (side, 0.0, -GRAVITY)), run, forces=forces)
+    settle(machine)
+    pull = float(assembly.mass[1]) * side
+    assert machine.state.position[1, 0] - assembly.centre[1, 0] == pytest.approx(pull / 1e7, rel=1e-3)
+    machine.step()
+    assert machine.tensions == pytest.approx([pull], rel=1e-3)

@@ -1,0 +1,34 @@
+"""Whether a run leaves the elasticity of its masonry out, and what that comes to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from masonry_cd.app.case import Case
+
+FEW = 5  # free blocks that are a study of mechanics rather than a building
+
+
+def elasticity_left_out(case: Case) -> dict[str, Any]:
+    """Keys of summary.json on the elastic period that rigid joints leave out; none where something is elastic, or nothing shakes."""
+    assembly, material = case.assembly, case.scene.material
+    rigid = assembly.deformation is None and not assembly.laws.elastic.any() and not assembly.shapes.rounding.any()
+    if not rigid or (~assembly.fixed).sum() <= FEW or not case.joints.count or not _shaken(case):
+        return {}
+    from masonry_cd.analysis.modal.elastic_period import elastic_period
+
+    named = material.masonry
+    moduli = None if named is None else named.model_copy(update={"stiffness": "mean"}).moduli
+    velocity = case.loading.support_velocity
+    moved = velocity[: case.scene.run.steps + 1].mean(axis=1)
+    return elastic_period(assembly, case.joints, moved, case.scene.run.dt, moduli)
+
+
+def _shaken(case: Case) -> bool:
+    """Whether a load shakes the base; a settlement moves it once."""
+    from loads import KINDS
+    from loads.supports import ShakingTable
+
+    kinds = {str(table.get("kind")) for table in case.scene.loads}
+    return bool(case.loading.support_velocity.any()) and any(issubclass(KINDS[kind].table, ShakingTable) for kind in kinds)
