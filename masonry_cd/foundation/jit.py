@@ -94,10 +94,10 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
 
 def borrower(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Compile a kernel that other kernels alone call and that makes no arrays: it counts no references to those that it is given.
+    """Compile a kernel that other kernels alone call and that makes no arrays: it counts no references at all.
 
-    numba counts references to all arrays of a NamedTuple in each call, which costs more than a short kernel does. Only another borrower may
-    call one that returns arrays, and it may not call a kernel that does. The options are those of :func:`entry`.
+    No kernel counts them to its arguments, but others do to what they take out of NamedTuples, which costs more than a short kernel does.
+    Only another borrower may call one that returns arrays, and it may not call a kernel that does. The options are those of :func:`entry`.
     """
     return partial(_decorated, Kernel, {"_nrt": False} | options)
 
