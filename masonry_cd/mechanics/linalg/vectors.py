@@ -151,7 +151,7 @@ def store_six(matrix, row, column, six):
     store_lanes(matrix, row, column + 4, six[1])
 
 
-# Four items side by side, each with its row of a matrix: their rows are gathered into lanes, one register a column, and lanes added to them.
+# Four items side by side, each with its row of a matrix: rows are gathered into lanes, a register for each column, and lanes added to them.
 
 LANES = 4
 
@@ -265,7 +265,9 @@ def gather_six(typing: Any, matrix: types.Array, rows: types.Array, group: types
 
 
 @intrinsic
-def scatter_six(typing: Any, matrix: types.Array, rows: types.Array, group: types.Integer, first: types.Integer, six: types.UniTuple) -> Any:
+def scatter_six(
+    typing: Any, matrix: types.Array, rows: types.Array, group: types.Integer, first: types.Integer, six: types.UniTuple
+) -> Any:
     """Add six columns of lanes to the rows of :func:`gather_six`, as :func:`scatter` adds one."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
