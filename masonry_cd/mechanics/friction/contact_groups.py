@@ -259,6 +259,9 @@ def fill_group(given, problem, groups, g, scratch):
     for row in range(first, end):
         c0, c1, c2 = three(table, row, COMPLIANCE)
         store_lanes(table, row, LANES * SCALE, (field(table, row, SCALE) + c0 + c1 + c2) * (1.0 / m))
+        for lane in range(LANES):
+            if contact[row, lane] < 0:
+                table[row, LANES * SCALE + lane] = 0.0
 
 
 @borrower(fastmath={"contract"})
