@@ -34,6 +34,7 @@ from masonry_cd.mechanics.linalg.vectors import (
     gather,
     gather_six,
     load_four,
+    pack,
     root_of,
     scatter,
     scatter_six,
@@ -57,7 +58,7 @@ class ContactGroups(NamedTuple):
     contact: np.ndarray  # (L, 4) number of each contact in the problem, -1: none
     place: np.ndarray  # (G, 2 * 4) places of the bodies of each joint in the order of elimination; supports: N
     target: np.ndarray  # (G, 2 * 4) rows that stand for them: the bodies themselves, or their ghosts in the subtree
-    block: np.ndarray  # (G, 4) blocks of the matrix that couple them, or -1
+    block: np.ndarray  # (G, 4) blocks of the matrix that couple them, of B; B: none
     frame: np.ndarray  # (G, 15 * 4) where joints have frames, or else (0, 60)
     rows: np.ndarray  # (G, 2 s n * 4) H where they have none, or else (0, ...)
     table: np.ndarray  # (L, 16 * 4)
@@ -90,6 +91,12 @@ def length_of(x, y):
 
 
 @borrower(forceinline=True)
+def axes_of(groups, g):
+    """The axes n, t1, t2 of the joints of group g."""
+    return three(groups.frame, g, AXES), three(groups.frame, g, AXES + 3), three(groups.frame, g, AXES + 6)
+
+
+@borrower(forceinline=True)
 def row_of_h(groups, g, side, i, k, n):
     """Component i of the twists by unknown k, of n, of their bodies on one side, where joints have no frames."""
     return field(groups.rows, g, (side * len(groups.s) + i) * n + k)
@@ -101,7 +108,7 @@ def twist_of(groups, g, v, problem):
     t0 = t1 = t2 = nothing = fill_four(0.0)
     if len(groups.s) > 3:
         a, b, frame = gather_six(v, groups.place, g, 0), gather_six(v, groups.place, g, LANES), groups.frame
-        axes = three(frame, g, AXES), three(frame, g, AXES + 3), three(frame, g, AXES + 6)
+        axes = axes_of(groups, g)
         moves_a, turns_a, moves_b, turns_b = (a[0], a[1], a[2]), (a[3], a[4], a[5]), (b[0], b[1], b[2]), (b[3], b[4], b[5])
         moves_a, moves_b = plus(moves_a, cross(turns_a, three(frame, g, ARMS))), plus(moves_b, cross(turns_b, three(frame, g, ARMS + 3)))
         return in_axes(axes, minus(moves_a, moves_b)), in_axes(axes, minus(turns_a, turns_b))
@@ -122,7 +129,7 @@ def add_wrench(groups, g, wrench, out, problem):
     force, moment = wrench
     if len(groups.s) > 3:
         frame = groups.frame
-        axes = three(frame, g, AXES), three(frame, g, AXES + 3), three(frame, g, AXES + 6)
+        axes = axes_of(groups, g)
         force, moment = out_of_axes(axes, force), out_of_axes(axes, moment)
         of_a, of_b = plus(moment, cross(three(frame, g, ARMS), force)), plus(moment, cross(three(frame, g, ARMS + 3), force))
         scatter_six(out, groups.target, g, 0, (force[0], force[1], force[2], of_a[0], of_a[1], of_a[2]))
@@ -218,7 +225,7 @@ def put_stiffness(table, row, r):
 @borrower()
 def fill_group(given, problem, groups, g, scratch):
     """Fill the frames or rows and the table of group g, but for the stiffness; ``problem`` has its bodies in order, scratch is (15,)."""
-    frame, table, contact, jacobian = groups.frame, groups.table, groups.contact, given.jacobian
+    frame, table, contact, jacobian, place = groups.frame, groups.table, groups.contact, given.jacobian, groups.place
     first, end, n, m, shared = groups.start[g], groups.start[g + 1], len(problem.n), jacobian.shape[2], len(groups.s) > 3
     table[first:end] = 0.0
     for lane in range(LANES):
@@ -240,59 +247,101 @@ def fill_group(given, problem, groups, g, scratch):
                 fill_arm(jacobian, given.bodies, -1, one, c, scratch)
                 for i in range(3):
                     table[row, LANES * (ARM + i) + lane] = scratch[9 + i]
+            else:
+                table[row, LANES * SCALE + lane] = trace_of_contact(problem, jacobian, c, place[g, lane], place[g, LANES + lane])
             table[row, LANES * MU + lane] = given.mu[c]
-            trace = trace_of_contact(problem, jacobian, c, groups.place[g, lane], groups.place[g, LANES + lane])
             for i in range(m):
                 table[row, LANES * (OFFSET + i) + lane] = given.offset[c, i]
                 if len(given.compliance):
                     table[row, LANES * (COMPLIANCE + i) + lane] = given.compliance[c, i]
-                    trace += given.compliance[c, i]
-            table[row, LANES * SCALE + lane] = trace / m
-
-
-@borrower()
-def rows_of_twist(groups, g, lane, rows):
-    """Fill rows (2, s, n) of the twist of a joint of group g by the velocities of its bodies."""
-    s, n, frame, of_h = rows.shape[1], rows.shape[2], groups.frame, groups.rows
-    for side in range(2):
-        sign, at = 1.0 - 2.0 * side, ARMS + 3 * side
-        for i in range(s if s <= 3 else 0):
-            for k in range(n):
-                rows[side, i, k] = of_h[g, LANES * ((side * s + i) * n + k) + lane]
-        for i in range(3 if s > 3 else 0):
-            for k in range(3):
-                j, l = (k + 1) % 3, (k + 2) % 3  # noqa: E741
-                turn = frame[g, LANES * (at + j) + lane] * frame[g, LANES * (3 * i + l) + lane]
-                rows[side, i, k] = sign * frame[g, LANES * (3 * i + k) + lane]
-                rows[side, i, 3 + k] = sign * (turn - frame[g, LANES * (at + l) + lane] * frame[g, LANES * (3 * i + j) + lane])
-                rows[side, 3 + i, k], rows[side, 3 + i, 3 + k] = 0.0, rows[side, i, k]
+    if shared:
+        add_rigid_traces(groups, g, problem.inverse)
+    for row in range(first, end):
+        c0, c1, c2 = three(table, row, COMPLIANCE)
+        store_lanes(table, row, LANES * SCALE, (field(table, row, SCALE) + c0 + c1 + c2) * (1.0 / m))
+        for lane in range(LANES):
+            if contact[row, lane] < 0:
+                table[row, LANES * SCALE + lane] = 0.0
 
 
 @borrower(fastmath={"contract"})
-def add_up_stiffness(groups, g, stiffness):
-    """S (s, 4 s), matrices of lanes: the sums of A_c^T R_c A_c over the contacts of joints: u = A_c (t, omega), A_c = (I, -a x) or I."""
-    s, table = len(groups.s), groups.table
-    nothing, turns = no_wrench()
-    total, (squares, products) = nothing[0], no_wrench()
+def add_rigid_traces(groups, g, inverse):
+    """Add trace(W_cc) to the scales of the contacts of group g, joints between rigid blocks with M^-1 (N + 1, 6, 6).
+
+    At r from the centre of a block with M^-1 = (A, B; B^T, K) it is tr A + tr K |r|^2 - r . K r + 2 b . r in any axes, with b that of
+    which the skew part of B is a half.
+    """
+    entries, at = inverse.reshape((len(inverse), 36)), groups.place
+    axes = axes_of(groups, g)
+    for side in range(2):
+        first, centre = LANES * side, three(groups.frame, g, ARMS + 3 * side)
+        moves = gather(entries, at, g, first, 0) + gather(entries, at, g, first, 7) + gather(entries, at, g, first, 14)
+        k0 = gather(entries, at, g, first, 21), gather(entries, at, g, first, 22), gather(entries, at, g, first, 23)
+        k1 = k0[1], gather(entries, at, g, first, 28), gather(entries, at, g, first, 29)
+        k2 = k0[2], k1[2], gather(entries, at, g, first, 35)
+        turns = k0[0] + k1[1] + k2[2]
+        skew = (
+            gather(entries, at, g, first, 11) - gather(entries, at, g, first, 16),
+            gather(entries, at, g, first, 15) - gather(entries, at, g, first, 5),
+            gather(entries, at, g, first, 4) - gather(entries, at, g, first, 9),
+        )
+        for row in range(groups.start[g], groups.start[g + 1]):
+            r = plus(centre, out_of_axes(axes, three(groups.table, row, ARM)))
+            trace = moves + turns * inner(r, r) - inner(r, in_axes((k0, k1, k2), r)) + 2.0 * inner(skew, r)
+            store_lanes(groups.table, row, LANES * SCALE, field(groups.table, row, SCALE) + trace)
+
+
+@borrower(fastmath={"contract"})
+def add_rigid_stiffness(groups, g, diagonal, lower):
+    """Add H^T R H of group g, joints between rigid blocks, to the blocks of a matrix: diagonal (., 36) and lower (., 36).
+
+    R is one number for a contact, so H^T R H needs no axes: with r and s from the centres of two blocks to the contact the block of the
+    rows of the one and the columns of the other is plus or minus R (I, -s x; r x, -(r x)(s x)).
+    """
+    frame, axes, place = groups.frame, axes_of(groups, g), groups.place
+    weights, (first, squares, products) = fill_four(0.0), (no_wrench()[0], no_wrench()[0], no_wrench()[0])
     for row in range(groups.start[g], groups.start[g + 1]):
-        r, a = field(table, row, STIFFNESS), three(table, row, ARM)
-        total += r
-        if s > 3:
-            b = scaled(r, a)
-            turns, squares, products = plus(turns, b), plus(squares, times(b, a)), plus(products, times(b, (a[1], a[2], a[0])))
-    for i in range(s):
-        for k in range(s):
-            store_lanes(stiffness, i, LANES * k, total if i == k and i < 3 else nothing[0])
-    for i in range(s - 3):
+        r, a = field(groups.table, row, STIFFNESS), out_of_axes(axes, three(groups.table, row, ARM))
+        b = scaled(r, a)
+        weights, first, squares = weights + r, plus(first, b), plus(squares, times(b, a))
+        products = plus(products, times(b, (a[1], a[2], a[0])))
+    moments, one, other = (weights, first, squares, products), three(frame, g, ARMS), three(frame, g, ARMS + 3)
+    scatter_stiffness(diagonal, groups.target, g, 0, 1.0, moments, one, one)
+    scatter_stiffness(diagonal, groups.target, g, LANES, 1.0, moments, other, other)
+    order = pack(
+        (place[g, 4] - place[g, 0] + 0.5, place[g, 5] - place[g, 1] + 0.5, place[g, 6] - place[g, 2] + 0.5, place[g, 7] - place[g, 3] + 0.5)
+    )
+    zero = fill_four(0.0)
+    later = (
+        where_at_most(order, zero, one[0], other[0]),
+        where_at_most(order, zero, one[1], other[1]),
+        where_at_most(order, zero, one[2], other[2]),
+    )
+    scatter_stiffness(lower, groups.block, g, 0, -1.0, moments, later, minus(plus(one, other), later))
+
+
+@borrower(fastmath={"contract"})
+def scatter_stiffness(matrix, rows, g, at, sign, moments, r, s):
+    """Add sign times the sum of R (I, -s x; r x, -(r x)(s x)) to rows of a matrix (., 36), of points at a from r and s.
+
+    ``moments`` are the sums of R, R a, R a_i a_i and R a_i a_j with j after i.
+    """
+    weight, first, squares, products = scaled_moments(sign, moments)
+    of_r, of_s = plus(scaled(weight, r), first), plus(scaled(weight, s), first)
+    trace = inner(s, of_r) + inner(first, r) + squares[0] + squares[1] + squares[2]
+    for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
-        put_both(stiffness, i, 3 + j, turns[k])
-        put_both(stiffness, j, 3 + i, -1.0 * turns[k])
-        put_both(stiffness, 3 + i, 3 + i, squares[j] + squares[k])
-        put_both(stiffness, 3 + i, 3 + j, -1.0 * products[i])
+        scatter(matrix, rows, g, at, 7 * i, weight)
+        scatter(matrix, rows, g, at, 6 * i + 3 + j, of_s[k])
+        scatter(matrix, rows, g, at, 6 * j + 3 + i, -1.0 * of_s[k])
+        scatter(matrix, rows, g, at, 6 * j + 18 + i, of_r[k])
+        scatter(matrix, rows, g, at, 6 * i + 18 + j, -1.0 * of_r[k])
+        scatter(matrix, rows, g, at, 21 + 7 * i, trace - s[i] * of_r[i] - first[i] * r[i] - squares[i])
+        scatter(matrix, rows, g, at, 21 + 6 * i + j, -1.0 * (s[i] * of_r[j] + first[i] * r[j] + products[i]))
+        scatter(matrix, rows, g, at, 21 + 6 * j + i, -1.0 * (s[j] * of_r[i] + first[j] * r[i] + products[i]))
 
 
 @borrower(forceinline=True)
-def put_both(matrix, i, k, lanes):
-    """Set an entry of a symmetric matrix of lanes."""
-    store_lanes(matrix, i, LANES * k, lanes)
-    store_lanes(matrix, k, LANES * i, lanes)
+def scaled_moments(sign, moments):
+    """Moments of points with R times a sign."""
+    return sign * moments[0], scaled(sign, moments[1]), scaled(sign, moments[2]), scaled(sign, moments[3])

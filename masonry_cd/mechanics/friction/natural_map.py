@@ -26,14 +26,6 @@ def project_to_cone(xn: float, x1: float, x2: float, mu: float) -> tuple[float, 
 
 
 @kernel(inline="always")
-def project_stretched(xn: float, x1: float, x2: float, mu: float, stretch: float) -> tuple[float, float, float]:
-    """Project (xn, x1, x2) onto Coulomb's cone in the norm sqrt(x_n^2 + stretch |x_t|^2): a projection onto a wider or narrower cone."""
-    root = np.sqrt(stretch)
-    height, y1, y2 = project_to_cone(xn, root * x1, root * x2, root * mu)
-    return height, y1 / root, y2 / root
-
-
-@kernel(inline="always")
 def squared_residual(pn: float, p1: float, p2: float, un: float, u1: float, u2: float, mu: float, d: float) -> float:
     """Squared natural map residual of a contact in the scaled variables r = p sqrt(d), w = u / sqrt(d).
 

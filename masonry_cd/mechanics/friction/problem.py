@@ -232,7 +232,7 @@ class Solution:
     iterations: int
     reason: str = ""  # why it stopped or which solver was picked, for the results
     memory: SolverState = field(default_factory=SolverState)  # what the same solver may start from next time
-    error: float | None = None  # :func:`natural_map_error`, where it had to be asked on the way
+    error: float | None = None  # natural map error of the impulse to rounding, where it was measured on the way
 
 
 def first_impulse(problem: Problem, start: Solution | None) -> np.ndarray:

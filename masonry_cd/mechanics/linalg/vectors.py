@@ -151,7 +151,7 @@ def store_six(matrix, row, column, six):
     store_lanes(matrix, row, column + 4, six[1])
 
 
-# Four items side by side, each with its row of a matrix: rows are gathered into lanes, one register a column, and lanes added to them.
+# Four items side by side, each with its row of a matrix: rows are gathered into lanes, a register for each column, and lanes added to them.
 
 LANES = 4
 

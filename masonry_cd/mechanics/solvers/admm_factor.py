@@ -11,11 +11,10 @@ from masonry_cd.mechanics.friction.contact_groups import (
     OFFSET,
     SCALE,
     STIFFNESS,
-    add_up_stiffness,
+    add_rigid_stiffness,
     field,
     length_of,
     put_stiffness,
-    rows_of_twist,
     three,
     twist_of,
     velocity_at,
@@ -128,34 +127,33 @@ def augment(work, q):
         work.factor.diagonal,
         work.factor.lower,
     )
-    s, n, (first, last) = len(groups.s), len(problem.n), nodes_of(symbolic, q)
-    stiffness, rows, turned = np.empty((s, s * LANES)), np.empty((2, s, n)), np.empty((2, s, n))
+    s, n, rigid, (first, last) = len(groups.s), len(problem.n), len(groups.s) > 3, nodes_of(symbolic, q)
+    rows, turned = np.empty((2, s, n)), np.empty((2, s, n))
     lower[symbolic.column[first] : symbolic.column[last]] = 0.0
+    lower[-1] = 0.0
     clear_ghosts(symbolic, q, diagonal)
     for b in range(first, last):
         for p in range(n):
             for r in range(n):
                 diagonal[b, n * p + r] = (1.0 if p == r else 0.0) if has_unit_masses(problem) else problem.mass[b, p, r]
     for g in range(groups.subtree[q], groups.subtree[q + 1]):
-        add_up_stiffness(groups, g, stiffness)
+        if rigid:
+            add_rigid_stiffness(groups, g, diagonal, lower.reshape((len(lower), n * n)))
+            continue
         for lane in range(LANES):
-            if groups.contact[groups.start[g], lane] < 0:
-                break
-            rows_of_twist(groups, g, lane, rows)
+            r = groups.table[groups.start[g], LANES * STIFFNESS + lane]
             for side in range(2):
                 for i in range(s):
-                    for p in range(n):
-                        total = 0.0
-                        for k in range(s):
-                            total += stiffness[i, LANES * k + lane] * rows[side, k, p]
-                        turned[side, i, p] = total
-            add_joint(work, g, lane, rows, turned)
+                    for k in range(n):
+                        rows[side, i, k] = groups.rows[g, LANES * ((side * s + i) * n + k) + lane]
+                        turned[side, i, k] = r * rows[side, i, k]
+            add_contact(work, g, lane, rows, turned)
 
 
 @borrower()
-def add_joint(work, g, lane, rows, turned):
-    """What a joint of group g adds to the matrix: rows of H and R H (2, s, n)."""
-    problem, groups, n = work.problem, work.groups, len(work.problem.n)
+def add_contact(work, g, lane, rows, turned):
+    """What a contact of group g adds to the matrix: rows of H and R H (2, s, n)."""
+    problem, groups, n, lower = work.problem, work.groups, len(work.problem.n), work.factor.lower
     a, b, block = groups.place[g, lane], groups.place[g, LANES + lane], groups.block[g, lane]
     diagonal = work.factor.diagonal.reshape((len(work.factor.diagonal), n, n))
     for side in range(2):
@@ -165,9 +163,9 @@ def add_joint(work, g, lane, rows, turned):
             add_product(problem, turned[side], rows[side], body, body, own, groups.s)
             if a == b:
                 add_product(problem, turned[side], rows[1 - side], body, body, own, groups.s)
-    if block >= 0:
+    if block < len(lower) - 1:
         low = 0 if a > b else 1
-        add_product(problem, turned[low], rows[1 - low], max(a, b), min(a, b), work.factor.lower[block], groups.s)
+        add_product(problem, turned[low], rows[1 - low], max(a, b), min(a, b), lower[block], groups.s)
 
 
 @borrower()

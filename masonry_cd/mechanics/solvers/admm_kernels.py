@@ -120,6 +120,7 @@ def start_iterates(team, given, order, work, settings, p_out, v_out):
     begin, end = share_of_subtrees(team, work.factor.symbolic)
     put_in_order(given, order, b0, b1, problem.inverse, problem.mass, problem.free)
     copy_flat(problem.free[b0:b1], iterates.v[b0:b1])
+    problem.inverse[len(order)] = 0.0
     iterates.v[len(order)] = 0.0
     iterates.trial[len(order)] = 0.0
     iterates.correction[len(order)] = 0.0

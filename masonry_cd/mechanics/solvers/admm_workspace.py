@@ -28,7 +28,7 @@ class AdmmSettings(NamedTuple):
 class SortedProblem(NamedTuple):
     """The bodies of a friction problem in order of elimination; the groups have its contacts."""
 
-    inverse: np.ndarray  # (N, n, n) M^-1
+    inverse: np.ndarray  # (N + 1, n, n) M^-1, zero of the supports
     mass: np.ndarray  # (N, n, n) M
     free: np.ndarray  # (N, n) v_free
     width: np.ndarray  # (N + 1,) or (0,), see operators.OrderedProblem
@@ -64,7 +64,7 @@ class AdmmFactor(NamedTuple):
     panels: np.ndarray  # of L, flat, in single precision
     rho: np.ndarray  # (C,) R by contact
     diagonal: np.ndarray  # (N + 1 + E, n n) blocks of the matrix
-    lower: np.ndarray  # (B, n, n) below the diagonal
+    lower: np.ndarray  # (B + 1, n, n) below the diagonal, and what couples with supports, which nobody reads
     double_squares: np.ndarray  # in double precision, for single columns only; otherwise empty
     double_panels: np.ndarray
 
@@ -96,11 +96,11 @@ def allocate_workspace(
     width = np.append(symbolic.width, 0) if len(symbolic.width) else symbolic.width
     doubles = [n * n * int(starts[-1]) if pattern.has_single_columns else 0 for starts in (symbolic.square, symbolic.panel)]
     contacts, elastic = len(given.mu), len(given.compliance) > 0
-    problem = SortedProblem(np.empty(blocks), np.empty(blocks), np.empty((count, n)), width, contacts, elastic, given.m, given.n)
+    problem = SortedProblem(np.empty((count + 1, n, n)), np.empty(blocks), np.empty((count, n)), width, contacts, elastic, given.m, given.n)
     iterates = Iterates(
         np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(impulses), np.empty(bodies), np.empty(bodies),
         np.empty(bodies), np.empty((rows, n)), np.empty((rows, n), dtype=np.float32),
     )  # fmt: skip
-    matrix = np.empty((rows, n * n)), np.empty((len(symbolic.row), n, n))
+    matrix = np.empty((rows, n * n)), np.empty((len(symbolic.row) + 1, n, n))
     factor = AdmmFactor(symbolic, *kept, *matrix, *(np.empty(size) for size in doubles))
     return AdmmWorkspace(problem, groups, iterates, factor, np.empty((3, subtrees)))

@@ -104,7 +104,9 @@ class _Search:
         self.memory = found.memory if found.memory.factors is not None else self.memory
         self.iterations += found.iterations
         self.story.append(name)
-        error = natural_map_error(self.problem, found.impulse, threads=self.options.threads)
+        error = found.error
+        if error is None:
+            error = natural_map_error(self.problem, found.impulse, threads=self.options.threads)
         if error < self.error:
             self.best, self.error = found, error
 

@@ -34,7 +34,7 @@ def group_contacts(
     first, joint = split_into_joints(given, contact, begin, shared)
     order, subtree, start = group_joints(first, joint)
     groups, rows = len(start) - 1, start[-1]
-    contact_of, block_of = np.full((rows, LANES), -1, dtype=np.int64), np.full((groups, LANES), -1, dtype=np.int64)
+    contact_of, block_of = np.full((rows, LANES), -1, dtype=np.int64), np.full((groups, LANES), len(symbolic.row), dtype=np.int64)
     place, target = np.full((groups, 2 * LANES), size, dtype=np.int64), np.full((groups, 2 * LANES), size, dtype=np.int64)
     row = np.arange(size + 1)  # that stands for each place, seen from subtree q
     for q in range(len(begin) - 1):
@@ -46,7 +46,7 @@ def group_contacts(
             for t in range(first[j + 1] - first[j]):
                 contact_of[start[g] + t, lane] = contact[first[j] + t]
             c = contact[first[j]]
-            block_of[g, lane] = block[c]
+            block_of[g, lane] = block[c] if block[c] >= 0 else len(symbolic.row)
             for side in range(2):
                 b = index[c, side]
                 place[g, LANES * side + lane] = b
@@ -79,7 +79,7 @@ def split_into_joints(given, contact, begin, shared):
 
 @kernel()
 def group_joints(first, joint):
-    """Joints (J,) subtree by subtree, those of most contacts first, and what fours make: ``subtree`` and ``start`` of the groups."""
+    """Joints (J,) subtree by subtree, those of most contacts first, and ``subtree`` and ``start`` of the groups that fours of them make."""
     order, subtree, groups = np.empty(len(first) - 1, dtype=np.int64), np.zeros(len(joint), dtype=np.int64), 0
     for q in range(len(joint) - 1):
         subtree[q + 1] = subtree[q] + (joint[q + 1] - joint[q] + LANES - 1) // LANES

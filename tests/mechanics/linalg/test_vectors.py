@@ -14,12 +14,19 @@ from masonry_cd.mechanics.linalg.vectors import (
     fill_eight,
     fill_four,
     fill_six,
+    gather,
+    gather_six,
     load_eight,
     load_four,
     load_six,
     pack_six,
+    root_of,
+    scatter,
+    scatter_six,
     store_lanes,
     store_six,
+    sum_of,
+    where_at_most,
 )
 
 
@@ -88,3 +95,43 @@ def test_floats_are_packed_in_their_order():
 def test_rows_of_a_matrix_that_is_not_contiguous_are_refused():
     with pytest.raises(TypingError, match="load_four"):
         four(np.zeros((3, 24))[:, ::2], 1.0, np.zeros((2, 11)), np.zeros((3, 12)))
+
+
+@entry()
+def calculated(x, out):
+    """What operators make of the rows of x (2, 4): sum, difference, product, quotient, twice, root, the smaller one, and a sum of all."""
+    a, b = load_four(x, 0, 0), load_four(x, 1, 0)
+    store_lanes(out, 0, 0, a + b)
+    store_lanes(out, 1, 0, a - b)
+    store_lanes(out, 2, 0, a * b)
+    store_lanes(out, 3, 0, a / b)
+    a += a
+    store_lanes(out, 4, 0, 0.5 * a - 1.0)
+    store_lanes(out, 5, 0, root_of(b))
+    store_lanes(out, 6, 0, where_at_most(a, b, a, b))
+    out[7, 0] = sum_of(a)
+
+
+@entry()
+def moved(matrix, rows, out):
+    """Add to rows[0, 4:] of out the rows[0, :4] of a matrix, all six columns and then column 2 to column 1."""
+    scatter_six(out, rows, 0, 4, gather_six(matrix, rows, 0, 0))
+    scatter(out, rows, 0, 4, 1, gather(matrix, rows, 0, 0, 2))
+
+
+def test_operators_work_place_by_place():
+    a, b = np.array([1.0, -2.0, 3.0, 0.5]), np.array([4.0, 0.25, 3.0, 9.0])
+    out = np.zeros((8, 4))
+    calculated(np.array([a, b]), out)
+    assert_array_equal(out[:7], [a + b, a - b, a * b, a / b, a - 1.0, np.sqrt(b), np.minimum(2.0 * a, b)])
+    assert out[7, 0] == 2.0 * a.sum()
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32])
+def test_rows_are_gathered_and_added_to_others_which_may_be_the_same(kind):
+    matrix, rows = np.random.default_rng(1).normal(size=(7, 6)).astype(kind), np.array([[6, 2, 0, 2, 1, 3, 3, 5]])
+    out, expected = np.ones((6, 6)), np.ones((6, 6))
+    moved(matrix, rows, out)
+    np.add.at(expected, rows[0, 4:], matrix[rows[0, :4]])
+    np.add.at(expected[:, 1], rows[0, 4:], matrix[rows[0, :4], 2])
+    assert_allclose(out, expected, rtol=1e-15)

@@ -35,6 +35,16 @@ def test_velocity_belongs_to_the_impulses() -> None:
     np.testing.assert_allclose(solution.velocity, problem.body_velocity(solution.impulse), atol=1e-12)
 
 
+@pytest.mark.parametrize("softness", [0.0, 0.3])
+def test_says_the_error_of_what_it_returns(softness: float) -> None:
+    """Converged, cut short, or from a solution: the error measured on the way is that of the impulses returned."""
+    problem = scenes.softened(scenes.wall(6, 20), softness)
+    solution = None
+    for options in (Options(tolerance=1e-6, max_iterations=5), Options(tolerance=1e-6), Options(tolerance=1e-5)):
+        solution = solve(problem, options, solution)
+        assert solution.error == pytest.approx(natural_map_error(problem, solution.impulse), rel=1e-6)
+
+
 def test_the_impulses_of_a_short_run_carry_the_velocities_found() -> None:
     """After a few iterations the answer obeys the equation of motion, and its error is far below that of its part in the cones."""
     problem = scenes.wall(6, 20)
