@@ -252,8 +252,7 @@ def gather_six(typing: Any, matrix: types.Array, rows: types.Array, group: types
     """The six columns of the rows that stand in rows[group, first : first + LANES], as :func:`gather` gives each."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        four: list[Any] = []
-        two: list[Any] = []
+        four, two = list[Any](), list[Any]()
         for address in _addresses(context, builder, signature, (*arguments, None)):
             for parts, kind, at in ((four, Lanes(matrix.dtype, 4), 0), (two, Lanes(matrix.dtype, 2), 4)):
                 part = builder.bitcast(builder.gep(address, [_INDEX(at)]), kind.vector.as_pointer())
