@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, TypeVar
 
 import numpy as np
@@ -272,7 +272,7 @@ def joint_table(
     Raises:
         InputError: an unknown group, cohesion without friction, or a tensile strength beyond the tip of the cone.
     """
-    out = JointLaws(*np.zeros((TABLES, len(groups), len(groups))), moduli=moduli)
+    out = replace(JointLaws(*np.zeros((TABLES, len(groups), len(groups)))), moduli=moduli)
     laws = laws if moduli is None else {"default": JointLaw(), **laws}
     for i, j, law in _by_pair(laws, groups, "material.joints"):
         out.normal_stiffness[i, j], out.tangential_stiffness[i, j] = law.stiffness
