@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -70,16 +71,21 @@ def stepper(
     joints: Mapping[str, JointLaw] | None = None,
     material: ElasticBlocks | None = None,
     rolling: float = 0.0,
+    room: int = 0,
     **settings: object,
 ) -> Stepper:
     """A stepper for a number of steps; ``joints`` are laws by pair of groups, ``settings`` keys of the table [run].
 
-    ``material`` says which blocks deform, ``rolling`` is the rolling friction of spheres.
+    ``material`` says which blocks deform, ``rolling`` is the rolling friction of spheres, ``room`` how many unknowns meshed blocks have at
+    the least: kernels are compiled for the number.
     """
     run = Run.model_validate({"dt": 1e-3, "duration": 1e3, "solver": "nlgs", "tolerance": 1e-10} | settings)
     velocity = still(steps) if support_velocity is None else support_velocity
     pull = gravity(steps) if acceleration is None else acceleration
-    return Stepper(Assembly.from_blocks(blocks, friction, joints, material, rolling), velocity, pull, run, start)
+    assembly = Assembly.from_blocks(blocks, friction, joints, material, rolling)
+    if assembly.deformation is not None:
+        assembly = replace(assembly, deformation=replace(assembly.deformation, room=room))
+    return Stepper(assembly, velocity, pull, run, start)
 
 
 def turned(assembly: Assembly, block: int, axis: tuple[float, float, float], angle: float, pivot: tuple[float, float, float]) -> State:

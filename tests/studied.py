@@ -144,7 +144,8 @@ def wait_until(holds: Callable[[], bool]) -> None:
 
 
 def address_in(file: Path) -> str:
-    """The address of the scheduler that has written a file on itself."""
+    """The address of a scheduler, once it has written the file on itself, which is there and empty for a moment."""
+    wait_until(lambda: file.exists() and file.read_text().endswith("}"))
     return str(json.loads(file.read_text())["address"])
 
 

@@ -132,7 +132,7 @@ def test_without_being_asked_no_curve_is_followed(tmp_path):
 TIE = '[[loads]]\nkind = "tie"\nname = "rod"\nblocks = ["a", "ground"]\npoints = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]\n'
 
 
-def test_ties_are_told_written_and_drawn_with_what_they_pull(tmp_path):
+def test_ties_are_reported_written_and_drawn_with_what_they_pull(tmp_path):
     tables = f"{TIE}area = 1e-4\nmodulus = 2e11\nyield_force = 500.0\n[limit]\npush = 'x'\n"
     case = limit_case(scene(tmp_path, pillar(), tables))
     factor = (2000.0 * 9.81 * 0.3 * 0.25 + 500.0 * math.sqrt(0.5) * 1.5) / (2000.0 * 9.81 * 0.3 * 0.75)  # about the edge at x = 0.5
@@ -262,7 +262,7 @@ def test_a_solver_that_ends_before_its_tolerance_is_said(tmp_path, monkeypatch):
     assert set(said) <= set(summary(found)["notes"])
 
 
-def test_a_search_without_an_end_is_told_from_none(tmp_path, monkeypatch):
+def test_a_search_without_an_end_differs_from_none(tmp_path, monkeypatch):
     monkeypatch.setattr(nonassociated, "EXACT", -1.0)  # no pair counts
     ended = limit_case(scene(tmp_path, pillar(), PUSH))
     assert any("of 4 starts none came to an end" in line for line in lines(ended))

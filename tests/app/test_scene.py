@@ -251,7 +251,7 @@ def test_a_missing_file_a_folder_and_a_binary_file(tmp_path):
         read_scene(tmp_path / "b.toml")
 
 
-def test_errors_of_other_rooms_get_file_and_line(write):
+def test_errors_of_other_packages_get_file_and_line(write):
     scene = read_scene(write(GOOD))
     second = scene.at_fault(InputError("loads[1].amplitude: must be positive"))
     assert str(second).endswith("scene.toml:15: loads[1].amplitude: must be positive")

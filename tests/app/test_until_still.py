@@ -95,7 +95,7 @@ def test_one_that_is_still_when_its_duration_ends_gets_no_step_more(tmp_path: Pa
     assert run(tmp_path, "run.until_still=true", "loads[0].amplitude=1e-3", "run.duration=2.0")["steps"] == 1000
 
 
-def test_damage_asks_for_it_by_default_and_may_be_told_not_to(tmp_path: Path) -> None:
+def test_damage_asks_for_it_by_default_and_may_be_asked_not_to(tmp_path: Path) -> None:
     assert case(tmp_path, "report.damage=true").steps == 3500
     assert case(tmp_path, "report.damage=true", "run.until_still=false").steps == 500
     assert case(tmp_path).steps == 500

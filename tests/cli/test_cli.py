@@ -411,7 +411,7 @@ def test_a_damaged_checkpoint_is_one_line_or_gives_way_to_the_one_before(block_o
     assert json.loads((out / "summary.json").read_text())["steps"] == 20
 
 
-def test_a_checkpoint_goes_on_with_its_own_results_alone(block_on_plate, tmp_path, monkeypatch):
+def test_a_checkpoint_continues_its_own_results_alone(block_on_plate, tmp_path, monkeypatch):
     scene = block_on_plate(**SHAKEN)
     for name, call in (("one", 30), ("two", 40)):
         with monkeypatch.context() as pressed:
@@ -704,7 +704,7 @@ def test_what_the_system_refuses_is_one_line_with_the_file_in_front(tmp_path, wo
     assert re.fullmatch(rf"masonry-cd: error: {tmp_path}/taken\S*: (not a directory|file exists)\n", result.stderr)
 
 
-def test_a_kernel_that_the_disc_does_not_take_is_told_once(block_on_plate, tmp_path, monkeypatch):
+def test_a_kernel_that_the_disc_does_not_take_is_reported_once(block_on_plate, tmp_path, monkeypatch):
     monkeypatch.setattr(case, "lost", lambda: OSError(28, "No space left on device", "x.nbc"))
     scene, said = block_on_plate(), "masonry-cd: warning: compiled kernels could not be kept, the next run compiles them again: x.nbc: "
     first, second = (masonry_cd("run", scene, "-o", tmp_path / name) for name in "ab")

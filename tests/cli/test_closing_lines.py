@@ -32,7 +32,7 @@ def energy_line(folder: Path, *words: str) -> tuple[str, float]:
     return line, json.loads((folder / "out" / "summary.json").read_text())["energy"]["balance_error"]
 
 
-def test_the_balance_of_a_tower_at_rest_is_told_in_joules(tmp_path: Path) -> None:
+def test_the_balance_of_a_tower_at_rest_is_given_in_joules(tmp_path: Path) -> None:
     line, relative = energy_line(tmp_path)
     number, rest = line.removeprefix("energy: balance closed to ").split(" ", 1)
     assert float(number) < 1e-6

@@ -99,7 +99,7 @@ def test_nothing_is_written_before_all_is_checked(tables: dict[str, Any], tmp_pa
     assert not (tmp_path / "out").exists()
 
 
-def test_progress_is_told_on_standard_error_or_not_at_all(
+def test_progress_is_shown_on_standard_error_or_not_at_all(
     tables: dict[str, Any], capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("masonry_cd.app.progress.LINE_SECONDS", 0.0)

@@ -47,7 +47,7 @@ def made(tmp_path: Path) -> mc.Study:
 # --- making ---------------------------------------------------------------------------------------------------------------------------
 
 
-def test_the_rows_are_those_of_the_command_line_which_goes_on_with_the_folder(folder: Path) -> None:
+def test_the_rows_are_those_of_the_command_line_which_continues_the_folder(folder: Path) -> None:
     before = rows_without_seconds(folder / "out")
     assert len(before) == 7
     done = CliRunner().invoke(app, ["study", str(folder / "study.toml"), "-o", str(folder / "out"), "--resume", "--workers", "1"])

@@ -119,7 +119,7 @@ def test_what_is_no_result_is_named(tmp_path):
 
 
 @pytest.mark.parametrize("share", [0.01, 0.5, 0.98])
-def test_a_file_that_was_cut_off_is_told_at_once(tmp_path, share):
+def test_a_file_that_was_cut_off_is_reported_at_once(tmp_path, share):
     machine = stepper(tower(2), 5)
     joints = find_joints(machine.assembly)
     with ResultWriter(tmp_path / "whole.h5", machine.assembly, joints) as writer:
@@ -130,7 +130,7 @@ def test_a_file_that_was_cut_off_is_told_at_once(tmp_path, share):
         Results.open(tmp_path / "cut.h5")
 
 
-def test_a_full_disc_is_told_and_what_was_written_is_kept(tmp_path, monkeypatch):
+def test_a_full_disc_is_reported_and_what_was_written_is_kept(tmp_path, monkeypatch):
     machine = stepper(tower(3), 20)
     joints = find_joints(machine.assembly)
 

@@ -168,7 +168,7 @@ def test_a_heading_is_not_overruled(tmp_path: Path) -> None:
         processed(tmp_path, at2(), quantity="velocity")
 
 
-def test_counts_need_to_be_told_what_they_mean() -> None:
+def test_counts_need_a_statement_of_what_they_mean() -> None:
     with pytest.raises(InputError, match=r"w.calibration: missing, and f holds whole numbers"):
         accelerations(raw("HNE", counts=True), Keys(units="m/s2"), "w", "f")
     assert accelerations(raw("HNE", counts=True), Keys(units="m/s2", calibration=1.0), "w", "f")[1] == "acceleration"

@@ -193,7 +193,7 @@ def test_a_run_without_a_summary_says_that_its_checks_are_unknown(tmp_path):
     assert "The run left no summary, so its checks are not known" in words(page_of(tmp_path, summary={}))
 
 
-def test_the_load_factor_of_a_tilt_is_told_with_its_angle(tmp_path):
+def test_the_load_factor_of_a_tilt_is_given_with_its_angle(tmp_path):
     factor = {"end": 0.3, "limit": 2e-3, "given_way": 0.25, "given_way_time": 1.5}
     scene = DRY + '[[loads]]\nkind = "tilt"\ndirection = "x"\nrate = 3.0\n'
     said = words(page_of(tmp_path, scene, SOUND | {"load_factor": factor}))

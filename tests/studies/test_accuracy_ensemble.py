@@ -159,7 +159,7 @@ def test_bad_options_are_one_line(words: tuple[object, ...], message: str, tmp_p
     assert not (tmp_path / "out").exists()
 
 
-def test_blocks_that_are_wrong_are_told_before_anything_is_written(tmp_path: Path):
+def test_blocks_that_are_wrong_are_reported_before_anything_is_written(tmp_path: Path):
     (tmp_path / "scene.toml").write_text(SCENE)
     block = cuboid((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)) | {"name": "b", "fixed": True}
     block["faces"] = block["faces"][:-1]

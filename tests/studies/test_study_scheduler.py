@@ -40,10 +40,9 @@ def test_a_scheduler_that_is_lost_ends_the_study_in_a_line_and_the_next_call_goe
         where = tmp_path / "scheduler.json"
         file = ("--scheduler-file", str(where))
         scheduler = stack.enter_context(child("dask_scheduler", "--port", "0", "--no-dashboard", *file, log=tmp_path / "scheduler.log"))
-        wait_until(where.exists)
+        address = studied.address_in(where)
         worker = ("dask_worker", *file, "--nthreads", "1", "--memory-limit", "2GB", "--no-dashboard", "--death-timeout", "20")
         stack.enter_context(child(*worker, "--local-directory", str(tmp_path), log=tmp_path / "worker.log"))
-        address = studied.address_in(where)
         study = studied.started(path, "--scheduler", address)
         wait_until(lambda: len(studied.row_names(tmp_path / "out")) >= 2 or study.poll() is not None)
         scheduler.kill()

@@ -190,7 +190,7 @@ def test_the_median_demand_is_that_of_half_of_the_records():
     assert demand[:, -1].tolist() == [2.0, 4.0, np.inf]
 
 
-def test_the_scatter_of_the_model_is_told_from_that_of_the_records():
+def test_the_scatter_of_the_model_is_separated_from_that_of_the_records():
     """Capacities exp(0.3 e + 0.2 z): with 4,000 runs both parts have standard errors of about 0.01."""
     random = np.random.default_rng(8)
     z = random.standard_normal(4000)

@@ -388,7 +388,7 @@ def test_a_mortar_wall_stays_bonded_through_a_shake_that_moves_a_dry_one():
         assert abs(machine.energy["balance"]) < 1e-9 * (machine.energy["base_work"] + machine.energy["elastic"])
 
 
-def test_a_resumed_stepper_goes_on_with_the_same_bits():
+def test_a_resumed_stepper_continues_to_the_same_bits():
     steps = 120
     velocity = still(steps)
     velocity[:, 0, 0] = 0.6 * np.sin(2 * np.pi * 8.0 * np.arange(steps + 1) * 1e-3)

@@ -79,7 +79,7 @@ def test_a_sleeping_island_wakes_when_it_is_hit():
     assert np.abs(paths[0] - paths[1]).max() < 1e-8
 
 
-def test_a_resumed_stepper_goes_on_with_the_same_bits():
+def test_a_resumed_stepper_continues_to_the_same_bits():
     first, second = towers(*PLACES), towers(*PLACES)
     for _ in range(150):
         first.step()
