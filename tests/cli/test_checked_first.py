@@ -33,8 +33,16 @@ def no_step(monkeypatch: pytest.MonkeyPatch) -> None:
         ("times = [0.53]", 19, "report.times: 0.53 s lies beyond the run, which ends at 0.5 s"),
         ('crack_map = true\ncut = "y=3"', 20, "report.cut: y = 3 m does not pass through the structure, which spans -0.25 to 0.25 m"),
         ('cut = "y=3"', 19, "report.cut: y = 3 m does not pass through the structure, which spans -0.25 to 0.25 m"),
-        ('cut = "q"', 19, 'report.cut: "q" is no plane; write x, y or z for the middle, or y=1.5 for a place [m]'),
-        ('cut = "y=nan"', 19, 'report.cut: "y=nan" is no plane; write x, y or z for the middle, or y=1.5 for a place [m]'),
+        (
+            'cut = "q"',
+            19,
+            'report.cut: "q" is no plane; write x, y or z for the middle, or y=1.5 for a place, in m or with its unit, "y=150 cm"',
+        ),
+        (
+            'cut = "y=nan"',
+            19,
+            'report.cut: "y=nan" is no plane; write x, y or z for the middle, or y=1.5 for a place, in m or with its unit, "y=150 cm"',
+        ),
         ('cut = "y"\nview = "side"', 19, "report.cut: the side view sees the plane y = 0 m edge-on; front and isometric show it"),
     ],
 )

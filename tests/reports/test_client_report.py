@@ -136,7 +136,7 @@ def test_dry_joints_their_friction_and_what_is_left_out_are_said(tmp_path):
     for line in (
         "The 2 blocks that are free to move are rigid, of uniform density (2000 kg/m³)",
         "with the coefficient 0.6, an angle of 31° in all joints",
-        "Joints are dry and rigid: they bear no tension",
+        "Joints are rigid and dry: they bear no tension",
         "crushing of the blocks",
         "The vertical component of the motion: the base moves along x only",
         "Ties and anchors: none is in the model",
@@ -151,7 +151,7 @@ def test_mortar_is_described_by_its_numbers_and_a_vertical_motion_is_not_called_
     said = words(page_of(tmp_path, scene, along=(0.01, 0, 0.01)))
     assert "Joints of wall-wall: elastic, 20 GN/m³ across and 8.33 GN/m³ along, mortar with a cohesion of 150 kPa" in said
     assert "0.4, an angle of 21.8° (wall-base)" in said
-    assert "All other joints are dry and rigid" in said
+    assert "All other joints are rigid and dry" in said
     assert "vertical component" not in said
 
 

@@ -158,7 +158,7 @@ def test_same_table_gives_the_same_bits() -> None:
         ({"spans": 0}, "structure.spans: must be a whole number above 0, or a list with one per tier, got 0"),
         ({"spans": 2.5}, "structure.spans: must be a whole number above 0"),
         ({"clear_span": [5.0, 4.0]}, "structure.clear_span: one value or one per tier, 1, got 2"),
-        ({"clear_span": "5"}, "structure.clear_span: must be a number above 0 [m]"),
+        ({"clear_span": "5"}, 'structure.clear_span: "5" states no unit; write a number in m'),
         ({"pier_width": 1.3}, "structure.pier_width: must be at least 1.4 m, which seats two rings"),
         ({"voussoirs": 101}, "structure.voussoirs: must be 3 to 55 for courses of 0.5 m, got 101"),
         ({"cover": 0.1}, "structure.cover: must be at least half a course, 0.25 m, got 0.1"),

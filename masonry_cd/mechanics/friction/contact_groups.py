@@ -264,6 +264,14 @@ def fill_group(given, problem, groups, g, scratch):
                 table[row, LANES * SCALE + lane] = 0.0
 
 
+@borrower(forceinline=True, fastmath={"contract"})
+def arm_in_world(groups, row, axes):
+    """Where contacts of a row lie from the first of their joint, in the axes of the world; in axes that are left-handed, as problems from
+    files may have them, their components have the other sign, so that velocity_at holds."""
+    left = where_at_most(inner(axes[0], cross(axes[1], axes[2])), fill_four(0.0), fill_four(-1.0), fill_four(1.0))
+    return scaled(left, out_of_axes(axes, three(groups.table, row, ARM)))
+
+
 @borrower(fastmath={"contract"})
 def add_rigid_traces(groups, g, inverse):
     """Add trace(W_cc) to the scales of the contacts of group g, joints between rigid blocks with M^-1 (N + 1, 6, 6).
@@ -286,7 +294,7 @@ def add_rigid_traces(groups, g, inverse):
             gather(entries, at, g, first, 4) - gather(entries, at, g, first, 9),
         )
         for row in range(groups.start[g], groups.start[g + 1]):
-            r = plus(centre, out_of_axes(axes, three(groups.table, row, ARM)))
+            r = plus(centre, arm_in_world(groups, row, axes))
             trace = moves + turns * inner(r, r) - inner(r, in_axes((k0, k1, k2), r)) + 2.0 * inner(skew, r)
             store_lanes(groups.table, row, LANES * SCALE, field(groups.table, row, SCALE) + trace)
 
@@ -301,7 +309,7 @@ def add_rigid_stiffness(groups, g, diagonal, lower):
     frame, axes, place = groups.frame, axes_of(groups, g), groups.place
     weights, (first, squares, products) = fill_four(0.0), (no_wrench()[0], no_wrench()[0], no_wrench()[0])
     for row in range(groups.start[g], groups.start[g + 1]):
-        r, a = field(groups.table, row, STIFFNESS), out_of_axes(axes, three(groups.table, row, ARM))
+        r, a = field(groups.table, row, STIFFNESS), arm_in_world(groups, row, axes)
         b = scaled(r, a)
         weights, first, squares = weights + r, plus(first, b), plus(squares, times(b, a))
         products = plus(products, times(b, (a[1], a[2], a[0])))

@@ -22,7 +22,6 @@ from dataclasses import replace
 import numpy as np
 
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
-from masonry_cd.mechanics.friction.solver_state import Learnt
 from masonry_cd.mechanics.solvers import accelerated, admm, interior, newton, pivoting
 from masonry_cd.mechanics.solvers.options import MOST_ITERATIONS, Options
 
@@ -54,18 +53,14 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         search.turn("accelerated", SWEEPS, search.last)
         if search.error <= options.accept:
             return search.solution()
-    budget = search.memory.learnt.budget or MOST
-    search.turn("admm", budget, search.last)
+    cold, budget = start is None, search.memory.learnt.budget or MOST
+    search.turn("admm", admm.LIMIT if cold else budget, search.last)
     budget = min(FACTOR * budget, MOST) if search.ended else max(budget // FACTOR, FEWEST)
     if pivoting.applies(problem) and problem.mu.max() <= ROUGH:
-        search.turn("pivoting", PIVOTS, search.best)
+        search.turn("pivoting", pivoting.LIMIT if cold else PIVOTS, search.best)
     else:
-        search.turn("newton", CENTRES, search.best)
-    search.turn("interior", search.affordable(), search.last)
-    if start is None:
-        search.turn("newton", newton.LIMIT, search.best)
-        search.memory = replace(search.memory, learnt=Learnt())
-        search.turn("admm", admm.LIMIT, search.last)
+        search.turn("newton", newton.LIMIT if cold else CENTRES, search.best)
+    search.turn("interior", interior.MOST if cold else search.affordable(), search.last)
     search.memory = replace(search.memory, learnt=replace(search.memory.learnt, budget=budget))
     return search.solution()
 
@@ -74,7 +69,7 @@ class _Search:
     """The best answer so far, and the way to it."""
 
     def __init__(self, problem: Problem, options: Options, start: Solution | None) -> None:
-        self.problem, self.options, self.cold = problem, options, start is None
+        self.problem, self.options = problem, options
         self.last = start or Solution(np.zeros((problem.contacts, problem.dimension)), None, 0)
         self.memory = self.last.memory
         self.best, self.iterations, self.story = self.last, 0, list[str]()
@@ -87,8 +82,6 @@ class _Search:
 
     def affordable(self) -> int:
         """Factorisations that the interior point method may take."""
-        if self.cold:
-            return interior.MOST
         factors = self.memory.factors
         if factors is None or not isinstance(self.problem, FrictionProblem):
             return LAST

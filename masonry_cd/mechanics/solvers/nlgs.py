@@ -6,9 +6,11 @@ G = H L,
 
     w_c = q_c + G_c y + C_c p_c,     p_c <- law(w_c - (W + C)_cc p_c),     y <- y + G_c^T (new p_c - old p_c).
 
-In one sweep the error propagates by about one joint, so tall stacks need many. The joints are coloured so that no two of a colour share a
-moving block. A sweep takes the colours in an order that is drawn anew from a seed, and the joints of a colour in parallel: equal seeds give
-equal bits, on any number of threads. The best impulses measured are the answer.
+In one sweep the error propagates by about one joint, so tall stacks need many. The joints are taken in an order that is drawn anew in each
+sweep from a seed: equal seeds give equal bits. From COLOURED contacts on they are coloured so that no two of a colour share a moving block;
+then the colours come in random order, and the joints of a colour in parallel. The number of contacts decides it, so threads change no bit.
+Fewer joints go one by one: colour by colour a pile of 14 rough balls was left at 2e-6 after 10,000 sweeps, where joint by joint it took 720
+to 1e-9. The best impulses measured are the answer.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from masonry_cd.mechanics.linalg.threads import run_by_team
 from masonry_cd.mechanics.solvers.local_kernels import sweep_local_problem
 from masonry_cd.mechanics.solvers.nlgs_kernels import (
     PARTS,
+    ColouredJoints,
     SweepHistory,
     SweepSettings,
     begin_sweeps,
@@ -31,6 +34,7 @@ from masonry_cd.mechanics.solvers.nlgs_kernels import (
 from masonry_cd.mechanics.solvers.options import Options
 
 LIMIT = 10_000  # sweeps
+COLOURED = 5000  # contacts
 EVERY = 10  # sweeps between two measurements of the error, which decide on restarts of the extrapolation, too
 
 
@@ -59,11 +63,19 @@ def solve_by_sweeps(name: str, extrapolated: bool, problem: Problem, options: Op
     if error <= options.tolerance or settings.limit == 0:
         sweeps = 0
     else:
-        joints = colour_joints(scaled.bodies, len(velocity))
+        joints, threads = colour_joints(scaled.bodies, len(velocity)), options.threads
+        if not extrapolated and problem.contacts < COLOURED:
+            joints, threads = one_by_one(joints), 1
         history = SweepHistory(np.empty_like(impulse), np.empty_like(scaled.y), np.empty_like(impulse), np.empty((PARTS, 2)))
-        sweeps, error = run_by_team(sweep_bodies, options.threads, scaled, joints, history, settings)
+        sweeps, error = run_by_team(sweep_bodies, threads, scaled, joints, history, settings)
     end_sweeps(scaled, given.v_free, impulse, velocity)
     return Solution(impulse, velocity, sweeps, _reason(name, error, options))
+
+
+def one_by_one(joints: ColouredJoints) -> ColouredJoints:
+    """The joints with a colour for each."""
+    count = len(joints.order)
+    return ColouredJoints(joints.start, np.arange(count), np.arange(count + 1))
 
 
 def _reason(name: str, error: float, options: Options) -> str:

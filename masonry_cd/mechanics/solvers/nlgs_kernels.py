@@ -46,7 +46,7 @@ class ColouredJoints(NamedTuple):
 
     start: np.ndarray  # (J + 1,) first contact of each joint
     order: np.ndarray  # (J,) the joints sorted by colour
-    colour: np.ndarray  # (COLOURS + 1,) starts of the colours in that list
+    colour: np.ndarray  # (COLOURS + 1,) starts of the colours in that list; (J + 1,) where each joint has its own
 
 
 class SweepHistory(NamedTuple):
@@ -118,7 +118,7 @@ def sweep_bodies(
     first, end = share_of(team, 0, len(scaled.y))
     copy_flat(scaled.y[first:end], history.y[first:end])
     wait(team)  # the others sweep over what is copied here
-    sweeps, weight, colours, state = 0, 1.0, np.arange(COLOURS), seeded(settings.seed)
+    sweeps, weight, colours, state = 0, 1.0, np.arange(len(joints.colour) - 1), seeded(settings.seed)
     while smallest > settings.tolerance and sweeps < settings.limit:
         if not settings.extrapolated:
             shuffle(colours, state)
@@ -153,15 +153,16 @@ def sweep_by_team(team, scaled, joints, colours):
         low, high = joints.colour[colour], joints.colour[colour + 1]
         if low == high:
             continue
-        first, end = share_of_colour(team, colour, low, high)
+        first, end = share_of_colour(team, colour, joints)
         sweep(scaled.jacobian, scaled.y, scaled.bodies, scaled.table, joints.start, joints.order[first:end], AHEAD)
         wait(team)
 
 
 @kernel(inline="always")
-def share_of_colour(team, colour, low, high):
-    """First and end of the thread's share of the joints low to high of a colour."""
-    if colour < COLOURS - 1:
+def share_of_colour(team, colour, joints):
+    """First and end of the thread's share of the joints of a colour."""
+    low, high = joints.colour[colour], joints.colour[colour + 1]
+    if colour < len(joints.colour) - 2:
         return share_of(team, low, high)
     return (low, high) if team.rank == 0 else (low, low)
 
@@ -173,10 +174,10 @@ def measure_by_team(team, scaled, joints, sums):
     first, end = share_of(team, 0, rows)
     scaled.y[first:end] = 0.0
     wait(team)
-    for colour in range(COLOURS):
+    for colour in range(len(joints.colour) - 1):
         low, high = joints.colour[colour], joints.colour[colour + 1]
         if low < high:
-            first, end = share_of_colour(team, colour, low, high)
+            first, end = share_of_colour(team, colour, joints)
             collect_joints(scaled, joints, first, end)
             wait(team)
     first, end = share_of(team, 0, PARTS)

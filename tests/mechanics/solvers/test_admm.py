@@ -167,6 +167,15 @@ def test_subtrees_give_the_answer_of_the_whole(monkeypatch: pytest.MonkeyPatch) 
     np.testing.assert_allclose(parts.velocity, whole.velocity, atol=1e-11)
 
 
+def test_the_order_of_the_two_blocks_of_a_contact_does_not_matter() -> None:
+    """With the sides of every contact swapped, as in problems from files, their axes are left-handed; the problem is the same one."""
+    problem = scenes.wall(3, 4)
+    swapped = replace(problem, bodies=problem.bodies[:, ::-1].copy(), jacobian=problem.jacobian[:, ::-1].copy())
+    one, other = (solve(each, Options(tolerance=1e-10), None) for each in (problem, swapped))
+    assert other.iterations == one.iterations
+    np.testing.assert_allclose(other.impulse, one.impulse, rtol=1e-9, atol=1e-9 * np.abs(one.impulse).max())
+
+
 def test_same_inputs_same_bits() -> None:
     """Twice the same problem gives the same impulses to the last bit."""
     problem = scenes.wall(4, 4)
