@@ -1,1 +1,1 @@
-"""Files of a run: results, checkpoints, the lock of a folder."""
+"""Files of a run: results, checkpoints, the lock of a folder; and those of friction problems."""
