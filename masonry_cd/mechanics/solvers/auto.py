@@ -22,6 +22,7 @@ from dataclasses import replace
 import numpy as np
 
 from masonry_cd.mechanics.friction.problem import FrictionProblem, Problem, Solution, natural_map_error
+from masonry_cd.mechanics.friction.solver_state import Learnt
 from masonry_cd.mechanics.solvers import accelerated, admm, interior, newton, pivoting
 from masonry_cd.mechanics.solvers.options import MOST_ITERATIONS, Options
 
@@ -54,13 +55,16 @@ def solve(problem: Problem, options: Options, start: Solution | None = None) -> 
         if search.error <= options.accept:
             return search.solution()
     cold, budget = start is None, search.memory.learnt.budget or MOST
-    search.turn("admm", admm.LIMIT if cold else budget, search.last)
+    search.turn("admm", budget, search.last)
     budget = min(FACTOR * budget, MOST) if search.ended else max(budget // FACTOR, FEWEST)
     if pivoting.applies(problem) and problem.mu.max() <= ROUGH:
         search.turn("pivoting", pivoting.LIMIT if cold else PIVOTS, search.best)
     else:
         search.turn("newton", newton.LIMIT if cold else CENTRES, search.best)
     search.turn("interior", interior.MOST if cold else search.affordable(), search.last)
+    if cold:  # nor is it left worse than by ADMM alone
+        search.memory = replace(search.memory, learnt=Learnt())
+        search.turn("admm", admm.LIMIT, search.last)
     search.memory = replace(search.memory, learnt=replace(search.memory.learnt, budget=budget))
     return search.solution()
 
