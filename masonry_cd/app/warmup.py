@@ -57,7 +57,7 @@ COLLECT = (100_000, 20, 20)  # objects made between two looks for garbage among 
 BY_FACTORS = ("auto", "newton", "interior", "pivoting")  # solvers that linearise the law
 
 # What there is to compile, by solver and whether in a plane: kernels, and seconds of a processor.
-KERNELS = {("auto", True): (34, 120.0), ("auto", False): (34, 110.0), ("nlgs", True): (25, 45.0), ("nlgs", False): (25, 50.0)}
+KERNELS = {("auto", True): (35, 100.0), ("auto", False): (35, 95.0), ("nlgs", True): (25, 45.0), ("nlgs", False): (25, 50.0)}
 MORE = ((2, 4.0), (5, 8.0), (8, 20.0), (10, 25.0))  # beside these for joint laws by area, stress, blocks that deform, and spheres
 SHARED = 0.55  # of the time that one process takes, where two share the work
 PLAIN_TAKES = 2.0  # times as long takes numba's own njit
