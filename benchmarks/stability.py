@@ -73,7 +73,7 @@ def cases() -> Iterator[StabilityCase]:
         yield StabilityCase("mass ratio", f"tower of 10, top {ratio:.0e} times heavier", _denser(tower(10, amplitude=0.0), -1, ratio), 400)
     yield StabilityCase("mass ratio", "tower of 10, foot 1e+06 times heavier", _denser(tower(10, amplitude=0.0), 1, 1e6), 400)
     for ratio in (1e2, 1e3, 1e4, 1e5, 1e6):
-        yield StabilityCase("light block", f"tower of 3 pushed by its top, a force {ratio:.0e} times its weight", _pushed(3, ratio), 400)
+        yield StabilityCase("light block", f"top of 3 pushed, {ratio:.0e} times its weight", _pushed(3, ratio), 400)
     for mu in (0.0, 0.05, 2.0, 10.0):
         yield StabilityCase("friction", f"tower of 10 at rest, mu {mu:g}", replace(tower(10, amplitude=0.0), friction=mu), 400)
         shaken = replace(_shaken(wall(6, 6), GRAVITY, 2.0), friction=mu)
