@@ -65,7 +65,7 @@ class StepReport(NamedTuple):
     """What one step cost and how well it was solved."""
 
     iterations: int
-    error: float  # natural map error, measured outside the solver, on the scale of error_scale.py
+    error: float  # natural map error of the impulses, on the scale of error_scale.py
     seconds: float  # of the whole step
     contacts: int
     penetration: float  # largest overlap of rigid contacts at q_m [m]

@@ -225,7 +225,7 @@ Problem = FrictionProblem | LocalProblem
 
 @dataclass(eq=False)
 class Solution:
-    """What a solver returns. Its own opinion on convergence is not asked: judge it by :func:`natural_map_error`."""
+    """What a solver returns. What its reason says of convergence is for readers: its impulses are judged by :func:`natural_map_error`."""
 
     impulse: np.ndarray  # (C, m) p [N s]
     velocity: np.ndarray | None  # (B, n) v; None for a local problem

@@ -29,7 +29,7 @@ class Factors:
 
     @classmethod
     def empty(cls, pattern: Pattern, bodies: np.ndarray, n: int) -> Factors:
-        """Room for the factors of a pattern with n unknowns a body, of contacts between these bodies (C, 2)."""
+        """Unfilled factors by a pattern with n unknowns a body, of contacts between these bodies (C, 2)."""
         starts = (pattern.symbolic.square, pattern.symbolic.panel)
         squares, panels = (np.empty(n * n * int(start[-1]), dtype=np.float32) for start in starts)
         return cls(pattern, bodies, squares, panels, np.empty(len(bodies)))
@@ -55,7 +55,7 @@ class SolverState:
     factors: Factors | None = None
     learnt: Learnt = Learnt()
     kept: np.ndarray | None = None  # (2 C m,) rows that add an unknown, see solvers/condensed.py
-    unknowns: int = 0  # room for how many these add; 0: no block is condensed
+    unknowns: int = 0  # n of the condensed problem; 0: no block is condensed
     own: Mapping[str, np.ndarray] = field(default_factory=dict)  # arrays of a solver from elsewhere
 
     def that_outlives(self) -> SolverState:

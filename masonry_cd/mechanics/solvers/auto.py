@@ -7,8 +7,8 @@
 3. ADMM carries the error through the whole structure at little cost, and solves most steps of structures that stand. How many iterations
    pay before the next method takes over is learnt: after a step that ADMM solved the next one may take FACTOR times as many, after another
    a FACTOR-th. Some structures want a thousand and some hardly any.
-4. Proximal points, by pivoting in a plane and by Newton's method in space, go on from the best so far: structures that slide or rock as a
-   whole. Pivoting is not asked where friction is ROUGH.
+4. Proximal points, by pivoting in a plane and by Newton's method in space, continue from the best so far: they solve what slides or rocks
+   as a whole. Pivoting is not asked where friction is ROUGH.
 5. The interior point method begins near the impulses of the last step, not where the others got stuck, and ends nearly all that is left.
 6. A problem without a step before, which is solved once, may take what each method takes by itself.
 
@@ -96,7 +96,7 @@ class _Search:
         if self.ended:
             return
         limit = min(limit, self.options.limit(MOST_ITERATIONS) - self.iterations)
-        options = Options(self.options.tolerance, limit, self.options.seed, self.options.threads, self.options.accept)
+        options = Options(self.options.tolerance, limit, self.options.seed, self.options.threads)
         found = METHODS[name].solve(self.problem, options, Solution(begin.impulse, begin.velocity, 0, memory=self.memory))
         self.memory = found.memory if found.memory.factors is not None else self.memory
         self.iterations += found.iterations
